@@ -1,0 +1,281 @@
+//! The vehicle as the rest of the program sees it: checked, in SI, names resolved to indices.
+
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+
+/// A checked vehicle: a tree of bodies with joints, wheels, thrusters and sensors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Name of the vehicle.
+    pub name: String,
+    /// Bodies; the first is the base and every parent stands before its children.
+    pub bodies: Vec<Body>,
+    /// Joints in the order of the file; each belongs to one child body.
+    pub joints: Vec<Joint>,
+    /// Momentum wheels and geared rotors.
+    pub wheels: Vec<Wheel>,
+    /// Thrusters.
+    pub thrusters: Vec<Thruster>,
+    /// Sensors with their declared noise.
+    pub sensors: Vec<Sensor>,
+    /// What is known of the initial momentum.
+    pub momentum: Momentum,
+    /// Forces of the surroundings.
+    pub environment: Environment,
+    /// How columns of a telemetry file become channels.
+    pub telemetry: TelemetryMap,
+}
+
+/// One rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name, unique among bodies.
+    pub name: String,
+    /// Mass properties as given: true where known, nominal where unknown.
+    pub nominal: MassProperties,
+    /// Which of them are unknown.
+    pub estimate: EstimateSet,
+    /// One-sigma prior of the nominal values, if declared.
+    pub prior: Option<Prior>,
+    /// Index into [`Model::joints`] of the joint that carries this body; `None` for the base.
+    pub joint: Option<usize>,
+}
+
+/// Which mass properties of a body are unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct EstimateSet {
+    /// Mass.
+    pub mass: bool,
+    /// Centre of mass.
+    pub com: bool,
+    /// Inertia tensor.
+    pub inertia: bool,
+}
+
+impl EstimateSet {
+    /// Everything unknown.
+    pub const ALL: Self = Self {
+        mass: true,
+        com: true,
+        inertia: true,
+    };
+
+    /// Whether anything is unknown.
+    pub fn any(&self) -> bool {
+        self.mass || self.com || self.inertia
+    }
+}
+
+/// One-sigma prior of a body's nominal mass properties (CAD).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// Sigma of the mass, kg.
+    pub mass: Option<f64>,
+    /// Sigma of each component of the mass centre, m.
+    pub com: Option<f64>,
+    /// Sigma of each element of the central inertia, kg m2.
+    pub inertia: Option<f64>,
+}
+
+/// Kind of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about its axis; position in rad.
+    Revolute,
+    /// Slides along its axis; position in m.
+    Prismatic,
+    /// Rigid.
+    Fixed,
+}
+
+/// A joint between parent P and child C; the child's frame origin Co lies in the joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name, unique among joints.
+    pub name: String,
+    /// Kind.
+    pub kind: JointKind,
+    /// Index of the parent body.
+    pub parent: usize,
+    /// Index of the child body.
+    pub child: usize,
+    /// Position of the child's origin from the parent's at joint position zero, in P, m.
+    pub p_PoCo_P: Vector3,
+    /// Rotation that takes components in C to components in P at joint position zero.
+    pub R_PC_zero: Matrix3,
+    /// Unit axis in C (the same components in P before `R_PC_zero` turns them); zero for a fixed joint.
+    pub axis_C: Vector3,
+    /// Position where telemetry has no column for the joint, rad or m.
+    pub locked_at: f64,
+}
+
+/// An axisymmetric rotor on a body, whose inertia contains the rotor as if locked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wheel {
+    /// Name, unique among wheels.
+    pub name: String,
+    /// Index of the host body.
+    pub body: usize,
+    /// Unit spin axis in the host body's axes.
+    pub axis_B: Vector3,
+    /// Spin inertia Js, kg m2.
+    pub spin_inertia: f64,
+    /// Whether the spin inertia is unknown.
+    pub estimate: bool,
+}
+
+/// A thruster on a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Thruster {
+    /// Name, unique among thrusters.
+    pub name: String,
+    /// Index of the host body.
+    pub body: usize,
+    /// Position of the nozzle from the body's origin, in B, m.
+    pub p_BoT_B: Vector3,
+    /// Unit direction of the force on the body, in B.
+    pub direction_B: Vector3,
+    /// What is known of the factor between declared and true thrust.
+    pub scale: Nuisance,
+}
+
+/// What is known of a number that is not asked for but may be wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Nuisance {
+    /// Taken as exact.
+    #[default]
+    Known,
+    /// Unknown.
+    Estimate,
+    /// Unknown within a prior sigma, in the unit of the number.
+    Prior(f64),
+}
+
+/// What a sensor measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SensorKind {
+    /// Angular velocity, rad/s.
+    Gyro,
+    /// Attitude quaternion; noise as a small rotation in body axes, rad.
+    Attitude,
+    /// Position of a point, m.
+    Position,
+    /// Velocity of a point, m/s.
+    Velocity,
+    /// Velocity increment, m/s.
+    VelocityIncrement,
+    /// Specific force at a point, m/s2.
+    Accelerometer,
+    /// Joint position, rad or m.
+    JointPosition,
+    /// Joint rate, rad/s or m/s.
+    JointRate,
+    /// Wheel speed relative to the host, rad/s.
+    WheelSpeed,
+    /// Thrust, N.
+    Thrust,
+}
+
+/// A sensor with its declared noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Name, unique among sensors.
+    pub name: String,
+    /// Kind.
+    pub kind: SensorKind,
+    /// Index of the body it sits on.
+    pub body: usize,
+    /// Covariance of one sample in the sensor's own axes, SI squared. Scalar channels use `[(0, 0)]`.
+    /// `None` where the file declares no noise.
+    pub noise_covariance: Option<Matrix3>,
+    /// Least significant bit, SI; zero where not quantised.
+    pub quantisation: f64,
+    /// Bias.
+    pub bias: Nuisance,
+    /// Scale factor.
+    pub scale: Nuisance,
+    /// Misalignment.
+    pub misalignment: Nuisance,
+    /// Lag, s.
+    pub lag: Nuisance,
+    /// Rotation that takes components in the sensor's axes to the body's.
+    pub R_BS: Matrix3,
+    /// Position of the sensor from the body's origin, in B, m.
+    pub p_BoS_B: Vector3,
+}
+
+/// What is known of a momentum vector at the first sample, in N.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum MomentumKnowledge {
+    /// Unknown.
+    #[default]
+    Estimate,
+    /// Known, N s or N m s.
+    Known(Vector3),
+}
+
+/// What is known of the initial momentum.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Momentum {
+    /// Linear momentum, N s.
+    pub linear: MomentumKnowledge,
+    /// Angular momentum about the system mass centre, N m s.
+    pub angular: MomentumKnowledge,
+}
+
+/// Forces of the surroundings.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Environment {
+    /// Gravitational parameter of the attracting body, m3/s2; `None` = free fall.
+    pub point_mass_gm: Option<f64>,
+    /// Whether gravity-gradient torque acts.
+    pub gravity_gradient: bool,
+    /// Whether a constant disturbance torque is unknown.
+    pub disturbance_torque: Nuisance,
+}
+
+/// How columns of a telemetry file become channels.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TelemetryMap {
+    /// Channel name (standard, SI) to source column and its unit.
+    pub columns: Vec<ColumnSource>,
+    /// Rows are kept where each of these columns holds exactly this text.
+    pub row_filter: Vec<(String, String)>,
+}
+
+/// Where a channel comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnSource {
+    /// Standard channel name, for example `omega_x`.
+    pub channel: String,
+    /// Column in the file.
+    pub column: String,
+    /// Unit of that column as written, for example `deg/s`.
+    pub unit: String,
+}
+
+impl Model {
+    /// Index of the body with this name.
+    pub fn body(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|b| b.name == name)
+    }
+
+    /// Index of the joint with this name.
+    pub fn joint(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|j| j.name == name)
+    }
+
+    /// Index of the wheel with this name.
+    pub fn wheel(&self, name: &str) -> Option<usize> {
+        self.wheels.iter().position(|w| w.name == name)
+    }
+
+    /// Index of the thruster with this name.
+    pub fn thruster(&self, name: &str) -> Option<usize> {
+        self.thrusters.iter().position(|t| t.name == name)
+    }
+
+    /// Sensors of one kind, in the order of the file.
+    pub fn sensors_of(&self, kind: SensorKind) -> impl Iterator<Item = &Sensor> {
+        self.sensors.iter().filter(move |s| s.kind == kind)
+    }
+}

@@ -1,0 +1,248 @@
+//! The ten inertial parameters of a rigid body: the one place that fixes their order, point and axes.
+
+use crate::{Matrix3, Vector3};
+use nalgebra::{Matrix4, SymmetricEigen};
+
+/// Names of the ten barycentric parameters in the order of [`InertialParameters::to_array`]:
+/// mass, first moment and inertia tensor **about the body's frame origin `Bo`**, body axes.
+pub const PARAMETER_NAMES: [&str; 10] = [
+    "m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz",
+];
+
+/// The ten barycentric parameters of body B about its own frame origin `Bo`, in B.
+///
+/// Momentum is linear in them (DESIGN, "state = pose and momentum").
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InertialParameters {
+    /// Mass, kg.
+    pub mass: f64,
+    /// First moment of mass `m p_BoBcm_B`, kg m.
+    pub mc_B: Vector3,
+    /// Inertia tensor about `Bo` in B, tensor elements (`I_xy = -integral x y dm`), kg m2.
+    pub I_BBo_B: Matrix3,
+}
+
+/// Mass, centre of mass and central inertia of body B: what an engineer reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassProperties {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Position of the mass centre from the body's frame origin, in B, m.
+    pub p_BoBcm_B: Vector3,
+    /// Inertia tensor about the mass centre in B, tensor elements, kg m2.
+    pub I_BBcm_B: Matrix3,
+}
+
+/// Why a set of mass properties belongs to no distribution of positive mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unphysical {
+    /// A number is NaN or infinite.
+    NotFinite,
+    /// The mass is negative, kg.
+    NegativeMass(f64),
+    /// The mass is zero while the first moment or the inertia is not.
+    MasslessWithInertia,
+    /// The smallest principal moment of the central inertia is negative, kg m2.
+    Indefinite([f64; 3]),
+    /// The largest principal moment exceeds the sum of the other two, kg m2 in ascending order.
+    Triangle([f64; 3]),
+}
+
+/// `m (c.c 1 - c c^T)`: what a point mass at `c` adds to an inertia tensor (parallel-axis theorem), kg m2.
+#[inline]
+pub fn parallel_axis(mass: f64, c: &Vector3) -> Matrix3 {
+    mass * (Matrix3::identity() * c.norm_squared() - c * c.transpose())
+}
+
+/// The 4 x 4 pseudo-inertia `[[Sigma, mc], [mc^T, m]]` with `Sigma = tr(I)/2 1 - I` about `Bo`
+/// (Wensing, Kim, Slotine 2018, eq. 9): positive definite exactly for realisable bodies.
+pub fn pseudo_inertia(parameters: &InertialParameters) -> Matrix4<f64> {
+    let sigma = Matrix3::identity() * (0.5 * parameters.I_BBo_B.trace()) - parameters.I_BBo_B;
+    let mut j = Matrix4::zeros();
+    j.fixed_view_mut::<3, 3>(0, 0).copy_from(&sigma);
+    j.fixed_view_mut::<3, 1>(0, 3).copy_from(&parameters.mc_B);
+    j.fixed_view_mut::<1, 3>(3, 0)
+        .copy_from(&parameters.mc_B.transpose());
+    j[(3, 3)] = parameters.mass;
+    j
+}
+
+impl InertialParameters {
+    /// Nothing: a body without mass.
+    pub const ZERO: Self = Self {
+        mass: 0.0,
+        mc_B: Vector3::new(0.0, 0.0, 0.0),
+        I_BBo_B: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    };
+
+    /// The parameters in the order of [`PARAMETER_NAMES`].
+    pub fn to_array(&self) -> [f64; 10] {
+        let (c, i) = (&self.mc_B, &self.I_BBo_B);
+        [
+            self.mass,
+            c.x,
+            c.y,
+            c.z,
+            i[(0, 0)],
+            i[(0, 1)],
+            i[(1, 1)],
+            i[(0, 2)],
+            i[(1, 2)],
+            i[(2, 2)],
+        ]
+    }
+
+    /// The inverse of [`Self::to_array`].
+    pub fn from_array(p: &[f64; 10]) -> Self {
+        Self {
+            mass: p[0],
+            mc_B: Vector3::new(p[1], p[2], p[3]),
+            I_BBo_B: Matrix3::new(p[4], p[5], p[7], p[5], p[6], p[8], p[7], p[8], p[9]),
+        }
+    }
+
+    /// Mass, mass centre and central inertia; `None` where the mass is not positive.
+    pub fn mass_properties(&self) -> Option<MassProperties> {
+        if self.mass.is_nan() || self.mass <= 0.0 {
+            return None;
+        }
+        let c = self.mc_B / self.mass;
+        Some(MassProperties {
+            mass: self.mass,
+            p_BoBcm_B: c,
+            I_BBcm_B: self.I_BBo_B - parallel_axis(self.mass, &c),
+        })
+    }
+}
+
+impl MassProperties {
+    /// A body without mass.
+    pub const ZERO: Self = Self {
+        mass: 0.0,
+        p_BoBcm_B: Vector3::new(0.0, 0.0, 0.0),
+        I_BBcm_B: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    };
+
+    /// The barycentric parameters about the body's frame origin.
+    pub fn parameters(&self) -> InertialParameters {
+        InertialParameters {
+            mass: self.mass,
+            mc_B: self.mass * self.p_BoBcm_B,
+            I_BBo_B: self.I_BBcm_B + parallel_axis(self.mass, &self.p_BoBcm_B),
+        }
+    }
+
+    /// Principal moments in ascending order, kg m2, and the rotation whose columns are their axes in B
+    /// (right-handed).
+    pub fn principal(&self) -> ([f64; 3], Matrix3) {
+        let eigen = SymmetricEigen::new(self.I_BBcm_B);
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let moments = order.map(|k| eigen.eigenvalues[k]);
+        let mut axes =
+            Matrix3::from_columns(&order.map(|k| eigen.eigenvectors.column(k).into_owned()));
+        if axes.determinant() < 0.0 {
+            axes.set_column(2, &(-axes.column(2)));
+        }
+        (moments, axes)
+    }
+
+    /// Radius of gyration `sqrt(tr(I_BBcm) / 3 m)`, m; zero for a massless body.
+    ///
+    /// With the mass it makes the natural units m, m L, m L^2 in which identifiability is judged.
+    pub fn radius_of_gyration(&self) -> f64 {
+        if self.mass > 0.0 {
+            (self.I_BBcm_B.trace().max(0.0) / (3.0 * self.mass)).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether some distribution of positive mass has these properties.
+    ///
+    /// `tolerance` is relative to the largest principal moment: printed tables of slender bodies break
+    /// the triangle inequality by their rounding.
+    ///
+    /// # Errors
+    /// The first condition that fails.
+    pub fn check_physical(&self, tolerance: f64) -> Result<(), Unphysical> {
+        let finite = self.mass.is_finite()
+            && self.p_BoBcm_B.iter().all(|x| x.is_finite())
+            && self.I_BBcm_B.iter().all(|x| x.is_finite());
+        if !finite {
+            return Err(Unphysical::NotFinite);
+        }
+        if self.mass < 0.0 {
+            return Err(Unphysical::NegativeMass(self.mass));
+        }
+        if self.mass == 0.0 && self.I_BBcm_B.iter().any(|x| *x != 0.0) {
+            return Err(Unphysical::MasslessWithInertia);
+        }
+        let (moments, _) = self.principal();
+        let slack = tolerance * moments[2].abs();
+        if moments[0] < -slack {
+            return Err(Unphysical::Indefinite(moments));
+        }
+        if moments[2] > moments[0] + moments[1] + slack {
+            return Err(Unphysical::Triangle(moments));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> MassProperties {
+        MassProperties {
+            mass: 30.0,
+            p_BoBcm_B: Vector3::new(-0.27, 0.0, 0.43),
+            I_BBcm_B: Matrix3::new(
+                2.398, -0.069, 0.013, -0.069, 2.678, 0.051, 0.013, 0.051, 1.405,
+            ),
+        }
+    }
+
+    #[test]
+    fn unit_parameters_round_trip() {
+        let back = InertialParameters::from_array(&body().parameters().to_array())
+            .mass_properties()
+            .unwrap();
+        assert!((back.p_BoBcm_B - body().p_BoBcm_B).norm() < 1e-15);
+        assert!((back.I_BBcm_B - body().I_BBcm_B).norm() < 1e-14);
+    }
+
+    #[test]
+    fn exact_two_point_masses_have_the_textbook_tensor() {
+        // Two masses of 1 kg at (1, 1, 0) and (-1, -1, 0): I_xy = -sum x y = -2.
+        let i = parallel_axis(1.0, &Vector3::new(1.0, 1.0, 0.0))
+            + parallel_axis(1.0, &Vector3::new(-1.0, -1.0, 0.0));
+        assert_eq!(
+            i,
+            Matrix3::new(2.0, -2.0, 0.0, -2.0, 2.0, 0.0, 0.0, 0.0, 4.0)
+        );
+    }
+
+    #[test]
+    fn unit_pseudo_inertia_is_definite_for_a_real_body_and_not_for_a_broken_one() {
+        assert!(pseudo_inertia(&body().parameters()).cholesky().is_some());
+        let mut broken = body();
+        broken.I_BBcm_B[(2, 2)] = 9.0;
+        assert!(pseudo_inertia(&broken.parameters()).cholesky().is_none());
+        assert!(matches!(
+            broken.check_physical(0.0),
+            Err(Unphysical::Triangle(_))
+        ));
+    }
+
+    #[test]
+    fn unit_principal_axes_diagonalise() {
+        let (moments, axes) = body().principal();
+        let d = axes.transpose() * body().I_BBcm_B * axes;
+        for k in 0..3 {
+            assert!((d[(k, k)] - moments[k]).abs() < 1e-13);
+        }
+        assert!((axes.determinant() - 1.0).abs() < 1e-14);
+    }
+}

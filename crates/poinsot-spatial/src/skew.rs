@@ -1,0 +1,19 @@
+use crate::{Matrix3, Vector3};
+
+/// The matrix `[a]x` with `[a]x b = a x b`.
+#[inline]
+pub fn skew(a: &Vector3) -> Matrix3 {
+    Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_skew_is_the_cross_product() {
+        let a = Vector3::new(1.0, -2.0, 3.0);
+        let b = Vector3::new(0.3, 0.7, -1.1);
+        assert_eq!(skew(&a) * b, a.cross(&b));
+    }
+}
