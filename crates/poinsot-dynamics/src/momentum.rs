@@ -1,0 +1,160 @@
+//! Momentum of the system about the base origin, the inverse map to the base twist, and the shift
+//! between the base and the inertial frame.
+
+use crate::kinematics::Kinematics;
+use crate::tree::Tree;
+use poinsot_spatial::{
+    InertialParameters, Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis, skew,
+};
+
+/// Twist of the base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Twist {
+    /// `v_NBo_B`, m/s.
+    pub v: Vector3,
+    /// `w_NB_B`, rad/s.
+    pub w: Vector3,
+}
+
+/// The whole vehicle as one rigid body at a joint configuration: the blocks of the locked inertia `H`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Composite {
+    /// Mass, kg.
+    pub mass: f64,
+    /// First moment about the base origin in B, kg m.
+    pub mc: Vector3,
+    /// Inertia about the base origin in B, kg m2.
+    pub I_SBo_B: Matrix3,
+}
+
+/// Momentum `[l; h]` of one body about the base origin in B: linear N s, angular N m s.
+#[inline]
+pub fn body_momentum(
+    parameters: &InertialParameters,
+    R: &Matrix3,
+    p: &Vector3,
+    v: &Vector3,
+    w: &Vector3,
+) -> (Vector3, Vector3) {
+    let mc = R * parameters.mc_B;
+    let l = v * parameters.mass + w.cross(&mc);
+    let h = R * (parameters.I_BBo_B * (R.transpose() * w)) + mc.cross(v) + p.cross(&l);
+    (l, h)
+}
+
+/// Momentum `[l; h]` of all bodies about the base origin in B (without wheels), at the kinematics given.
+#[inline]
+pub fn momentum(parameters: &[InertialParameters], kinematics: &Kinematics) -> Vector6 {
+    let (mut l, mut h) = (Vector3::zeros(), Vector3::zeros());
+    for (i, body) in parameters.iter().enumerate() {
+        let k = kinematics;
+        let (dl, dh) = body_momentum(body, &k.R[i], &k.p[i], &k.v[i], &k.w[i]);
+        l += dl;
+        h += dh;
+    }
+    Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+}
+
+/// Angular momentum of the wheels relative to their hosts, `sum Js Omega a`, in B, N m s.
+#[inline]
+pub fn wheel_momentum(
+    tree: &Tree,
+    kinematics: &Kinematics,
+    spin_inertia: &[f64],
+    speed: &[f64],
+) -> Vector3 {
+    tree.rotors
+        .iter()
+        .zip(spin_inertia.iter().zip(speed))
+        .map(|(rotor, (js, omega))| kinematics.R[rotor.body] * rotor.axis_B * (js * omega))
+        .sum()
+}
+
+/// The vehicle as one rigid body at the placement given.
+pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> Composite {
+    let mut sum = Composite {
+        mass: 0.0,
+        mc: Vector3::zeros(),
+        I_SBo_B: Matrix3::zeros(),
+    };
+    for (i, body) in parameters.iter().enumerate() {
+        let (R, p) = (&kinematics.R[i], &kinematics.p[i]);
+        let mc = R * body.mc_B;
+        sum.mass += body.mass;
+        sum.mc += mc + p * body.mass;
+        // Parallel axis about Bo without the body's own mass centre: m p p + (p mc) + (mc p).
+        let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
+        sum.I_SBo_B += R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross;
+    }
+    sum
+}
+
+impl Composite {
+    /// Mass centre of the system from the base origin, in B, m.
+    pub fn p_BoScm_B(&self) -> Vector3 {
+        self.mc / self.mass
+    }
+
+    /// Inertia about the system's mass centre, in B, kg m2.
+    pub fn I_SScm_B(&self) -> Matrix3 {
+        self.I_SBo_B - parallel_axis(self.mass, &self.p_BoScm_B())
+    }
+
+    /// The locked inertia `H`: momentum about `Bo` per unit base twist, linear part first.
+    pub fn locked_inertia(&self) -> Matrix6 {
+        let mut h = Matrix6::zeros();
+        let mc = skew(&self.mc);
+        h.fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&(Matrix3::identity() * self.mass));
+        h.fixed_view_mut::<3, 3>(0, 3).copy_from(&-mc);
+        h.fixed_view_mut::<3, 3>(3, 0).copy_from(&mc);
+        h.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.I_SBo_B);
+        h
+    }
+}
+
+/// The base twist that gives momentum `l`, `h` (about `Bo`, in B) once the part that needs no base
+/// motion, `l_joints`, `h_joints` (joint rates and wheels), is taken off: `V = H^-1 (momentum - c)`.
+///
+/// `None` where the composite has no mass or a singular central inertia.
+#[inline]
+pub fn twist_from_momentum(
+    composite: &Composite,
+    l: &Vector3,
+    h: &Vector3,
+    l_joints: &Vector3,
+    h_joints: &Vector3,
+) -> Option<Twist> {
+    let l_base = l - l_joints;
+    let c = composite.p_BoScm_B();
+    // About the mass centre the two halves uncouple: I_cm w = h - c x l, v = l / m - w x c.
+    let h_cm = h - h_joints - c.cross(&l_base);
+    let w = composite.I_SScm_B().cholesky()?.solve(&h_cm);
+    let v = l_base / composite.mass - w.cross(&c);
+    Some(Twist { v, w })
+}
+
+/// Momentum about the inertial origin in N from momentum about `Bo` in B: `P = R l`,
+/// `H_N = R h + p x P`.
+#[inline]
+pub fn shift_to_inertial(
+    R_NB: &UnitQuaternion,
+    p_NoBo_N: &Vector3,
+    l: &Vector3,
+    h: &Vector3,
+) -> (Vector3, Vector3) {
+    let P = R_NB * l;
+    (P, R_NB * h + p_NoBo_N.cross(&P))
+}
+
+/// The inverse of [`shift_to_inertial`].
+#[inline]
+pub fn shift_to_body(
+    R_NB: &UnitQuaternion,
+    p_NoBo_N: &Vector3,
+    P: &Vector3,
+    H_N: &Vector3,
+) -> (Vector3, Vector3) {
+    let inverse = R_NB.inverse();
+    (inverse * P, inverse * (H_N - p_NoBo_N.cross(P)))
+}

@@ -1,0 +1,155 @@
+//! The kinematic constants of a vehicle, laid out for the kernels.
+
+use poinsot_model::{JointKind, Model};
+use poinsot_spatial::{Matrix3, Vector3, skew};
+
+/// How a body moves relative to its parent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// The base: free.
+    Free,
+    /// Rigidly attached.
+    Fixed,
+    /// Turns about the joint axis; the index is that of the joint coordinate.
+    Revolute(usize),
+    /// Slides along the joint axis; the index is that of the joint coordinate.
+    Prismatic(usize),
+}
+
+/// One body with the joint that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// Index of the parent; the base names itself.
+    pub parent: usize,
+    /// Motion relative to the parent.
+    pub motion: Motion,
+    /// Position of this body's origin from its parent's at joint position zero, in the parent, m.
+    pub p_PoCo_P: Vector3,
+    /// Rotation from this body to its parent at joint position zero.
+    pub R_PC_zero: Matrix3,
+    /// Joint axis in this body (unit).
+    pub axis_C: Vector3,
+    /// Joint axis in the parent: `R_PC_zero axis_C`.
+    pub axis_P: Vector3,
+    /// `R_PC_zero [axis]x` and `R_PC_zero [axis]x^2`: with them Rodrigues' formula is two scaled sums.
+    rodrigues: [Matrix3; 2],
+}
+
+/// A rotor with the kinematics that matter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rotor {
+    /// Index of the host body.
+    pub body: usize,
+    /// Unit spin axis in the host body.
+    pub axis_B: Vector3,
+}
+
+/// The kinematic constants of a vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tree {
+    /// Bodies; parents stand before their children.
+    pub links: Vec<Link>,
+    /// Wheels.
+    pub rotors: Vec<Rotor>,
+    /// Index in [`Model::joints`] of each joint coordinate (fixed joints have none).
+    pub coordinates: Vec<usize>,
+}
+
+impl Link {
+    /// A body with its joint; `axis_C` need not matter for a fixed or free one.
+    pub fn new(
+        parent: usize,
+        motion: Motion,
+        p_PoCo_P: Vector3,
+        R_PC_zero: Matrix3,
+        axis_C: Vector3,
+    ) -> Self {
+        let k = skew(&axis_C);
+        Self {
+            parent,
+            motion,
+            p_PoCo_P,
+            R_PC_zero,
+            axis_C,
+            axis_P: R_PC_zero * axis_C,
+            rodrigues: [R_PC_zero * k, R_PC_zero * k * k],
+        }
+    }
+
+    /// The free base.
+    pub fn base() -> Self {
+        Self::new(
+            0,
+            Motion::Free,
+            Vector3::zeros(),
+            Matrix3::identity(),
+            Vector3::zeros(),
+        )
+    }
+
+    /// `R_PC` at a joint angle, rad (Rodrigues).
+    #[inline]
+    pub(crate) fn rotation(&self, angle: f64) -> Matrix3 {
+        let (sin, cos) = angle.sin_cos();
+        self.R_PC_zero + self.rodrigues[0] * sin + self.rodrigues[1] * (1.0 - cos)
+    }
+}
+
+impl Tree {
+    /// The kinematics of a model.
+    pub fn new(model: &Model) -> Self {
+        let mut coordinates = Vec::new();
+        let mut coordinate_of = vec![usize::MAX; model.joints.len()];
+        for (k, joint) in model.joints.iter().enumerate() {
+            if joint.kind != JointKind::Fixed {
+                coordinate_of[k] = coordinates.len();
+                coordinates.push(k);
+            }
+        }
+        let links = model
+            .bodies
+            .iter()
+            .map(|body| match body.joint {
+                None => Link::base(),
+                Some(k) => {
+                    let joint = &model.joints[k];
+                    let motion = match joint.kind {
+                        JointKind::Fixed => Motion::Fixed,
+                        JointKind::Revolute => Motion::Revolute(coordinate_of[k]),
+                        JointKind::Prismatic => Motion::Prismatic(coordinate_of[k]),
+                    };
+                    Link::new(
+                        joint.parent,
+                        motion,
+                        joint.p_PoCo_P,
+                        joint.R_PC_zero,
+                        joint.axis_C,
+                    )
+                }
+            })
+            .collect();
+        let rotors = model
+            .wheels
+            .iter()
+            .map(|w| Rotor {
+                body: w.body,
+                axis_B: w.axis_B,
+            })
+            .collect();
+        Self {
+            links,
+            rotors,
+            coordinates,
+        }
+    }
+
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Number of joint coordinates.
+    pub fn dof(&self) -> usize {
+        self.coordinates.len()
+    }
+}
