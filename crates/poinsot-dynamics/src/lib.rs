@@ -5,15 +5,33 @@
 //! axes of the base B and every moment is about the base's frame origin `Bo`.
 #![allow(non_snake_case)]
 
+mod acceleration;
+mod integrate;
+mod joint_motion;
 mod kinematics;
 mod momentum;
+mod piecewise;
+mod plan;
+mod prescribed;
 mod regressor;
+mod sensors;
+mod thrust;
 mod tree;
+mod wheel_motion;
 
+pub use acceleration::Accelerations;
+pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
+pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
 pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
 };
+pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
+pub use plan::{Plan, Start, StartVelocity, Stretches};
+pub use prescribed::{MotionError, MotionSample, Prescribed};
 pub use regressor::{momentum_regressor, wheel_regressor};
+pub use sensors::{Instrument, vector_reading};
+pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
+pub use wheel_motion::WheelMotion;

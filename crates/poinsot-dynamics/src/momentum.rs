@@ -83,7 +83,8 @@ pub fn composite(parameters: &[InertialParameters], kinematics: &Kinematics) -> 
         sum.mass += body.mass;
         sum.mc += mc + p * body.mass;
         // Parallel axis about Bo without the body's own mass centre: m p p + (p mc) + (mc p).
-        let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
+        let cross =
+            Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
         sum.I_SBo_B += R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross;
     }
     sum

@@ -1,6 +1,34 @@
 //! The vehicle: a tree of rigid bodies with joints, wheels, thrusters and sensors, read and checked.
+//!
+//! [`read_model`] makes a [`Model`] of a `poinsot.model/1` file, or a [`ModelError`] that lists all that
+//! is wrong with it. The file as written (`file`) and the checked vehicle are two layers: what does not
+//! fit the schema never reaches the second.
 #![allow(non_snake_case)]
 
+mod check;
+mod check_body;
+mod check_joint;
+mod check_name;
+mod check_rest;
+mod check_rotation;
+mod check_sensor;
+mod check_telemetry;
+mod check_tree;
+mod describe;
+mod document;
+mod file;
+mod finding;
+mod number;
+mod read;
+mod schema;
+mod shape;
+mod suggest;
 mod vehicle;
+mod write;
 
+pub use describe::*;
+pub use finding::{Finding, MODEL_CODES, ModelError};
+pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
+pub use schema::model_schema;
 pub use vehicle::*;
+pub use write::write_model;

@@ -23,6 +23,8 @@ pub struct Model {
     pub environment: Environment,
     /// How columns of a telemetry file become channels.
     pub telemetry: TelemetryMap,
+    /// What the reader changed or found remarkable, in plain words; never an error.
+    pub notes: Vec<String>,
 }
 
 /// One rigid body.
@@ -175,10 +177,50 @@ pub enum SensorKind {
     Thrust,
 }
 
+impl SensorKind {
+    /// Every kind, in the order of the file format.
+    pub const ALL: [Self; 10] = [
+        Self::Gyro,
+        Self::Attitude,
+        Self::Position,
+        Self::Velocity,
+        Self::VelocityIncrement,
+        Self::Accelerometer,
+        Self::JointPosition,
+        Self::JointRate,
+        Self::WheelSpeed,
+        Self::Thrust,
+    ];
+
+    /// The word for this kind in a model file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Gyro => "gyro",
+            Self::Attitude => "attitude",
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::VelocityIncrement => "velocity_increment",
+            Self::Accelerometer => "accelerometer",
+            Self::JointPosition => "joint_position",
+            Self::JointRate => "joint_rate",
+            Self::WheelSpeed => "wheel_speed",
+            Self::Thrust => "thrust",
+        }
+    }
+
+    /// Whether it reads one number per joint, wheel or thruster, and so has no axes.
+    pub fn is_scalar(self) -> bool {
+        matches!(
+            self,
+            Self::JointPosition | Self::JointRate | Self::WheelSpeed | Self::Thrust
+        )
+    }
+}
+
 /// A sensor with its declared noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
-    /// Name, unique among sensors.
+    /// Name, unique among sensors of its kind.
     pub name: String,
     /// Kind.
     pub kind: SensorKind,
@@ -201,6 +243,9 @@ pub struct Sensor {
     pub R_BS: Matrix3,
     /// Position of the sensor from the body's origin, in B, m.
     pub p_BoS_B: Vector3,
+    /// What a sensor of joints, wheels or thrusters reads: indices into [`Model::joints`],
+    /// [`Model::wheels`] or [`Model::thrusters`], ascending. Empty for all other kinds.
+    pub of: Vec<usize>,
 }
 
 /// What is known of a momentum vector at the first sample, in N.

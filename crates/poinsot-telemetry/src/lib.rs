@@ -1,5 +1,49 @@
 //! Channels of telemetry with unit, frame, sensor and time; read from CSV and Parquet.
+//!
+//! [`read`] makes a [`Table`] of the files of one segment: values in SI, times strictly increasing, a missing sample
+//! without entry. [`write`] puts channels back. [`inspect`] says what a table holds and whether attitude and gyro
+//! fit the conventions that the names declare.
 
+mod assemble;
+mod bytes;
 mod channel;
+mod channel_name;
+mod columns;
+mod conventions;
+mod csv_reader;
+mod differentiate;
+mod error;
+mod hypothesis;
+mod inspect;
+mod inspect_text;
+mod noise;
+mod number;
+mod parquet_reader;
+mod plan;
+mod quaternion;
+mod rate_pairs;
+mod read;
+mod resample;
+mod rotation;
+mod suggest;
+mod time_base;
+mod unit;
+mod writer;
 
 pub use channel::{Channel, Source, Table};
+pub use channel_name::{ChannelName, Quantity, classify, full_name};
+pub use conventions::{
+    ConventionTest, Verdict, check_conventions, convention_tests, test_conventions, test_sensors,
+};
+pub use differentiate::differentiate;
+pub use error::{Place, TelemetryError};
+pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
+pub use inspect::{ChannelSummary, FileSummary, Inspection, inspect};
+pub use noise::{NoiseLevel, noise_level};
+pub use plan::ColumnMap;
+pub use read::{ReadOptions, read};
+pub use resample::{hold, resample, resample_attitude, resample_hermite};
+pub use suggest::{Suggestion, suggest};
+pub use time_base::median_step;
+pub use unit::{Dimension, Unit, parse_unit, units};
+pub use writer::write;

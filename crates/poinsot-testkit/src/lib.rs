@@ -1,1 +1,29 @@
-//! (under construction)
+//! Judges for the tests of the other crates: closed-form motions, momentum by definition, recorded
+//! answers of independent engines, and measures of difference.
+//!
+//! Nothing here is shared with the engine: this crate imports none of the others, has its own plain
+//! types (`Kit...`) and walks a tree body by body in inertial axes, slowly. Names follow the
+//! monogram notation of the project (`p_BoBcm_B`, `R_NB`); everything is SI.
+#![allow(non_snake_case)]
+
+pub mod compare;
+pub mod elliptic;
+pub mod joint_plans;
+pub mod momentum_sum;
+mod quadrature;
+pub mod rigid_body;
+pub mod trees;
+
+/// A column of three numbers.
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// A 3 x 3 matrix.
+pub type Matrix3 = nalgebra::Matrix3<f64>;
+/// A twist `[v; w]` or a momentum `[l; h]`: linear part first.
+pub type Vector6 = nalgebra::Vector6<f64>;
+/// A 6 x 6 matrix that acts on twists.
+pub type Matrix6 = nalgebra::Matrix6<f64>;
+
+/// The turn by `rotation` (axis times angle, rad) as a matrix.
+pub(crate) fn turn(rotation: Vector3) -> Matrix3 {
+    nalgebra::Rotation3::new(rotation).into_inner()
+}

@@ -1,1 +1,17 @@
-//! (under construction)
+//! One function per verb, shared by the command line, Python and the tests.
+#![allow(non_snake_case)]
+
+pub mod bind;
+pub mod case;
+mod error;
+mod estimate_file;
+mod estimate_text;
+pub mod identify;
+mod output;
+pub mod simulate;
+
+pub use error::Error;
+pub use estimate_file::estimate_json;
+pub use estimate_text::estimate_document;
+pub use identify::{Identified, IdentifyRequest, identify, identify_tables, segment_files};
+pub use output::{write_estimate, write_file};

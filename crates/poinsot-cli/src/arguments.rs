@@ -1,0 +1,106 @@
+//! The words of the command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Mass, centre of mass and inertia of spacecraft and space robots, from telemetry.
+#[derive(Debug, Parser)]
+#[command(name = "poinsot", version, about)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// What can be done.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Identify the unknown mass properties of a vehicle from its telemetry.
+    ///
+    /// Exit code 0: every number asked for is determined. 1: answered, but not all of it is (partial, not
+    /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission.
+    Identify(Identify),
+    /// Simulate a case: prescribed joint motion, wheels, thrusters, sensors with noise.
+    Simulate(Simulate),
+    /// Say what a telemetry file holds and whether its conventions fit the gyro.
+    Inspect(Inspect),
+    /// Check a model file and say what it describes.
+    Check(Check),
+    /// Print the JSON Schema of the model file.
+    Schema,
+}
+
+/// Arguments of `identify`.
+#[derive(Debug, Args)]
+pub struct Identify {
+    /// Model of the vehicle (TOML, poinsot.model/1).
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Telemetry of one segment (CSV or Parquet); files of one segment joined by commas. Repeat for more
+    /// segments: the bodies are shared, each has its own initial momentum.
+    #[arg(long, value_name = "FILE[,FILE]", required = true)]
+    pub telemetry: Vec<String>,
+    /// Method: auto, linear.
+    #[arg(long, default_value = "auto")]
+    pub method: String,
+    /// Variant of a published method.
+    #[arg(long)]
+    pub variant: Option<String>,
+    /// File whose [telemetry] table replaces that of the model.
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: Option<PathBuf>,
+    /// Folder for estimate.json; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
+    #[arg(long, default_value_t = 1.0)]
+    pub relative_accuracy: f64,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// No repairs: what would be repaired is an error.
+    #[arg(long)]
+    pub strict: bool,
+    /// Read the whole rows of a file that ends inside a row.
+    #[arg(long)]
+    pub recover: bool,
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// Case (TOML, poinsot.case/1).
+    pub case: PathBuf,
+    /// Folder for telemetry and truth.json; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `inspect`.
+#[derive(Debug, Args)]
+pub struct Inspect {
+    /// Telemetry (CSV or Parquet); files of one segment joined by commas.
+    pub telemetry: String,
+    /// File with a [telemetry] table: columns that are not standard names, rows to keep.
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: Option<PathBuf>,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// Model of the vehicle (TOML, poinsot.model/1).
+    pub model: PathBuf,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,32 @@
+//! `poinsot inspect`
+
+use super::{Failure, Outcome, print, print_json};
+use crate::arguments::Inspect;
+use poinsot::segment_files;
+use poinsot_model::read_telemetry_map;
+use poinsot_telemetry::{ColumnMap, ReadOptions, inspect, read};
+
+pub fn run(arguments: &Inspect) -> Outcome {
+    let mut options = ReadOptions::default();
+    if let Some(path) = &arguments.map {
+        let map = read_telemetry_map(path).map_err(Failure::from)?;
+        options.row_filter = map.row_filter;
+        options.columns = map
+            .columns
+            .into_iter()
+            .map(|c| ColumnMap {
+                channel: c.channel,
+                column: c.column,
+                unit: c.unit,
+            })
+            .collect();
+    }
+    let table = read(&segment_files(&arguments.telemetry), &options).map_err(Failure::from)?;
+    let inspection = inspect(&table);
+    if arguments.json {
+        print_json(&inspection);
+    } else {
+        print(&format!("{inspection}\n"));
+    }
+    Ok(0)
+}

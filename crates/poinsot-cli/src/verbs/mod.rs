@@ -1,0 +1,41 @@
+//! One file per verb.
+
+pub mod check;
+pub mod identify;
+pub mod inspect;
+pub mod schema;
+pub mod simulate;
+
+/// Why a verb failed, ready for the terminal.
+pub struct Failure {
+    /// One line or several findings, each with its code.
+    pub message: String,
+    /// Exit code.
+    pub exit_code: u8,
+}
+
+/// Exit code of an answer.
+pub type Outcome = Result<u8, Failure>;
+
+impl<E: Into<poinsot::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        let error = error.into();
+        Self {
+            exit_code: error.exit_code(),
+            message: error.to_string(),
+        }
+    }
+}
+
+/// Prints to standard output; a closed pipe is not an error.
+pub fn print(text: &str) {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Prints a value as JSON.
+pub fn print_json<T: serde::Serialize>(value: &T) {
+    let text = serde_json::to_string_pretty(value).unwrap_or_default();
+    print(&format!("{text}\n"));
+}

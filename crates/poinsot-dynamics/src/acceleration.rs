@@ -1,0 +1,94 @@
+//! Accelerations of every body from forces, joint motion and wheels: the momentum equation
+//! `P' = F`, `H' = T` differentiated in closed form (Newton-Euler recursion; Featherstone 2008, ch. 5).
+
+use crate::kinematics::Kinematics;
+use crate::tree::{Motion, Tree};
+use poinsot_spatial::{InertialParameters, Vector3};
+
+/// Inertial acceleration of every body, in base axes. Scratch.
+#[derive(Debug, Clone)]
+pub struct Accelerations {
+    /// Acceleration of body i's origin, m/s2.
+    pub a: Vec<Vector3>,
+    /// Angular acceleration of body i, rad/s2.
+    pub alpha: Vec<Vector3>,
+}
+
+impl Accelerations {
+    /// Scratch for a tree.
+    pub fn new(tree: &Tree) -> Self {
+        Self {
+            a: vec![Vector3::zeros(); tree.bodies()],
+            alpha: vec![Vector3::zeros(); tree.bodies()],
+        }
+    }
+
+    /// Fills the accelerations that velocities and joint accelerations (rad/s2 or m/s2) cause while the
+    /// base itself does not accelerate.
+    pub fn set_without_base(
+        &mut self,
+        tree: &Tree,
+        kinematics: &Kinematics,
+        rates: &[f64],
+        joint_accelerations: &[f64],
+    ) {
+        self.a[0] = Vector3::zeros();
+        self.alpha[0] = Vector3::zeros();
+        for (i, link) in tree.links.iter().enumerate().skip(1) {
+            let parent = link.parent;
+            let r = kinematics.p[i] - kinematics.p[parent];
+            let w = kinematics.w[parent];
+            let axis = kinematics.R[parent] * link.axis_P;
+            let mut a = self.a[parent] + self.alpha[parent].cross(&r) + w.cross(&w.cross(&r));
+            let mut alpha = self.alpha[parent];
+            match link.motion {
+                Motion::Revolute(k) => {
+                    alpha += axis * joint_accelerations[k] + w.cross(&axis) * rates[k];
+                }
+                Motion::Prismatic(k) => {
+                    a += axis * joint_accelerations[k] + w.cross(&axis) * (2.0 * rates[k]);
+                }
+                Motion::Fixed | Motion::Free => {}
+            }
+            self.a[i] = a;
+            self.alpha[i] = alpha;
+        }
+    }
+
+    /// Adds the acceleration of the base, `a` of its origin and `alpha`, to every body.
+    pub fn add_base(&mut self, kinematics: &Kinematics, a: &Vector3, alpha: &Vector3) {
+        for (i, p) in kinematics.p.iter().enumerate() {
+            self.a[i] += a + alpha.cross(p);
+            self.alpha[i] += alpha;
+        }
+    }
+
+    /// Rate of change of the momentum of all bodies `[l'; h']` about the base origin's present place,
+    /// inertial rate in base axes, N and N m.
+    pub fn momentum_rate(
+        &self,
+        parameters: &[InertialParameters],
+        kinematics: &Kinematics,
+    ) -> (Vector3, Vector3) {
+        let (mut l_rate, mut h_rate) = (Vector3::zeros(), Vector3::zeros());
+        for (i, body) in parameters.iter().enumerate() {
+            let (R, p, w) = (&kinematics.R[i], &kinematics.p[i], &kinematics.w[i]);
+            let (a, alpha) = (&self.a[i], &self.alpha[i]);
+            let mc = R * body.mc_B;
+            let inertia = |x: &Vector3| R * (body.I_BBo_B * (R.transpose() * x));
+            let force = a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc));
+            let torque = inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a);
+            l_rate += force;
+            h_rate += torque + p.cross(&force);
+        }
+        (l_rate, h_rate)
+    }
+
+    /// Specific force at a point fixed in body i (from its origin, in that body), in that body's axes,
+    /// m/s2. N falls freely, so it is the inertial acceleration.
+    pub fn at_point(&self, kinematics: &Kinematics, i: usize, p_BoS_B: &Vector3) -> Vector3 {
+        let R = &kinematics.R[i];
+        let (r, w) = (R * p_BoS_B, &kinematics.w[i]);
+        R.transpose() * (self.a[i] + self.alpha[i].cross(&r) + w.cross(&w.cross(&r)))
+    }
+}

@@ -1,0 +1,194 @@
+//! What the sensors of a vehicle report of a motion: the truth, plus bias, white noise and rounding.
+
+use crate::prescribed::MotionSample;
+use crate::tree::Tree;
+use nalgebra::Quaternion;
+use poinsot_model::{Nuisance, Sensor, SensorKind};
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// A sensor at work: its declared errors, its own random stream and its bias.
+///
+/// A reading is `truth + bias + noise`, rounded to the least significant bit. Gyro, accelerometer and
+/// attitude err in the sensor's axes and report in those of its body; position and velocity err and
+/// report in N. Scale factor, misalignment and lag are taken as perfect.
+#[derive(Debug, Clone)]
+pub struct Instrument {
+    kind: SensorKind,
+    body: usize,
+    p_BoS_B: Vector3,
+    /// Joint coordinates, wheels or thrusters read by a scalar sensor.
+    of: Vec<usize>,
+    /// Absent where the sensor's axes are the body's: no rounding from turning there and back.
+    R_BS: Option<Matrix3>,
+    /// A square root of the noise covariance.
+    noise: Option<Matrix3>,
+    quantisation: f64,
+    bias: Vec<f64>,
+    rng: ChaCha8Rng,
+    last_velocity: Option<Vector3>,
+}
+
+impl Instrument {
+    /// A sensor of the vehicle. Equal `seed` and `stream` give equal errors; every sensor of every trial
+    /// needs its own stream. The bias is the one given (three numbers, or one per scalar channel, or one
+    /// for all), else drawn from the declared prior sigma, else zero.
+    pub fn new(sensor: &Sensor, tree: &Tree, seed: u64, stream: u64, bias: Option<&[f64]>) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream);
+        let of: Vec<usize> = match sensor.kind {
+            SensorKind::JointPosition | SensorKind::JointRate => sensor
+                .of
+                .iter()
+                .filter_map(|j| tree.coordinates.iter().position(|k| k == j))
+                .collect(),
+            _ => sensor.of.clone(),
+        };
+        let channels = if sensor.kind.is_scalar() { of.len() } else { 3 };
+        let bias = (0..channels)
+            .map(|i| match (bias, sensor.bias) {
+                (Some(given), _) => given.get(i).or(given.first()).copied().unwrap_or(0.0),
+                (None, Nuisance::Prior(sigma)) => sigma * normal(&mut rng),
+                (None, Nuisance::Known | Nuisance::Estimate) => 0.0,
+            })
+            .collect();
+        Self {
+            kind: sensor.kind,
+            body: sensor.body,
+            p_BoS_B: sensor.p_BoS_B,
+            of,
+            R_BS: (sensor.R_BS != Matrix3::identity()).then_some(sensor.R_BS),
+            noise: sensor.noise_covariance.as_ref().map(square_root),
+            quantisation: sensor.quantisation,
+            bias,
+            rng,
+            last_velocity: None,
+        }
+    }
+
+    /// The bias at work, in the sensor's axes.
+    pub fn bias(&self) -> &[f64] {
+        &self.bias
+    }
+
+    /// Replaces `out` with one reading: three numbers, four for an attitude (xyzw), one per joint, wheel
+    /// or thruster. Empty for the first velocity increment, which has no beginning.
+    pub fn read(&mut self, sample: &MotionSample, out: &mut Vec<f64>) {
+        out.clear();
+        match self.kind {
+            SensorKind::Attitude => {
+                let q = self.attitude(body_attitude(sample, self.body));
+                out.extend(q.coords.iter());
+            }
+            kind if kind.is_scalar() => {
+                let truth = scalars(kind, sample);
+                for i in 0..self.of.len() {
+                    let x = truth.get(self.of[i]).copied().unwrap_or(f64::NAN);
+                    let noise = self.noise.map_or(0.0, |root| root[(0, 0)]);
+                    let error = self.bias[i] + noise * normal(&mut self.rng);
+                    out.push(self.round(x + error));
+                }
+            }
+            kind => {
+                let mut x = vector_reading(kind, sample, self.body, &self.p_BoS_B);
+                if kind == SensorKind::VelocityIncrement {
+                    let Some(last) = self.last_velocity.replace(x) else {
+                        return;
+                    };
+                    x -= last;
+                }
+                out.extend(self.corrupt(x).iter());
+            }
+        }
+    }
+
+    fn corrupt(&mut self, x: Vector3) -> Vector3 {
+        let in_body = matches!(self.kind, SensorKind::Gyro | SensorKind::Accelerometer);
+        let turn = self.R_BS.filter(|_| in_body);
+        let own = turn.map_or(x, |R| R.transpose() * x);
+        let own = (own + self.error()).map(|x| self.round(x));
+        turn.map_or(own, |R| R * own)
+    }
+
+    /// The attitude turned by a small rotation in the sensor's axes.
+    fn attitude(&mut self, q: UnitQuaternion) -> Quaternion<f64> {
+        let error = self.error();
+        let error = self.R_BS.map_or(error, |R| R * error);
+        let q = q * UnitQuaternion::from_scaled_axis(error);
+        if self.quantisation == 0.0 {
+            return q.into_inner();
+        }
+        // A rotation of one LSB changes a component by half of it.
+        let lsb = 0.5 * self.quantisation;
+        Quaternion::from(q.coords.map(|x| (x / lsb).round() * lsb)).normalize()
+    }
+
+    fn error(&mut self) -> Vector3 {
+        let mut error = Vector3::zeros();
+        error.iter_mut().zip(&self.bias).for_each(|(e, b)| *e = *b);
+        if let Some(root) = self.noise {
+            error += root * Vector3::from_fn(|_, _| normal(&mut self.rng));
+        }
+        error
+    }
+
+    fn round(&self, x: f64) -> f64 {
+        if self.quantisation > 0.0 {
+            (x / self.quantisation).round() * self.quantisation
+        } else {
+            x
+        }
+    }
+}
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+/// The symmetric square root; zero variances are allowed.
+fn square_root(covariance: &Matrix3) -> Matrix3 {
+    let eigen = covariance.symmetric_eigen();
+    let root = Matrix3::from_diagonal(&eigen.eigenvalues.map(|x| x.max(0.0).sqrt()));
+    eigen.eigenvectors * root * eigen.eigenvectors.transpose()
+}
+
+fn body_attitude(sample: &MotionSample, body: usize) -> UnitQuaternion {
+    if body == 0 {
+        return sample.R_NB;
+    }
+    let R_BBi = nalgebra::Rotation3::from_matrix_unchecked(sample.kinematics.R[body]);
+    sample.R_NB * UnitQuaternion::from_rotation_matrix(&R_BBi)
+}
+
+fn scalars(kind: SensorKind, sample: &MotionSample) -> &[f64] {
+    match kind {
+        SensorKind::JointPosition => &sample.q,
+        SensorKind::JointRate => &sample.rates,
+        SensorKind::WheelSpeed => &sample.wheel_speed,
+        SensorKind::Thrust => &sample.thrust,
+        _ => &[],
+    }
+}
+
+/// What a perfect sensor with three axes reads at a point fixed in a body; for a velocity increment the
+/// velocity itself. Gyro and accelerometer in the body's axes, position and velocity in N.
+pub fn vector_reading(
+    kind: SensorKind,
+    sample: &MotionSample,
+    body: usize,
+    p_BoS_B: &Vector3,
+) -> Vector3 {
+    let k = &sample.kinematics;
+    let arm = k.R[body] * p_BoS_B;
+    match kind {
+        SensorKind::Gyro => k.R[body].transpose() * k.w[body],
+        SensorKind::Accelerometer => sample.body.at_point(k, body, p_BoS_B),
+        SensorKind::Position => sample.p_NoBo_N + sample.R_NB * (k.p[body] + arm),
+        SensorKind::Velocity | SensorKind::VelocityIncrement => {
+            sample.R_NB * (k.v[body] + k.w[body].cross(&arm))
+        }
+        _ => Vector3::zeros(),
+    }
+}

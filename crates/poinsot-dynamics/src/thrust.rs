@@ -1,0 +1,61 @@
+//! Thruster firings, and the force and torque they put on the vehicle.
+
+use crate::kinematics::Kinematics;
+use poinsot_spatial::Vector3;
+
+/// One firing of one thruster.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Firing {
+    /// Index of the thruster.
+    pub thruster: usize,
+    /// Ignition, s.
+    pub on: f64,
+    /// Cut-off, s.
+    pub off: f64,
+    /// Force while on, N.
+    pub force: f64,
+}
+
+/// Where a thruster sits and pushes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nozzle {
+    /// Index of the host body.
+    pub body: usize,
+    /// Position from the host's origin, in the host, m.
+    pub p_BoT_B: Vector3,
+    /// Unit direction of the force on the host, in the host.
+    pub direction_B: Vector3,
+}
+
+/// Fills the thrust of every thruster, N, on the smooth interval that holds `within`.
+#[inline]
+pub fn thrust_levels(firings: &[Firing], within: f64, levels: &mut [f64]) {
+    levels.fill(0.0);
+    for firing in firings {
+        if firing.on <= within && within < firing.off {
+            if let Some(level) = levels.get_mut(firing.thruster) {
+                *level += firing.force;
+            }
+        }
+    }
+}
+
+/// Force and torque about the base origin of all thrusters, in base axes, N and N m; point and direction
+/// turn with the joints.
+#[inline]
+pub fn thrust_wrench(
+    nozzles: &[Nozzle],
+    kinematics: &Kinematics,
+    levels: &[f64],
+) -> (Vector3, Vector3) {
+    let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    for (nozzle, level) in nozzles.iter().zip(levels) {
+        if *level != 0.0 {
+            let (R, p) = (&kinematics.R[nozzle.body], &kinematics.p[nozzle.body]);
+            let f = R * nozzle.direction_B * *level;
+            force += f;
+            torque += (p + R * nozzle.p_BoT_B).cross(&f);
+        }
+    }
+    (force, torque)
+}

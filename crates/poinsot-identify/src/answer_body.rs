@@ -1,0 +1,349 @@
+//! Mass properties with sigma and source, for each body and for the whole vehicle.
+
+use crate::estimate::{BodyEstimate, Number, Principal};
+use crate::linear::Solved;
+use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
+use crate::quantity::{Quantity, TenParameters};
+use crate::spectrum::Spectrum;
+use nalgebra::Rotation3;
+use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_model::EstimateSet;
+use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
+
+/// How far the unknowns are moved along open directions, in natural units, to see what follows.
+const SWING: f64 = 0.3;
+/// A quantity that moves by more than this share of its slope while they swing is open.
+const STIFF: f64 = 1.0e-3;
+
+/// Judges quantities: determined or open.
+pub(crate) struct Judge<'a> {
+    spectrum: &'a Spectrum,
+    /// Unknowns swung along open directions: catches dependence of second order.
+    swung: Vec<Vec<f64>>,
+    /// Factor on sigma where the residual is larger than declared.
+    inflation: f64,
+    rejected: bool,
+}
+
+impl<'a> Judge<'a> {
+    pub(crate) fn new(solved: &'a Solved, inflation: f64, rejected: bool) -> Self {
+        let spectrum = &solved.spectrum;
+        let open = spectrum.open_directions();
+        let d = open.ncols();
+        let mixed = |sign: f64| {
+            let mut x = solved.x.clone();
+            for (i, unit) in spectrum.natural.iter().enumerate() {
+                let step: f64 = (0..d)
+                    .map(|k| open[(i, k)] * if k % 2 == 0 { 1.0 } else { sign })
+                    .sum();
+                x[i] += SWING * unit * step / (d as f64).sqrt();
+            }
+            x
+        };
+        let swung = if d == 0 {
+            Vec::new()
+        } else {
+            vec![mixed(1.0), mixed(-1.0)]
+        };
+        Self {
+            spectrum,
+            swung,
+            inflation,
+            rejected,
+        }
+    }
+
+    /// The number for a quantity; `at` evaluates it for other values of the unknowns.
+    pub(crate) fn number(
+        &self,
+        quantity: &Quantity,
+        nominal: f64,
+        at: impl Fn(&[f64]) -> f64,
+    ) -> Number {
+        let used = &quantity.gradient[..self.spectrum.natural.len()];
+        if used.iter().all(|g| *g == 0.0) {
+            return Number::known(quantity.value);
+        }
+        if self.rejected || !quantity.value.is_finite() {
+            return Number::open(nominal);
+        }
+        let slope: f64 = used
+            .iter()
+            .zip(&self.spectrum.natural)
+            .map(|(g, s)| (g * s).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        let stiff = |x: &Vec<f64>| (at(x) - quantity.value).abs() <= STIFF * slope;
+        match self.spectrum.sigma(used) {
+            Some(sigma) if self.swung.iter().all(stiff) => {
+                Number::data(quantity.value, sigma * self.inflation, nominal)
+            }
+            _ => Number::open(nominal),
+        }
+    }
+
+    /// Whether a gradient is determined, and its sigma.
+    pub(crate) fn sigma(&self, gradient: &[f64]) -> Option<f64> {
+        if self.rejected {
+            return None;
+        }
+        let used = &gradient[..self.spectrum.natural.len()];
+        self.spectrum.sigma(used).map(|s| s * self.inflation)
+    }
+}
+
+/// One body.
+pub(crate) fn body(judge: &Judge, solved: &Solved, at: usize) -> BodyEstimate {
+    let parameters = &solved.parameters;
+    let asked = parameters.estimate[at];
+    let nominal = parameters.nominal_properties[at];
+    let name = parameters.body_names[at].clone();
+    if !asked.any() {
+        return known(name, &nominal);
+    }
+    match parameters.equations {
+        Equations::Momentum => {
+            let ten = |x: &[f64]| TenParameters::of_body(parameters, at, x);
+            from_ten(judge, name, asked, &nominal, &ten(&solved.x), ten)
+        }
+        Equations::Rotation => rotation_body(judge, solved, name, asked, &nominal),
+    }
+}
+
+/// The whole vehicle with the joints where they are in `kinematics`.
+pub(crate) fn system(
+    judge: &Judge,
+    solved: &Solved,
+    tree: &Tree,
+    joint_position: &[f64],
+) -> BodyEstimate {
+    let mut kinematics = Kinematics::new(tree);
+    kinematics.place(tree, joint_position);
+    let parameters = &solved.parameters;
+    let ten = |x: &[f64]| TenParameters::of_system(parameters, &kinematics, x);
+    let nominal = ten(&parameters.nominal_vector())
+        .inertial()
+        .mass_properties()
+        .unwrap_or(MassProperties::ZERO);
+    from_ten(
+        judge,
+        "system".to_owned(),
+        EstimateSet::ALL,
+        &nominal,
+        &ten(&solved.x),
+        ten,
+    )
+}
+
+fn from_ten(
+    judge: &Judge,
+    name: String,
+    asked: EstimateSet,
+    nominal: &MassProperties,
+    ten: &TenParameters,
+    at: impl Fn(&[f64]) -> TenParameters,
+) -> BodyEstimate {
+    let nominal_pi = nominal.parameters().to_array();
+    let mass = judge.number(&ten.parameter(0), nominal.mass, |x| at(x).value[0]);
+    let com = [0, 1, 2].map(|k| {
+        if !asked.com {
+            return Number::known(nominal.p_BoBcm_B[k]);
+        }
+        judge.number(&ten.mass_centre(k), nominal.p_BoBcm_B[k], |x| {
+            at(x).mass_centre(k).value
+        })
+    });
+    let inertia = [0, 1, 2, 3, 4, 5].map(|k| {
+        if !asked.inertia {
+            return Number::known(nominal.I_BBcm_B[TENSOR[k]]);
+        }
+        judge.number(&ten.central_inertia(k), nominal.I_BBcm_B[TENSOR[k]], |x| {
+            at(x).central_inertia(k).value
+        })
+    });
+    let barycentric =
+        std::array::from_fn(|k| judge.number(&ten.parameter(k), nominal_pi[k], |x| at(x).value[k]));
+    finish(name, mass, com, inertia, barycentric)
+}
+
+fn rotation_body(
+    judge: &Judge,
+    solved: &Solved,
+    name: String,
+    asked: EstimateSet,
+    nominal: &MassProperties,
+) -> BodyEstimate {
+    let parameters = &solved.parameters;
+    let answer = rotation_properties(parameters, &solved.x);
+    let pick = |wanted: &dyn Fn(&UnknownKind) -> bool, value: f64, nominal: f64, asked: bool| {
+        let at = parameters.unknowns.iter().position(|u| wanted(&u.kind));
+        match at {
+            _ if !asked => Number::known(nominal),
+            None => Number::open(nominal),
+            Some(at) => {
+                let mut gradient = vec![0.0; parameters.len()];
+                gradient[at] = 1.0;
+                judge.number(&Quantity { value, gradient }, nominal, |x| x[at])
+            }
+        }
+    };
+    // Rotation alone never shows the mass.
+    let mass = if asked.mass {
+        Number::open(nominal.mass)
+    } else {
+        Number::known(nominal.mass)
+    };
+    let com = [0, 1, 2].map(|k| {
+        let wanted = move |u: &UnknownKind| *u == UnknownKind::MassCentre(k);
+        pick(
+            &wanted,
+            answer.p_BoBcm_B[k],
+            nominal.p_BoBcm_B[k],
+            asked.com,
+        )
+    });
+    let inertia = [0, 1, 2, 3, 4, 5].map(|k| {
+        let wanted = move |u: &UnknownKind| *u == UnknownKind::CentralInertia(k);
+        let e = TENSOR[k];
+        pick(
+            &wanted,
+            answer.I_BBcm_B[e],
+            nominal.I_BBcm_B[e],
+            asked.inertia,
+        )
+    });
+    let nominal_pi = nominal.parameters().to_array();
+    let shift = nominal.parameters().I_BBo_B - nominal.I_BBcm_B;
+    let held = !asked.mass && !asked.com;
+    let barycentric = std::array::from_fn(|k| match (held, k) {
+        (true, 0..=3) => Number::known(nominal_pi[k]),
+        (true, _) => {
+            let mut number = inertia[k - 4];
+            number.nominal = nominal_pi[k];
+            number.value = number.value.map(|v| v + shift[TENSOR[k - 4]]);
+            number
+        }
+        (false, 0) => Number {
+            nominal: nominal_pi[0],
+            ..mass
+        },
+        (false, _) => Number::open(nominal_pi[k]),
+    });
+    finish(name, mass, com, inertia, barycentric)
+}
+
+fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
+    let pi = nominal.parameters().to_array();
+    let mut body = finish(
+        name,
+        Number::known(nominal.mass),
+        [0, 1, 2].map(|k| Number::known(nominal.p_BoBcm_B[k])),
+        TENSOR.map(|e| Number::known(nominal.I_BBcm_B[e])),
+        pi.map(Number::known),
+    );
+    body.asked = false;
+    body
+}
+
+fn finish(
+    name: String,
+    mass: Number,
+    com: [Number; 3],
+    inertia: [Number; 6],
+    barycentric: [Number; 10],
+) -> BodyEstimate {
+    let tensor = all(&inertia).map(|t| tensor(&t));
+    let principal = tensor.map(|I| {
+        let (moments, axes) = MassProperties {
+            mass: 1.0,
+            p_BoBcm_B: Vector3::zeros(),
+            I_BBcm_B: I,
+        }
+        .principal();
+        let q =
+            nalgebra::UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+        Principal {
+            moments,
+            axes_xyzw: [q.i, q.j, q.k, q.w],
+        }
+    });
+    let physically_consistent = tensor.map(|I| {
+        let candidate = MassProperties {
+            mass: mass.value.unwrap_or(1.0),
+            p_BoBcm_B: Vector3::zeros(),
+            I_BBcm_B: I,
+        };
+        pseudo_inertia(&candidate.parameters()).cholesky().is_some()
+            || candidate.check_physical(1.0e-9).is_ok()
+    });
+    BodyEstimate {
+        name,
+        asked: true,
+        mass,
+        com,
+        inertia,
+        barycentric,
+        principal,
+        physically_consistent,
+    }
+}
+
+fn all<const N: usize>(numbers: &[Number; N]) -> Option<[f64; N]> {
+    let mut out = [0.0; N];
+    for (o, n) in out.iter_mut().zip(numbers) {
+        *o = n.value?;
+    }
+    Some(out)
+}
+
+fn tensor(t: &[f64; 6]) -> Matrix3 {
+    let mut m = Matrix3::zeros();
+    for (value, (i, j)) in t.iter().zip(TENSOR) {
+        m[(i, j)] = *value;
+        m[(j, i)] = *value;
+    }
+    m
+}
+
+/// Names and gradients of the numbers whose covariance is reported: mass, mass centre and central
+/// inertia of every body asked for, where determined.
+pub(crate) fn covariance_rows(
+    parameters: &Parameters,
+    bodies: &[BodyEstimate],
+    x: &[f64],
+) -> Vec<(String, &'static str, Vec<f64>)> {
+    let mut rows = Vec::new();
+    for (at, body) in bodies.iter().enumerate() {
+        let name = &body.name;
+        let determined = |n: &Number| n.source == crate::estimate::Source::Data;
+        let ten = (parameters.equations == Equations::Momentum)
+            .then(|| TenParameters::of_body(parameters, at, x));
+        let unit = |wanted: UnknownKind| -> Vec<f64> {
+            parameters
+                .unknowns
+                .iter()
+                .map(|u| f64::from(u8::from(u.kind == wanted)))
+                .collect()
+        };
+        if let Some(ten) = ten.as_ref().filter(|_| determined(&body.mass)) {
+            rows.push((format!("{name}.mass"), "kg", ten.parameter(0).gradient));
+        }
+        for k in (0..3).filter(|k| determined(&body.com[*k])) {
+            let gradient = ten.as_ref().map_or_else(
+                || unit(UnknownKind::MassCentre(k)),
+                |t| t.mass_centre(k).gradient,
+            );
+            let axis = crate::parameters::axis_name(k);
+            rows.push((format!("{name}.com_{axis}"), "m", gradient));
+        }
+        for k in (0..6).filter(|k| determined(&body.inertia[*k])) {
+            let gradient = ten.as_ref().map_or_else(
+                || unit(UnknownKind::CentralInertia(k)),
+                |t| t.central_inertia(k).gradient,
+            );
+            let element = crate::parameters::tensor_name(k);
+            rows.push((format!("{name}.inertia_{element}"), "kg m2", gradient));
+        }
+    }
+    rows
+}

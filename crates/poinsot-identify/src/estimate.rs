@@ -1,0 +1,255 @@
+//! The answer: numbers with their sigma and source, and what the data leave open.
+
+use poinsot_spatial::Vector3;
+
+/// How a question was answered. The names are those of the result file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Every number asked for is determined.
+    Converged,
+    /// Some are.
+    Partial,
+    /// None is.
+    NotIdentifiable,
+    /// The iteration ended before it settled.
+    IterationLimit,
+    /// The rigid model contradicts the data.
+    Rejected,
+}
+
+impl Status {
+    /// Name in the result file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Partial => "partial",
+            Self::NotIdentifiable => "not_identifiable",
+            Self::IterationLimit => "iteration_limit",
+            Self::Rejected => "rejected",
+        }
+    }
+
+    /// Exit code of the command that ends with this status.
+    pub fn exit_code(self) -> u8 {
+        u8::from(self != Self::Converged)
+    }
+}
+
+/// Where a number comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The telemetry.
+    Data,
+    /// A declared prior.
+    Prior,
+    /// Given in the model as known.
+    Known,
+    /// Nowhere: it is not determined.
+    Open,
+}
+
+impl Source {
+    /// Name in the result file; `None` is written as null.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Data => Some("data"),
+            Self::Prior => Some("prior"),
+            Self::Known => Some("known"),
+            Self::Open => None,
+        }
+    }
+}
+
+/// One number of the answer. Value and sigma are absent where the data do not determine it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number {
+    /// Value.
+    pub value: Option<f64>,
+    /// One sigma; zero for a known number.
+    pub sigma: Option<f64>,
+    /// Value in the model.
+    pub nominal: f64,
+    /// Where the value comes from.
+    pub source: Source,
+}
+
+impl Number {
+    /// A number taken from the model.
+    pub fn known(nominal: f64) -> Self {
+        Self {
+            value: Some(nominal),
+            sigma: Some(0.0),
+            nominal,
+            source: Source::Known,
+        }
+    }
+
+    /// A number the data leave open.
+    pub fn open(nominal: f64) -> Self {
+        Self {
+            value: None,
+            sigma: None,
+            nominal,
+            source: Source::Open,
+        }
+    }
+
+    /// A number the data determine.
+    pub fn data(value: f64, sigma: f64, nominal: f64) -> Self {
+        Self {
+            value: Some(value),
+            sigma: Some(sigma),
+            nominal,
+            source: Source::Data,
+        }
+    }
+}
+
+/// Mass properties of one body or of the whole vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyEstimate {
+    /// Name.
+    pub name: String,
+    /// Whether anything of it was asked for.
+    pub asked: bool,
+    /// Mass, kg.
+    pub mass: Number,
+    /// Mass centre from the body's origin, body axes, m.
+    pub com: [Number; 3],
+    /// Central inertia, tensor elements in the order xx, xy, yy, xz, yz, zz, kg m2.
+    pub inertia: [Number; 6],
+    /// The ten barycentric parameters about the body's origin.
+    pub barycentric: [Number; 10],
+    /// Principal moments, kg m2, and axes as a rotation (body from principal), where all is determined.
+    pub principal: Option<Principal>,
+    /// Whether some distribution of positive mass has these properties; `None` where not all is known.
+    pub physically_consistent: Option<bool>,
+}
+
+/// Principal moments and axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Principal {
+    /// Moments in ascending order, kg m2.
+    pub moments: [f64; 3],
+    /// Rotation from principal axes to body axes as a quaternion, scalar last.
+    pub axes_xyzw: [f64; 4],
+}
+
+/// Momentum at the first sample of a segment, in N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MomentumEstimate {
+    /// Linear, N s.
+    pub linear: [Number; 3],
+    /// Angular about the system mass centre, N m s.
+    pub angular: [Number; 3],
+}
+
+/// A nuisance number with its name and unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedNumber {
+    /// Name, for example `gyro.bias_x`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Number.
+    pub number: Number,
+}
+
+/// A combination of parameters that the data determine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeterminedCombination {
+    /// In words and numbers.
+    pub text: String,
+    /// Name and coefficient of each parameter.
+    pub coefficients: Vec<(String, f64)>,
+    /// Unit of the leading parameter.
+    pub unit: &'static str,
+    /// Value.
+    pub value: f64,
+    /// One sigma.
+    pub sigma: f64,
+}
+
+/// A direction in which the parameters can move unseen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenCombination {
+    /// In words.
+    pub text: String,
+    /// Name and coefficient of each parameter.
+    pub coefficients: Vec<(String, f64)>,
+    /// Why it is open.
+    pub reason: String,
+    /// What would close it.
+    pub remedy: String,
+}
+
+/// What the data determine and what they leave open.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Identifiability {
+    /// Number of unknown mass properties (momentum and biases not counted).
+    pub parameters: usize,
+    /// Identified directions.
+    pub rank: usize,
+    /// Directions above round-off.
+    pub structural_rank: usize,
+    /// Sigma of each direction in natural units, best first.
+    pub sigmas_natural: Vec<f64>,
+    /// Determined combinations.
+    pub determined: Vec<DeterminedCombination>,
+    /// Open directions.
+    pub open: Vec<OpenCombination>,
+}
+
+/// How well one segment fits.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SegmentFit {
+    /// Name of the segment.
+    pub label: String,
+    /// Samples used.
+    pub samples: usize,
+    /// Chi-square per degree of freedom with the declared noise.
+    pub chi2_per_dof: f64,
+    /// Root mean square of measured less predicted angular velocity, rad/s; `None` with thrust.
+    pub rms_rate: Option<f64>,
+    /// Root mean square of measured less predicted velocity, m/s; `None` with thrust or without translation.
+    pub rms_velocity: Option<f64>,
+}
+
+/// The answer to one question.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Method.
+    pub method: String,
+    /// Variant of a published method.
+    pub variant: Option<String>,
+    /// How it ended.
+    pub status: Status,
+    /// Bodies in the order of the model.
+    pub bodies: Vec<BodyEstimate>,
+    /// The whole vehicle at the first sample of the first segment, with the joint positions it holds
+    /// for; `None` where only rotation is seen.
+    pub system: Option<(BodyEstimate, Vec<f64>)>,
+    /// Momentum, one per segment.
+    pub momentum: Vec<MomentumEstimate>,
+    /// Spin inertias, thruster scales, biases.
+    pub nuisance: Vec<NamedNumber>,
+    /// Names of the rows of the covariance.
+    pub covariance_names: Vec<String>,
+    /// Units of the same.
+    pub covariance_units: Vec<&'static str>,
+    /// Covariance of the determined numbers, row by row.
+    pub covariance: Vec<Vec<f64>>,
+    /// Identifiability.
+    pub identifiability: Identifiability,
+    /// Fit, one per segment.
+    pub fit: Vec<SegmentFit>,
+    /// Whether residuals are as the declared noise says.
+    pub covariance_trustworthy: bool,
+    /// Warnings.
+    pub warnings: Vec<String>,
+}
+
+/// Components of a vector as an array.
+pub fn array(v: &Vector3) -> [f64; 3] {
+    [v.x, v.y, v.z]
+}

@@ -1,0 +1,403 @@
+//! The unknowns of the linear problem: which numbers are asked for and how they make up the ten
+//! parameters of every body.
+
+use poinsot_dynamics::{Kinematics, Tree, composite};
+use poinsot_model::{EstimateSet, Model, Nuisance, SensorKind};
+use poinsot_spatial::{
+    InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
+};
+
+/// One unknown number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unknown {
+    /// What it is.
+    pub kind: UnknownKind,
+    /// Name as it appears in the result, for example `bus.I_BBo_xx`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value in the model.
+    pub nominal: f64,
+    /// Natural unit in which identifiability is judged: m, m L or m L^2 of its body.
+    pub natural: f64,
+}
+
+/// What an unknown is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum UnknownKind {
+    /// A combination of barycentric parameters: the index `10 body + k` and its coefficient.
+    Barycentric(Vec<(usize, f64)>),
+    /// Element k (order xx, xy, yy, xz, yz, zz) of the base's central inertia, where only rotation is seen.
+    CentralInertia(usize),
+    /// Component of the base's mass centre, where only rotation is seen (thrusters turn about it).
+    MassCentre(usize),
+    /// Spin inertia of a wheel.
+    SpinInertia(usize),
+    /// Factor of a thruster, less one.
+    ThrusterScale(usize),
+    /// Component of the gyro bias, at the nominal inertia.
+    GyroBias(usize),
+}
+
+/// Which equations of motion can be written for the data at hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Equations {
+    /// Linear and angular momentum about the inertial origin: six rows a sample.
+    Momentum,
+    /// Angular momentum about the mass centre of one rigid body: three rows a sample.
+    Rotation,
+}
+
+/// The unknowns, the known remainder and the maps between them and the bodies.
+#[derive(Debug, Clone)]
+pub struct Parameters {
+    /// Which equations they belong to.
+    pub equations: Equations,
+    /// Unknowns: mass properties first, then nuisances.
+    pub unknowns: Vec<Unknown>,
+    /// How many of them are mass properties.
+    pub mass_unknowns: usize,
+    /// Barycentric parameters of every body with the unknowns set to zero.
+    pub known: Vec<InertialParameters>,
+    /// Nominal parameters of every body.
+    pub nominal: Vec<InertialParameters>,
+    /// Names of the bodies.
+    pub body_names: Vec<String>,
+    /// What is asked for, per body.
+    pub estimate: Vec<EstimateSet>,
+    /// Nominal mass properties of every body.
+    pub nominal_properties: Vec<MassProperties>,
+    /// Natural unit of mass and length per body, kg and m.
+    pub natural: Vec<(f64, f64)>,
+}
+
+/// Elements of a tensor in the order of the parameters.
+pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
+const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Why the question cannot be asked of the linear method.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ParametersError {
+    /// The nominal numbers make a product of unknowns.
+    #[error(
+        "E0401 body '{body}': estimate asks for the mass centre while the inertia about it is held; that is a product of unknowns, which the linear method cannot solve; add \"inertia\" to estimate or use --method maximum_likelihood"
+    )]
+    Nonlinear {
+        /// Body.
+        body: String,
+    },
+    /// Nothing is unknown.
+    #[error(
+        "E0402 the model has nothing to estimate: every body is given as known; set estimate = true on at least one body"
+    )]
+    NothingUnknown,
+    /// A tree without a translation sensor.
+    #[error(
+        "E0403 no velocity channel (v_x v_y v_z): the linear method can use rotation alone only for one rigid body whose mass properties are all asked of it; this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
+    )]
+    RotationOfTree {
+        /// Number of bodies.
+        bodies: usize,
+    },
+}
+
+impl Parameters {
+    /// The unknowns of a model under the equations that the data allow.
+    ///
+    /// # Errors
+    /// The question cannot be put as a linear problem.
+    pub fn new(
+        model: &Model,
+        tree: &Tree,
+        equations: Equations,
+        thrusters_fire: bool,
+    ) -> Result<Self, ParametersError> {
+        let properties: Vec<MassProperties> = model.bodies.iter().map(|b| b.nominal).collect();
+        let nominal: Vec<InertialParameters> = properties.iter().map(|b| b.parameters()).collect();
+        let mut parameters = Self {
+            equations,
+            unknowns: Vec::new(),
+            mass_unknowns: 0,
+            known: nominal.clone(),
+            natural: natural_units(tree, &properties, &nominal),
+            nominal,
+            body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
+            estimate: model.bodies.iter().map(|b| b.estimate).collect(),
+            nominal_properties: properties,
+        };
+        match equations {
+            Equations::Momentum => {
+                for body in 0..model.bodies.len() {
+                    parameters.add_body(body)?;
+                }
+            }
+            Equations::Rotation => parameters.add_rotation(model, thrusters_fire)?,
+        }
+        parameters.mass_unknowns = parameters.unknowns.len();
+        parameters.add_nuisances(model);
+        if parameters.unknowns.is_empty() {
+            return Err(ParametersError::NothingUnknown);
+        }
+        Ok(parameters)
+    }
+
+    fn push(
+        &mut self,
+        kind: UnknownKind,
+        name: String,
+        unit: &'static str,
+        nominal: f64,
+        natural: f64,
+    ) {
+        self.unknowns.push(Unknown {
+            kind,
+            name,
+            unit,
+            nominal,
+            natural,
+        });
+    }
+
+    /// Unknowns of one body under the momentum equations: linear wherever the mass centre is not asked
+    /// for on its own.
+    fn add_body(&mut self, body: usize) -> Result<(), ParametersError> {
+        let asked = self.estimate[body];
+        if !asked.any() {
+            return Ok(());
+        }
+        let name = self.body_names[body].clone();
+        if asked.com && !asked.inertia {
+            return Err(ParametersError::Nonlinear { body: name });
+        }
+        let (m, l) = self.natural[body];
+        let pi = self.nominal[body].to_array();
+        let given = self.nominal_properties[body];
+        let at = 10 * body;
+        let mut known = InertialParameters::ZERO;
+        if asked.mass {
+            let mut column = vec![(at, 1.0)];
+            if !asked.com {
+                // A known mass centre ties first moment and parallel-axis part to the mass.
+                let c = given.p_BoBcm_B;
+                column.extend((0..3).map(|k| (at + 1 + k, c[k])));
+                let shift = parallel_axis(1.0, &c);
+                column.extend(
+                    TENSOR
+                        .iter()
+                        .enumerate()
+                        .map(|(k, &e)| (at + 4 + k, shift[e])),
+                );
+            }
+            self.push(
+                UnknownKind::Barycentric(column),
+                format!("{name}.m"),
+                "kg",
+                pi[0],
+                m,
+            );
+        } else {
+            known.mass = given.mass;
+            if !asked.com {
+                known = MassProperties {
+                    I_BBcm_B: Default::default(),
+                    ..given
+                }
+                .parameters();
+            }
+        }
+        if asked.com {
+            for k in 0..3 {
+                self.push(
+                    UnknownKind::Barycentric(vec![(at + 1 + k, 1.0)]),
+                    format!("{name}.{}", PARAMETER_NAMES[1 + k]),
+                    "kg m",
+                    pi[1 + k],
+                    m * l,
+                );
+            }
+        }
+        if asked.inertia {
+            // With the mass centre unknown the tensor about Bo is the linear one; else the central one.
+            let (point, value) = if asked.com {
+                ("BBo", self.nominal[body].I_BBo_B)
+            } else {
+                ("BBcm", given.I_BBcm_B)
+            };
+            for (k, &e) in TENSOR.iter().enumerate() {
+                self.push(
+                    UnknownKind::Barycentric(vec![(at + 4 + k, 1.0)]),
+                    format!("{name}.I_{point}_{}", TENSOR_NAMES[k]),
+                    "kg m2",
+                    value[e],
+                    m * l * l,
+                );
+            }
+        } else {
+            known.I_BBo_B += given.I_BBcm_B;
+        }
+        self.known[body] = known;
+        Ok(())
+    }
+
+    /// Unknowns of one rigid body of which only the rotation is seen.
+    fn add_rotation(&mut self, model: &Model, thrusters_fire: bool) -> Result<(), ParametersError> {
+        let asked = self.estimate[0];
+        if model.bodies.len() != 1 {
+            return Err(ParametersError::RotationOfTree {
+                bodies: model.bodies.len(),
+            });
+        }
+        let (m, l) = self.natural[0];
+        let given = self.nominal_properties[0];
+        let name = self.body_names[0].clone();
+        // Without thrusters the mass centre never enters: it is left out, and reported as unseen.
+        if asked.com && thrusters_fire {
+            for k in 0..3 {
+                self.push(
+                    UnknownKind::MassCentre(k),
+                    format!("{name}.com_{}", AXES[k]),
+                    "m",
+                    given.p_BoBcm_B[k],
+                    l,
+                );
+            }
+        }
+        if asked.inertia {
+            for (k, &e) in TENSOR.iter().enumerate() {
+                self.push(
+                    UnknownKind::CentralInertia(k),
+                    format!("{name}.I_BBcm_{}", TENSOR_NAMES[k]),
+                    "kg m2",
+                    given.I_BBcm_B[e],
+                    m * l * l,
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn add_nuisances(&mut self, model: &Model) {
+        for (k, wheel) in model.wheels.iter().enumerate() {
+            if wheel.estimate {
+                let js = wheel.spin_inertia;
+                let name = format!("{}.spin_inertia", wheel.name);
+                self.push(UnknownKind::SpinInertia(k), name, "kg m2", js, js);
+            }
+        }
+        for (k, thruster) in model.thrusters.iter().enumerate() {
+            if thruster.scale != Nuisance::Known {
+                let name = format!("{}.scale", thruster.name);
+                self.push(UnknownKind::ThrusterScale(k), name, "1", 0.0, 1.0);
+            }
+        }
+        let gyro = model.sensors_of(SensorKind::Gyro).next();
+        if let Some(gyro) = gyro.filter(|g| g.bias != Nuisance::Known) {
+            for (k, axis) in AXES.iter().enumerate() {
+                let name = format!("{}.bias_{axis}", gyro.name);
+                self.push(UnknownKind::GyroBias(k), name, "rad/s", 0.0, 1.0e-3);
+            }
+        }
+    }
+
+    /// Number of unknowns.
+    pub fn len(&self) -> usize {
+        self.unknowns.len()
+    }
+
+    /// Whether there is nothing to find; never true for a constructed problem.
+    pub fn is_empty(&self) -> bool {
+        self.unknowns.is_empty()
+    }
+
+    /// Nominal values of the unknowns.
+    pub fn nominal_vector(&self) -> Vec<f64> {
+        self.unknowns.iter().map(|u| u.nominal).collect()
+    }
+
+    /// Barycentric parameters of every body for values of the unknowns (momentum equations).
+    pub fn bodies(&self, x: &[f64]) -> Vec<InertialParameters> {
+        let mut pi: Vec<[f64; 10]> = self.known.iter().map(|b| b.to_array()).collect();
+        for (unknown, value) in self.unknowns.iter().zip(x) {
+            if let UnknownKind::Barycentric(column) = &unknown.kind {
+                for (at, coefficient) in column {
+                    pi[at / 10][at % 10] += coefficient * value;
+                }
+            }
+        }
+        pi.iter().map(InertialParameters::from_array).collect()
+    }
+
+    /// Gradient over the unknowns of a function of one body, given its gradient over the body's ten
+    /// barycentric parameters.
+    pub fn chain(&self, body: usize, over_pi: &[f64; 10]) -> Vec<f64> {
+        let slot = |at: &usize| (at / 10 == body).then(|| over_pi[at % 10]);
+        self.unknowns
+            .iter()
+            .map(|unknown| match &unknown.kind {
+                UnknownKind::Barycentric(column) => column
+                    .iter()
+                    .filter_map(|(at, c)| slot(at).map(|g| c * g))
+                    .sum(),
+                _ => 0.0,
+            })
+            .collect()
+    }
+}
+
+/// Natural unit of mass and length per body; a massless nominal body borrows those of the vehicle.
+fn natural_units(
+    tree: &Tree,
+    properties: &[MassProperties],
+    nominal: &[InertialParameters],
+) -> Vec<(f64, f64)> {
+    let whole = composite(nominal, &Kinematics::new(tree));
+    let (mass, length) = match (InertialParameters {
+        mass: whole.mass,
+        mc_B: whole.mc,
+        I_BBo_B: whole.I_SBo_B,
+    })
+    .mass_properties()
+    {
+        Some(p) => (p.mass, p.radius_of_gyration()),
+        None => (1.0, 1.0),
+    };
+    let length = if length > 0.0 { length } else { 1.0 };
+    properties
+        .iter()
+        .map(|b| {
+            let m = if b.mass > 0.0 { b.mass } else { mass };
+            let l = b.radius_of_gyration();
+            (m, if l > 0.0 { l } else { length })
+        })
+        .collect()
+}
+
+/// Component names of a vector.
+pub fn axis_name(k: usize) -> &'static str {
+    AXES[k % 3]
+}
+
+/// Element names of a tensor in the order of [`TENSOR`].
+pub fn tensor_name(k: usize) -> &'static str {
+    TENSOR_NAMES[k % 6]
+}
+
+/// Values of the rotation unknowns: mass centre and central inertia of the base.
+pub fn rotation_properties(parameters: &Parameters, x: &[f64]) -> MassProperties {
+    let mut p = parameters.nominal_properties[0];
+    let mut c: Vector3 = p.p_BoBcm_B;
+    for (unknown, value) in parameters.unknowns.iter().zip(x) {
+        match unknown.kind {
+            UnknownKind::MassCentre(k) => c[k] = *value,
+            UnknownKind::CentralInertia(k) => {
+                let (i, j) = TENSOR[k];
+                p.I_BBcm_B[(i, j)] = *value;
+                p.I_BBcm_B[(j, i)] = *value;
+            }
+            _ => {}
+        }
+    }
+    p.p_BoBcm_B = c;
+    p
+}

@@ -1,0 +1,83 @@
+//! Measured base twist against the one that the answer's momentum gives, sample by sample.
+
+use crate::linear::Solved;
+use crate::parameters::{Equations, UnknownKind, rotation_properties};
+use crate::segment::Segment;
+use poinsot_dynamics::{
+    Kinematics, Tree, composite, momentum, shift_to_body, twist_from_momentum, wheel_momentum,
+};
+use poinsot_spatial::Vector3;
+
+/// Root mean square of measured minus predicted rates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct TwistResidual {
+    /// Angular velocity, rad/s.
+    pub rate: f64,
+    /// Velocity of the base origin, m/s; `None` without translation.
+    pub velocity: Option<f64>,
+}
+
+/// Residual of one segment, from the momentum at its first sample without thrust in between; `None`
+/// where thrusters fire (the whitened chi-square covers them).
+pub(crate) fn twist(
+    solved: &Solved,
+    tree: &Tree,
+    spin_inertia: &[f64],
+    segment: &Segment,
+    start: (Vector3, Vector3),
+) -> Option<TwistResidual> {
+    if !segment.firings.is_empty() {
+        return None;
+    }
+    let s = &segment.samples;
+    let (dof, wheels) = (tree.dof(), tree.rotors.len());
+    let bodies = match solved.parameters.equations {
+        Equations::Momentum => solved.parameters.bodies(&solved.x),
+        Equations::Rotation => {
+            vec![rotation_properties(&solved.parameters, &solved.x).parameters()]
+        }
+    };
+    let mut spin = spin_inertia.to_vec();
+    let mut bias = Vector3::zeros();
+    for (unknown, value) in solved.parameters.unknowns.iter().zip(&solved.x) {
+        match unknown.kind {
+            UnknownKind::SpinInertia(k) => spin[k] = *value,
+            UnknownKind::GyroBias(k) => bias[k] = *value,
+            _ => {}
+        }
+    }
+    let mut kinematics = Kinematics::new(tree);
+    let (mut rate, mut velocity) = (0.0, 0.0);
+    for k in 0..s.time_s.len() {
+        kinematics.place(tree, &s.joint_position[k * dof..(k + 1) * dof]);
+        let rates = &s.joint_rate[k * dof..(k + 1) * dof];
+        let zero = Vector3::zeros();
+        kinematics.set_velocities(tree, &zero, &zero, rates);
+        let joints = momentum(&bodies, &kinematics);
+        let speed = &s.wheel_speed[k * wheels..(k + 1) * wheels];
+        let h_wheels = wheel_momentum(tree, &kinematics, &spin, speed);
+        let whole = composite(&bodies, &kinematics);
+        let p = s.translation.as_ref().map_or(zero, |t| t.p_NoBo_N[k]);
+        let (l, mut h) = shift_to_body(&s.R_NB[k], &p, &start.0, &start.1);
+        if s.translation.is_none() {
+            // Only rotation is seen: momentum about the mass centre, moved to the base origin.
+            h += whole.p_BoScm_B().cross(&l);
+        }
+        let twist = twist_from_momentum(
+            &whole,
+            &l,
+            &h,
+            &joints.fixed_rows::<3>(0).into(),
+            &(joints.fixed_rows::<3>(3) + h_wheels),
+        )?;
+        rate += (s.w_NB_B[k] - bias - twist.w).norm_squared();
+        if let Some(t) = &s.translation {
+            velocity += (s.R_NB[k].inverse() * t.v_NBo_N[k] - twist.v).norm_squared();
+        }
+    }
+    let count = 3.0 * s.time_s.len().max(1) as f64;
+    Some(TwistResidual {
+        rate: (rate / count).sqrt(),
+        velocity: s.translation.as_ref().map(|_| (velocity / count).sqrt()),
+    })
+}

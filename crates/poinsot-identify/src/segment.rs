@@ -1,0 +1,81 @@
+//! One stretch of telemetry, aligned on the gyro's times: what the linear rung needs.
+
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+/// Samples of one segment at common times. All arrays have one entry per time unless said otherwise.
+#[derive(Debug, Clone, Default)]
+pub struct Samples {
+    /// Times, s, strictly increasing.
+    pub time_s: Vec<f64>,
+    /// Attitude of the base.
+    pub R_NB: Vec<UnitQuaternion>,
+    /// Angular velocity of the base in B, rad/s.
+    pub w_NB_B: Vec<Vector3>,
+    /// Motion of the base origin; `None` without a translation sensor.
+    pub translation: Option<Translation>,
+    /// Joint positions, rad or m; one row of `dof` per time.
+    pub joint_position: Vec<f64>,
+    /// Joint rates, rad/s or m/s; one row of `dof` per time.
+    pub joint_rate: Vec<f64>,
+    /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
+    pub wheel_speed: Vec<f64>,
+}
+
+/// Motion of the base origin.
+#[derive(Debug, Clone, Default)]
+pub struct Translation {
+    /// Velocity in N, m/s.
+    pub v_NBo_N: Vec<Vector3>,
+    /// Position in N, m, from the place of the first sample.
+    pub p_NoBo_N: Vec<Vector3>,
+}
+
+/// One thruster held at one force, `[start, end)` in the time of the segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Firing {
+    /// Index of the thruster.
+    pub thruster: usize,
+    /// Start, s.
+    pub start_s: f64,
+    /// End, s.
+    pub end_s: f64,
+    /// Force along the thruster's direction, N.
+    pub force: f64,
+}
+
+/// One segment: its own initial momentum, the bodies shared with the others.
+#[derive(Debug, Clone, Default)]
+pub struct Segment {
+    /// What to call it in messages: the file name.
+    pub label: String,
+    /// Aligned samples.
+    pub samples: Samples,
+    /// Thruster firings in order of their start.
+    pub firings: Vec<Firing>,
+}
+
+/// Declared noise of the measurements that enter the rows, one sample each, and the part of it that
+/// is really seen in the data (0 for a noise-free file).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    /// Gyro covariance in B, rad2/s2.
+    pub gyro: Matrix3,
+    /// Attitude covariance as a small rotation in B, rad2; zero where taken as exact.
+    pub attitude: Matrix3,
+    /// Velocity covariance in N, m2/s2.
+    pub velocity: Matrix3,
+    /// Position covariance in N, m2.
+    pub position: Matrix3,
+    /// Variance of each joint position, rad2 or m2.
+    pub joint_position: Vec<f64>,
+    /// Variance of each joint rate, rad2/s2 or m2/s2.
+    pub joint_rate: Vec<f64>,
+    /// Variance of each wheel speed, rad2/s2.
+    pub wheel_speed: Vec<f64>,
+    /// Seen over declared variance of the gyro.
+    pub seen_gyro: f64,
+    /// Seen over declared variance of the velocity.
+    pub seen_velocity: f64,
+    /// Seen over declared variance of the joint rates.
+    pub seen_joint_rate: f64,
+}

@@ -1,0 +1,210 @@
+//! What the data determine: the spectrum of the whitened sensitivity in natural units.
+
+use faer::Mat;
+
+/// A gradient that leans on undetermined directions by more than this share is not answered.
+const TOUCH: f64 = 1.0e-4;
+/// Share of a direction's squared length that may be measurement noise before it is not believed.
+const NOISE_SHARE: f64 = 0.5;
+
+/// The spectrum of the problem with nuisance parameters projected out.
+#[derive(Debug, Clone)]
+pub struct Spectrum {
+    /// Natural unit of each unknown.
+    pub natural: Vec<f64>,
+    /// Singular values, descending: one over the sigma of each direction in natural units.
+    pub singular: Vec<f64>,
+    /// Directions, one column each, in natural units.
+    pub directions: Mat<f64>,
+    /// Where each direction shows in the rows, one column each.
+    pub left: Mat<f64>,
+    /// Squared length that noise in the regressor alone gives to each direction.
+    pub noise: Vec<f64>,
+    /// How many leading directions are identified.
+    pub rank: usize,
+    /// How many exceed round-off.
+    pub structural_rank: usize,
+    /// Bias of linear least squares from noise in the regressor, per unknown in natural units.
+    pub bias: Vec<f64>,
+}
+
+/// A direction that could not be decomposed: the matrix holds NaN or infinity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "E0410 the equations hold a number that is not finite; check units and magnitudes of the telemetry"
+)]
+pub struct NotFinite;
+
+impl Spectrum {
+    /// Decomposes the triangle `R` (n x n, whitened) for the natural units given.
+    ///
+    /// `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
+    ///
+    /// # Errors
+    /// The triangle holds NaN or infinity.
+    pub fn new(
+        R: &Mat<f64>,
+        natural: &[f64],
+        regressor_noise: &[f64],
+        relative_accuracy: f64,
+    ) -> Result<Self, NotFinite> {
+        let n = natural.len();
+        let scaled = Mat::from_fn(n, n, |i, j| R[(i, j)] * natural[j]);
+        if (0..n).any(|j| (0..n).any(|i| !scaled[(i, j)].is_finite())) {
+            return Err(NotFinite);
+        }
+        let svd = scaled.svd().map_err(|_| NotFinite)?;
+        let singular: Vec<f64> = (0..n).map(|k| svd.S()[k]).collect();
+        let (directions, left) = (svd.V().to_owned(), svd.U().to_owned());
+        let noise_z = Mat::from_fn(n, n, |i, j| {
+            regressor_noise[i * n + j] * natural[i] * natural[j]
+        });
+        let noise: Vec<f64> = (0..n)
+            .map(|k| quadratic(&noise_z, &directions, k))
+            .collect();
+        let round_off = 32.0 * n as f64 * f64::EPSILON * singular.first().copied().unwrap_or(0.0);
+        let structural_rank = singular.iter().filter(|s| **s > round_off).count();
+        let identified = |k: &usize| {
+            let square = singular[*k] * singular[*k];
+            *k < structural_rank
+                && noise[*k] <= NOISE_SHARE * square
+                && 1.0 / (square - noise[*k]).sqrt() < relative_accuracy
+        };
+        let (mut order, open): (Vec<usize>, Vec<usize>) = (0..n).partition(identified);
+        let rank = order.len();
+        order.extend(open);
+        Ok(Self {
+            natural: natural.to_vec(),
+            singular: order.iter().map(|&k| singular[k]).collect(),
+            noise: order.iter().map(|&k| noise[k]).collect(),
+            directions: Mat::from_fn(n, n, |i, j| directions[(i, order[j])]),
+            left: Mat::from_fn(n, n, |i, j| left[(i, order[j])]),
+            rank,
+            structural_rank,
+            bias: vec![0.0; n],
+        })
+    }
+
+    /// Least-squares step in natural units for the right-hand side `d - R x_nominal`: only identified
+    /// directions move.
+    pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
+        let mut z = vec![0.0; self.natural.len()];
+        for k in 0..self.rank {
+            let along: f64 = rhs
+                .iter()
+                .enumerate()
+                .map(|(i, d)| self.left[(i, k)] * d)
+                .sum();
+            for (j, zj) in z.iter_mut().enumerate() {
+                *zj += self.directions[(j, k)] * along / self.singular[k];
+            }
+        }
+        z
+    }
+
+    /// Stores the first-order bias `-(A^T A)^-1 E[dA^T dA] z` of least squares at the answer `z`.
+    pub fn set_bias(&mut self, regressor_noise: &[f64], z: &[f64]) {
+        let n = z.len();
+        let pushed: Vec<f64> = (0..n)
+            .map(|i| {
+                (0..n)
+                    .map(|j| regressor_noise[i * n + j] * self.natural[i] * self.natural[j] * z[j])
+                    .sum()
+            })
+            .collect();
+        self.bias = vec![0.0; n];
+        for k in 0..self.rank {
+            let dot: f64 = (0..n)
+                .map(|i| self.directions[(i, k)] * pushed[i])
+                .sum::<f64>()
+                / (self.singular[k] * self.singular[k]);
+            for (i, b) in self.bias.iter_mut().enumerate() {
+                *b -= self.directions[(i, k)] * dot;
+            }
+        }
+    }
+
+    /// Sigma of a number with this gradient over the unknowns; `None` where the data leave it open.
+    ///
+    /// The sigma holds the declared noise and the bias that noise in the regressor causes.
+    pub fn sigma(&self, gradient: &[f64]) -> Option<f64> {
+        let g = self.natural_gradient(gradient);
+        let length = norm(&g);
+        if length == 0.0 {
+            return Some(0.0);
+        }
+        if self.touch(&g) > TOUCH * length {
+            return None;
+        }
+        let noise: f64 = (0..self.rank)
+            .map(|k| (self.along(&g, k) / self.singular[k]).powi(2))
+            .sum();
+        let bias: f64 = g.iter().zip(&self.bias).map(|(a, b)| a * b).sum();
+        // What little leans on open directions is as uncertain as the nominal values themselves.
+        let open = self.touch(&g);
+        Some(
+            (noise + bias * bias + open * open * f64::from(u8::from(open > 1.0e-9 * length)))
+                .sqrt(),
+        )
+    }
+
+    /// Covariance of the unknowns from the identified directions, in their units.
+    pub fn covariance(&self) -> Mat<f64> {
+        let n = self.natural.len();
+        Mat::from_fn(n, n, |i, j| {
+            let sum: f64 = (0..self.rank)
+                .map(|k| {
+                    self.directions[(i, k)] * self.directions[(j, k)] / self.singular[k].powi(2)
+                })
+                .sum();
+            sum * self.natural[i] * self.natural[j]
+        })
+    }
+
+    /// Sigma of every direction in natural units, identified ones first; infinite where round-off.
+    pub fn sigmas_natural(&self) -> Vec<f64> {
+        self.singular
+            .iter()
+            .map(|s| if *s > 0.0 { 1.0 / s } else { f64::INFINITY })
+            .collect()
+    }
+
+    /// Directions that are not identified, one column each, in natural units.
+    pub fn open_directions(&self) -> Mat<f64> {
+        let n = self.natural.len();
+        Mat::from_fn(n, n - self.rank, |i, j| self.directions[(i, self.rank + j)])
+    }
+
+    fn natural_gradient(&self, gradient: &[f64]) -> Vec<f64> {
+        gradient
+            .iter()
+            .zip(&self.natural)
+            .map(|(g, s)| g * s)
+            .collect()
+    }
+
+    fn along(&self, g: &[f64], k: usize) -> f64 {
+        g.iter()
+            .enumerate()
+            .map(|(i, x)| x * self.directions[(i, k)])
+            .sum()
+    }
+
+    fn touch(&self, g: &[f64]) -> f64 {
+        (self.rank..self.natural.len())
+            .map(|k| self.along(g, k).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
+}
+
+fn quadratic(m: &Mat<f64>, v: &Mat<f64>, k: usize) -> f64 {
+    let n = m.nrows();
+    (0..n)
+        .map(|i| v[(i, k)] * (0..n).map(|j| m[(i, j)] * v[(j, k)]).sum::<f64>())
+        .sum()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

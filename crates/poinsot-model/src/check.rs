@@ -1,0 +1,105 @@
+//! From the file as written to a checked [`Model`]. Every table has its own check; each reports all it
+//! finds and leaves out what it refuses.
+
+use crate::check_body::{check_bodies, check_massless, check_together};
+use crate::check_joint::check_joints;
+use crate::check_name::check_names;
+use crate::check_rest::{check_environment, check_momentum, check_thrusters, check_wheels};
+use crate::check_sensor::check_sensors;
+use crate::check_telemetry::check_telemetry;
+use crate::check_tree::{Tree, check_tree};
+use crate::file::ModelFile;
+use crate::finding::{Findings, Key};
+use crate::vehicle::Model;
+
+/// More bodies than this are refused.
+pub(crate) const MOST_BODIES: usize = 10_000;
+
+/// Checks the raw model. The answer means something only if there are no findings.
+pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> Option<Model> {
+    let top = |table: &str| Key::top(table);
+    let bodies = file.body.as_deref().unwrap_or(&[]);
+    if bodies.is_empty() {
+        if file.body.is_some() {
+            findings.refuse(
+                "E0106",
+                &top("body"),
+                "there is no body".to_owned(),
+                "add [[body]]; the first one is the base",
+            );
+        }
+        return None;
+    }
+    if bodies.len() > MOST_BODIES {
+        findings.refuse(
+            "E0119",
+            &top("body").index(MOST_BODIES),
+            format!("the file has {} bodies", bodies.len()),
+            format!("keep to {MOST_BODIES} bodies"),
+        );
+        return None;
+    }
+    check_names(file, findings);
+    let joint_files = file.joint.as_deref().unwrap_or(&[]);
+    let Tree { order, carried_by } = check_tree(bodies, joint_files, findings);
+
+    // Place of each body of the file in the order of the model; parents stand before children.
+    let mut place = vec![usize::MAX; bodies.len()];
+    for (k, body) in order.iter().enumerate() {
+        if let Some(place) = place.get_mut(*body) {
+            *place = k;
+        }
+    }
+    let names: std::collections::HashMap<&str, usize> = bodies
+        .iter()
+        .enumerate()
+        .rev()
+        .filter_map(|(k, b)| Some((b.name.as_deref()?, k)))
+        .collect();
+    let resolve = |name: &str| names.get(name).and_then(|k| place.get(*k)).copied();
+
+    let in_file_order = check_bodies(bodies, findings);
+    let mut model_bodies = Vec::with_capacity(order.len());
+    for k in &order {
+        let Some(body) = in_file_order.get(*k) else {
+            continue;
+        };
+        let mut body = body.clone();
+        body.joint = carried_by.get(*k).copied().flatten();
+        model_bodies.push(body);
+    }
+    let joints = check_joints(joint_files, &resolve, findings);
+    let body_names: Vec<&str> = bodies.iter().filter_map(|b| b.name.as_deref()).collect();
+    let wheels = check_wheels(
+        file.wheel.as_deref().unwrap_or(&[]),
+        &resolve,
+        &body_names,
+        &model_bodies,
+        findings,
+    );
+    let thrusters = check_thrusters(
+        file.thruster.as_deref().unwrap_or(&[]),
+        &resolve,
+        &body_names,
+        findings,
+    );
+    let sensors = check_sensors(file, &resolve, &body_names, findings);
+    let model = Model {
+        name: file.name.clone().unwrap_or_else(|| "vehicle".to_owned()),
+        bodies: model_bodies,
+        joints,
+        wheels,
+        thrusters,
+        sensors,
+        momentum: check_momentum(file.momentum.as_ref()),
+        environment: check_environment(file.environment.as_ref(), findings),
+        telemetry: check_telemetry(file.telemetry.as_ref(), Some(file), findings),
+        notes: Vec::new(),
+    };
+    // These read the whole tree, which exists only if every body and joint was accepted.
+    if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {
+        check_massless(&model, &order, findings);
+        check_together(&model, &order, findings);
+    }
+    Some(model)
+}

@@ -1,0 +1,133 @@
+//! Names: printable, unique, and no two things that would read one telemetry column.
+
+use crate::document::is_direction_mark;
+use crate::file::{JointType, ModelFile, SensorType};
+use crate::finding::{Findings, Key};
+use std::collections::HashMap;
+
+/// Longest name, bytes.
+const LONGEST: usize = 200;
+
+pub(crate) fn check_names(file: &ModelFile, findings: &mut Findings<'_, '_>) {
+    fn names<T>(list: &Option<Vec<T>>, name: impl Fn(&T) -> Option<&str>) -> Vec<Option<&str>> {
+        list.as_deref().unwrap_or(&[]).iter().map(name).collect()
+    }
+    if let Some(name) = &file.name {
+        spelling("name", None, name, findings);
+    }
+    let bodies = names(&file.body, |b| b.name.as_deref());
+    let joints = names(&file.joint, |j| j.name.as_deref());
+    let wheels = names(&file.wheel, |w| w.name.as_deref());
+    let thrusters = names(&file.thruster, |t| t.name.as_deref());
+    let sensors = names(&file.sensor, |s| s.name.as_deref());
+    for (table, names) in [
+        ("body", &bodies),
+        ("joint", &joints),
+        ("wheel", &wheels),
+        ("thruster", &thrusters),
+        ("sensor", &sensors),
+    ] {
+        for (index, name) in names.iter().enumerate() {
+            if let Some(name) = name {
+                spelling(table, Some(index), name, findings);
+            }
+        }
+        if table != "sensor" {
+            unique(table, names, findings);
+        }
+    }
+    sensors_unique(file, findings);
+    columns_unique(file, findings);
+}
+
+fn spelling(table: &str, index: Option<usize>, name: &str, findings: &mut Findings<'_, '_>) {
+    let key = match index {
+        Some(index) => Key::entry(table, index, None).at("name"),
+        None => Key::top(table),
+    };
+    let problem = if name.trim().is_empty() {
+        "the name is empty"
+    } else if name.trim() != name {
+        "the name begins or ends with a blank"
+    } else if name.len() > LONGEST {
+        "the name is longer than 200 bytes"
+    } else if name.chars().any(|c| c.is_control() || is_direction_mark(c)) {
+        "the name holds a character that cannot be printed"
+    } else {
+        return;
+    };
+    findings.refuse("E0109", &key, problem.to_owned(), "give it a plain name");
+}
+
+fn unique(table: &str, names: &[Option<&str>], findings: &mut Findings<'_, '_>) {
+    let mut seen: HashMap<&str, usize> = HashMap::new();
+    for (index, name) in names.iter().enumerate() {
+        let Some(name) = name else { continue };
+        if let Some(first) = seen.get(name) {
+            duplicate(
+                table,
+                index,
+                &format!("{table}[{first}] has the same name"),
+                findings,
+            );
+        } else {
+            seen.insert(name, index);
+        }
+    }
+}
+
+fn duplicate(table: &str, index: usize, problem: &str, findings: &mut Findings<'_, '_>) {
+    let key = Key::entry(table, index, None).at("name");
+    findings.refuse("E0110", &key, problem.to_owned(), "rename one of them");
+}
+
+/// Sensors of different kinds may share a name: gyro and accelerometer of one unit.
+fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
+    let mut seen: HashMap<(SensorType, &str), usize> = HashMap::new();
+    for (index, sensor) in file.sensor.as_deref().unwrap_or(&[]).iter().enumerate() {
+        let (Some(kind), Some(name)) = (sensor.kind, sensor.name.as_deref()) else {
+            continue;
+        };
+        if let Some(first) = seen.get(&(kind, name)) {
+            let problem = format!("sensor[{first}] of the same type has the same name");
+            duplicate("sensor", index, &problem, findings);
+        } else {
+            seen.insert((kind, name), index);
+        }
+    }
+}
+
+/// A wheel and a revolute joint of one name share `<name>_rad_s`; a thruster and a prismatic joint `<name>_N`.
+fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
+    let mut joints: HashMap<(&str, &str), usize> = HashMap::new();
+    for (index, joint) in file.joint.as_deref().unwrap_or(&[]).iter().enumerate() {
+        let column = match joint.kind {
+            Some(JointType::Revolute) => "rad_s",
+            Some(JointType::Prismatic) => "N",
+            _ => continue,
+        };
+        if let Some(name) = joint.name.as_deref() {
+            joints.insert((name, column), index);
+        }
+    }
+    let wheels = file.wheel.as_deref().unwrap_or(&[]).iter();
+    let thrusters = file.thruster.as_deref().unwrap_or(&[]).iter();
+    let others = wheels
+        .enumerate()
+        .map(|(k, w)| ("wheel", k, w.name.as_deref(), "rad_s"))
+        .chain(
+            thrusters
+                .enumerate()
+                .map(|(k, t)| ("thruster", k, t.name.as_deref(), "N")),
+        );
+    let mut clashes = Vec::new();
+    for (table, index, name, column) in others {
+        let Some(name) = name else { continue };
+        if let Some(joint) = joints.get(&(name, column)) {
+            clashes.push((table, index, format!("joint[{joint}] has the same name, and both would read the column {name}_{column}")));
+        }
+    }
+    for (table, index, problem) in clashes {
+        duplicate(table, index, &problem, findings);
+    }
+}

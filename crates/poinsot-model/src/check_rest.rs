@@ -1,0 +1,237 @@
+//! Wheels, thrusters, momentum, environment, and the nuisance parameters they share with sensors.
+
+use crate::check_rotation::check_axis;
+use crate::check_tree::unknown_name;
+use crate::file::{
+    EnvironmentFile, Gravity, MomentumFile, MomentumVectorFile, MomentumWord, NuisanceFile,
+    NuisanceWord, ThrusterFile, WheelFile,
+};
+use crate::finding::{Findings, Key};
+use crate::number::short;
+use crate::vehicle::{Body, Environment, Momentum, MomentumKnowledge, Nuisance, Thruster, Wheel};
+use poinsot_spatial::Vector3;
+
+/// A number above zero; `None` where it was refused.
+pub(crate) fn positive(
+    value: f64,
+    key: &Key,
+    code: &'static str,
+    what: &str,
+    findings: &mut Findings<'_, '_>,
+) -> Option<f64> {
+    if value > 0.0 {
+        return Some(value);
+    }
+    findings.refuse(
+        code,
+        key,
+        format!("{what} must be greater than zero"),
+        "give a positive number",
+    );
+    None
+}
+
+/// A nuisance parameter whose prior is given in the unit of `unit_key`, for example `sigma_rad`.
+pub(crate) fn check_nuisance(
+    file: Option<&NuisanceFile>,
+    key: &Key,
+    unit_key: &str,
+    findings: &mut Findings<'_, '_>,
+) -> Nuisance {
+    let sigma = match file {
+        None | Some(NuisanceFile::Word(NuisanceWord::None)) => return Nuisance::Known,
+        Some(NuisanceFile::Word(NuisanceWord::Estimate)) => return Nuisance::Estimate,
+        Some(NuisanceFile::Sigma(sigma)) => sigma,
+    };
+    let mut known = None;
+    for (name, value) in sigma.entries() {
+        let Some(value) = value else { continue };
+        if name == unit_key {
+            known = positive(value, &key.at(name), "E0118", "one sigma", findings);
+        } else {
+            findings.refuse(
+                "E0105",
+                &key.at(name),
+                "wrong unit".to_owned(),
+                format!("write {unit_key} here"),
+            );
+        }
+    }
+    if sigma.entries().iter().all(|(_, value)| value.is_none()) && !findings.has_near(key) {
+        findings.refuse(
+            "E0118",
+            key,
+            "the table is empty".to_owned(),
+            format!("write {{ {unit_key} = x }} or \"estimate\""),
+        );
+    }
+    known.map_or(Nuisance::Known, Nuisance::Prior)
+}
+
+pub(crate) fn check_wheels(
+    files: &[WheelFile],
+    resolve: &impl Fn(&str) -> Option<usize>,
+    body_names: &[&str],
+    bodies: &[Body],
+    findings: &mut Findings<'_, '_>,
+) -> Vec<Wheel> {
+    let mut wheels = Vec::new();
+    for (k, file) in files.iter().enumerate() {
+        let key = Key::entry("wheel", k, file.name.as_deref());
+        let body = check_host(file.body.as_deref(), &key, resolve, body_names, findings);
+        let axis = file
+            .axis
+            .and_then(|axis| check_axis(&axis, &key.at("axis"), "axis", findings));
+        let here = key.at("spin_inertia_kg_m2");
+        let spin = file
+            .spin_inertia_kg_m2
+            .and_then(|spin| positive(spin, &here, "E0108", "the spin inertia", findings));
+        let (Some(name), Some(body), Some(axis), Some(spin)) = (&file.name, body, axis, spin)
+        else {
+            continue;
+        };
+        if let Some(host) = bodies.get(body) {
+            let along = axis.dot(&(host.nominal.I_BBcm_B * axis));
+            if spin > along {
+                findings.note(
+                    &here,
+                    format!(
+                        "the rotor has more inertia than its body \"{}\" about this axis ({} kg m2), which should contain it",
+                        host.name,
+                        short(along)
+                    ),
+                );
+            }
+        }
+        wheels.push(Wheel {
+            name: name.clone(),
+            body,
+            axis_B: axis,
+            spin_inertia: spin,
+            estimate: file.estimate.unwrap_or(false),
+        });
+    }
+    wheels
+}
+
+pub(crate) fn check_thrusters(
+    files: &[ThrusterFile],
+    resolve: &impl Fn(&str) -> Option<usize>,
+    body_names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) -> Vec<Thruster> {
+    let mut thrusters = Vec::new();
+    for (k, file) in files.iter().enumerate() {
+        let key = Key::entry("thruster", k, file.name.as_deref());
+        let body = check_host(file.body.as_deref(), &key, resolve, body_names, findings);
+        let direction = file.force_direction.and_then(|direction| {
+            check_axis(
+                &direction,
+                &key.at("force_direction"),
+                "force direction",
+                findings,
+            )
+        });
+        let scale = check_nuisance(file.scale.as_ref(), &key.at("scale"), "sigma", findings);
+        let (Some(name), Some(body), Some(position), Some(direction)) =
+            (&file.name, body, file.position_m, direction)
+        else {
+            continue;
+        };
+        thrusters.push(Thruster {
+            name: name.clone(),
+            body,
+            p_BoT_B: Vector3::from(position),
+            direction_B: direction,
+            scale,
+        });
+    }
+    thrusters
+}
+
+/// The body that something sits on.
+pub(crate) fn check_host(
+    name: Option<&str>,
+    key: &Key,
+    resolve: &impl Fn(&str) -> Option<usize>,
+    body_names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) -> Option<usize> {
+    let name = name?;
+    let found = resolve(name);
+    if found.is_none() {
+        unknown_name(&key.at("body"), "body", name, body_names, findings);
+    }
+    found
+}
+
+pub(crate) fn check_momentum(file: Option<&MomentumFile>) -> Momentum {
+    let know = |file: Option<&MomentumVectorFile>| match file {
+        None | Some(MomentumVectorFile::Word(MomentumWord::Estimate)) => {
+            MomentumKnowledge::Estimate
+        }
+        Some(MomentumVectorFile::Word(MomentumWord::Zero)) => {
+            MomentumKnowledge::Known(Vector3::zeros())
+        }
+        Some(MomentumVectorFile::Known(vector)) => MomentumKnowledge::Known(Vector3::from(*vector)),
+    };
+    Momentum {
+        linear: know(file.and_then(|f| f.linear_N_s.as_ref())),
+        angular: know(file.and_then(|f| f.angular_N_m_s.as_ref())),
+    }
+}
+
+pub(crate) fn check_environment(
+    file: Option<&EnvironmentFile>,
+    findings: &mut Findings<'_, '_>,
+) -> Environment {
+    let Some(file) = file else {
+        return Environment::default();
+    };
+    let key = Key::top("environment");
+    let point_mass = file.gravity == Some(Gravity::PointMass);
+    let gm_key = key.at("gm_m3_s2");
+    let gm = file.gm_m3_s2.and_then(|gm| {
+        positive(
+            gm,
+            &gm_key,
+            "E0108",
+            "the gravitational parameter",
+            findings,
+        )
+    });
+    if point_mass && file.gm_m3_s2.is_none() && !findings.has_near(&gm_key) {
+        findings.missing(
+            &gm_key,
+            "the key is missing with gravity = \"point_mass\"",
+            "add it: 3.986004418e14 for the Earth",
+        );
+    }
+    if file.gm_m3_s2.is_some() && !point_mass {
+        findings.refuse(
+            "E0106",
+            &gm_key,
+            "a gravitational parameter without gravity".to_owned(),
+            "add gravity = \"point_mass\", or remove it",
+        );
+    }
+    let gradient = file.gravity_gradient.unwrap_or(false);
+    if gradient && !point_mass {
+        findings.refuse(
+            "E0106",
+            &key.at("gravity_gradient"),
+            "a gravity gradient without gravity".to_owned(),
+            "add gravity = \"point_mass\" and gm_m3_s2, or remove it",
+        );
+    }
+    Environment {
+        point_mass_gm: if point_mass { gm } else { None },
+        gravity_gradient: gradient,
+        disturbance_torque: check_nuisance(
+            file.disturbance_torque.as_ref(),
+            &key.at("disturbance_torque"),
+            "sigma_N_m",
+            findings,
+        ),
+    }
+}

@@ -1,0 +1,396 @@
+//! Sensors: noise in the unit of the channel, and what each sensor reads.
+
+use crate::check_rest::{check_host, check_nuisance, positive};
+use crate::check_rotation::check_rotation;
+use crate::check_tree::unknown_name;
+use crate::file::{JointType, ModelFile, NamesFile, NoiseFile, SensorFile, SensorType};
+use crate::finding::{Findings, Key};
+use crate::number::list;
+use crate::vehicle::{Nuisance, Sensor, SensorKind};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use std::collections::HashMap;
+
+/// Units a channel may have: the end of its keys.
+const UNITS: [&str; 6] = ["rad", "rad_s", "m", "m_s", "m_s2", "N"];
+
+/// Whether a key of a sensor fits the word of its type; keys without a unit always do.
+pub(crate) fn key_fits(word: &str, key: &str) -> bool {
+    let unit = key
+        .strip_prefix("noise_")
+        .or_else(|| key.strip_prefix("quantisation_"));
+    let kind = SensorKind::ALL.iter().find(|kind| kind.word() == word);
+    match (unit, kind) {
+        (Some(unit), Some(kind)) => units_of(*kind).contains(&unit),
+        _ => true,
+    }
+}
+
+/// What a sensor of joints, wheels or thrusters can read, with the unit it is read in.
+struct Readable<'a> {
+    kind: SensorKind,
+    /// Table of the file.
+    table: &'static str,
+    /// Index in the file, name, unit.
+    items: Vec<(usize, &'a str, &'static str)>,
+    by_name: HashMap<&'a str, (usize, &'static str)>,
+}
+
+impl<'a> Readable<'a> {
+    fn of(
+        kind: SensorKind,
+        table: &'static str,
+        items: Vec<(usize, &'a str, &'static str)>,
+    ) -> Self {
+        let by_name = items
+            .iter()
+            .map(|(k, name, unit)| (*name, (*k, *unit)))
+            .collect();
+        Self {
+            kind,
+            table,
+            items,
+            by_name,
+        }
+    }
+}
+
+pub(crate) fn check_sensors(
+    file: &ModelFile,
+    resolve: &impl Fn(&str) -> Option<usize>,
+    body_names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) -> Vec<Sensor> {
+    let readable = readables(file);
+    let mut sensors = Vec::new();
+    for (k, sensor) in file.sensor.as_deref().unwrap_or(&[]).iter().enumerate() {
+        let key = Key::entry("sensor", k, sensor.name.as_deref());
+        let body = match sensor.body.as_deref() {
+            Some(name) => check_host(Some(name), &key, resolve, body_names, findings),
+            None => Some(0),
+        };
+        let Some(kind) = sensor.kind.map(kind_of) else {
+            continue;
+        };
+        if let (Some(body), Some(sensor)) =
+            (body, check_sensor(sensor, kind, &key, &readable, findings))
+        {
+            sensors.push(Sensor { body, ..sensor });
+        }
+    }
+    sensors
+}
+
+fn kind_of(file: SensorType) -> SensorKind {
+    match file {
+        SensorType::Gyro => SensorKind::Gyro,
+        SensorType::Attitude => SensorKind::Attitude,
+        SensorType::Position => SensorKind::Position,
+        SensorType::Velocity => SensorKind::Velocity,
+        SensorType::VelocityIncrement => SensorKind::VelocityIncrement,
+        SensorType::Accelerometer => SensorKind::Accelerometer,
+        SensorType::JointPosition => SensorKind::JointPosition,
+        SensorType::JointRate => SensorKind::JointRate,
+        SensorType::WheelSpeed => SensorKind::WheelSpeed,
+        SensorType::Thrust => SensorKind::Thrust,
+    }
+}
+
+/// Units that a kind of sensor may have.
+fn units_of(kind: SensorKind) -> &'static [&'static str] {
+    match kind {
+        SensorKind::Gyro | SensorKind::WheelSpeed => &["rad_s"],
+        SensorKind::Attitude => &["rad"],
+        SensorKind::Position => &["m"],
+        SensorKind::Velocity | SensorKind::VelocityIncrement => &["m_s"],
+        SensorKind::Accelerometer => &["m_s2"],
+        SensorKind::JointPosition => &["rad", "m"],
+        SensorKind::JointRate => &["rad_s", "m_s"],
+        SensorKind::Thrust => &["N"],
+    }
+}
+
+fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
+    let joints = |revolute: &'static str, prismatic: &'static str| {
+        let list = file.joint.as_deref().unwrap_or(&[]).iter().enumerate();
+        list.filter_map(|(k, joint)| {
+            let unit = match joint.kind? {
+                JointType::Revolute => revolute,
+                JointType::Prismatic => prismatic,
+                JointType::Fixed => return None,
+            };
+            Some((k, joint.name.as_deref()?, unit))
+        })
+        .collect()
+    };
+    let wheels = file.wheel.as_deref().unwrap_or(&[]).iter().enumerate();
+    let wheels = wheels.filter_map(|(k, w)| Some((k, w.name.as_deref()?, "rad_s")));
+    let thrusters = file.thruster.as_deref().unwrap_or(&[]).iter().enumerate();
+    let thrusters = thrusters.filter_map(|(k, t)| Some((k, t.name.as_deref()?, "N")));
+    [
+        Readable::of(SensorKind::JointPosition, "joint", joints("rad", "m")),
+        Readable::of(SensorKind::JointRate, "joint", joints("rad_s", "m_s")),
+        Readable::of(SensorKind::WheelSpeed, "wheel", wheels.collect()),
+        Readable::of(SensorKind::Thrust, "thruster", thrusters.collect()),
+    ]
+}
+
+fn check_sensor(
+    file: &SensorFile,
+    kind: SensorKind,
+    key: &Key,
+    readable: &[Readable<'_>],
+    findings: &mut Findings<'_, '_>,
+) -> Option<Sensor> {
+    let before = findings.count();
+    let unit = check_unit(file, kind, key, findings);
+    if kind.is_scalar() {
+        refuse_axes(file, kind, key, findings);
+    }
+    let of = check_of(file, kind, unit, key, readable, findings);
+    if kind.is_scalar() && of.is_empty() && findings.count() == before {
+        findings.note(
+            &key.at("type"),
+            "the sensor has no effect: there is nothing that it could read".to_owned(),
+        );
+    }
+    // A joint sensor without declared noise takes the unit of the joints it reads.
+    let unit = unit
+        .or_else(|| {
+            let readable = readable.iter().find(|r| r.kind == kind)?;
+            let first = of.first()?;
+            readable
+                .items
+                .iter()
+                .find(|(k, _, _)| k == first)
+                .map(|(_, _, unit)| *unit)
+        })
+        .or_else(|| units_of(kind).first().copied())?;
+    let noise_covariance = check_noise(file, kind, unit, key, findings);
+    let quantisation = quantisation_of(file, unit).and_then(|lsb| {
+        let here = key.at(&format!("quantisation_{unit}"));
+        positive(lsb, &here, "E0118", "the quantisation", findings)
+    });
+    let rotation = check_rotation(
+        file.rotation_xyzw.as_ref(),
+        file.rotation_matrix.as_ref(),
+        key,
+        findings,
+    );
+    let mut nuisance = |name: &str, value, unit_key: &str| -> Nuisance {
+        check_nuisance(value, &key.at(name), unit_key, findings)
+    };
+    let sensor = Sensor {
+        kind,
+        body: 0,
+        noise_covariance,
+        quantisation: quantisation.unwrap_or(0.0),
+        bias: nuisance("bias", file.bias.as_ref(), &format!("sigma_{unit}")),
+        scale: nuisance("scale", file.scale.as_ref(), "sigma"),
+        misalignment: nuisance("misalignment", file.misalignment.as_ref(), "sigma_rad"),
+        lag: nuisance("lag", file.lag.as_ref(), "sigma_s"),
+        R_BS: rotation.unwrap_or_else(Matrix3::identity),
+        p_BoS_B: Vector3::from(file.position_m.unwrap_or([0.0; 3])),
+        of,
+        name: file.name.clone()?,
+    };
+    (findings.count() == before).then_some(sensor)
+}
+
+fn noise_of<'f>(file: &'f SensorFile, unit: &str) -> Option<&'f NoiseFile> {
+    match unit {
+        "rad" => file.noise_rad.as_ref(),
+        "rad_s" => file.noise_rad_s.as_ref(),
+        "m" => file.noise_m.as_ref(),
+        "m_s" => file.noise_m_s.as_ref(),
+        "m_s2" => file.noise_m_s2.as_ref(),
+        _ => file.noise_N.as_ref(),
+    }
+}
+
+fn quantisation_of(file: &SensorFile, unit: &str) -> Option<f64> {
+    match unit {
+        "rad" => file.quantisation_rad,
+        "rad_s" => file.quantisation_rad_s,
+        "m" => file.quantisation_m,
+        "m_s" => file.quantisation_m_s,
+        "m_s2" => file.quantisation_m_s2,
+        _ => file.quantisation_N,
+    }
+}
+
+/// The unit that the keys of this sensor declare; keys in a unit that its type cannot have are refused.
+fn check_unit(
+    file: &SensorFile,
+    kind: SensorKind,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<&'static str> {
+    let allowed = units_of(kind);
+    let mut declared: Option<&'static str> = None;
+    for unit in UNITS {
+        for (what, given) in [
+            ("noise", noise_of(file, unit).is_some()),
+            ("quantisation", quantisation_of(file, unit).is_some()),
+        ] {
+            if !given {
+                continue;
+            }
+            let here = key.at(&format!("{what}_{unit}"));
+            if !allowed.contains(&unit) {
+                let keys: Vec<String> = allowed.iter().map(|u| format!("{what}_{u}")).collect();
+                findings.refuse(
+                    "E0105",
+                    &here,
+                    format!("wrong unit for a sensor of type \"{}\"", kind.word()),
+                    format!("write {}", keys.join(" or ")),
+                );
+            } else if declared.is_some_and(|first| first != unit) {
+                findings.refuse(
+                    "E0118",
+                    &here,
+                    "one sensor is declared in two units".to_owned(),
+                    "write one [[sensor]] for revolute and one for prismatic joints",
+                );
+            } else {
+                declared = Some(unit);
+            }
+        }
+    }
+    declared
+}
+
+/// Sensors of joints, wheels and thrusters have no axes and no place.
+fn refuse_axes(file: &SensorFile, kind: SensorKind, key: &Key, findings: &mut Findings<'_, '_>) {
+    for (name, given) in [
+        ("misalignment", file.misalignment.is_some()),
+        ("rotation_xyzw", file.rotation_xyzw.is_some()),
+        ("rotation_matrix", file.rotation_matrix.is_some()),
+        ("position_m", file.position_m.is_some()),
+    ] {
+        if given {
+            findings.refuse(
+                "E0118",
+                &key.at(name),
+                format!(
+                    "a sensor of type \"{}\" has no axes and no place",
+                    kind.word()
+                ),
+                "remove it",
+            );
+        }
+    }
+}
+
+fn check_of(
+    file: &SensorFile,
+    kind: SensorKind,
+    unit: Option<&str>,
+    key: &Key,
+    readable: &[Readable<'_>],
+    findings: &mut Findings<'_, '_>,
+) -> Vec<usize> {
+    let here = key.at("of");
+    let Some(readable) = readable.iter().find(|r| r.kind == kind) else {
+        if file.of.is_some() {
+            findings.refuse(
+                "E0118",
+                &here,
+                format!(
+                    "a sensor of type \"{}\" reads no joint, wheel or thruster",
+                    kind.word()
+                ),
+                "remove it",
+            );
+        }
+        return Vec::new();
+    };
+    let Some(names) = &file.of else {
+        let fits = readable
+            .items
+            .iter()
+            .filter(|(_, _, u)| unit.is_none_or(|unit| unit == *u));
+        return fits.map(|(k, _, _)| *k).collect();
+    };
+    let known: Vec<&str> = readable.items.iter().map(|(_, name, _)| *name).collect();
+    let mut of: Vec<usize> = Vec::new();
+    for (k, name) in names.as_slice().iter().enumerate() {
+        let here = match names {
+            NamesFile::One(_) => here.clone(),
+            NamesFile::Many(_) => here.index(k),
+        };
+        match readable.by_name.get(name.as_str()) {
+            None => unknown_name(&here, readable.table, name, &known, findings),
+            Some((_, u)) if unit.is_some_and(|unit| unit != *u) => findings.refuse(
+                "E0105",
+                &here,
+                format!(
+                    "this joint is read in {u}, the noise is declared in {}",
+                    unit.unwrap_or("")
+                ),
+                format!("write noise_{u} or quantisation_{u}"),
+            ),
+            Some((k, _)) => of.push(*k),
+        }
+    }
+    of.sort_unstable();
+    of.dedup();
+    of
+}
+
+/// Covariance of one sample from one sigma, three, or the symmetric square root of the covariance.
+fn check_noise(
+    file: &SensorFile,
+    kind: SensorKind,
+    unit: &str,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<Matrix3> {
+    let here = key.at(&format!("noise_{unit}"));
+    let noise = noise_of(file, unit)?;
+    if kind.is_scalar() && !matches!(noise, NoiseFile::Scalar(_)) {
+        findings.refuse(
+            "E0118",
+            &here,
+            format!("a sensor of type \"{}\" has no axes", kind.word()),
+            "write one number",
+        );
+        return None;
+    }
+    match noise {
+        NoiseFile::Scalar(sigma) => {
+            let sigma = positive(*sigma, &here, "E0118", "the noise", findings)?;
+            Some(Matrix3::from_diagonal_element(sigma * sigma))
+        }
+        NoiseFile::Axes(sigmas) => {
+            for (k, sigma) in sigmas.iter().enumerate() {
+                positive(*sigma, &here.index(k), "E0118", "the noise", findings)?;
+            }
+            let variances = Vector3::from(sigmas.map(|sigma| sigma * sigma));
+            Some(Matrix3::from_diagonal(&variances))
+        }
+        NoiseFile::Matrix(rows) => {
+            let root = Matrix3::from_row_iterator(rows.iter().flatten().copied());
+            let asymmetry = (root - root.transpose()).amax();
+            let moments = MassProperties {
+                mass: 1.0,
+                p_BoBcm_B: Vector3::zeros(),
+                I_BBcm_B: 0.5 * (root + root.transpose()),
+            }
+            .principal()
+            .0;
+            if asymmetry > 1e-9 * root.amax() || moments[0] <= 1e-12 * moments[2] {
+                findings.refuse(
+                    "E0118",
+                    &here,
+                    format!(
+                        "the matrix is not symmetric and positive definite: eigenvalues {}",
+                        list(&moments)
+                    ),
+                    "write the symmetric square root S of the covariance S S",
+                );
+                return None;
+            }
+            Some(root * root)
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The joints make one tree that hangs on the base. No recursion: chains of thousands of links are fine.
+
+use crate::document::printable;
+use crate::file::{BodyFile, JointFile};
+use crate::finding::{Findings, Key};
+use crate::suggest;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+/// Names shown of a cycle.
+const SHOWN: usize = 12;
+
+/// The tree of bodies in indices of the file.
+pub(crate) struct Tree {
+    /// Bodies, the base first, parents before children, otherwise in the order of the file.
+    pub order: Vec<usize>,
+    /// The joint that carries each body.
+    pub carried_by: Vec<Option<usize>>,
+}
+
+pub(crate) fn check_tree(
+    bodies: &[BodyFile],
+    joints: &[JointFile],
+    findings: &mut Findings<'_, '_>,
+) -> Tree {
+    let name_of =
+        |k: usize| -> &str { bodies.get(k).and_then(|b| b.name.as_deref()).unwrap_or("?") };
+    let names: Vec<&str> = bodies.iter().filter_map(|b| b.name.as_deref()).collect();
+    let index: HashMap<&str, usize> = bodies
+        .iter()
+        .enumerate()
+        .rev()
+        .filter_map(|(k, b)| Some((b.name.as_deref()?, k)))
+        .collect();
+    let mut carried_by: Vec<Option<usize>> = vec![None; bodies.len()];
+    let mut parent_of: Vec<Option<usize>> = vec![None; bodies.len()];
+    // A joint that could not be read may carry any body: then nothing is said about bodies without one.
+    let mut complete = true;
+    for (k, joint) in joints.iter().enumerate() {
+        let key = Key::entry("joint", k, joint.name.as_deref());
+        let mut end = |which: &str, name: Option<&str>| {
+            let name = name?;
+            let found = index.get(name).copied();
+            if found.is_none() {
+                unknown_name(&key.at(which), "body", name, &names, findings);
+            }
+            found
+        };
+        let parent = end("parent", joint.parent.as_deref());
+        let child = end("child", joint.child.as_deref());
+        let Some(child) = child else {
+            complete = false;
+            continue;
+        };
+        if child == 0 {
+            findings.refuse(
+                "E0112",
+                &key.at("child"),
+                "the base hangs on nothing".to_owned(),
+                "the first [[body]] is the base: name another child, or move the base to the top",
+            );
+            continue;
+        }
+        if parent == Some(child) {
+            findings.refuse(
+                "E0112",
+                &key.at("child"),
+                "the joint connects the body with itself".to_owned(),
+                "name another parent or child",
+            );
+            if let Some(carried) = carried_by.get_mut(child) {
+                carried.get_or_insert(k);
+            }
+            continue;
+        }
+        let first = carried_by.get(child).copied().flatten();
+        if let Some(first) = first {
+            let other = joints.get(first).and_then(|j| j.name.as_deref());
+            findings.refuse(
+                "E0112",
+                &key.at("child"),
+                format!(
+                    "the body has two parents: joint \"{}\" carries it too",
+                    printable(other.unwrap_or("?"), 60)
+                ),
+                "remove one of the joints; closed loops are not supported",
+            );
+            continue;
+        }
+        if let Some(carried) = carried_by.get_mut(child) {
+            *carried = Some(k);
+        }
+        if let (Some(parent), Some(slot)) = (parent, parent_of.get_mut(child)) {
+            *slot = Some(parent);
+        }
+    }
+
+    for (k, body) in bodies.iter().enumerate().skip(1) {
+        if complete && body.name.is_some() && carried_by.get(k) == Some(&None) {
+            let duplicate = body.name.as_deref().and_then(|n| index.get(n)) != Some(&k);
+            if !duplicate {
+                findings.refuse(
+                    "E0112",
+                    &Key::entry("body", k, None).at("name"),
+                    "no joint carries this body: it is not connected with the base".to_owned(),
+                    "add a [[joint]] with this child, type = \"fixed\" where it does not move",
+                );
+            }
+        }
+    }
+    report_cycles(&parent_of, &carried_by, joints, &name_of, findings);
+    Tree {
+        order: topological(&parent_of),
+        carried_by,
+    }
+}
+
+/// Follows every body to its root once; what comes back to itself is a cycle.
+fn report_cycles<'n>(
+    parent_of: &[Option<usize>],
+    carried_by: &[Option<usize>],
+    joints: &[JointFile],
+    name_of: &impl Fn(usize) -> &'n str,
+    findings: &mut Findings<'_, '_>,
+) {
+    // Zero: not visited. Otherwise the walk that visited it.
+    let mut visited = vec![0_usize; parent_of.len()];
+    for start in 0..parent_of.len() {
+        let walk = start + 1;
+        let mut here = start;
+        let met = loop {
+            match visited.get_mut(here) {
+                Some(mark) if *mark == 0 => *mark = walk,
+                Some(mark) => break (*mark == walk).then_some(here),
+                None => break None,
+            }
+            match parent_of.get(here).copied().flatten() {
+                Some(parent) => here = parent,
+                None => break None,
+            }
+        };
+        let Some(met) = met else { continue };
+        let mut cycle = vec![met];
+        let mut at = parent_of.get(met).copied().flatten();
+        while let Some(body) = at.filter(|body| *body != met) {
+            cycle.push(body);
+            at = parent_of.get(body).copied().flatten();
+        }
+        // From parent to child, beginning with the body that stands first in the file.
+        cycle.reverse();
+        let lowest = cycle
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, body)| **body)
+            .map_or(0, |(at, _)| at);
+        cycle.rotate_left(lowest);
+        let first = cycle.first().copied().unwrap_or(met);
+        let mut path: Vec<String> = cycle
+            .iter()
+            .take(SHOWN)
+            .map(|body| printable(name_of(*body), 60))
+            .collect();
+        if cycle.len() > SHOWN {
+            path.push(format!("... ({} bodies)", cycle.len()));
+        }
+        path.push(printable(name_of(first), 60));
+        let joint = carried_by.get(first).copied().flatten().unwrap_or(0);
+        let name = joints.get(joint).and_then(|j| j.name.as_deref());
+        findings.refuse(
+            "E0112",
+            &Key::entry("joint", joint, name).at("parent"),
+            format!("the joints run in a circle: {}", path.join(" -> ")),
+            "connect one of these bodies with the base instead",
+        );
+    }
+}
+
+/// Parents before children, otherwise in the order of the file; bodies in a cycle are left out.
+fn topological(parent_of: &[Option<usize>]) -> Vec<usize> {
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); parent_of.len()];
+    let mut ready = BinaryHeap::new();
+    for (k, parent) in parent_of.iter().enumerate() {
+        match parent {
+            Some(parent) => {
+                if let Some(list) = children.get_mut(*parent) {
+                    list.push(k);
+                }
+            }
+            None => ready.push(Reverse(k)),
+        }
+    }
+    let mut order = Vec::with_capacity(parent_of.len());
+    while let Some(Reverse(k)) = ready.pop() {
+        order.push(k);
+        if let Some(list) = children.get(k) {
+            ready.extend(list.iter().copied().map(Reverse));
+        }
+    }
+    order
+}
+
+/// A reference to something that the file does not have.
+pub(crate) fn unknown_name(
+    key: &Key,
+    kind: &str,
+    name: &str,
+    names: &[&str],
+    findings: &mut Findings<'_, '_>,
+) {
+    // The search for a near name is skipped where a file is wrong all over.
+    let near = if findings.count() < 50 {
+        suggest::nearest(name, names)
+    } else {
+        None
+    };
+    let remedy = match near {
+        Some(near) => format!("did you mean \"{}\"?", printable(near, 60)),
+        None => format!("name one that a [[{kind}]] has"),
+    };
+    findings.refuse(
+        "E0111",
+        key,
+        format!("there is no {kind} of this name"),
+        remedy,
+    );
+}

@@ -1,0 +1,153 @@
+//! The text of a file with its parsed tree: where a key stands and what was read there.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// One step on the way to a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Into a table.
+    Key(String),
+    /// Into a list, from zero.
+    Index(usize),
+}
+
+/// The way to a value from the top of the file.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct KeyPath(pub Vec<Step>);
+
+impl KeyPath {
+    /// One table deeper.
+    pub fn key(&self, key: &str) -> Self {
+        let mut path = self.clone();
+        path.0.push(Step::Key(key.to_owned()));
+        path
+    }
+
+    /// One list deeper.
+    pub fn index(&self, index: usize) -> Self {
+        let mut path = self.clone();
+        path.0.push(Step::Index(index));
+        path
+    }
+}
+
+impl std::fmt::Display for KeyPath {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (k, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Key(key) if k > 0 => write!(f, ".{}", printable(key, 60))?,
+                Step::Key(key) => write!(f, "{}", printable(key, 60))?,
+                Step::Index(index) => write!(f, "[{index}]")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A parsed file.
+pub(crate) struct Document<'i> {
+    /// Name of the file, for messages.
+    pub file: String,
+    /// Its text.
+    pub text: &'i str,
+    /// Its tree.
+    pub table: DeTable<'i>,
+    line_starts: Vec<usize>,
+}
+
+impl<'i> Document<'i> {
+    /// Parses the text; the tree holds what could be read where there are syntax errors.
+    pub fn new(text: &'i str, file: &str) -> (Self, Vec<toml::de::Error>) {
+        let (table, errors) = DeTable::parse_recoverable(text);
+        let line_starts = std::iter::once(0)
+            .chain(text.match_indices('\n').map(|(at, _)| at + 1))
+            .collect();
+        let document = Self {
+            file: printable(file, 300),
+            text,
+            table: table.into_inner(),
+            line_starts,
+        };
+        (document, errors)
+    }
+
+    /// Line and column of a byte, from one; columns count characters.
+    pub fn line_column(&self, byte: usize) -> (usize, usize) {
+        let line = self.line_starts.partition_point(|start| *start <= byte);
+        let start = self
+            .line_starts
+            .get(line.saturating_sub(1))
+            .copied()
+            .unwrap_or(0);
+        let before = self.text.get(start..byte).unwrap_or("");
+        (line.max(1), before.chars().count() + 1)
+    }
+
+    /// First byte of the value at a path and the value as written; where there is no such key, the
+    /// nearest table above it and no value.
+    pub fn place(&self, path: &KeyPath) -> (usize, String) {
+        let mut span = 0..0;
+        let mut node: Option<&Spanned<DeValue<'_>>> = None;
+        for step in &path.0 {
+            let next = match (step, node) {
+                (Step::Key(key), None) => self.table.get(key.as_str()),
+                (Step::Key(key), Some(value)) => {
+                    value.get_ref().as_table().and_then(|t| t.get(key.as_str()))
+                }
+                (Step::Index(index), Some(value)) => {
+                    value.get_ref().as_array().and_then(|a| a.get(*index))
+                }
+                (Step::Index(_), None) => None,
+            };
+            let Some(next) = next else {
+                return (span.start, String::new());
+            };
+            span = next.span();
+            node = Some(next);
+        }
+        (
+            span.start,
+            node.map_or_else(String::new, |value| self.excerpt(value)),
+        )
+    }
+
+    /// The value as written, on one line and cut to a readable length; nothing for a whole section.
+    pub fn excerpt(&self, value: &Spanned<DeValue<'_>>) -> String {
+        let text = self.text.get(value.span()).unwrap_or("");
+        let section = match value.get_ref() {
+            DeValue::Table(_) => text.starts_with('['),
+            DeValue::Array(items) => items.first().is_some_and(|item| item.get_ref().is_table()),
+            _ => false,
+        };
+        if section {
+            return String::new();
+        }
+        // Blanks are joined before the text is cut to the length that is shown.
+        let start: String = text.chars().take(400).collect();
+        let words: Vec<&str> = start.split_whitespace().collect();
+        printable(&words.join(" "), 80)
+    }
+}
+
+/// Text for a terminal line: no control characters, cut to `limit` characters.
+pub(crate) fn printable(text: &str, limit: usize) -> String {
+    let mut out = String::new();
+    for (k, c) in text.chars().enumerate() {
+        if k == limit {
+            out.push_str("...");
+            break;
+        }
+        if c.is_control() || is_direction_mark(c) {
+            out.extend(c.escape_unicode());
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
+/// Marks that reorder text on a terminal.
+pub(crate) fn is_direction_mark(c: char) -> bool {
+    matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}

@@ -1,0 +1,79 @@
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// One rigid body. The origin of its frame is its joint (base: any fixed point of the base).
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BodyFile {
+    /// Name, unique among bodies.
+    #[schemars(required)]
+    pub name: Option<String>,
+    /// Mass, kg. Zero is allowed where the body carries mass or moves with a body that has mass.
+    #[schemars(required)]
+    pub mass_kg: Option<f64>,
+    /// Mass centre from the origin of the body's frame, in its axes, m. Required where the mass is not zero.
+    pub com_m: Option<[f64; 3]>,
+    /// Inertia tensor about the mass centre, in the body's axes, kg m2. Required where the mass is not zero.
+    pub inertia_kg_m2: Option<InertiaFile>,
+    /// false (default): the numbers are known. true: they are unknown and the numbers nominal.
+    /// Or a list of what is unknown.
+    pub estimate: Option<EstimateFile>,
+    /// One sigma of the nominal values. No prior unless given.
+    pub prior: Option<PriorFile>,
+}
+
+/// Inertia tensor about the mass centre, kg m2. Off-diagonal entries are tensor elements
+/// (xy = -integral x y dm).
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct InertiaFile {
+    /// Moment about x, kg m2.
+    #[schemars(required)]
+    pub xx: Option<f64>,
+    /// Moment about y, kg m2.
+    #[schemars(required)]
+    pub yy: Option<f64>,
+    /// Moment about z, kg m2.
+    #[schemars(required)]
+    pub zz: Option<f64>,
+    /// Tensor element I_xy, kg m2. Default 0.
+    pub xy: Option<f64>,
+    /// Tensor element I_xz, kg m2. Default 0.
+    pub xz: Option<f64>,
+    /// Tensor element I_yz, kg m2. Default 0.
+    pub yz: Option<f64>,
+}
+
+/// Whether, or which, mass properties are unknown.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum EstimateFile {
+    /// All or nothing.
+    All(bool),
+    /// These.
+    Some(Vec<Parameter>),
+}
+
+/// A group of mass properties.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Parameter {
+    /// The mass.
+    Mass,
+    /// The mass centre.
+    Com,
+    /// The inertia tensor.
+    Inertia,
+}
+
+/// One sigma of the nominal values of a body.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PriorFile {
+    /// One sigma of the mass, kg.
+    pub mass_kg: Option<f64>,
+    /// One sigma of each component of the mass centre, m.
+    pub com_m: Option<f64>,
+    /// One sigma of each element of the central inertia, kg m2.
+    pub inertia_kg_m2: Option<f64>,
+}

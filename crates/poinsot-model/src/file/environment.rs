@@ -1,0 +1,27 @@
+use super::NuisanceFile;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Forces of the surroundings. The default is free fall.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EnvironmentFile {
+    /// "none" (default) or "point_mass".
+    pub gravity: Option<Gravity>,
+    /// Gravitational parameter of the attracting body, m3/s2. Required with, and only with, "point_mass".
+    pub gm_m3_s2: Option<f64>,
+    /// Whether the gravity-gradient torque acts. Needs gravity = "point_mass". Default false.
+    pub gravity_gradient: Option<bool>,
+    /// Constant torque in body axes, N m: "none" (default), "estimate", or { sigma_N_m = x }.
+    pub disturbance_torque: Option<NuisanceFile>,
+}
+
+/// Gravity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Gravity {
+    /// Free fall.
+    None,
+    /// A point mass at the origin of the inertial frame.
+    PointMass,
+}

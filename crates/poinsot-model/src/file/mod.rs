@@ -1,0 +1,58 @@
+//! The model file as written: one raw type per table, nothing checked beyond its shape.
+//!
+//! Every field is optional here, also where the schema requires it: the shape is checked first and
+//! every finding reported, and what is broken is left out so that the rest can still be checked.
+
+mod body;
+mod environment;
+mod joint;
+mod momentum;
+mod nuisance;
+mod sensor;
+mod telemetry;
+mod thruster;
+mod wheel;
+
+pub(crate) use body::{BodyFile, EstimateFile, InertiaFile, Parameter};
+pub(crate) use environment::{EnvironmentFile, Gravity};
+pub(crate) use joint::{JointFile, JointType};
+pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
+pub(crate) use nuisance::{NuisanceFile, NuisanceWord};
+pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
+pub(crate) use telemetry::{TelemetryFile, TelemetryMapFile};
+pub(crate) use thruster::ThrusterFile;
+pub(crate) use wheel::WheelFile;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A vehicle: a tree of rigid bodies with joints, wheels, thrusters and sensors. SI; every key that
+/// holds a quantity ends in its unit. Products of inertia are tensor elements (I_xy = -integral x y dm).
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "poinsot.model/1")]
+pub(crate) struct ModelFile {
+    /// Version of this format: "poinsot.model/1". Read before the rest of the file is.
+    #[allow(dead_code)]
+    #[schemars(required)]
+    pub schema: Option<String>,
+    /// Name of the vehicle. Default "vehicle".
+    pub name: Option<String>,
+    /// Bodies; the first is the base.
+    #[schemars(required)]
+    pub body: Option<Vec<BodyFile>>,
+    /// Joints; one for every body but the base.
+    pub joint: Option<Vec<JointFile>>,
+    /// Momentum wheels and geared rotors.
+    pub wheel: Option<Vec<WheelFile>>,
+    /// Thrusters.
+    pub thruster: Option<Vec<ThrusterFile>>,
+    /// Sensors with their declared noise.
+    pub sensor: Option<Vec<SensorFile>>,
+    /// What is known of the momentum at the first sample of each segment.
+    pub momentum: Option<MomentumFile>,
+    /// Forces of the surroundings.
+    pub environment: Option<EnvironmentFile>,
+    /// How columns of a telemetry file become channels.
+    pub telemetry: Option<TelemetryFile>,
+}

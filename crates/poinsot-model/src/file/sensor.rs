@@ -1,0 +1,122 @@
+use super::NuisanceFile;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A sensor. The unit of `noise_<unit>` and `quantisation_<unit>` is that of its channels: gyro rad_s;
+/// attitude rad; position m; velocity and velocity_increment m_s; accelerometer m_s2; joint_position rad
+/// or m; joint_rate rad_s or m_s; wheel_speed rad_s; thrust N. A noise is one sigma per sample: a number,
+/// three numbers (one per sensor axis), or the 3 x 3 symmetric positive definite square root S of the
+/// covariance S S.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+pub(crate) struct SensorFile {
+    /// Name, unique among sensors of its type.
+    #[schemars(required)]
+    pub name: Option<String>,
+    /// What it measures.
+    #[serde(rename = "type")]
+    #[schemars(required)]
+    pub kind: Option<SensorType>,
+    /// Name of the body it sits on. Default: the base.
+    pub body: Option<String>,
+    /// Names of the joints, wheels or thrusters that a joint_position, joint_rate, wheel_speed or thrust
+    /// sensor reads: one name or a list. Default: all whose unit fits.
+    pub of: Option<NamesFile>,
+    /// One sigma per sample of an attitude (small rotation in body axes) or a revolute joint's position, rad.
+    pub noise_rad: Option<NoiseFile>,
+    /// One sigma per sample of an angular velocity, a revolute joint's rate or a wheel speed, rad/s.
+    pub noise_rad_s: Option<NoiseFile>,
+    /// One sigma per sample of a position or a prismatic joint's position, m.
+    pub noise_m: Option<NoiseFile>,
+    /// One sigma per sample of a velocity, a velocity increment or a prismatic joint's rate, m/s.
+    pub noise_m_s: Option<NoiseFile>,
+    /// One sigma per sample of a specific force, m/s2.
+    pub noise_m_s2: Option<NoiseFile>,
+    /// One sigma per sample of a thrust, N.
+    pub noise_N: Option<NoiseFile>,
+    /// Least significant bit, rad. Its variance is LSB^2/12.
+    pub quantisation_rad: Option<f64>,
+    /// Least significant bit, rad/s.
+    pub quantisation_rad_s: Option<f64>,
+    /// Least significant bit, m.
+    pub quantisation_m: Option<f64>,
+    /// Least significant bit, m/s.
+    pub quantisation_m_s: Option<f64>,
+    /// Least significant bit, m/s2.
+    pub quantisation_m_s2: Option<f64>,
+    /// Least significant bit, N.
+    pub quantisation_N: Option<f64>,
+    /// Constant bias: "none" (default), "estimate", or { sigma_<unit> = x } in the unit of the channel.
+    pub bias: Option<NuisanceFile>,
+    /// Scale factor error: "none" (default), "estimate", or { sigma = x }.
+    pub scale: Option<NuisanceFile>,
+    /// Small rotation of the sensor: "none" (default), "estimate", or { sigma_rad = x }.
+    pub misalignment: Option<NuisanceFile>,
+    /// Delay of the samples, s: "none" (default), "estimate", or { sigma_s = x }.
+    pub lag: Option<NuisanceFile>,
+    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity.
+    pub rotation_xyzw: Option<[f64; 4]>,
+    /// The same as a matrix of rows: takes components in the sensor's axes to components in the body's.
+    pub rotation_matrix: Option<[[f64; 3]; 3]>,
+    /// Position of the sensor from the origin of the body's frame, m. Default zero.
+    pub position_m: Option<[f64; 3]>,
+}
+
+/// What a sensor measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum SensorType {
+    /// Angular velocity in body axes, rad/s.
+    Gyro,
+    /// Attitude, quaternion body to inertial.
+    Attitude,
+    /// Position of the sensor point in inertial axes, m.
+    Position,
+    /// Velocity of the sensor point in inertial axes, m/s.
+    Velocity,
+    /// Velocity increment over one sample interval, m/s.
+    VelocityIncrement,
+    /// Specific force at the sensor point in body axes, m/s2.
+    Accelerometer,
+    /// Joint positions, rad or m.
+    JointPosition,
+    /// Joint rates, rad/s or m/s.
+    JointRate,
+    /// Wheel speeds relative to the host, rad/s.
+    WheelSpeed,
+    /// Thrusts, N.
+    Thrust,
+}
+
+/// One sigma per sample.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum NoiseFile {
+    /// The same for every axis.
+    Scalar(f64),
+    /// One per axis of the sensor.
+    Axes([f64; 3]),
+    /// Symmetric positive definite square root of the covariance.
+    Matrix([[f64; 3]; 3]),
+}
+
+/// One name or several.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum NamesFile {
+    /// One.
+    One(String),
+    /// Several.
+    Many(Vec<String>),
+}
+
+impl NamesFile {
+    /// The names.
+    pub fn as_slice(&self) -> &[String] {
+        match self {
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Many(names) => names,
+        }
+    }
+}

@@ -1,0 +1,23 @@
+use super::NuisanceFile;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A thruster.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ThrusterFile {
+    /// Name, unique among thrusters.
+    #[schemars(required)]
+    pub name: Option<String>,
+    /// Name of the host body.
+    #[schemars(required)]
+    pub body: Option<String>,
+    /// Position of the nozzle from the origin of the body's frame, m.
+    #[schemars(required)]
+    pub position_m: Option<[f64; 3]>,
+    /// Direction of the force on the body, in its axes.
+    #[schemars(required)]
+    pub force_direction: Option<[f64; 3]>,
+    /// Factor between declared and true thrust: "none" (default: exact), "estimate", or { sigma = x }.
+    pub scale: Option<NuisanceFile>,
+}

@@ -1,0 +1,326 @@
+//! What is wrong with a model file, each finding with its place, and all of them at once.
+
+use crate::document::{Document, KeyPath, printable};
+use std::fmt;
+
+/// Findings shown; the rest is counted.
+const SHOWN: usize = 20;
+
+/// Codes of the findings in model files with one line of explanation each, for `poinsot explain`.
+pub const MODEL_CODES: [(&str, &str); 19] = [
+    (
+        "E0101",
+        "The file cannot be read, or is larger than 16 MiB or not UTF-8.",
+    ),
+    ("E0102", "The file is not valid TOML."),
+    (
+        "E0103",
+        "The file does not name the format it is written in, or names another one.",
+    ),
+    (
+        "E0104",
+        "A key or section that the format does not have. `poinsot schema` prints all keys with their units.",
+    ),
+    (
+        "E0105",
+        "A key without its unit, or with a unit that the format does not use here. All quantities are SI and every key ends in its unit.",
+    ),
+    ("E0106", "A required key is missing."),
+    (
+        "E0107",
+        "A value of the wrong type or none of the words allowed here.",
+    ),
+    (
+        "E0108",
+        "A number out of range: not finite, negative or zero where only positive numbers mean something.",
+    ),
+    (
+        "E0109",
+        "An empty name, or one with characters that cannot be printed.",
+    ),
+    (
+        "E0110",
+        "Two things of one kind have the same name, or two things would read the same telemetry column.",
+    ),
+    ("E0111", "A name that nothing in the file has."),
+    (
+        "E0112",
+        "The joints do not make one tree that hangs on the base: a cycle, a body with two parents or with none.",
+    ),
+    ("E0113", "An axis or direction of length zero."),
+    (
+        "E0114",
+        "A rotation that is not one: zero quaternion, matrix not orthonormal or left-handed, or two rotations given.",
+    ),
+    (
+        "E0115",
+        "Mass properties that no distribution of positive mass has: negative mass, negative principal moment, or a principal moment above the sum of the other two.",
+    ),
+    (
+        "E0116",
+        "Something moves that has no mass and carries none, or the whole vehicle has no mass: its motion is not determined.",
+    ),
+    (
+        "E0117",
+        "An estimate or prior that cannot be: a body without nominal mass or inertia has no scale to judge its estimate by.",
+    ),
+    (
+        "E0118",
+        "A sensor's noise, quantisation or nuisance parameter does not fit its type.",
+    ),
+    ("E0119", "More bodies than the program accepts (10000)."),
+];
+
+/// One thing that is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// Stable code, `E0101` and up; see [`MODEL_CODES`].
+    pub code: &'static str,
+    /// File as given.
+    pub file: String,
+    /// Line, from one; zero where the file could not be read.
+    pub line: usize,
+    /// Column in characters, from one.
+    pub column: usize,
+    /// Way to the key, for example `body[2].inertia_kg_m2.xx`; list positions count from zero.
+    pub key: String,
+    /// What the entry calls itself, for example `body "link2"`; empty where it has no name.
+    pub subject: String,
+    /// The value as written; empty where there is none.
+    pub value: String,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.code, self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}:{}", self.line, self.column)?;
+        }
+        write!(f, ": ")?;
+        if !self.key.is_empty() {
+            write!(f, "{}", self.key)?;
+            if !self.subject.is_empty() {
+                write!(f, " ({})", self.subject)?;
+            }
+            if !self.value.is_empty() {
+                write!(f, " = {}", self.value)?;
+            }
+            write!(f, ": ")?;
+        }
+        write!(f, "{}; {}", self.problem, self.remedy)
+    }
+}
+
+/// A model file that was refused: its findings sorted by place, at most 20, the others counted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelError {
+    /// The findings, never empty.
+    pub findings: Vec<Finding>,
+    /// How many more there are.
+    pub omitted: usize,
+    /// Whether the surroundings (disk, permission) failed and not the file.
+    pub environment: bool,
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, finding) in self.findings.iter().enumerate() {
+            if k > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{finding}")?;
+        }
+        if self.omitted > 0 {
+            write!(f, "\nand {} more", self.omitted)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+impl ModelError {
+    /// A file that could not be read at all.
+    pub(crate) fn unreadable(file: &str, problem: String, remedy: &str, environment: bool) -> Self {
+        Self {
+            findings: vec![Finding {
+                code: "E0101",
+                file: printable(file, 300),
+                line: 0,
+                column: 0,
+                key: String::new(),
+                subject: String::new(),
+                value: String::new(),
+                problem,
+                remedy: remedy.to_owned(),
+            }],
+            omitted: 0,
+            environment,
+        }
+    }
+}
+
+/// A key with the name of the entry it belongs to.
+#[derive(Debug, Clone)]
+pub(crate) struct Key {
+    pub path: KeyPath,
+    pub subject: String,
+}
+
+impl Key {
+    /// A table at the top of the file.
+    pub fn top(table: &str) -> Self {
+        Self {
+            path: KeyPath::default().key(table),
+            subject: String::new(),
+        }
+    }
+
+    /// Entry `index` of a list of tables, with its name.
+    pub fn entry(table: &str, index: usize, name: Option<&str>) -> Self {
+        Self {
+            path: KeyPath::default().key(table).index(index),
+            subject: match name {
+                Some(name) => format!("{table} \"{}\"", printable(name, 60)),
+                None => String::new(),
+            },
+        }
+    }
+
+    /// A key of this entry; dots lead deeper.
+    pub fn at(&self, keys: &str) -> Self {
+        let mut path = self.path.clone();
+        for key in keys.split('.') {
+            path = path.key(key);
+        }
+        Self {
+            path,
+            subject: self.subject.clone(),
+        }
+    }
+
+    /// An element of this list.
+    pub fn index(&self, index: usize) -> Self {
+        Self {
+            path: self.path.index(index),
+            subject: self.subject.clone(),
+        }
+    }
+}
+
+/// Collects findings and notes while a document is checked.
+pub(crate) struct Findings<'d, 'i> {
+    pub document: &'d Document<'i>,
+    findings: Vec<Finding>,
+    /// Line and text; notes are sorted by place in the end.
+    notes: Vec<(usize, String)>,
+}
+
+impl<'d, 'i> Findings<'d, 'i> {
+    pub fn new(document: &'d Document<'i>) -> Self {
+        Self {
+            document,
+            findings: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Refuses the value of a key.
+    pub fn refuse(
+        &mut self,
+        code: &'static str,
+        key: &Key,
+        problem: String,
+        remedy: impl Into<String>,
+    ) {
+        let (byte, value) = self.document.place(&key.path);
+        self.push(code, key, byte, value, problem, remedy.into());
+    }
+
+    /// Refuses bytes of the file, for example a key rather than its value.
+    pub fn push(
+        &mut self,
+        code: &'static str,
+        key: &Key,
+        byte: usize,
+        value: String,
+        problem: String,
+        remedy: String,
+    ) {
+        let (line, column) = self.document.line_column(byte);
+        self.findings.push(Finding {
+            code,
+            file: self.document.file.clone(),
+            line,
+            column,
+            key: key.path.to_string(),
+            subject: key.subject.clone(),
+            value,
+            problem,
+            remedy,
+        });
+    }
+
+    /// Lists something remarkable that is no error.
+    pub fn note(&mut self, key: &Key, text: String) {
+        let (line, _) = self.document.line_column(self.document.place(&key.path).0);
+        let subject = match key.subject.as_str() {
+            "" => String::new(),
+            subject => format!(" ({subject})"),
+        };
+        self.notes
+            .push((line, format!("line {line}: {}{subject}: {text}", key.path)));
+    }
+
+    /// Reports a key that should be there, at the entry that lacks it.
+    pub fn missing(&mut self, key: &Key, problem: &str, remedy: &str) {
+        self.refuse("E0106", key, problem.to_owned(), remedy);
+    }
+
+    /// Whether a finding stands at this key, below it, or at another spelling of it: then it is not
+    /// really missing.
+    pub fn has_near(&self, key: &Key) -> bool {
+        let path = key.path.to_string();
+        let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+        let stem = |name: &str| name.split('_').next().unwrap_or("").to_owned();
+        let wanted = stem(path.rsplit('.').next().unwrap_or(""));
+        self.findings.iter().any(|finding| {
+            finding.key.starts_with(&path)
+                || (finding.code == "E0105" || finding.code == "E0104")
+                    && finding.key.rsplit_once('.').is_some_and(|(t, name)| {
+                        t == table && crate::suggest::similar(&stem(name), &wanted)
+                    })
+        })
+    }
+
+    /// Findings so far.
+    pub fn count(&self) -> usize {
+        self.findings.len()
+    }
+
+    /// The notes, or the refusal.
+    pub fn finish(mut self) -> Result<Vec<String>, ModelError> {
+        if !self.findings.is_empty() {
+            return Err(self.into_error());
+        }
+        self.notes.sort();
+        Ok(self.notes.into_iter().map(|(_, text)| text).collect())
+    }
+
+    /// The refusal.
+    pub fn into_error(mut self) -> ModelError {
+        self.findings
+            .sort_by(|a, b| (a.line, a.column, a.code).cmp(&(b.line, b.column, b.code)));
+        let omitted = self.findings.len().saturating_sub(SHOWN);
+        self.findings.truncate(SHOWN);
+        ModelError {
+            findings: self.findings,
+            omitted,
+            environment: false,
+        }
+    }
+}

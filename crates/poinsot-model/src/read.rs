@@ -1,0 +1,205 @@
+//! From a path to a [`Model`]: limits, syntax, version, shape, meaning.
+
+use crate::check::check_model;
+use crate::check_telemetry::check_telemetry;
+use crate::document::{Document, KeyPath};
+use crate::file::{ModelFile, TelemetryMapFile};
+use crate::finding::{Findings, Key, ModelError};
+use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
+use crate::shape::check_shape;
+use crate::vehicle::{Model, TelemetryMap};
+use serde::Deserialize;
+use std::io::Read;
+use std::path::Path;
+use toml::de::DeValue;
+
+/// Version of the format this program reads.
+pub const MODEL_SCHEMA: &str = "poinsot.model/1";
+
+/// Largest model file, bytes.
+const LARGEST: u64 = 16 * 1024 * 1024;
+
+/// Reads and checks a vehicle (`poinsot.model/1`, TOML).
+///
+/// # Errors
+/// Everything that is wrong with the file, each with line and column.
+pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
+    let path = path.as_ref();
+    let text = read_text(path)?;
+    parse_model(&text, &path.display().to_string())
+}
+
+/// Checks a vehicle given as text; `file` names it in messages.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
+    let (document, syntax) = Document::new(text, file);
+    let mut findings = Findings::new(&document);
+    report_syntax(syntax, &mut findings);
+    check_version(&mut findings);
+    if findings.count() > 0 {
+        return Err(findings.into_error());
+    }
+    let clean = check_shape(model_schema_ref(), &mut findings);
+    let model = match ModelFile::deserialize(toml::Value::Table(clean)) {
+        Ok(raw) => check_model(&raw, &mut findings),
+        Err(error) => {
+            report_misfit(&error, &mut findings);
+            None
+        }
+    };
+    if model.is_none() && findings.count() == 0 {
+        refuse_file("E0106", "there is no body", "add [[body]]", &mut findings);
+    }
+    let notes = findings.finish()?;
+    match model {
+        Some(model) => Ok(Model { notes, ..model }),
+        None => Err(ModelError::unreadable(
+            file,
+            "there is no model".to_owned(),
+            "add [[body]]",
+            false,
+        )),
+    }
+}
+
+/// Reads a file that holds the `[telemetry]` table alone (`--map`).
+///
+/// # Errors
+/// Everything that is wrong with the file, each with line and column.
+pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelError> {
+    let path = path.as_ref();
+    let text = read_text(path)?;
+    parse_telemetry_map(&text, &path.display().to_string())
+}
+
+/// Checks a `[telemetry]` table given as text; `file` names it in messages.
+///
+/// # Errors
+/// As [`read_telemetry_map`].
+pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, ModelError> {
+    let (document, syntax) = Document::new(text, file);
+    let mut findings = Findings::new(&document);
+    report_syntax(syntax, &mut findings);
+    if findings.count() > 0 {
+        return Err(findings.into_error());
+    }
+    let clean = check_shape(telemetry_map_schema_ref(), &mut findings);
+    let map = match TelemetryMapFile::deserialize(toml::Value::Table(clean)) {
+        Ok(raw) => check_telemetry(raw.telemetry.as_ref(), None, &mut findings),
+        Err(error) => {
+            report_misfit(&error, &mut findings);
+            TelemetryMap::default()
+        }
+    };
+    findings.finish()?;
+    Ok(map)
+}
+
+fn read_text(path: &Path) -> Result<String, ModelError> {
+    let file = path.display().to_string();
+    let unreadable = |problem: String, remedy: &str, environment: bool| {
+        ModelError::unreadable(&file, problem, remedy, environment)
+    };
+    let io = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::NotFound => {
+            unreadable("there is no such file".to_owned(), "check the path", false)
+        }
+        std::io::ErrorKind::IsADirectory => {
+            unreadable("this is a folder".to_owned(), "name the file in it", false)
+        }
+        _ => unreadable(
+            format!("cannot be read: {error}"),
+            "check disk and permission",
+            true,
+        ),
+    };
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .map_err(io)?
+        .take(LARGEST + 1)
+        .read_to_end(&mut bytes)
+        .map_err(io)?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(unreadable(
+            "the file is larger than 16 MiB".to_owned(),
+            "is it a model file?",
+            false,
+        ));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        unreadable(
+            format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()),
+            "save the file as UTF-8 text",
+            false,
+        )
+    })
+}
+
+fn report_syntax(errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) {
+    for error in errors {
+        let at = error.span().map_or(0, |span| span.start);
+        let key = Key {
+            path: KeyPath::default(),
+            subject: String::new(),
+        };
+        let text = error
+            .message()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        findings.push(
+            "E0102",
+            &key,
+            at,
+            String::new(),
+            format!("not valid TOML: {text}"),
+            "correct it here".to_owned(),
+        );
+    }
+}
+
+/// The raw type refuses what the shape let through: a fault of this program, still no panic.
+fn report_misfit(error: &toml::de::Error, findings: &mut Findings<'_, '_>) {
+    if findings.count() == 0 {
+        let text = error.message().to_owned();
+        refuse_file("E0107", &text, "compare with `poinsot schema`", findings);
+    }
+}
+
+fn refuse_file(code: &'static str, problem: &str, remedy: &str, findings: &mut Findings<'_, '_>) {
+    let key = Key {
+        path: KeyPath::default(),
+        subject: String::new(),
+    };
+    findings.push(
+        code,
+        &key,
+        0,
+        String::new(),
+        problem.to_owned(),
+        remedy.to_owned(),
+    );
+}
+
+/// Refuses an empty file and one that says it is written in another format.
+fn check_version(findings: &mut Findings<'_, '_>) {
+    let table = &findings.document.table;
+    if findings.document.text.trim().is_empty() {
+        let remedy = "begin with schema = \"poinsot.model/1\"; `poinsot schema` prints all keys";
+        refuse_file("E0103", "the file is empty", remedy, findings);
+        return;
+    }
+    let Some(value) = table.get("schema") else {
+        return;
+    };
+    if !matches!(value.get_ref(), DeValue::String(text) if text == MODEL_SCHEMA) {
+        findings.refuse(
+            "E0103",
+            &Key::top("schema"),
+            "this program does not read this format".to_owned(),
+            format!("write schema = \"{MODEL_SCHEMA}\""),
+        );
+    }
+}

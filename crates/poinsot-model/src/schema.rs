@@ -1,0 +1,67 @@
+//! JSON Schema of the model file, made from the raw types: it documents the format and drives the
+//! check of a file's shape, so that the two cannot drift apart.
+
+use crate::file::{ModelFile, TelemetryMapFile};
+use serde_json::Value;
+use std::sync::OnceLock;
+
+/// The schema of `poinsot.model/1` (JSON Schema 2020-12). Descriptions carry the units.
+pub fn model_schema() -> Value {
+    model_schema_ref().clone()
+}
+
+pub(crate) fn model_schema_ref() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| without_null(schemars::schema_for!(ModelFile).to_value()))
+}
+
+pub(crate) fn telemetry_map_schema_ref() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| without_null(schemars::schema_for!(TelemetryMapFile).to_value()))
+}
+
+/// TOML has no null: an optional key is a key that may be missing.
+fn without_null(value: Value) -> Value {
+    match value {
+        Value::Array(items) => Value::Array(items.into_iter().map(without_null).collect()),
+        Value::Object(map) => {
+            let mut clean = serde_json::Map::new();
+            for (key, value) in map {
+                let value = match (key.as_str(), value) {
+                    ("type", Value::Array(types)) => {
+                        let mut types: Vec<Value> =
+                            types.into_iter().filter(|t| t != "null").collect();
+                        match (types.len(), types.pop()) {
+                            (1, Some(only)) => only,
+                            (_, Some(last)) => {
+                                types.push(last);
+                                Value::Array(types)
+                            }
+                            (_, None) => Value::Array(types),
+                        }
+                    }
+                    ("anyOf", Value::Array(items)) => {
+                        let mut items: Vec<Value> = items
+                            .into_iter()
+                            .filter(|item| item.get("type").is_none_or(|t| t != "null"))
+                            .map(without_null)
+                            .collect();
+                        if items.len() == 1
+                            && let Some(Value::Object(only)) = items.pop()
+                        {
+                            for (key, value) in only {
+                                clean.entry(key).or_insert(value);
+                            }
+                            continue;
+                        }
+                        Value::Array(items)
+                    }
+                    (_, value) => without_null(value),
+                };
+                clean.insert(key, value);
+            }
+            Value::Object(clean)
+        }
+        other => other,
+    }
+}

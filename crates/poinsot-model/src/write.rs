@@ -1,0 +1,311 @@
+//! A checked vehicle as a `poinsot.model/1` file that reads back equal.
+
+use crate::vehicle::{
+    Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
+};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use std::fmt::Write;
+
+/// The text of a model file. Numbers are written with all their digits; `notes` are not written.
+///
+/// A noise that differs from axis to axis in turned axes goes through a square root and reads back to
+/// round-off; everything else reads back to the last bit.
+pub fn write_model(model: &Model) -> String {
+    let mut out = String::new();
+    line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));
+    line(&mut out, "name", quoted(&model.name));
+    for body in &model.bodies {
+        write_body(&mut out, body);
+    }
+    for joint in &model.joints {
+        write_joint(&mut out, model, joint);
+    }
+    for wheel in &model.wheels {
+        section(&mut out, "[[wheel]]");
+        line(&mut out, "name", quoted(&wheel.name));
+        line(&mut out, "body", body_name(model, wheel.body));
+        line(&mut out, "axis", vector(&wheel.axis_B));
+        line(&mut out, "spin_inertia_kg_m2", number(wheel.spin_inertia));
+        if wheel.estimate {
+            line(&mut out, "estimate", "true".to_owned());
+        }
+    }
+    for thruster in &model.thrusters {
+        section(&mut out, "[[thruster]]");
+        line(&mut out, "name", quoted(&thruster.name));
+        line(&mut out, "body", body_name(model, thruster.body));
+        line(&mut out, "position_m", vector(&thruster.p_BoT_B));
+        line(&mut out, "force_direction", vector(&thruster.direction_B));
+        nuisance(&mut out, "scale", thruster.scale, "sigma");
+    }
+    for sensor in &model.sensors {
+        write_sensor(&mut out, model, sensor);
+    }
+    section(&mut out, "[momentum]");
+    line(&mut out, "linear_N_s", momentum(model.momentum.linear));
+    line(&mut out, "angular_N_m_s", momentum(model.momentum.angular));
+    write_environment(&mut out, model);
+    write_telemetry(&mut out, model);
+    out
+}
+
+fn write_body(out: &mut String, body: &Body) {
+    section(out, "[[body]]");
+    line(out, "name", quoted(&body.name));
+    line(out, "mass_kg", number(body.nominal.mass));
+    line(out, "com_m", vector(&body.nominal.p_BoBcm_B));
+    line(out, "inertia_kg_m2", inertia(&body.nominal.I_BBcm_B));
+    if body.estimate == EstimateSet::ALL {
+        line(out, "estimate", "true".to_owned());
+    } else if body.estimate.any() {
+        let e = body.estimate;
+        let words = [
+            ("\"mass\"", e.mass),
+            ("\"com\"", e.com),
+            ("\"inertia\"", e.inertia),
+        ];
+        let words: Vec<&str> = words
+            .iter()
+            .filter(|(_, on)| *on)
+            .map(|(w, _)| *w)
+            .collect();
+        line(out, "estimate", format!("[{}]", words.join(", ")));
+    }
+    if let Some(prior) = &body.prior {
+        let sigmas = [
+            ("mass_kg", prior.mass),
+            ("com_m", prior.com),
+            ("inertia_kg_m2", prior.inertia),
+        ];
+        let sigmas: Vec<String> = sigmas
+            .iter()
+            .filter_map(|(name, sigma)| Some(format!("{name} = {}", number((*sigma)?))))
+            .collect();
+        line(out, "prior", format!("{{ {} }}", sigmas.join(", ")));
+    }
+}
+
+fn write_joint(out: &mut String, model: &Model, joint: &Joint) {
+    section(out, "[[joint]]");
+    line(out, "name", quoted(&joint.name));
+    let (kind, locked_at) = match joint.kind {
+        JointKind::Revolute => ("revolute", "locked_at_rad"),
+        JointKind::Prismatic => ("prismatic", "locked_at_m"),
+        JointKind::Fixed => ("fixed", ""),
+    };
+    line(out, "type", quoted(kind));
+    line(out, "parent", body_name(model, joint.parent));
+    line(out, "child", body_name(model, joint.child));
+    line(out, "origin_m", vector(&joint.p_PoCo_P));
+    if joint.R_PC_zero != Matrix3::identity() {
+        line(out, "rotation_matrix", matrix(&joint.R_PC_zero));
+    }
+    if joint.kind != JointKind::Fixed {
+        line(out, "axis", vector(&joint.axis_C));
+        if joint.locked_at != 0.0 {
+            line(out, locked_at, number(joint.locked_at));
+        }
+    }
+}
+
+/// Unit of a sensor's channels as its keys write it.
+fn unit_of(model: &Model, sensor: &Sensor) -> &'static str {
+    let slides = sensor
+        .of
+        .first()
+        .and_then(|j| model.joints.get(*j))
+        .is_some_and(|j| j.kind == JointKind::Prismatic);
+    match sensor.kind {
+        SensorKind::Gyro | SensorKind::WheelSpeed => "rad_s",
+        SensorKind::Attitude => "rad",
+        SensorKind::Position => "m",
+        SensorKind::Velocity | SensorKind::VelocityIncrement => "m_s",
+        SensorKind::Accelerometer => "m_s2",
+        SensorKind::Thrust => "N",
+        SensorKind::JointPosition if slides => "m",
+        SensorKind::JointPosition => "rad",
+        SensorKind::JointRate if slides => "m_s",
+        SensorKind::JointRate => "rad_s",
+    }
+}
+
+fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
+    section(out, "[[sensor]]");
+    line(out, "name", quoted(&sensor.name));
+    line(out, "type", quoted(sensor.kind.word()));
+    if sensor.body != 0 {
+        line(out, "body", body_name(model, sensor.body));
+    }
+    if sensor.kind.is_scalar() {
+        let names: Vec<String> = sensor
+            .of
+            .iter()
+            .map(|k| read_name(model, sensor.kind, *k))
+            .collect();
+        line(out, "of", format!("[{}]", names.join(", ")));
+    }
+    let unit = unit_of(model, sensor);
+    if let Some(covariance) = &sensor.noise_covariance {
+        line(out, &format!("noise_{unit}"), noise(covariance));
+    }
+    if sensor.quantisation > 0.0 {
+        line(
+            out,
+            &format!("quantisation_{unit}"),
+            number(sensor.quantisation),
+        );
+    }
+    nuisance(out, "bias", sensor.bias, &format!("sigma_{unit}"));
+    nuisance(out, "scale", sensor.scale, "sigma");
+    nuisance(out, "misalignment", sensor.misalignment, "sigma_rad");
+    nuisance(out, "lag", sensor.lag, "sigma_s");
+    if sensor.R_BS != Matrix3::identity() {
+        line(out, "rotation_matrix", matrix(&sensor.R_BS));
+    }
+    if sensor.p_BoS_B != Vector3::zeros() {
+        line(out, "position_m", vector(&sensor.p_BoS_B));
+    }
+}
+
+fn write_environment(out: &mut String, model: &Model) {
+    let environment = &model.environment;
+    if *environment == crate::Environment::default() {
+        return;
+    }
+    section(out, "[environment]");
+    if let Some(gm) = environment.point_mass_gm {
+        line(out, "gravity", quoted("point_mass"));
+        line(out, "gm_m3_s2", number(gm));
+    }
+    if environment.gravity_gradient {
+        line(out, "gravity_gradient", "true".to_owned());
+    }
+    nuisance(
+        out,
+        "disturbance_torque",
+        environment.disturbance_torque,
+        "sigma_N_m",
+    );
+}
+
+fn write_telemetry(out: &mut String, model: &Model) {
+    let map = &model.telemetry;
+    if !map.row_filter.is_empty() {
+        section(out, "[telemetry.where]");
+        for (column, text) in &map.row_filter {
+            line(out, &quoted(column), quoted(text));
+        }
+    }
+    if !map.columns.is_empty() {
+        section(out, "[telemetry.columns]");
+        for source in &map.columns {
+            let value = format!(
+                "{{ column = {}, unit = {} }}",
+                quoted(&source.column),
+                quoted(&source.unit)
+            );
+            line(out, &quoted(&source.channel), value);
+        }
+    }
+}
+
+fn section(out: &mut String, header: &str) {
+    let _ = writeln!(out, "\n{header}");
+}
+
+fn line(out: &mut String, key: &str, value: String) {
+    let _ = writeln!(out, "{key} = {value}");
+}
+
+/// A TOML basic string.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// The shortest digits that read back to the same number.
+fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+fn vector(v: &Vector3) -> String {
+    format!("[{}, {}, {}]", number(v.x), number(v.y), number(v.z))
+}
+
+fn matrix(m: &Matrix3) -> String {
+    let rows: Vec<String> = m.row_iter().map(|row| vector(&row.transpose())).collect();
+    format!("[{}]", rows.join(", "))
+}
+
+fn inertia(i: &Matrix3) -> String {
+    format!(
+        "{{ xx = {}, yy = {}, zz = {}, xy = {}, xz = {}, yz = {} }}",
+        number(i[(0, 0)]),
+        number(i[(1, 1)]),
+        number(i[(2, 2)]),
+        number(i[(0, 1)]),
+        number(i[(0, 2)]),
+        number(i[(1, 2)])
+    )
+}
+
+fn noise(covariance: &Matrix3) -> String {
+    let diagonal = covariance.diagonal();
+    if *covariance == Matrix3::from_diagonal(&diagonal) {
+        return if diagonal.iter().all(|v| *v == diagonal.x) {
+            number(diagonal.x.sqrt())
+        } else {
+            vector(&diagonal.map(f64::sqrt))
+        };
+    }
+    let (variances, axes) = MassProperties {
+        mass: 1.0,
+        p_BoBcm_B: Vector3::zeros(),
+        I_BBcm_B: *covariance,
+    }
+    .principal();
+    let sigmas = Vector3::from(variances.map(|v| v.max(0.0).sqrt()));
+    let root = axes * Matrix3::from_diagonal(&sigmas) * axes.transpose();
+    matrix(&(0.5 * (root + root.transpose())))
+}
+
+fn nuisance(out: &mut String, key: &str, value: Nuisance, unit_key: &str) {
+    match value {
+        Nuisance::Known => {}
+        Nuisance::Estimate => line(out, key, quoted("estimate")),
+        Nuisance::Prior(sigma) => line(out, key, format!("{{ {unit_key} = {} }}", number(sigma))),
+    }
+}
+
+fn momentum(value: MomentumKnowledge) -> String {
+    match value {
+        MomentumKnowledge::Estimate => quoted("estimate"),
+        MomentumKnowledge::Known(v) if v == Vector3::zeros() => quoted("zero"),
+        MomentumKnowledge::Known(v) => vector(&v),
+    }
+}
+
+fn body_name(model: &Model, body: usize) -> String {
+    quoted(model.bodies.get(body).map_or("", |b| b.name.as_str()))
+}
+
+/// Name of the joint, wheel or thruster that a sensor reads.
+fn read_name(model: &Model, kind: SensorKind, k: usize) -> String {
+    let name = match kind {
+        SensorKind::WheelSpeed => model.wheels.get(k).map(|w| w.name.as_str()),
+        SensorKind::Thrust => model.thrusters.get(k).map(|t| t.name.as_str()),
+        _ => model.joints.get(k).map(|j| j.name.as_str()),
+    };
+    quoted(name.unwrap_or(""))
+}

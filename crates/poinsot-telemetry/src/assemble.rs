@@ -1,0 +1,169 @@
+//! From the columns of one file to channels of the table.
+
+use crate::columns::Columns;
+use crate::error::Place;
+use crate::plan::{Plan, PlannedChannel};
+use crate::{Channel, Quantity, Table, TelemetryError, quaternion};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Where each channel was found first.
+pub(crate) type Found = HashMap<String, Place>;
+
+/// Adds the channels of one file.
+pub(crate) fn add(
+    path: &Path,
+    plan: &Plan,
+    mut columns: Columns,
+    strict: bool,
+    found: &mut Found,
+    table: &mut Table,
+) -> Result<(), TelemetryError> {
+    check_cells(path, plan, &columns, strict, &mut table.repairs)?;
+    tidy_attitudes(path, plan, &mut columns, strict, &mut table.repairs)?;
+    let whole: Arc<[f64]> = columns.time_s.as_slice().into();
+    let mut bases = vec![Arc::clone(&whole)];
+    for (channel, values) in plan.channels.iter().zip(columns.values) {
+        let full = channel.name.full();
+        let place = Place::cell(path, 0, &channel.column);
+        if let Some(first) = found.get(&full) {
+            return Err(TelemetryError::DuplicateChannel {
+                channel: full,
+                first: Box::new(first.clone()),
+                second: Box::new(place),
+            });
+        }
+        let (time_s, values) = without_gaps(&whole, values, &mut bases);
+        if values.is_empty() {
+            table.repairs.push(format!("{place}: no samples; left out"));
+            continue;
+        }
+        found.insert(full, place);
+        table.channels.push(Channel {
+            name: channel.name.name.clone(),
+            sensor: channel.name.sensor.clone(),
+            unit: channel.name.dimension.si().to_owned(),
+            frame: channel.name.frame.to_owned(),
+            time_s,
+            values,
+        });
+    }
+    Ok(())
+}
+
+/// Infinite cells are refused; NaN cells are listed.
+fn check_cells(
+    path: &Path,
+    plan: &Plan,
+    columns: &Columns,
+    strict: bool,
+    repairs: &mut Vec<String>,
+) -> Result<(), TelemetryError> {
+    for ((channel, values), &(nan, first)) in plan
+        .channels
+        .iter()
+        .zip(&columns.values)
+        .zip(&columns.nan_cells)
+    {
+        if let Some((value, &row)) = values.iter().zip(&columns.rows).find(|c| c.0.is_infinite()) {
+            return Err(TelemetryError::Number {
+                place: Place::cell(path, row, &channel.column),
+                value: value.to_string(),
+                why: "is infinite; leave the cell empty where there is no sample".into(),
+            });
+        }
+        if nan > 0 {
+            let place = Place::cell(path, first, &channel.column);
+            let repair = format!("{nan} NaN cells taken as no sample");
+            if strict {
+                return Err(TelemetryError::Strict { place, repair });
+            }
+            repairs.push(format!("{place}: {repair} (this is the first)"));
+        }
+    }
+    Ok(())
+}
+
+fn tidy_attitudes(
+    path: &Path,
+    plan: &Plan,
+    columns: &mut Columns,
+    strict: bool,
+    repairs: &mut Vec<String>,
+) -> Result<(), TelemetryError> {
+    let firsts = plan
+        .channels
+        .iter()
+        .filter(|c| matches!(c.name.quantity, Quantity::Attitude(_)));
+    let mut done: Vec<&str> = Vec::new();
+    for first in firsts {
+        let sensor = first.name.sensor.as_str();
+        if done.contains(&sensor) {
+            continue;
+        }
+        done.push(sensor);
+        let mut indices = [0_usize; 4];
+        for (component, index) in indices.iter_mut().enumerate() {
+            *index = position(&plan.channels, sensor, component).ok_or_else(|| {
+                let name = ["q_x", "q_y", "q_z", "q_w"].get(component).copied();
+                TelemetryError::Quaternion {
+                    place: Place::file(path),
+                    why: format!(
+                        "'{}' is missing; a quaternion needs q_x, q_y, q_z and q_w in one file",
+                        crate::full_name(sensor, name.unwrap_or_default())
+                    ),
+                }
+            })?;
+        }
+        let mut take = |k: usize| {
+            columns
+                .values
+                .get_mut(k)
+                .map(std::mem::take)
+                .unwrap_or_default()
+        };
+        let mut q = indices.map(&mut take);
+        repairs.extend(quaternion::tidy(
+            path,
+            &first.column,
+            &columns.rows,
+            &mut q,
+            strict,
+        )?);
+        for (k, values) in indices.into_iter().zip(q) {
+            if let Some(slot) = columns.values.get_mut(k) {
+                *slot = values;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn position(channels: &[PlannedChannel], sensor: &str, component: usize) -> Option<usize> {
+    channels
+        .iter()
+        .position(|c| c.name.sensor == sensor && c.name.quantity == Quantity::Attitude(component))
+}
+
+/// The samples that are there, with a time base shared among columns with the same gaps.
+fn without_gaps(
+    whole: &Arc<[f64]>,
+    values: Vec<f64>,
+    bases: &mut Vec<Arc<[f64]>>,
+) -> (Arc<[f64]>, Vec<f64>) {
+    if !values.iter().any(|x| x.is_nan()) {
+        return (Arc::clone(whole), values);
+    }
+    let (times, values): (Vec<f64>, Vec<f64>) = whole
+        .iter()
+        .zip(values)
+        .filter(|(_, x)| !x.is_nan())
+        .unzip();
+    if let Some(base) = bases.iter().find(|b| b.as_ref() == times.as_slice()) {
+        return (Arc::clone(base), values);
+    }
+    let base: Arc<[f64]> = times.into();
+    bases.push(Arc::clone(&base));
+    (base, values)
+}

@@ -1,0 +1,159 @@
+//! The bytes of a file as they stream by: hashed, and refused where they are not text.
+
+use crate::TelemetryError;
+use crate::error::Place;
+use sha2::{Digest, Sha256};
+use std::fs::{File, Metadata};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Longest line that is read; a file without line ends would otherwise fill the memory.
+const MAX_LINE: usize = 16 << 20;
+
+/// Why the stream was stopped.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ByteFault {
+    #[error("byte {0} is NUL: the file is not text, or is UTF-16; save it as UTF-8")]
+    Nul(u64),
+    #[error("a line is longer than 16 MiB (at byte {0}); the file is damaged or is not CSV")]
+    Line(u64),
+}
+
+/// Opens a regular file.
+pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        return Err(TelemetryError::Format {
+            place: Place::file(path),
+            why: "not a regular file; give a .csv or .parquet file".into(),
+        });
+    }
+    Ok((File::open(path).map_err(io)?, metadata))
+}
+
+/// The file is still the one that was opened.
+pub(crate) fn check_unchanged(path: &Path, before: &Metadata) -> Result<(), TelemetryError> {
+    let same = std::fs::metadata(path).is_ok_and(|now| {
+        now.len() == before.len() && now.modified().ok() == before.modified().ok()
+    });
+    if same {
+        return Ok(());
+    }
+    Err(TelemetryError::Format {
+        place: Place::file(path),
+        why: "the file changed while it was read; read it again when it is complete".into(),
+    })
+}
+
+/// A reader that hashes what passes, stops at bytes that no text file has, and hands on every line end as `\n`,
+/// so that lines are counted alike.
+pub(crate) struct TextBytes<R> {
+    inner: R,
+    hash: Sha256,
+    offset: u64,
+    line: usize,
+    after_cr: bool,
+    last: u8,
+}
+
+impl<R: Read> TextBytes<R> {
+    pub(crate) fn new(inner: R) -> Self {
+        Self {
+            inner,
+            hash: Sha256::new(),
+            offset: 0,
+            line: 0,
+            after_cr: false,
+            last: 0,
+        }
+    }
+
+    /// SHA-256 of the bytes so far, hexadecimal.
+    pub(crate) fn sha256(&self) -> String {
+        hex(self.hash.clone())
+    }
+
+    /// Whether the last byte so far ends a line.
+    pub(crate) fn ends_a_line(&self) -> bool {
+        self.last == b'\n'
+    }
+
+    /// Writes `\r` and `\r\n` as `\n` in place; returns how many bytes are left.
+    fn plain_line_ends(&mut self, bytes: &mut [u8]) -> usize {
+        if !self.after_cr && !bytes.contains(&b'\r') {
+            return bytes.len();
+        }
+        let mut kept = 0;
+        for k in 0..bytes.len() {
+            let Some(&byte) = bytes.get(k) else { break };
+            let second_half = self.after_cr && byte == b'\n';
+            self.after_cr = byte == b'\r';
+            if second_half {
+                continue;
+            }
+            if let Some(slot) = bytes.get_mut(kept) {
+                *slot = if self.after_cr { b'\n' } else { byte };
+            }
+            kept += 1;
+        }
+        kept
+    }
+}
+
+impl<R: Read> Read for TextBytes<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let n = self.inner.read(buffer)?;
+            let read = buffer.get_mut(..n).unwrap_or_default();
+            if n == 0 {
+                return Ok(0);
+            }
+            if let Some(at) = read.iter().position(|&b| b == 0) {
+                return Err(io::Error::other(ByteFault::Nul(self.offset + at as u64)));
+            }
+            self.hash.update(&*read);
+            self.offset += n as u64;
+            let kept = self.plain_line_ends(read);
+            let text = read.get(..kept).unwrap_or_default();
+            match text.iter().rposition(|&b| b == b'\n') {
+                Some(at) => self.line = kept - at - 1,
+                None => self.line += kept,
+            }
+            if self.line > MAX_LINE {
+                return Err(io::Error::other(ByteFault::Line(self.offset)));
+            }
+            if let Some(&last) = text.last() {
+                self.last = last;
+                return Ok(kept);
+            }
+        }
+    }
+}
+
+/// SHA-256 of a whole file, hexadecimal.
+pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0_u8; 1 << 16];
+    loop {
+        let n = file
+            .read(&mut buffer)
+            .map_err(|source| TelemetryError::Io {
+                path: path.to_owned(),
+                what: "cannot be read",
+                source,
+            })?;
+        if n == 0 {
+            return Ok(hex(hash));
+        }
+        hash.update(buffer.get(..n).unwrap_or_default());
+    }
+}
+
+fn hex(hash: Sha256) -> String {
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+}

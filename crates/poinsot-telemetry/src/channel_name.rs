@@ -1,0 +1,228 @@
+//! Standard column names: what they mean, in which unit and in which axes.
+
+use crate::Dimension;
+use serde::Serialize;
+
+/// What a standard channel measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// `time_s`: the time of the row.
+    Time,
+    /// `q_x q_y q_z q_w`: attitude of the base, Hamilton, body to inertial; the index is 0..=3 for x, y, z, w.
+    Attitude(usize),
+    /// `omega_x..`: angular velocity of the base, body axes.
+    AngularVelocity(usize),
+    /// `domega_x..`: angular acceleration of the base, body axes.
+    AngularAcceleration(usize),
+    /// `r_x..`: position, inertial axes.
+    Position(usize),
+    /// `v_x..`: velocity, inertial axes.
+    Velocity(usize),
+    /// `dv_x..`: velocity increment, inertial axes.
+    VelocityIncrement(usize),
+    /// `acc_x..`: specific force, body axes.
+    SpecificForce(usize),
+    /// `<name>_rad`: angle of a joint.
+    Angle,
+    /// `<name>_rad_s`: rate of a joint or speed of a wheel.
+    AngleRate,
+    /// `<name>_rad_s2`: second derivative of a joint angle.
+    AngleAcceleration,
+    /// `<name>_Nm`: torque of a joint or a wheel's motor.
+    Torque,
+    /// `<name>_m`: displacement of a prismatic joint.
+    Displacement,
+    /// `<name>_m_s`: rate of a prismatic joint.
+    DisplacementRate,
+    /// `<name>_m_s2`: second derivative of a prismatic joint's displacement.
+    DisplacementAcceleration,
+    /// `<name>_N`: thrust, or force of a prismatic joint.
+    Force,
+}
+
+/// A column name taken apart.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelName {
+    /// The standard name without its sensor, for example `omega_x` or `joint1_rad_s`.
+    pub name: String,
+    /// The sensor where the column is `<sensor>.<name>`; empty otherwise.
+    pub sensor: String,
+    /// The joint, wheel or thruster of a `<name>_<unit>` column; empty otherwise.
+    pub subject: String,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Its dimension; the values are in that dimension's SI unit.
+    pub dimension: Dimension,
+    /// `body`, `inertial`, or empty for a scalar.
+    pub frame: &'static str,
+}
+
+impl ChannelName {
+    /// The name as a column header: `<sensor>.<name>`, or `<name>`.
+    pub fn full(&self) -> String {
+        full_name(&self.sensor, &self.name)
+    }
+}
+
+/// `<sensor>.<name>`, or `<name>` where the sensor is not named.
+pub fn full_name(sensor: &str, name: &str) -> String {
+    if sensor.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{sensor}.{name}")
+    }
+}
+
+type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
+
+/// Prefix of a three-vector's columns, quantity, dimension, axes.
+const VECTORS: [Vector; 7] = [
+    (
+        "omega",
+        Quantity::AngularVelocity,
+        Dimension::AngularVelocity,
+        "body",
+    ),
+    (
+        "domega",
+        Quantity::AngularAcceleration,
+        Dimension::AngularAcceleration,
+        "body",
+    ),
+    ("r", Quantity::Position, Dimension::Length, "inertial"),
+    ("v", Quantity::Velocity, Dimension::Velocity, "inertial"),
+    (
+        "dv",
+        Quantity::VelocityIncrement,
+        Dimension::Velocity,
+        "inertial",
+    ),
+    (
+        "acc",
+        Quantity::SpecificForce,
+        Dimension::Acceleration,
+        "body",
+    ),
+    ("q", Quantity::Attitude, Dimension::One, "inertial"),
+];
+
+/// Suffix of a named scalar, longest first, with quantity and dimension.
+const SUFFIXES: [(&str, Quantity, Dimension); 8] = [
+    (
+        "_rad_s2",
+        Quantity::AngleAcceleration,
+        Dimension::AngularAcceleration,
+    ),
+    ("_rad_s", Quantity::AngleRate, Dimension::AngularVelocity),
+    (
+        "_m_s2",
+        Quantity::DisplacementAcceleration,
+        Dimension::Acceleration,
+    ),
+    ("_rad", Quantity::Angle, Dimension::Angle),
+    ("_m_s", Quantity::DisplacementRate, Dimension::Velocity),
+    ("_Nm", Quantity::Torque, Dimension::Torque),
+    ("_m", Quantity::Displacement, Dimension::Length),
+    ("_N", Quantity::Force, Dimension::Force),
+];
+
+/// What a column of this name holds; `None` where the name is not a standard one.
+pub fn classify(column: &str) -> Option<ChannelName> {
+    let (sensor, name) = match column.rsplit_once('.') {
+        Some((sensor, name)) if !sensor.is_empty() => (sensor, name),
+        Some(_) => return None,
+        None => ("", column),
+    };
+    let built = |quantity, dimension, frame, subject: &str| ChannelName {
+        name: name.to_owned(),
+        sensor: sensor.to_owned(),
+        subject: subject.to_owned(),
+        quantity,
+        dimension,
+        frame,
+    };
+    if name == "time_s" {
+        return sensor
+            .is_empty()
+            .then(|| built(Quantity::Time, Dimension::Time, "", ""));
+    }
+    if let Some((prefix, axis)) = name.rsplit_once('_') {
+        let axis = match axis {
+            "x" => Some(0),
+            "y" => Some(1),
+            "z" => Some(2),
+            "w" if prefix == "q" => Some(3),
+            _ => None,
+        };
+        let vector = VECTORS.iter().find(|v| v.0 == prefix);
+        if let (Some(axis), Some(&(_, quantity, dimension, frame))) = (axis, vector) {
+            return Some(built(quantity(axis), dimension, frame, ""));
+        }
+    }
+    for (suffix, quantity, dimension) in SUFFIXES {
+        if let Some(subject) = name.strip_suffix(suffix).filter(|s| !s.is_empty()) {
+            return Some(built(quantity, dimension, "", subject));
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_the_longest_suffix_wins() {
+        for (column, subject, quantity, si) in [
+            ("joint1_rad", "joint1", Quantity::Angle, "rad"),
+            ("joint1_rad_s", "joint1", Quantity::AngleRate, "rad/s"),
+            (
+                "joint1_rad_s2",
+                "joint1",
+                Quantity::AngleAcceleration,
+                "rad/s2",
+            ),
+            ("boom_m", "boom", Quantity::Displacement, "m"),
+            ("boom_m_s", "boom", Quantity::DisplacementRate, "m/s"),
+            (
+                "boom_m_s2",
+                "boom",
+                Quantity::DisplacementAcceleration,
+                "m/s2",
+            ),
+            ("wheel2_Nm", "wheel2", Quantity::Torque, "N m"),
+            ("thr12_N", "thr12", Quantity::Force, "N"),
+            ("my_rad_m", "my_rad", Quantity::Displacement, "m"),
+        ] {
+            let name = classify(column).unwrap();
+            assert_eq!(
+                (name.subject.as_str(), name.quantity, name.dimension.si()),
+                (subject, quantity, si)
+            );
+        }
+    }
+
+    #[test]
+    fn unit_vectors_carry_their_axes() {
+        let name = classify("imu2.omega_z").unwrap();
+        assert_eq!((name.sensor.as_str(), name.frame), ("imu2", "body"));
+        assert_eq!(name.quantity, Quantity::AngularVelocity(2));
+        assert_eq!(name.full(), "imu2.omega_z");
+        assert_eq!(classify("v_y").unwrap().frame, "inertial");
+        assert_eq!(classify("q_w").unwrap().quantity, Quantity::Attitude(3));
+        assert_eq!(
+            classify("dv_x").unwrap().quantity,
+            Quantity::VelocityIncrement(0)
+        );
+    }
+
+    #[test]
+    fn unit_other_names_are_not_guessed() {
+        for column in [
+            "wx", "omega_w", "_rad", "", ".omega_x", "t_s", "a.time_s", "Mode",
+        ] {
+            assert_eq!(classify(column), None, "{column}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! What a reader hands on: the numbers of one file, column by column.
+
+use crate::number::Cell;
+
+/// The columns of one file that were asked for, in SI, row by row as they stand there.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Columns {
+    /// Time of each kept row, s; NaN where the cell was empty.
+    pub time_s: Vec<f64>,
+    /// Values of each planned channel, one per kept row; NaN = no sample.
+    pub values: Vec<Vec<f64>>,
+    /// Line (CSV) or row (Parquet) of each kept row, 1-based.
+    pub rows: Vec<u64>,
+    /// Data rows read, kept or not.
+    pub rows_read: usize,
+    /// Cells of each channel that held NaN, and the row of the first.
+    pub nan_cells: Vec<(u64, u64)>,
+    /// The first few distinct texts in the first filter column.
+    pub filter_seen: Vec<String>,
+}
+
+impl Columns {
+    pub(crate) fn with_channels(n: usize) -> Self {
+        Self {
+            values: vec![Vec::new(); n],
+            nan_cells: vec![(0, 0); n],
+            ..Self::default()
+        }
+    }
+
+    /// Appends one cell to a channel; NaN text is counted.
+    pub(crate) fn push(&mut self, channel: usize, row: u64, cell: Cell) {
+        let value = match cell {
+            Cell::Number(x) => x,
+            Cell::Empty | Cell::NotANumber => f64::NAN,
+        };
+        if cell == Cell::NotANumber
+            && let Some((count, first)) = self.nan_cells.get_mut(channel)
+        {
+            if *count == 0 {
+                *first = row;
+            }
+            *count += 1;
+        }
+        if let Some(values) = self.values.get_mut(channel) {
+            values.push(value);
+        }
+    }
+
+    /// Takes back what was read of this row, whole or in part.
+    pub(crate) fn drop_row(&mut self, row: u64) {
+        if self.rows.last() == Some(&row) {
+            self.rows.pop();
+        }
+        let n = self.rows.len();
+        self.time_s.truncate(n);
+        for values in &mut self.values {
+            values.truncate(n);
+        }
+    }
+
+    /// Keeps only the rows for which `keep` says so.
+    pub(crate) fn retain(&mut self, keep: &[bool]) {
+        fn filter<T: Copy>(v: &mut Vec<T>, keep: &[bool]) {
+            let mut keep = keep.iter();
+            v.retain(|_| keep.next().copied().unwrap_or(true));
+        }
+        filter(&mut self.time_s, keep);
+        filter(&mut self.rows, keep);
+        for values in &mut self.values {
+            filter(values, keep);
+        }
+    }
+
+    /// Remembers what a filter column holds, for the error that finds no row.
+    pub(crate) fn saw(&mut self, text: &str) {
+        if self.filter_seen.len() < 5 && !self.filter_seen.iter().any(|s| s == text) {
+            self.filter_seen.push(text.to_owned());
+        }
+    }
+}

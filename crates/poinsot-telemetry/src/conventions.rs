@@ -1,0 +1,226 @@
+//! Do attitude and gyro agree, and under which conventions: the body rates that follow from the quaternions are
+//! compared with the gyro under every reading of both.
+
+use crate::hypothesis::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
+use crate::rate_pairs::Pairs;
+use crate::{Channel, Table, TelemetryError, full_name};
+use serde::Serialize;
+
+/// What the comparison says about the declared reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "verdict")]
+pub enum Verdict {
+    /// No other reading fits clearly better.
+    DeclaredFits,
+    /// Another reading fits at least five times better.
+    DeclaredContradicted,
+    /// The data do not decide.
+    Undecided {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// The comparison of one attitude with one gyro.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConventionTest {
+    /// The attitude channels, for example `q_x..q_w`.
+    pub attitude: String,
+    /// The gyro channels, for example `omega_x..z`.
+    pub gyro: String,
+    /// Intervals compared.
+    pub intervals: usize,
+    /// Root mean square of the body rate from the attitude as declared, rad/s.
+    pub rate_rad_s: f64,
+    /// Least-squares factor gyro to attitude rate as declared; 1 where both agree, 0.01745 where the gyro is deg/s.
+    pub scale: f64,
+    /// The declared reading.
+    pub declared: Hypothesis,
+    /// The four different readings of the quaternion, with gyro unit and axes as declared.
+    pub attitude_readings: Vec<Hypothesis>,
+    /// The units of the gyro, with all else as declared.
+    pub gyro_units: Vec<Hypothesis>,
+    /// The simplest of the readings that fit best.
+    pub best: Hypothesis,
+    /// The reading that no motion can tell from the best: exchanging order and sense together only turns the body's
+    /// and the inertial axes by fixed rotations that permute axes.
+    pub twin: Option<Hypothesis>,
+    /// Others that fit as well as the best: this motion cannot tell them apart.
+    pub as_good: Vec<Hypothesis>,
+    /// The verdict on the declared reading.
+    pub verdict: Verdict,
+}
+
+/// Residuals below this share of the rate are equal: the comparison of averages is not better than that.
+const RESOLUTION: f64 = 1e-3;
+/// How much better another reading must fit to contradict the declared one.
+const DECISIVE: f64 = 5.0;
+/// A reading whose residual exceeds this share of the rate explains nothing.
+const EXPLAINED: f64 = 0.3;
+
+/// Compares an attitude (q_x, q_y, q_z, q_w) with a gyro (omega_x, omega_y, omega_z).
+///
+/// `R_BS` takes components in the gyro's axes to the body's; `None` where they are the same.
+/// `None` if the channels of either do not share their times or overlap in fewer than 8 intervals.
+#[allow(non_snake_case)]
+pub fn test_conventions(
+    attitude: [&Channel; 4],
+    gyro: [&Channel; 3],
+    R_BS: Option<[[f64; 3]; 3]>,
+) -> Option<ConventionTest> {
+    let pairs = Pairs::collect(attitude, gyro, R_BS)?;
+    let mut all = Vec::with_capacity(4 * 5 * 48);
+    for (order, sense) in READINGS {
+        let sums = pairs.sums(order, sense);
+        for gyro_unit in GyroUnit::ALL {
+            all.extend(Axes::all().map(|gyro_axes| Hypothesis {
+                order,
+                sense,
+                gyro_unit,
+                gyro_axes,
+                residual_rad_s: sums.residual(gyro_unit.factor(), gyro_axes),
+            }));
+        }
+    }
+    let declared = *all.iter().find(|h| h.is_declared())?;
+    let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
+    let rate = (sums.aa / sums.n).sqrt();
+    let level = |h: &Hypothesis| h.residual_rad_s.max(RESOLUTION * rate);
+    let lowest = all.iter().map(level).fold(f64::INFINITY, f64::min);
+    let mut good: Vec<Hypothesis> = all
+        .iter()
+        .copied()
+        .filter(|h| level(h) <= 1.5 * lowest)
+        .collect();
+    good.sort_by(|a, b| {
+        (a.departures().cmp(&b.departures())).then(a.residual_rad_s.total_cmp(&b.residual_rad_s))
+    });
+    let best = *good.first()?;
+    let is_twin = |h: &Hypothesis| {
+        h.order != best.order
+            && h.sense != best.sense
+            && h.gyro_unit == best.gyro_unit
+            && (h.residual_rad_s - best.residual_rad_s).abs() <= 1e-7 * (rate + best.residual_rad_s)
+    };
+    let twin = good
+        .iter()
+        .position(is_twin)
+        .filter(|_| rate > 0.0)
+        .map(|k| good.remove(k));
+    let verdict = if rate == 0.0 {
+        undecided("the attitude does not move")
+    } else if lowest > EXPLAINED * rate {
+        undecided("motion too small, or attitude and gyro too noisy: no reading explains the rates")
+    } else if level(&declared) >= DECISIVE * lowest {
+        Verdict::DeclaredContradicted
+    } else if level(&declared) <= 2.0 * lowest {
+        Verdict::DeclaredFits
+    } else {
+        undecided("another reading fits better, but not clearly")
+    };
+    let only =
+        |test: &dyn Fn(&Hypothesis) -> bool| all.iter().copied().filter(|h| test(h)).collect();
+    let as_declared = |h: &Hypothesis| h.gyro_axes == Axes::IDENTITY;
+    Some(ConventionTest {
+        attitude: format!("{}..q_w", full_name(&attitude[0].sensor, "q_x")),
+        gyro: format!("{}..z", full_name(&gyro[0].sensor, "omega_x")),
+        intervals: pairs.turns.len(),
+        rate_rad_s: rate,
+        scale: sums
+            .cross
+            .iter()
+            .enumerate()
+            .filter_map(|(k, row)| row.get(k))
+            .sum::<f64>()
+            / sums.gg,
+        declared,
+        attitude_readings: only(&|h| as_declared(h) && h.gyro_unit == GyroUnit::AsDeclared),
+        gyro_units: only(&|h| {
+            as_declared(h) && h.order == Order::Xyzw && h.sense == Sense::BodyToInertial
+        }),
+        best,
+        twin,
+        as_good: good.into_iter().skip(1).take(20).collect(),
+        verdict,
+    })
+}
+
+fn undecided(reason: &str) -> Verdict {
+    Verdict::Undecided {
+        reason: reason.to_owned(),
+    }
+}
+
+const READINGS: [(Order, Sense); 4] = [
+    (Order::Xyzw, Sense::BodyToInertial),
+    (Order::Xyzw, Sense::InertialToBody),
+    (Order::Wxyz, Sense::BodyToInertial),
+    (Order::Wxyz, Sense::InertialToBody),
+];
+
+/// Every attitude of the table against every gyro. A named sensor is compared with the unnamed ones and with its own.
+pub fn convention_tests(table: &Table) -> Vec<ConventionTest> {
+    let sensors = |name: &str| -> Vec<&str> {
+        let of = table.channels.iter().filter(|c| c.name == name);
+        of.map(|c| c.sensor.as_str()).collect()
+    };
+    let mut tests = Vec::new();
+    for attitude in sensors("q_x") {
+        for gyro in sensors("omega_x") {
+            if let Some(test) = test_sensors(table, attitude, gyro, None) {
+                tests.push(test);
+            }
+        }
+    }
+    tests
+}
+
+/// The test of one attitude sensor against one gyro by name (empty: unnamed); `None` where channels are missing or
+/// cannot be compared. `R_BS` as in [`test_conventions`].
+#[allow(non_snake_case)]
+pub fn test_sensors(
+    table: &Table,
+    attitude: &str,
+    gyro: &str,
+    R_BS: Option<[[f64; 3]; 3]>,
+) -> Option<ConventionTest> {
+    let of = |sensor: &str, name: &str| table.sensor_channel(sensor, name);
+    let q = |name| of(attitude, name);
+    let w = |name| of(gyro, name);
+    test_conventions(
+        [q("q_x")?, q("q_y")?, q("q_z")?, q("q_w")?],
+        [w("omega_x")?, w("omega_y")?, w("omega_z")?],
+        R_BS,
+    )
+}
+
+/// Refuses a table in which attitude and gyro contradict the declared conventions decisively.
+///
+/// Every gyro is taken to measure in body axes on the body of the attitude; where the vehicle mounts it otherwise,
+/// use [`test_sensors`] with its rotation and [`ConventionTest::check`].
+///
+/// # Errors
+/// [`TelemetryError::Convention`] names the reading that fits best.
+pub fn check_conventions(table: &Table) -> Result<(), TelemetryError> {
+    convention_tests(table)
+        .iter()
+        .try_for_each(ConventionTest::check)
+}
+
+impl ConventionTest {
+    /// # Errors
+    /// [`TelemetryError::Convention`] if the declared reading is contradicted.
+    pub fn check(&self) -> Result<(), TelemetryError> {
+        if self.verdict != Verdict::DeclaredContradicted {
+            return Ok(());
+        }
+        Err(TelemetryError::Convention {
+            attitude: self.attitude.clone(),
+            gyro: self.gyro.clone(),
+            declared: DECLARED.to_owned(),
+            declared_residual: self.declared.residual_rad_s,
+            best: self.best.to_string(),
+            best_residual: self.best.residual_rad_s,
+        })
+    }
+}

@@ -1,0 +1,209 @@
+//! CSV with one header row.
+
+use crate::bytes::{ByteFault, TextBytes, check_unchanged, open};
+use crate::columns::Columns;
+use crate::error::{Place, shown};
+use crate::number::{self, Cell};
+use crate::plan::{self, Plan};
+use crate::{ReadOptions, TelemetryError};
+use csv::ByteRecord;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+/// Reads a CSV file row by row; columns that nobody asked for are not parsed.
+pub(crate) fn read(
+    path: &Path,
+    options: &ReadOptions,
+    repairs: &mut Vec<String>,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let (mut file, before) = open(path)?;
+    refuse_utf16(path, &mut file)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .buffer_capacity(1 << 16)
+        .from_reader(TextBytes::new(file));
+    let mut record = ByteRecord::new();
+    if !next(path, &mut reader, &mut record)? {
+        return Err(TelemetryError::Header {
+            place: Place::file(path),
+            why: "the file is empty; a header row is needed".into(),
+        });
+    }
+    let header = header_of(path, &record)?;
+    let plan = plan::build(path, &header, options)?;
+    let mut columns = Columns::with_channels(plan.channels.len());
+    let mut last_row = 0;
+    while next(path, &mut reader, &mut record)? {
+        last_row = record.position().map_or(0, csv::Position::line);
+        columns.rows_read += 1;
+        let Err(error) = take_row(path, &plan, &record, last_row, &mut columns) else {
+            continue;
+        };
+        let is_last = !next(path, &mut reader, &mut record)?;
+        if !is_last || reader.get_ref().ends_a_line() {
+            return Err(error);
+        }
+        if !options.recover {
+            return Err(TelemetryError::Truncated {
+                place: Place::row(path, last_row),
+                why: how_cut(&error),
+            });
+        }
+        repairs.push(format!(
+            "{}: cut last row dropped",
+            Place::row(path, last_row)
+        ));
+        columns.rows_read -= 1;
+        columns.drop_row(last_row);
+        last_row = 0;
+    }
+    if last_row > 0 && !reader.get_ref().ends_a_line() {
+        if options.recover {
+            columns.rows_read -= 1;
+            columns.drop_row(last_row);
+            repairs.push(format!(
+                "{}: last row dropped: it has no line end, so its last number may be cut",
+                Place::row(path, last_row)
+            ));
+        } else {
+            repairs.push(format!(
+                "{}: the last row has no line end; taken as whole",
+                Place::row(path, last_row)
+            ));
+        }
+    }
+    check_unchanged(path, &before)?;
+    Ok((plan, columns, reader.get_ref().sha256()))
+}
+
+/// One data row into the columns; on error the row may be there in part.
+fn take_row(
+    path: &Path,
+    plan: &Plan,
+    record: &ByteRecord,
+    row: u64,
+    columns: &mut Columns,
+) -> Result<(), TelemetryError> {
+    if record.len() != plan.width {
+        let hint = if record.get(0).is_some_and(|c| c.starts_with(b"#")) {
+            "; lines that begin with '#' are not comments: leave them out"
+        } else if record.len() > plan.width {
+            "; a decimal comma or a comma in a text without quotes adds fields"
+        } else {
+            "; complete the row, an empty cell means no sample"
+        };
+        return Err(TelemetryError::Ragged {
+            place: Place::row(path, row),
+            actual: record.len(),
+            expected: plan.width,
+            hint,
+        });
+    }
+    for (k, (index, text)) in plan.filter.iter().enumerate() {
+        let cell = record.get(*index).unwrap_or_default();
+        if k == 0 {
+            columns.saw(&String::from_utf8_lossy(cell));
+        }
+        if cell != text.as_bytes() {
+            return Ok(());
+        }
+    }
+    let cell = |index: usize, column: &str| {
+        let bytes = record.get(index).unwrap_or_default();
+        number::parse(bytes).map_err(|why| TelemetryError::Number {
+            place: Place::cell(path, row, column),
+            value: shown(bytes),
+            why: why.to_owned(),
+        })
+    };
+    columns
+        .time_s
+        .push(match cell(plan.time_index, &plan.time_column)? {
+            Cell::Number(x) => plan.time_unit.to_si(x),
+            Cell::Empty | Cell::NotANumber => f64::NAN,
+        });
+    columns.rows.push(row);
+    for (k, channel) in plan.channels.iter().enumerate() {
+        let value = match cell(channel.index, &channel.column)? {
+            Cell::Number(x) => Cell::Number(channel.unit.to_si(x)),
+            other => other,
+        };
+        columns.push(k, row, value);
+    }
+    Ok(())
+}
+
+fn how_cut(error: &TelemetryError) -> String {
+    match error {
+        TelemetryError::Ragged {
+            actual, expected, ..
+        } => format!("{actual} of {expected} fields, no line end"),
+        TelemetryError::Number { place, value, .. } => {
+            format!("'{value}' in column '{}', no line end", place.column)
+        }
+        other => other.to_string(),
+    }
+}
+
+fn header_of(path: &Path, record: &ByteRecord) -> Result<Vec<String>, TelemetryError> {
+    let mut header = Vec::with_capacity(record.len());
+    for field in record {
+        let text = std::str::from_utf8(field).map_err(|e| TelemetryError::Format {
+            place: Place::row(path, 1),
+            why: format!(
+                "the header is not UTF-8 ('{}', byte {} of the name); save the file as UTF-8",
+                shown(field),
+                e.valid_up_to()
+            ),
+        })?;
+        header.push(text.trim().to_owned());
+    }
+    Ok(header)
+}
+
+fn refuse_utf16<R: Read + Seek>(path: &Path, file: &mut R) -> Result<(), TelemetryError> {
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
+    let mut mark = Vec::new();
+    file.by_ref().take(2).read_to_end(&mut mark).map_err(io)?;
+    file.rewind().map_err(io)?;
+    if mark == [0xff, 0xfe] || mark == [0xfe, 0xff] {
+        return Err(TelemetryError::Format {
+            place: Place::file(path),
+            why: "the file is UTF-16; save it as UTF-8".into(),
+        });
+    }
+    Ok(())
+}
+
+/// The next record; `false` at the end of the file.
+fn next<R: Read>(
+    path: &Path,
+    reader: &mut csv::Reader<R>,
+    record: &mut ByteRecord,
+) -> Result<bool, TelemetryError> {
+    reader.read_byte_record(record).map_err(|error| {
+        let text = error.to_string();
+        match error.into_kind() {
+            csv::ErrorKind::Io(source) if source.get_ref().is_some_and(|e| e.is::<ByteFault>()) => {
+                TelemetryError::Format {
+                    place: Place::file(path),
+                    why: source.to_string(),
+                }
+            }
+            csv::ErrorKind::Io(source) => TelemetryError::Io {
+                path: path.to_owned(),
+                what: "cannot be read",
+                source,
+            },
+            _ => TelemetryError::Format {
+                place: Place::file(path),
+                why: text,
+            },
+        }
+    })
+}

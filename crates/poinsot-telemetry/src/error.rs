@@ -1,0 +1,287 @@
+//! What can be wrong with a telemetry file, each with a code that stays.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Where in a file something was read: `run7.csv:1842 column 'omega_x'`, `run7.parquet row 12 column 'omega_x'`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Place {
+    /// The file as it was named.
+    pub path: PathBuf,
+    /// Line of a CSV file (1 = header), or row of a Parquet file (1 = first); 0 where it concerns the whole file.
+    pub row: u64,
+    /// The column as the file writes it; empty where it concerns the whole row.
+    pub column: String,
+}
+
+impl Place {
+    pub(crate) fn file(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn row(path: &Path, row: u64) -> Self {
+        Self {
+            path: path.to_owned(),
+            row,
+            column: String::new(),
+        }
+    }
+
+    pub(crate) fn cell(path: &Path, row: u64, column: &str) -> Self {
+        Self {
+            path: path.to_owned(),
+            row,
+            column: column.to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        let parquet = (self.path.extension()).is_some_and(|e| e == "parquet" || e == "pq");
+        match (self.row, parquet) {
+            (0, _) => {}
+            (row, true) => write!(f, " row {row}")?,
+            (row, false) => write!(f, ":{row}")?,
+        }
+        if !self.column.is_empty() {
+            write!(f, " column '{}'", self.column)?;
+        }
+        Ok(())
+    }
+}
+
+/// Why telemetry could not be read, checked or written. One line: code, place, value, fault, remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TelemetryError {
+    /// The operating system refused.
+    #[error("E0201 {place}: {what}: {source}", place = path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was attempted.
+        what: &'static str,
+        /// The answer of the operating system.
+        source: std::io::Error,
+    },
+    /// The bytes are not UTF-8 text, or not a file of a known kind.
+    #[error("E0202 {place}: {why}")]
+    Format {
+        /// Where.
+        place: Place,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// A cell is not a finite number.
+    #[error("E0203 {place}: '{value}' {why}")]
+    Number {
+        /// Where.
+        place: Place,
+        /// The cell as read, shortened.
+        value: String,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// A row has too many or too few fields.
+    #[error("E0204 {place}: {actual} fields where the header has {expected}{hint}")]
+    Ragged {
+        /// Where.
+        place: Place,
+        /// Fields in the row.
+        actual: usize,
+        /// Columns in the header.
+        expected: usize,
+        /// A likely cause; begins with a separator, or empty.
+        hint: &'static str,
+    },
+    /// The header names no column, or one twice, or looks like another format.
+    #[error("E0205 {place}: {why}")]
+    Header {
+        /// Where.
+        place: Place,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// The file stops inside its last row.
+    #[error(
+        "E0206 {place}: the file ends inside this row ({why}); use --recover to keep the rows before it"
+    )]
+    Truncated {
+        /// Where.
+        place: Place,
+        /// How it shows.
+        why: String,
+    },
+    /// No column holds the time.
+    #[error("E0207 {place}: no column 'time_s'{hint}")]
+    NoTime {
+        /// The file.
+        place: Place,
+        /// The mapping that would help; begins with a separator.
+        hint: String,
+    },
+    /// Times are not strictly increasing, or a row has none.
+    #[error("E0208 {place}: {why}")]
+    Time {
+        /// Where.
+        place: Place,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// The sampling interval is not plausible.
+    #[error(
+        "E0209 {place}: the median step is {median_s:e} s, outside 1e-5 to 1e5 s{hint}; map it: time_s = {{ column = \"{column}\", unit = \"...\" }}",
+        column = place.column
+    )]
+    TimeUnit {
+        /// The time column.
+        place: Place,
+        /// Median step as read, s.
+        median_s: f64,
+        /// The likely unit; begins with a separator, or empty.
+        hint: &'static str,
+    },
+    /// One channel comes from two places.
+    #[error(
+        "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{channel}'"
+    )]
+    DuplicateChannel {
+        /// The channel.
+        channel: String,
+        /// Where it was found first.
+        first: Box<Place>,
+        /// Where it was found again.
+        second: Box<Place>,
+    },
+    /// A unit that is not in the table.
+    #[error("E0211 unit '{unit}' is not known; did you mean '{nearest}'?")]
+    UnknownUnit {
+        /// As written.
+        unit: String,
+        /// The nearest known unit.
+        nearest: String,
+    },
+    /// A map that cannot be followed.
+    #[error("E0212 map of channel '{channel}': {why}")]
+    Map {
+        /// The channel that is mapped.
+        channel: String,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// A row filter that finds no column or no row.
+    #[error("E0213 where {column} = '{text}': {why}")]
+    Filter {
+        /// The column.
+        column: String,
+        /// The text wanted.
+        text: String,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// A quaternion is not of unit norm, or lacks a component.
+    #[error("E0214 {place}: {why}")]
+    Quaternion {
+        /// Where.
+        place: Place,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// Attitude and gyro contradict the declared conventions.
+    #[error(
+        "E0215 attitude '{attitude}' and gyro '{gyro}' contradict the declared {declared}: residual {declared_residual:.3e} rad/s, but {best_residual:.3e} rad/s with {best}; correct the map or the file"
+    )]
+    Convention {
+        /// The attitude channels, for example `q_x..q_w`.
+        attitude: String,
+        /// The gyro channels, for example `omega_x..z`.
+        gyro: String,
+        /// The declared convention.
+        declared: String,
+        /// Root mean square of attitude rate minus gyro as declared, rad/s.
+        declared_residual: f64,
+        /// The convention that fits best.
+        best: String,
+        /// Its residual, rad/s.
+        best_residual: f64,
+    },
+    /// The Parquet decoder refused the file.
+    #[error("E0216 {place}: {why}; write the file again, or convert it to CSV")]
+    Parquet {
+        /// Where.
+        place: Place,
+        /// What the decoder said.
+        why: String,
+    },
+    /// The file has no rows.
+    #[error("E0217 {place}: no data rows after the header; give a file with samples")]
+    Empty {
+        /// The file.
+        place: Place,
+    },
+    /// A repair would be needed and repairs are off.
+    #[error(
+        "E0218 {place}: {repair}; --strict allows no repair: correct the file or leave out --strict"
+    )]
+    Strict {
+        /// Where.
+        place: Place,
+        /// The repair that was not made.
+        repair: String,
+    },
+    /// Channels that cannot be written.
+    #[error("E0219 {place}: {why}")]
+    Write {
+        /// The file to be written.
+        place: Place,
+        /// What is wrong and what to do.
+        why: String,
+    },
+}
+
+impl TelemetryError {
+    /// The code of this kind of error, for `poinsot explain`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Io { .. } => "E0201",
+            Self::Format { .. } => "E0202",
+            Self::Number { .. } => "E0203",
+            Self::Ragged { .. } => "E0204",
+            Self::Header { .. } => "E0205",
+            Self::Truncated { .. } => "E0206",
+            Self::NoTime { .. } => "E0207",
+            Self::Time { .. } => "E0208",
+            Self::TimeUnit { .. } => "E0209",
+            Self::DuplicateChannel { .. } => "E0210",
+            Self::UnknownUnit { .. } => "E0211",
+            Self::Map { .. } => "E0212",
+            Self::Filter { .. } => "E0213",
+            Self::Quaternion { .. } => "E0214",
+            Self::Convention { .. } => "E0215",
+            Self::Parquet { .. } => "E0216",
+            Self::Empty { .. } => "E0217",
+            Self::Strict { .. } => "E0218",
+            Self::Write { .. } => "E0219",
+        }
+    }
+
+    /// Whether the environment (disk, permission) is at fault and not the file's content.
+    pub fn is_environment(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if source.kind() != std::io::ErrorKind::NotFound)
+    }
+}
+
+/// A cell as shown in an error: control characters escaped, at most 40 characters.
+pub(crate) fn shown(cell: &[u8]) -> String {
+    let text = String::from_utf8_lossy(cell);
+    let mut short: String = text.chars().take(40).flat_map(char::escape_debug).collect();
+    if text.chars().count() > 40 {
+        short.push_str("...");
+    }
+    short
+}

@@ -1,0 +1,177 @@
+//! One reading of attitude and gyro: order, sense, unit and axes.
+
+use serde::Serialize;
+use std::f64::consts::PI;
+use std::fmt;
+
+/// Order of the four numbers in the columns `q_x q_y q_z q_w`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// Scalar last, as declared.
+    Xyzw,
+    /// Scalar first.
+    Wxyz,
+}
+
+/// What the quaternion rotates. A JPL quaternion has the numbers of the Hamilton quaternion of the inverse sense,
+/// so the eight conventions make only four different readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sense {
+    /// Body to inertial, Hamilton, as declared; the same numbers as inertial to body, JPL.
+    BodyToInertial,
+    /// Inertial to body, Hamilton; the same numbers as body to inertial, JPL.
+    InertialToBody,
+}
+
+/// What a gyro number of the table has to be multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GyroUnit {
+    /// As declared.
+    AsDeclared,
+    /// The numbers are deg/s.
+    DegPerS,
+    /// The numbers are rpm.
+    Rpm,
+    /// Taken for deg/s and converted, though they were rad/s.
+    RadPerSTakenForDeg,
+    /// Taken for rpm and converted, though they were rad/s.
+    RadPerSTakenForRpm,
+}
+
+impl GyroUnit {
+    pub(crate) const ALL: [Self; 5] = [
+        Self::AsDeclared,
+        Self::DegPerS,
+        Self::Rpm,
+        Self::RadPerSTakenForDeg,
+        Self::RadPerSTakenForRpm,
+    ];
+
+    /// Factor that takes the table's number to rad/s.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::AsDeclared => 1.0,
+            Self::DegPerS => PI / 180.0,
+            Self::Rpm => PI / 30.0,
+            Self::RadPerSTakenForDeg => 180.0 / PI,
+            Self::RadPerSTakenForRpm => 30.0 / PI,
+        }
+    }
+}
+
+/// Signed permutation of the gyro's axes: body axis `i` is `sign[i]` times gyro axis `axis[i]`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Axes {
+    /// Gyro axis of each body axis, 0..=2.
+    pub axis: [usize; 3],
+    /// `1` or `-1`.
+    pub sign: [i8; 3],
+}
+
+impl Axes {
+    pub(crate) const IDENTITY: Self = Self {
+        axis: [0, 1, 2],
+        sign: [1, 1, 1],
+    };
+
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        const ORDERS: [[usize; 3]; 6] = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
+        ORDERS.into_iter().flat_map(|axis| {
+            (0..8_u8).map(move |bits| Self {
+                axis,
+                sign: [0, 1, 2].map(|k| if bits >> k & 1 == 1 { -1 } else { 1 }),
+            })
+        })
+    }
+}
+
+impl fmt::Display for Axes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("(")?;
+        for (k, (axis, sign)) in self.axis.iter().zip(self.sign).enumerate() {
+            let comma = if k > 0 { ", " } else { "" };
+            let minus = if sign < 0 { "-" } else { "" };
+            let name = ["x", "y", "z"].get(*axis).copied().unwrap_or("?");
+            write!(f, "{comma}{minus}{name}")?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// One reading of attitude and gyro together.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hypothesis {
+    /// Order of the quaternion's numbers.
+    pub order: Order,
+    /// Sense of the quaternion.
+    pub sense: Sense,
+    /// Unit of the gyro.
+    pub gyro_unit: GyroUnit,
+    /// Axes of the gyro.
+    pub gyro_axes: Axes,
+    /// Root mean square of (rate from attitude - gyro), rad/s.
+    pub residual_rad_s: f64,
+}
+
+impl Hypothesis {
+    /// How many things it changes in what was declared; a permutation counts more than a sign.
+    pub(crate) fn departures(&self) -> usize {
+        let axes = self.gyro_axes.axis != Axes::IDENTITY.axis;
+        let signs = self.gyro_axes.sign.iter().filter(|s| **s < 0).count();
+        usize::from(self.order != Order::Xyzw) * 2
+            + usize::from(self.sense != Sense::BodyToInertial) * 2
+            + usize::from(self.gyro_unit != GyroUnit::AsDeclared) * 2
+            + usize::from(axes) * 4
+            + signs * 3
+    }
+
+    /// Whether this is what the table declares: xyzw, Hamilton, body to inertial; gyro in rad/s, body axes.
+    pub fn is_declared(&self) -> bool {
+        self.departures() == 0
+    }
+}
+
+impl fmt::Display for Hypothesis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = Vec::new();
+        if self.order == Order::Wxyz {
+            parts.push("quaternion scalar first (wxyz)".to_owned());
+        }
+        if self.sense == Sense::InertialToBody {
+            parts.push(
+                "quaternion inertial to body (or body to inertial in JPL algebra)".to_owned(),
+            );
+        }
+        match self.gyro_unit {
+            GyroUnit::AsDeclared => {}
+            GyroUnit::DegPerS => parts.push("gyro in deg/s".into()),
+            GyroUnit::Rpm => parts.push("gyro in rpm".into()),
+            GyroUnit::RadPerSTakenForDeg => {
+                parts.push("gyro in rad/s (it is mapped as deg/s)".into());
+            }
+            GyroUnit::RadPerSTakenForRpm => {
+                parts.push("gyro in rad/s (it is mapped as rpm)".into())
+            }
+        }
+        if self.gyro_axes != Axes::IDENTITY {
+            parts.push(format!("body rates = gyro {}", self.gyro_axes));
+        }
+        if parts.is_empty() {
+            parts.push(DECLARED.to_owned());
+        }
+        f.write_str(&parts.join(", "))
+    }
+}
+
+/// What a table declares.
+pub(crate) const DECLARED: &str = "xyzw, Hamilton, body to inertial, gyro in rad/s and body axes";

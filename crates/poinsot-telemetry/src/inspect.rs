@@ -1,0 +1,180 @@
+//! What a table holds, for an engineer who sees it for the first time.
+
+use crate::conventions::{ConventionTest, convention_tests};
+use crate::noise::noise_level;
+use crate::time_base::{median, median_step};
+use crate::{Channel, Suggestion, Table, full_name, suggest};
+use serde::Serialize;
+
+/// Everything that can be said about a table without a vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// The files.
+    pub sources: Vec<FileSummary>,
+    /// First and last time of any channel, s.
+    pub time_s: Option<[f64; 2]>,
+    /// One line per channel.
+    pub channels: Vec<ChannelSummary>,
+    /// Attitude against gyro.
+    pub conventions: Vec<ConventionTest>,
+    /// Columns that were not taken.
+    pub ignored: Vec<String>,
+    /// What some of them may be.
+    pub suggestions: Vec<Suggestion>,
+    /// What was repaired while reading.
+    pub repairs: Vec<String>,
+    /// What looks wrong and cannot be decided here.
+    pub notes: Vec<String>,
+}
+
+/// A file of the table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FileSummary {
+    /// As named.
+    pub path: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+    /// Data rows.
+    pub rows: usize,
+    /// First and last time, s.
+    pub time_s: [f64; 2],
+}
+
+/// One channel in numbers, SI.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelSummary {
+    /// `<sensor>.<name>`, or the name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// `body`, `inertial` or empty.
+    pub frame: String,
+    /// Samples.
+    pub samples: usize,
+    /// First and last time, s.
+    pub time_s: [f64; 2],
+    /// One over the median step, Hz.
+    pub rate_hz: Option<f64>,
+    /// Steps longer than three median steps.
+    pub gaps: usize,
+    /// The longest of them, s; zero if none.
+    pub longest_gap_s: f64,
+    /// Smallest value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
+    /// All samples are equal.
+    pub constant: bool,
+    /// All values are multiples of this step: quantisation, or the last digit written.
+    pub quantum: Option<f64>,
+    /// White noise seen, one sigma per sample; `None` where none can be seen.
+    pub noise: Option<f64>,
+}
+
+/// Looks at every channel of a table and at how attitude and gyro fit together. Never changes the table.
+pub fn inspect(table: &Table) -> Inspection {
+    let channels: Vec<ChannelSummary> = table.channels.iter().filter_map(summarise).collect();
+    let span = channels.iter().map(|c| c.time_s).reduce(|a, b| {
+        let ([a0, a1], [b0, b1]) = (a, b);
+        [a0.min(b0), a1.max(b1)]
+    });
+    Inspection {
+        sources: table
+            .sources
+            .iter()
+            .map(|s| FileSummary {
+                path: s.path.clone(),
+                sha256: s.sha256.clone(),
+                rows: s.rows,
+                time_s: s.time_s,
+            })
+            .collect(),
+        time_s: span,
+        conventions: convention_tests(table),
+        ignored: table.ignored.clone(),
+        suggestions: table.ignored.iter().filter_map(|c| suggest(c)).collect(),
+        repairs: table.repairs.clone(),
+        notes: table.channels.iter().flat_map(notes).collect(),
+        channels,
+    }
+}
+
+fn summarise(channel: &Channel) -> Option<ChannelSummary> {
+    let step = median_step(&channel.time_s);
+    let steps = channel
+        .time_s
+        .iter()
+        .zip(channel.time_s.iter().skip(1))
+        .map(|(a, b)| b - a);
+    let gaps: Vec<f64> = steps
+        .filter(|d| step.is_some_and(|s| *d > 3.0 * s))
+        .collect();
+    let noise = noise_level(channel);
+    Some(ChannelSummary {
+        name: full_name(&channel.sensor, &channel.name),
+        unit: channel.unit.clone(),
+        frame: channel.frame.clone(),
+        samples: channel.values.len(),
+        time_s: [*channel.time_s.first()?, *channel.time_s.last()?],
+        rate_hz: step.map(|s| 1.0 / s),
+        gaps: gaps.len(),
+        longest_gap_s: gaps.iter().copied().fold(0.0, f64::max),
+        min: channel.values.iter().copied().fold(f64::INFINITY, f64::min),
+        max: channel
+            .values
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max),
+        constant: crate::noise::is_constant(&channel.values),
+        quantum: crate::noise::quantum(&channel.values),
+        noise: noise.filter(|n| n.sigma > 0.0).map(|n| n.sigma),
+    })
+}
+
+/// Fastest wheel that needs no question, rad/s (9550 rpm).
+const FAST_WHEEL: f64 = 1000.0;
+
+fn notes(channel: &Channel) -> Vec<String> {
+    let name = full_name(&channel.sensor, &channel.name);
+    let mut notes = Vec::new();
+    let largest = channel.values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if name.ends_with("_rad_s") && largest > FAST_WHEEL {
+        notes.push(format!(
+            "{name} reaches {largest:.0} rad/s ({:.0} rpm); if the file holds rpm, map it with unit = \"rpm\". \
+             Attitude and gyro cannot tell",
+            largest * 30.0 / std::f64::consts::PI
+        ));
+    }
+    if name.starts_with("r_") && largest > 1e5 {
+        notes.push(format!(
+            "{name} reaches {largest:.3e} m: absolute orbital positions need [environment] gravity"
+        ));
+    }
+    if let Some((value, count)) = sentinel(&channel.values) {
+        notes.push(format!(
+            "{name} holds {value} in {count} samples, far from all others: a placeholder for no sample? \
+             leave those cells empty"
+        ));
+    }
+    notes
+}
+
+/// A value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
+fn sentinel(values: &[f64]) -> Option<(f64, usize)> {
+    let mut sorted = values.to_vec();
+    let centre = median(&mut sorted)?;
+    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
+    let sigma = median(&mut distances)? / 0.6745;
+    [
+        sorted.iter().copied().reduce(f64::min)?,
+        sorted.iter().copied().reduce(f64::max)?,
+    ]
+    .into_iter()
+    .map(|x| (x, values.iter().filter(|v| **v == x).count()))
+    .find(|(x, count)| {
+        *count >= 2
+            && count * 100 >= values.len()
+            && sigma > 0.0
+            && (x - centre).abs() > 20.0 * sigma
+    })
+}

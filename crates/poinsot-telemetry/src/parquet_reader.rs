@@ -1,0 +1,260 @@
+//! Parquet with the same names as CSV.
+//!
+//! The decoder is third-party code that panics on some damaged files: a panic becomes an error here.
+
+use crate::bytes::{check_unchanged, open, sha256_of};
+use crate::columns::Columns;
+use crate::error::Place;
+use crate::number::Cell;
+use crate::plan::{self, Plan};
+use crate::{ReadOptions, TelemetryError};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
+    UInt32Type, UInt64Type,
+};
+use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
+use arrow_schema::DataType;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use parquet::file::metadata::ParquetMetaData;
+use std::fs::File;
+use std::io::Seek;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+/// Rows decoded at a time.
+const BATCH: usize = 8192;
+
+/// Reads the planned columns of a Parquet file batch by batch.
+pub(crate) fn read(
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let (mut file, before) = open(path)?;
+    let sha256 = sha256_of(path, &mut file)?;
+    file.rewind().map_err(|source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    })?;
+    let decoded = catch_unwind(AssertUnwindSafe(|| {
+        decode(path, file, before.len(), options)
+    }));
+    let (plan, columns) = decoded
+        .unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))?;
+    check_unchanged(path, &before)?;
+    Ok((plan, columns, sha256))
+}
+
+fn refused(path: &Path, why: impl ToString) -> TelemetryError {
+    TelemetryError::Parquet {
+        place: Place::file(path),
+        why: why.to_string().replace('\n', " "),
+    }
+}
+
+fn decode(
+    path: &Path,
+    file: File,
+    bytes: u64,
+    options: &ReadOptions,
+) -> Result<(Plan, Columns), TelemetryError> {
+    // Without the embedded Arrow schema, strings and dictionaries of strings arrive as one plain type.
+    let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
+    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(file, plain)
+        .map_err(|e| refused(path, e))?;
+    let declared = plausible_rows(path, builder.metadata(), bytes)?;
+    let header: Vec<String> = builder
+        .schema()
+        .fields()
+        .iter()
+        .map(|f| f.name().clone())
+        .collect();
+    let plan = plan::build(path, &header, options)?;
+    let mut roots: Vec<usize> = plan.channels.iter().map(|c| c.index).collect();
+    roots.push(plan.time_index);
+    roots.extend(plan.filter.iter().map(|f| f.0));
+    let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
+    let reader = builder
+        .with_projection(mask)
+        .with_batch_size(BATCH)
+        .build()
+        .map_err(|e| refused(path, e))?;
+    let mut columns = Columns::with_channels(plan.channels.len());
+    for batch in reader {
+        let batch = batch.map_err(|e| refused(path, e))?;
+        take_batch(path, &plan, &header, &batch, &mut columns)?;
+    }
+    if columns.rows_read as u64 != declared {
+        return Err(refused(
+            path,
+            format!(
+                "the footer declares {declared} rows, the columns hold {}",
+                columns.rows_read
+            ),
+        ));
+    }
+    Ok((plan, columns))
+}
+
+/// Rows declared by the footer, after its sizes were compared with the file's.
+fn plausible_rows(
+    path: &Path,
+    metadata: &ParquetMetaData,
+    bytes: u64,
+) -> Result<u64, TelemetryError> {
+    let mut rows = 0_u64;
+    for group in metadata.row_groups() {
+        let n = u64::try_from(group.num_rows())
+            .map_err(|_| refused(path, "a row group declares a negative number of rows"))?;
+        rows = rows.saturating_add(n);
+        for column in group.columns() {
+            let size = u64::try_from(column.compressed_size());
+            let start = u64::try_from(
+                column
+                    .dictionary_page_offset()
+                    .unwrap_or_else(|| column.data_page_offset()),
+            );
+            let inside = matches!((start, size), (Ok(a), Ok(b)) if a.saturating_add(b) <= bytes);
+            if !inside || column.uncompressed_size() < 0 {
+                return Err(refused(
+                    path,
+                    format!(
+                        "column '{}' does not lie inside the file",
+                        column.column_path().string()
+                    ),
+                ));
+            }
+        }
+    }
+    if u64::try_from(metadata.file_metadata().num_rows()) != Ok(rows) {
+        return Err(refused(
+            path,
+            "the footer and the row groups disagree on the number of rows",
+        ));
+    }
+    Ok(rows)
+}
+
+fn take_batch(
+    path: &Path,
+    plan: &Plan,
+    header: &[String],
+    batch: &RecordBatch,
+    columns: &mut Columns,
+) -> Result<(), TelemetryError> {
+    let first = columns.rows_read as u64 + 1;
+    let column = |index: usize| -> Result<(&dyn Array, &str), TelemetryError> {
+        let name = header.get(index).map_or("", String::as_str);
+        let array = batch
+            .schema_ref()
+            .index_of(name)
+            .ok()
+            .and_then(|k| batch.columns().get(k))
+            .ok_or_else(|| refused(path, format!("column '{name}' is missing in a batch")))?;
+        Ok((array.as_ref(), name))
+    };
+    let mut keep = vec![true; batch.num_rows()];
+    for (k, (index, text)) in plan.filter.iter().enumerate() {
+        let (array, name) = column(*index)?;
+        let texts = texts(array).ok_or_else(|| unsupported(path, name, array))?;
+        for (keep, cell) in keep.iter_mut().zip(&texts) {
+            let cell = cell.as_deref().unwrap_or_default();
+            if k == 0 {
+                columns.saw(cell);
+            }
+            *keep &= cell == text;
+        }
+    }
+    let (array, name) = column(plan.time_index)?;
+    let cells = numbers(array).ok_or_else(|| unsupported(path, name, array))?;
+    for ((cell, keep), row) in cells.into_iter().zip(&keep).zip(first..) {
+        if *keep {
+            columns.rows.push(row);
+            columns.time_s.push(match cell {
+                Cell::Number(x) => plan.time_unit.to_si(x),
+                Cell::Empty | Cell::NotANumber => f64::NAN,
+            });
+        }
+    }
+    for (k, channel) in plan.channels.iter().enumerate() {
+        let (array, name) = column(channel.index)?;
+        let cells = numbers(array).ok_or_else(|| unsupported(path, name, array))?;
+        for ((cell, keep), row) in cells.into_iter().zip(&keep).zip(first..) {
+            if *keep {
+                let cell = match cell {
+                    Cell::Number(x) => Cell::Number(channel.unit.to_si(x)),
+                    other => other,
+                };
+                columns.push(k, row, cell);
+            }
+        }
+    }
+    columns.rows_read += batch.num_rows();
+    Ok(())
+}
+
+fn unsupported(path: &Path, name: &str, array: &dyn Array) -> TelemetryError {
+    TelemetryError::Parquet {
+        place: Place::cell(path, 0, name),
+        why: format!(
+            "type {} is not read; store numbers as float64 and times as seconds",
+            array.data_type()
+        ),
+    }
+}
+
+/// A numeric column as cells; `None` where the type is not a number.
+fn numbers(array: &dyn Array) -> Option<Vec<Cell>> {
+    match array.data_type() {
+        DataType::Float64 => primitive::<Float64Type>(array, |x| x),
+        DataType::Float32 => primitive::<Float32Type>(array, f64::from),
+        DataType::Int8 => primitive::<Int8Type>(array, f64::from),
+        DataType::Int16 => primitive::<Int16Type>(array, f64::from),
+        DataType::Int32 => primitive::<Int32Type>(array, f64::from),
+        DataType::Int64 => primitive::<Int64Type>(array, |x| x as f64),
+        DataType::UInt8 => primitive::<UInt8Type>(array, f64::from),
+        DataType::UInt16 => primitive::<UInt16Type>(array, f64::from),
+        DataType::UInt32 => primitive::<UInt32Type>(array, f64::from),
+        DataType::UInt64 => primitive::<UInt64Type>(array, |x| x as f64),
+        DataType::Boolean => Some(
+            array
+                .as_boolean_opt()?
+                .iter()
+                .map(|b| b.map_or(Cell::Empty, |b| Cell::Number(f64::from(u8::from(b)))))
+                .collect(),
+        ),
+        DataType::Null => Some(vec![Cell::Empty; array.len()]),
+        _ => None,
+    }
+}
+
+fn primitive<T: ArrowPrimitiveType>(
+    array: &dyn Array,
+    value: impl Fn(T::Native) -> f64,
+) -> Option<Vec<Cell>> {
+    let cell = |x: Option<T::Native>| match x.map(&value) {
+        None => Cell::Empty,
+        Some(x) if x.is_nan() => Cell::NotANumber,
+        Some(x) => Cell::Number(x),
+    };
+    Some(array.as_primitive_opt::<T>()?.iter().map(cell).collect())
+}
+
+/// A filter column as texts: strings as they are, numbers as they print.
+fn texts(array: &dyn Array) -> Option<Vec<Option<String>>> {
+    let owned = |s: Option<&str>| s.map(str::to_owned);
+    match array.data_type() {
+        DataType::Utf8 => Some(array.as_string_opt::<i32>()?.iter().map(owned).collect()),
+        DataType::LargeUtf8 => Some(array.as_string_opt::<i64>()?.iter().map(owned).collect()),
+        DataType::Utf8View => Some(array.as_string_view_opt()?.iter().map(owned).collect()),
+        _ => {
+            let text = |cell| match cell {
+                Cell::Number(x) => Some(format!("{x}")),
+                Cell::Empty | Cell::NotANumber => None,
+            };
+            Some(numbers(array)?.into_iter().map(text).collect())
+        }
+    }
+}

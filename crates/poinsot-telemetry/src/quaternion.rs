@@ -1,0 +1,164 @@
+//! Checks of attitude as it is read: unit norm, continuous sign.
+
+use crate::TelemetryError;
+use crate::error::Place;
+use std::path::Path;
+
+/// Norms this close to one are left as they are, bit for bit: a few units in the last place.
+const EXACT: f64 = 1e-15;
+/// Largest deviation that is normalised without a word.
+const SILENT: f64 = 1e-6;
+/// Largest deviation that is normalised as a rounding of the file.
+const ROUNDING: f64 = 1e-3;
+/// Largest deviation that is normalised at all.
+const LIMIT: f64 = 5e-2;
+
+/// Four columns x, y, z, w of one attitude.
+pub(crate) type Components = [Vec<f64>; 4];
+
+/// Normalises the rows, turns incomplete and zero rows into gaps (NaN) and makes the sign continuous.
+/// Returns the repairs in words.
+///
+/// # Errors
+/// The row whose norm is too far from one; under `strict` the first row that needs a repair.
+pub(crate) fn tidy(
+    path: &Path,
+    column: &str,
+    rows: &[u64],
+    q: &mut Components,
+    strict: bool,
+) -> Result<Vec<String>, TelemetryError> {
+    let [x, y, z, w] = q;
+    let mut zero = 0_u64;
+    let mut partial = 0_u64;
+    let mut flips = 0_u64;
+    let mut worst = (0.0_f64, 0_u64);
+    let mut beyond_rounding = 0_u64;
+    let mut last: Option<[f64; 4]> = None;
+    let cells = x.iter_mut().zip(y).zip(z).zip(w).zip(rows);
+    for ((((x, y), z), w), &row) in cells {
+        let here = [*x, *y, *z, *w];
+        let missing = here.iter().filter(|c| c.is_nan()).count();
+        let norm = here.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if missing > 0 || norm == 0.0 {
+            zero += u64::from(missing == 0);
+            partial += u64::from((1..4).contains(&missing));
+            (*x, *y, *z, *w) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
+            continue;
+        }
+        let deviation = (norm - 1.0).abs();
+        if deviation.is_nan() || deviation > LIMIT {
+            return Err(TelemetryError::Quaternion {
+                place: Place::cell(path, row, column),
+                why: format!(
+                    "the quaternion ({}, {}, {}, {}) has norm {norm}, not 1; correct the row or the order of the columns",
+                    here[0], here[1], here[2], here[3]
+                ),
+            });
+        }
+        if deviation > worst.0 {
+            worst = (deviation, row);
+        }
+        beyond_rounding += u64::from(deviation > ROUNDING);
+        let scale = if deviation > EXACT { 1.0 / norm } else { 1.0 };
+        let along = last.map_or(1.0, |l| {
+            l.iter().zip(&here).map(|(a, b)| a * b).sum::<f64>()
+        });
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        flips += u64::from(along < 0.0);
+        let tidy = here.map(|c| c * scale * sign);
+        [*x, *y, *z, *w] = tidy;
+        last = Some(tidy);
+    }
+    let file = Place::cell(path, 0, column);
+    let mut repairs = Vec::new();
+    if worst.0 > SILENT {
+        repairs.push(format!(
+            "quaternions normalised; the norm is off by up to {:.2e} (row {})",
+            worst.0, worst.1
+        ));
+    }
+    if beyond_rounding > 0 {
+        repairs.push(format!(
+            "warning: {beyond_rounding} quaternions are off unit norm by more than 1e-3, more than rounding explains"
+        ));
+    }
+    if zero > 0 {
+        repairs.push(format!("{zero} zero quaternions taken as no sample"));
+    }
+    if partial > 0 {
+        repairs.push(format!(
+            "{partial} quaternions with missing components taken as no sample"
+        ));
+    }
+    if strict && let Some(repair) = repairs.first() {
+        return Err(TelemetryError::Strict {
+            place: file,
+            repair: repair.clone(),
+        });
+    }
+    if flips > 0 {
+        repairs.push(format!(
+            "{flips} changes of quaternion sign undone (the same attitude)"
+        ));
+    }
+    Ok(repairs
+        .into_iter()
+        .map(|r| format!("{file}: {r}"))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(rows: &[[f64; 4]]) -> Components {
+        [0, 1, 2, 3].map(|k| rows.iter().map(|r| r[k]).collect())
+    }
+
+    fn run(rows: &[[f64; 4]]) -> Result<(Components, Vec<String>), TelemetryError> {
+        let mut q = columns(rows);
+        let lines: Vec<u64> = (2..).take(rows.len()).collect();
+        let repairs = tidy(Path::new("a.csv"), "q_x", &lines, &mut q, false)?;
+        Ok((q, repairs))
+    }
+
+    #[test]
+    fn exact_unit_rows_are_left_alone_and_signs_follow() {
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        let (q, repairs) = run(&[[0.0, 0.0, h, h], [0.0, 0.0, -h, -h], [0.0, 0.0, h, h]]).unwrap();
+        assert_eq!(q[2], [h, h, h]);
+        assert_eq!(
+            repairs,
+            ["a.csv column 'q_x': 1 changes of quaternion sign undone (the same attitude)"]
+        );
+    }
+
+    #[test]
+    fn unit_zero_and_partial_rows_are_gaps() {
+        let (q, repairs) = run(&[
+            [0.0, 0.0, 0.0, 1.0],
+            [0.0; 4],
+            [f64::NAN, 0.0, 0.0, 1.0],
+            [f64::NAN; 4],
+        ])
+        .unwrap();
+        assert_eq!(q[3].iter().filter(|c| c.is_nan()).count(), 3);
+        assert_eq!(repairs.len(), 2);
+    }
+
+    #[test]
+    fn unit_norm_thresholds() {
+        let (q, repairs) = run(&[[0.0, 0.0, 0.0, 1.0 + 1e-9]]).unwrap();
+        assert!(q[3][0] == 1.0 && repairs.is_empty());
+        assert_eq!(run(&[[0.0, 0.0, 0.0, 1.0005]]).unwrap().1.len(), 1);
+        assert_eq!(run(&[[0.0, 0.0, 0.0, 0.97]]).unwrap().1.len(), 2);
+        assert_eq!(
+            run(&[[0.0, 0.0, 0.0, 1.1]]).unwrap_err().to_string(),
+            "E0214 a.csv:2 column 'q_x': the quaternion (0, 0, 0, 1.1) has norm 1.1, not 1; correct the row or the order of the columns"
+        );
+        let mut q = columns(&[[0.0, 0.0, 0.0, 1.0005]]);
+        let strict = tidy(Path::new("a.csv"), "q_x", &[2], &mut q, true).unwrap_err();
+        assert_eq!(strict.code(), "E0218");
+    }
+}

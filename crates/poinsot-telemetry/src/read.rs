@@ -1,0 +1,123 @@
+//! From files to a table: the flow of reading.
+
+use crate::columns::Columns;
+use crate::error::Place;
+use crate::plan::Plan;
+use crate::{
+    ColumnMap, Source, Table, TelemetryError, assemble, check_conventions, csv_reader,
+    parquet_reader, plan, time_base,
+};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// What is asked of the files of one segment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Columns that are not standard names in SI.
+    pub columns: Vec<ColumnMap>,
+    /// Rows are kept where each of these columns holds exactly this text.
+    pub row_filter: Vec<(String, String)>,
+    /// Channels asked for: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a
+    /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`].
+    pub wanted: Option<BTreeSet<String>>,
+    /// No repairs: what would be repaired is an error.
+    pub strict: bool,
+    /// Keep the whole rows of a file that ends inside a row.
+    pub recover: bool,
+    /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
+    pub check_conventions: bool,
+}
+
+/// Reads the files of one segment into one table.
+///
+/// CSV (`.csv`, `.txt`) or Parquet (`.parquet`, `.pq`). Each file keeps its own time base. Values are converted
+/// to SI; missing and NaN cells become missing samples; quaternions are normalised and made continuous in sign.
+/// Every repair is listed in [`Table::repairs`].
+///
+/// # Errors
+/// The first fault found, with its place; see [`TelemetryError`].
+pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table, TelemetryError> {
+    let paths: Vec<PathBuf> = paths.iter().map(|p| p.as_ref().to_owned()).collect();
+    plan::check_maps(options)?;
+    let mut table = Table::default();
+    let mut found = assemble::Found::default();
+    let mut unused = plan::Unused::new(options);
+    for path in &paths {
+        let (plan, mut columns, sha256) = read_file(path, options, &mut table.repairs)?;
+        unused.mark(&plan);
+        for name in &plan.ignored {
+            if !table.ignored.contains(name) {
+                table.ignored.push(name.clone());
+            }
+        }
+        let rows = columns.rows_read;
+        time_base::check(
+            path,
+            &plan,
+            &mut columns,
+            options.strict,
+            &mut table.repairs,
+        )?;
+        table.sources.push(Source {
+            path: path.display().to_string(),
+            sha256,
+            rows,
+            time_s: [
+                columns.time_s.first().copied().unwrap_or_default(),
+                columns.time_s.last().copied().unwrap_or_default(),
+            ],
+        });
+        assemble::add(path, &plan, columns, options.strict, &mut found, &mut table)?;
+    }
+    unused.check(&paths)?;
+    if options.check_conventions {
+        check_conventions(&table)?;
+    }
+    Ok(table)
+}
+
+fn read_file(
+    path: &Path,
+    options: &ReadOptions,
+    repairs: &mut Vec<String>,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_lowercase);
+    let (plan, columns, sha256) = match extension.as_deref() {
+        Some("parquet" | "pq") => parquet_reader::read(path, options)?,
+        Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs)?,
+        _ => {
+            return Err(TelemetryError::Format {
+                place: Place::file(path),
+                why: "the kind of file is not known from its name; telemetry is .csv or .parquet"
+                    .into(),
+            });
+        }
+    };
+    if columns.rows_read == 0 {
+        return Err(TelemetryError::Empty {
+            place: Place::file(path),
+        });
+    }
+    if columns.time_s.is_empty()
+        && let Some((column, text)) = options.row_filter.first()
+    {
+        let seen: Vec<String> = columns
+            .filter_seen
+            .iter()
+            .map(|s| format!("'{s}'"))
+            .collect();
+        return Err(TelemetryError::Filter {
+            column: column.clone(),
+            text: text.clone(),
+            why: format!(
+                "no row of {} matches; the first values there are {}",
+                path.display(),
+                seen.join(", ")
+            ),
+        });
+    }
+    Ok((plan, columns, sha256))
+}

@@ -1,0 +1,178 @@
+//! A channel at other times: never across a gap, never beyond its ends.
+
+use crate::time_base::median_step;
+use crate::{Channel, rotation};
+
+/// Gaps longer than this many median steps are not bridged unless the caller says otherwise.
+const DEFAULT_GAP: f64 = 3.0;
+
+/// Where a time falls in a time base.
+enum Spot {
+    /// On this sample.
+    On(usize),
+    /// Between this sample and the next.
+    After(usize),
+}
+
+/// A time base with its tolerances.
+struct Base<'a> {
+    time_s: &'a [f64],
+    /// Times this close to a sample are that sample, s.
+    tolerance: f64,
+    /// Steps longer than this are gaps, s.
+    max_gap: f64,
+}
+
+impl<'a> Base<'a> {
+    fn new(time_s: &'a [f64], max_gap_s: Option<f64>) -> Self {
+        let step = median_step(time_s).unwrap_or(0.0);
+        Self {
+            time_s,
+            tolerance: (1e-6 * step).max(1e-9),
+            max_gap: max_gap_s.unwrap_or(DEFAULT_GAP * step),
+        }
+    }
+
+    fn locate(&self, t: f64) -> Option<Spot> {
+        let next = self.time_s.partition_point(|&x| x < t);
+        let near = |k: usize| {
+            self.time_s
+                .get(k)
+                .is_some_and(|x| (x - t).abs() <= self.tolerance)
+        };
+        if near(next) {
+            return Some(Spot::On(next));
+        }
+        let before = next.checked_sub(1)?;
+        if near(before) {
+            return Some(Spot::On(before));
+        }
+        let (a, b) = (self.time_s.get(before)?, self.time_s.get(next)?);
+        (b - a <= self.max_gap).then_some(Spot::After(before))
+    }
+}
+
+/// The channel at each of `times_s`: the sample where there is one, otherwise linear between its neighbours
+/// (error `h^2 |x''| / 8`).
+///
+/// A time counts as a sample's within 1e-9 s or a millionth of the median step. `None` beyond the ends and in
+/// gaps longer than `max_gap_s` (default 3 median steps). SI, axes of the channel.
+pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
+    let base = Base::new(&channel.time_s, max_gap_s);
+    let at = |&t: &f64| match base.locate(t)? {
+        Spot::On(k) => channel.values.get(k).copied(),
+        Spot::After(k) => {
+            let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
+            let (x0, x1) = (channel.values.get(k)?, channel.values.get(k + 1)?);
+            Some(x0 + (x1 - x0) * (t - t0) / (t1 - t0))
+        }
+    };
+    times_s.iter().map(at).collect()
+}
+
+/// Like [`resample`], but by the cubic that also meets the measured derivative at both neighbours
+/// (error `h^4 |x''''| / 384`). Where the derivative has no sample, linear.
+pub fn resample_hermite(
+    channel: &Channel,
+    derivative: &Channel,
+    times_s: &[f64],
+    max_gap_s: Option<f64>,
+) -> Vec<Option<f64>> {
+    let base = Base::new(&channel.time_s, max_gap_s);
+    let slopes = resample(derivative, &channel.time_s, max_gap_s);
+    let at = |&t: &f64| match base.locate(t)? {
+        Spot::On(k) => channel.values.get(k).copied(),
+        Spot::After(k) => {
+            let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
+            let (x0, x1) = (*channel.values.get(k)?, *channel.values.get(k + 1)?);
+            let (h, u) = (t1 - t0, (t - t0) / (t1 - t0));
+            match (slopes.get(k)?, slopes.get(k + 1)?) {
+                (Some(d0), Some(d1)) => Some(hermite(x0, x1, h * d0, h * d1, u)),
+                _ => Some(x0 + (x1 - x0) * u),
+            }
+        }
+    };
+    times_s.iter().map(at).collect()
+}
+
+/// The value held since the last sample at or before each time: for thrust and commands.
+/// `None` before the first sample and more than `max_gap_s` after the last one before it (default: no limit).
+pub fn hold(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
+    let base = Base::new(&channel.time_s, max_gap_s);
+    let limit = max_gap_s.unwrap_or(f64::INFINITY);
+    let at = |&t: &f64| {
+        let k = base
+            .time_s
+            .partition_point(|&x| x <= t + base.tolerance)
+            .checked_sub(1)?;
+        (t - base.time_s.get(k)? <= limit)
+            .then(|| channel.values.get(k).copied())
+            .flatten()
+    };
+    times_s.iter().map(at).collect()
+}
+
+/// Attitude at each of `times_s`, unit quaternions `[x, y, z, w]`, Hamilton, body to inertial.
+///
+/// `attitude` are the channels q_x, q_y, q_z, q_w on one time base. Without `omega_body` (rad/s, body axes) the
+/// shortest turn at constant rate between neighbours (error of order `h^2`); with it, the cubic in the rotation
+/// vector of the interval that meets the body rates at both ends (order `h^4`). `None` as in [`resample`], and
+/// everywhere if the four channels do not share their times.
+pub fn resample_attitude(
+    attitude: [&Channel; 4],
+    omega_body: Option<[&Channel; 3]>,
+    times_s: &[f64],
+    max_gap_s: Option<f64>,
+) -> Vec<Option<[f64; 4]>> {
+    let [x, y, z, w] = attitude;
+    if [y, z, w].iter().any(|c| c.time_s != x.time_s) {
+        return vec![None; times_s.len()];
+    }
+    let base = Base::new(&x.time_s, max_gap_s);
+    let rates = omega_body.map(|o| o.map(|c| resample(c, &x.time_s, max_gap_s)));
+    let q = |k: usize| {
+        Some([
+            *x.values.get(k)?,
+            *y.values.get(k)?,
+            *z.values.get(k)?,
+            *w.values.get(k)?,
+        ])
+    };
+    let rate = |k: usize| -> Option<[f64; 3]> {
+        let [a, b, c] = rates.as_ref()?;
+        Some([(*a.get(k)?)?, (*b.get(k)?)?, (*c.get(k)?)?])
+    };
+    let at = |&t: &f64| match base.locate(t)? {
+        Spot::On(k) => q(k),
+        Spot::After(k) => {
+            let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
+            let (h, u) = (t1 - t0, (t - t0) / (t1 - t0));
+            let q0 = q(k)?;
+            let turn = rotation::turn_between(q0, q(k + 1)?);
+            let phi = match (rate(k), rate(k + 1)) {
+                (Some(w0), Some(w1)) => {
+                    let d1 = rotation::rotation_vector_rate(turn, w1);
+                    let mut phi = [0.0; 3];
+                    for ((phi, turn), (d0, d1)) in
+                        phi.iter_mut().zip(turn).zip(w0.into_iter().zip(d1))
+                    {
+                        *phi = hermite(0.0, turn, h * d0, h * d1, u);
+                    }
+                    phi
+                }
+                _ => turn.map(|c| c * u),
+            };
+            Some(rotation::turned(q0, phi))
+        }
+    };
+    times_s.iter().map(at).collect()
+}
+
+/// The cubic on `u` in 0..1 with values `x0`, `x1` and slopes `d0`, `d1` (per unit of `u`) at its ends.
+#[inline]
+fn hermite(x0: f64, x1: f64, d0: f64, d1: f64, u: f64) -> f64 {
+    let dx = x1 - x0;
+    let c2 = 3.0 * dx - 2.0 * d0 - d1;
+    let c3 = d0 + d1 - 2.0 * dx;
+    x0 + u * (d0 + u * (c2 + u * c3))
+}

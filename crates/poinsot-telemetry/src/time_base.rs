@@ -1,0 +1,138 @@
+//! Times of a file: present, strictly increasing, and in seconds.
+
+use crate::TelemetryError;
+use crate::columns::Columns;
+use crate::error::Place;
+use crate::plan::Plan;
+use std::path::Path;
+
+/// Median steps outside this range, s, are taken for a wrong unit.
+const PLAUSIBLE_STEP: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
+
+/// Drops rows that repeat the row before them; refuses everything else that is out of order.
+pub(crate) fn check(
+    path: &Path,
+    plan: &Plan,
+    columns: &mut Columns,
+    strict: bool,
+    repairs: &mut Vec<String>,
+) -> Result<(), TelemetryError> {
+    let fault = |row: u64, why: String| TelemetryError::Time {
+        place: Place::cell(path, row, &plan.time_column),
+        why,
+    };
+    let mut keep = vec![true; columns.rows.len()];
+    let (mut repeated, mut first_repeated) = (0_u64, 0_u64);
+    let mut previous: Option<(f64, u64, usize)> = None;
+    let rows = columns.time_s.iter().zip(&columns.rows).zip(&mut keep);
+    for (k, ((&time, &row), keep)) in rows.enumerate() {
+        if !time.is_finite() {
+            return Err(fault(
+                row,
+                "the row has no time; give it one or leave it out".into(),
+            ));
+        }
+        if let Some((before, row_before, k_before)) = previous {
+            if time < before {
+                return Err(fault(
+                    row,
+                    format!(
+                        "time goes back from {before} s (row {row_before}) to {time} s; \
+                         choose one run by [telemetry] where, or cut the file into segments"
+                    ),
+                ));
+            }
+            if time == before {
+                if let Some(column) = difference(plan, columns, k_before, k) {
+                    return Err(fault(
+                        row,
+                        format!(
+                            "time {time} s stands already in row {row_before} with another value of \
+                             '{column}'; keep one of the rows"
+                        ),
+                    ));
+                }
+                *keep = false;
+                repeated += 1;
+                if repeated == 1 {
+                    first_repeated = row;
+                }
+                continue;
+            }
+        }
+        previous = Some((time, row, k));
+    }
+    if repeated > 0 {
+        let repair = format!("{repeated} rows that repeat the row before them dropped");
+        let place = Place::row(path, first_repeated);
+        if strict {
+            return Err(TelemetryError::Strict { place, repair });
+        }
+        repairs.push(format!("{}: {repair} (this is the first)", place));
+        columns.retain(&keep);
+    }
+    check_step(path, plan, columns)
+}
+
+/// The first column in which two rows differ; two missing samples are equal.
+fn difference<'a>(plan: &'a Plan, columns: &Columns, a: usize, b: usize) -> Option<&'a str> {
+    plan.channels
+        .iter()
+        .zip(&columns.values)
+        .find(|(_, values)| {
+            let bits = |k: usize| values.get(k).filter(|x| !x.is_nan());
+            bits(a) != bits(b)
+        })
+        .map(|(channel, _)| channel.column.as_str())
+}
+
+fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), TelemetryError> {
+    let Some(median_s) = median_step(&columns.time_s) else {
+        return Ok(());
+    };
+    if PLAUSIBLE_STEP.contains(&median_s) {
+        return Ok(());
+    }
+    let usual = |factor: f64| (1e-3..=60.0).contains(&(median_s * factor));
+    let hint = if median_s < 1.0 {
+        [
+            (86400.0, "; the unit is likely d"),
+            (3600.0, "; the unit is likely h"),
+        ]
+        .into_iter()
+        .find(|(factor, _)| usual(*factor))
+    } else {
+        [
+            (1e-3, "; the unit is likely ms"),
+            (1e-6, "; the unit is likely us"),
+            (1e-9, "; the unit is likely ns"),
+        ]
+        .into_iter()
+        .find(|(factor, _)| usual(*factor))
+    };
+    Err(TelemetryError::TimeUnit {
+        place: Place::cell(path, 0, &plan.time_column),
+        median_s,
+        hint: hint.map_or("", |h| h.1),
+    })
+}
+
+/// Median of the steps between increasing times, s; `None` for fewer than two times.
+pub fn median_step(time_s: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = time_s
+        .iter()
+        .zip(time_s.iter().skip(1))
+        .map(|(a, b)| b - a)
+        .collect();
+    median(&mut steps)
+}
+
+/// Median (upper of the two middle values); reorders the slice. `None` where it is empty.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    let (_, value, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*value)
+}

@@ -1,0 +1,264 @@
+//! Units as they are written in headers and maps, and the factor that takes them to SI.
+
+use crate::TelemetryError;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// What kind of quantity a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Dimension {
+    /// A pure number; SI `1`.
+    One,
+    /// Time; SI `s`.
+    Time,
+    /// Angle; SI `rad`.
+    Angle,
+    /// Angular velocity; SI `rad/s`.
+    AngularVelocity,
+    /// Angular acceleration; SI `rad/s2`.
+    AngularAcceleration,
+    /// Length; SI `m`.
+    Length,
+    /// Velocity; SI `m/s`.
+    Velocity,
+    /// Acceleration or specific force; SI `m/s2`.
+    Acceleration,
+    /// Force; SI `N`.
+    Force,
+    /// Torque; SI `N m`.
+    Torque,
+    /// Linear impulse; SI `N s`.
+    Impulse,
+}
+
+impl Dimension {
+    /// The SI unit of this dimension as the program prints it, for example `rad/s`.
+    pub fn si(self) -> &'static str {
+        match self {
+            Self::One => "1",
+            Self::Time => "s",
+            Self::Angle => "rad",
+            Self::AngularVelocity => "rad/s",
+            Self::AngularAcceleration => "rad/s2",
+            Self::Length => "m",
+            Self::Velocity => "m/s",
+            Self::Acceleration => "m/s2",
+            Self::Force => "N",
+            Self::Torque => "N m",
+            Self::Impulse => "N s",
+        }
+    }
+}
+
+/// A known unit. A value `x` in this unit is `x * factor / divisor` in SI; a decimal prefix sits in
+/// the divisor, so that `1 ms` is the double nearest to 0.001.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Unit {
+    /// As the program prints it, for example `deg/s`.
+    pub symbol: &'static str,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// Multiplies the value.
+    pub factor: f64,
+    /// Divides the product.
+    pub divisor: f64,
+}
+
+impl Unit {
+    /// The value in SI.
+    #[inline]
+    pub fn to_si(&self, value: f64) -> f64 {
+        value * self.factor / self.divisor
+    }
+
+    /// The value in this unit of an SI number.
+    #[inline]
+    pub fn from_si(&self, si: f64) -> f64 {
+        si * self.divisor / self.factor
+    }
+
+    /// Whether values in this unit are SI already.
+    pub fn is_si(&self) -> bool {
+        self.factor == self.divisor
+    }
+}
+
+const DEG: f64 = PI / 180.0;
+/// Standard gravity, m/s2 (CGPM 1901).
+const G0: f64 = 9.806_65;
+
+/// Symbol, dimension, factor, divisor, and other spellings (compared after [`plain`]).
+type Row = (&'static str, Dimension, f64, f64, &'static [&'static str]);
+
+#[rustfmt::skip]
+const TABLE: &[Row] = &[
+    ("1", Dimension::One, 1.0, 1.0, &["-", "none", "dimensionless"]),
+    ("%", Dimension::One, 1.0, 100.0, &["percent"]),
+    ("s", Dimension::Time, 1.0, 1.0, &["sec", "second", "seconds"]),
+    ("ms", Dimension::Time, 1.0, 1e3, &["msec", "millisecond", "milliseconds"]),
+    ("us", Dimension::Time, 1.0, 1e6, &["usec", "microsecond", "microseconds"]),
+    ("ns", Dimension::Time, 1.0, 1e9, &["nsec", "nanosecond", "nanoseconds"]),
+    ("min", Dimension::Time, 60.0, 1.0, &["minute", "minutes"]),
+    ("h", Dimension::Time, 3600.0, 1.0, &["hr", "hour", "hours"]),
+    ("d", Dimension::Time, 86400.0, 1.0, &["day", "days"]),
+    ("rad", Dimension::Angle, 1.0, 1.0, &["radian", "radians"]),
+    ("mrad", Dimension::Angle, 1.0, 1e3, &[]),
+    ("urad", Dimension::Angle, 1.0, 1e6, &[]),
+    ("deg", Dimension::Angle, DEG, 1.0, &["degree", "degrees", "\u{b0}"]),
+    ("arcmin", Dimension::Angle, DEG, 60.0, &[]),
+    ("arcsec", Dimension::Angle, DEG, 3600.0, &["asec"]),
+    ("rev", Dimension::Angle, 2.0 * PI, 1.0, &["turn", "turns"]),
+    ("rad/s", Dimension::AngularVelocity, 1.0, 1.0, &["rads-1", "rad/sec"]),
+    ("mrad/s", Dimension::AngularVelocity, 1.0, 1e3, &["mrad/sec"]),
+    ("deg/s", Dimension::AngularVelocity, DEG, 1.0, &["dps", "\u{b0}/s", "deg/sec", "degs-1"]),
+    ("mdeg/s", Dimension::AngularVelocity, DEG, 1e3, &["mdps"]),
+    ("deg/h", Dimension::AngularVelocity, DEG, 3600.0, &["deg/hr", "\u{b0}/h"]),
+    ("arcsec/s", Dimension::AngularVelocity, DEG, 3600.0, &["arcsec/sec"]),
+    ("rpm", Dimension::AngularVelocity, 2.0 * PI, 60.0, &["RPM", "rev/min", "1/min", "r/min"]),
+    ("rev/s", Dimension::AngularVelocity, 2.0 * PI, 1.0, &["rps"]),
+    ("rad/s2", Dimension::AngularAcceleration, 1.0, 1.0, &["rads-2", "rad/s/s", "rad/sec2"]),
+    ("deg/s2", Dimension::AngularAcceleration, DEG, 1.0, &["degs-2", "deg/s/s", "deg/sec2"]),
+    ("m", Dimension::Length, 1.0, 1.0, &["metre", "meter", "metres", "meters"]),
+    ("cm", Dimension::Length, 1.0, 1e2, &[]),
+    ("mm", Dimension::Length, 1.0, 1e3, &[]),
+    ("um", Dimension::Length, 1.0, 1e6, &[]),
+    ("km", Dimension::Length, 1e3, 1.0, &[]),
+    ("m/s", Dimension::Velocity, 1.0, 1.0, &["ms-1", "m/sec"]),
+    ("cm/s", Dimension::Velocity, 1.0, 1e2, &["cm/sec"]),
+    ("mm/s", Dimension::Velocity, 1.0, 1e3, &["mm/sec"]),
+    ("km/s", Dimension::Velocity, 1e3, 1.0, &["km/sec"]),
+    ("m/s2", Dimension::Acceleration, 1.0, 1.0, &["ms-2", "m/s/s", "m/sec2"]),
+    ("mm/s2", Dimension::Acceleration, 1.0, 1e3, &[]),
+    ("km/s2", Dimension::Acceleration, 1e3, 1.0, &[]),
+    ("g", Dimension::Acceleration, G0, 1.0, &["g0", "gee"]),
+    ("mg", Dimension::Acceleration, G0, 1e3, &[]),
+    ("ug", Dimension::Acceleration, G0, 1e6, &[]),
+    ("N", Dimension::Force, 1.0, 1.0, &["newton", "newtons"]),
+    ("mN", Dimension::Force, 1.0, 1e3, &[]),
+    ("uN", Dimension::Force, 1.0, 1e6, &[]),
+    ("kN", Dimension::Force, 1e3, 1.0, &[]),
+    ("N m", Dimension::Torque, 1.0, 1.0, &["Nm"]),
+    ("mN m", Dimension::Torque, 1.0, 1e3, &["mNm"]),
+    ("uN m", Dimension::Torque, 1.0, 1e6, &["uNm"]),
+    ("N s", Dimension::Impulse, 1.0, 1.0, &["Ns"]),
+    ("mN s", Dimension::Impulse, 1.0, 1e3, &["mNs"]),
+];
+
+/// The spelling without what carries no meaning: blanks, `^`, `*`, middle dots, one `.`; `²` is `2`, `µ` is `u`.
+fn plain(text: &str) -> String {
+    text.chars()
+        .filter_map(|c| match c {
+            ' ' | '\t' | '^' | '*' | '.' | '\u{b7}' | '\u{22c5}' => None,
+            '\u{b2}' => Some('2'),
+            '\u{b5}' | '\u{3bc}' => Some('u'),
+            c => Some(c),
+        })
+        .collect()
+}
+
+/// The unit written as `text`: blanks, `^`, `*` and `.` do not matter (`m/s^2`, `N*m`, `N m`), capitals do.
+///
+/// # Errors
+/// [`TelemetryError::UnknownUnit`] names the nearest known unit.
+pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
+    let wanted = plain(text);
+    let unit = |&(symbol, dimension, factor, divisor, _): &Row| Unit {
+        symbol,
+        dimension,
+        factor,
+        divisor,
+    };
+    TABLE
+        .iter()
+        .find(|row| plain(row.0) == wanted || row.4.contains(&wanted.as_str()))
+        .map(unit)
+        .ok_or_else(|| TelemetryError::UnknownUnit {
+            unit: text.to_owned(),
+            nearest: nearest_unit(&wanted).to_owned(),
+        })
+}
+
+/// Every known unit, in the order of the table.
+pub fn units() -> impl Iterator<Item = Unit> {
+    TABLE
+        .iter()
+        .map(|&(symbol, dimension, factor, divisor, _)| Unit {
+            symbol,
+            dimension,
+            factor,
+            divisor,
+        })
+}
+
+/// The known unit whose spelling takes the fewest edits; its printed symbol stands before an alias as near.
+fn nearest_unit(wanted: &str) -> &'static str {
+    let wanted = wanted.to_lowercase();
+    let spellings = TABLE.iter().flat_map(|row| {
+        let aliases = row.4.iter().map(move |alias| (row.0, *alias, 1));
+        std::iter::once((row.0, row.0, 0)).chain(aliases)
+    });
+    spellings
+        .min_by_key(|(_, spelling, alias)| {
+            2 * strsim::damerau_levenshtein(&wanted, &plain(spelling).to_lowercase()) + alias
+        })
+        .map_or("1", |best| best.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_factors_of_si() {
+        for (text, value, si) in [
+            ("deg/s", 180.0, PI),
+            ("rpm", 60.0, 2.0 * PI),
+            ("m/s^2", 1.0, 1.0),
+            ("mN*m", 7.0, 0.007),
+            ("N\u{b7}m", 3.0, 3.0),
+            ("arcsec", 3600.0 * 180.0, PI),
+            ("\u{b5}s", 3.0, 3e-6),
+            ("deg/h", 3600.0, DEG),
+            ("mg", 1000.0, 9.80665),
+            ("ms", 7.0, 0.007),
+            ("km/s", 7.5, 7500.0),
+            (" rad / s ", 2.0, 2.0),
+        ] {
+            let unit = parse_unit(text).unwrap();
+            assert!((unit.to_si(value) - si).abs() <= 2e-16 * si, "{text}");
+            assert!((unit.from_si(si) - value).abs() <= 1e-15 * value, "{text}");
+        }
+    }
+
+    #[test]
+    fn unit_capitals_distinguish_prefixes() {
+        assert_eq!(parse_unit("mN").unwrap().divisor, 1e3);
+        assert!(parse_unit("MN").is_err());
+        assert_eq!(parse_unit("ms").unwrap().dimension, Dimension::Time);
+    }
+
+    #[test]
+    fn unit_an_unknown_unit_names_the_nearest() {
+        assert_eq!(
+            parse_unit("degs/s").unwrap_err().to_string(),
+            "E0211 unit 'degs/s' is not known; did you mean 'deg/s'?"
+        );
+        assert_eq!(
+            parse_unit("radians/s").unwrap_err().to_string(),
+            "E0211 unit 'radians/s' is not known; did you mean 'rad'?"
+        );
+    }
+
+    #[test]
+    fn prop_every_spelling_is_unique() {
+        let mut seen = std::collections::HashMap::new();
+        for row in TABLE {
+            for spelling in std::iter::once(&row.0).chain(row.4) {
+                let other = seen.insert(plain(spelling), row.0);
+                assert!(other.is_none_or(|o| o == row.0), "{spelling}: {other:?}");
+            }
+        }
+        assert!(TABLE.len() >= 40);
+    }
+}

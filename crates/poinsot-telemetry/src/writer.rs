@@ -1,0 +1,191 @@
+//! Channels to a CSV or Parquet file that is read back bit for bit.
+
+use crate::error::Place;
+use crate::{Channel, TelemetryError, full_name};
+use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_schema::{DataType, Field, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Rows written at a time.
+const BATCH: usize = 65_536;
+
+/// Writes channels to `path`: CSV, or Parquet (float64, Snappy) where the name ends in `.parquet` or `.pq`.
+///
+/// One column `time_s` with the union of all times, one column per channel, an empty cell or null where a channel
+/// has no sample. CSV numbers are the shortest that read back to the same double. The file appears under its
+/// name only when it is complete and on disk.
+///
+/// # Errors
+/// [`TelemetryError::Write`] for channels of one name, values that are not finite, or times that do not increase;
+/// [`TelemetryError::Io`] where the disk refuses.
+pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
+    check(path, channels)?;
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be written",
+        source,
+    };
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".poinsot-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any other new file: the process's umask decides.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(io)?;
+    let times = union_of_times(channels);
+    let extension = path.extension().and_then(|e| e.to_str());
+    if matches!(extension, Some("parquet" | "pq")) {
+        write_parquet(file.as_file_mut(), &times, channels).map_err(|e| {
+            TelemetryError::Parquet {
+                place: Place::file(path),
+                why: e.to_string(),
+            }
+        })?;
+    } else {
+        write_csv(file.as_file_mut(), &times, channels).map_err(io)?;
+    }
+    file.as_file().sync_all().map_err(io)?;
+    file.persist(path).map_err(|e| io(e.error))?;
+    Ok(())
+}
+
+fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
+    let fault = |column: &str, why: &str| TelemetryError::Write {
+        place: Place::cell(path, 0, column),
+        why: why.to_owned(),
+    };
+    let mut names = HashSet::new();
+    for c in channels {
+        let name = full_name(&c.sensor, &c.name);
+        let mut pairs = c.time_s.iter().zip(c.time_s.iter().skip(1));
+        if name == "time_s" || !names.insert(name.clone()) {
+            return Err(fault(&name, "two columns of this name; rename one channel"));
+        }
+        if c.time_s.len() != c.values.len() {
+            return Err(fault(&name, "as many times as values are needed"));
+        }
+        if !pairs.all(|(a, b)| a < b) || !c.time_s.iter().all(|t| t.is_finite()) {
+            return Err(fault(
+                &name,
+                "the times are not strictly increasing numbers",
+            ));
+        }
+        if !c.values.iter().all(|x| x.is_finite()) {
+            return Err(fault(
+                &name,
+                "a value is not finite; leave the sample out instead",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// All times at which some channel has a sample, increasing.
+fn union_of_times(channels: &[Channel]) -> Vec<f64> {
+    let mut bases: Vec<&Arc<[f64]>> = Vec::new();
+    for c in channels {
+        if !bases.iter().any(|b| Arc::ptr_eq(b, &c.time_s)) {
+            bases.push(&c.time_s);
+        }
+    }
+    if let [only] = bases.as_slice() {
+        return only.to_vec();
+    }
+    let mut times: Vec<f64> = bases.iter().flat_map(|b| b.iter().copied()).collect();
+    times.sort_unstable_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
+/// A channel read along the union of times.
+struct Cursor<'a> {
+    channel: &'a Channel,
+    next: usize,
+}
+
+impl Cursor<'_> {
+    fn at(&mut self, time: f64) -> Option<f64> {
+        if *self.channel.time_s.get(self.next)? != time {
+            return None;
+        }
+        let value = self.channel.values.get(self.next).copied();
+        self.next += 1;
+        value
+    }
+}
+
+fn cursors(channels: &[Channel]) -> Vec<Cursor<'_>> {
+    channels
+        .iter()
+        .map(|channel| Cursor { channel, next: 0 })
+        .collect()
+}
+
+fn write_csv(file: &mut File, times: &[f64], channels: &[Channel]) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, file);
+    out.write_all(b"time_s")?;
+    for c in channels {
+        let name = full_name(&c.sensor, &c.name);
+        if name.contains([',', '"', '\n', '\r']) {
+            write!(out, ",\"{}\"", name.replace('"', "\"\""))?;
+        } else {
+            write!(out, ",{name}")?;
+        }
+    }
+    out.write_all(b"\n")?;
+    let mut cursors = cursors(channels);
+    for &time in times {
+        // Debug is the shortest text that reads back to the same double, with an exponent where it is long.
+        write!(out, "{time:?}")?;
+        for cursor in &mut cursors {
+            match cursor.at(time) {
+                Some(value) => write!(out, ",{value:?}")?,
+                None => out.write_all(b",")?,
+            }
+        }
+        out.write_all(b"\n")?;
+    }
+    out.flush()
+}
+
+fn write_parquet(
+    file: &mut File,
+    times: &[f64],
+    channels: &[Channel],
+) -> Result<(), parquet::errors::ParquetError> {
+    let mut fields = vec![Field::new("time_s", DataType::Float64, false)];
+    fields.extend(
+        channels
+            .iter()
+            .map(|c| Field::new(full_name(&c.sensor, &c.name), DataType::Float64, true)),
+    );
+    let schema = Arc::new(Schema::new(fields));
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .build();
+    let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
+    let mut cursors = cursors(channels);
+    for times in times.chunks(BATCH) {
+        let mut arrays: Vec<ArrayRef> = vec![Arc::new(Float64Array::from(times.to_vec()))];
+        for cursor in &mut cursors {
+            let column: Float64Array = times.iter().map(|&t| cursor.at(t)).collect();
+            arrays.push(Arc::new(column));
+        }
+        writer.write(&RecordBatch::try_new(Arc::clone(&schema), arrays)?)?;
+    }
+    writer.close()?;
+    Ok(())
+}

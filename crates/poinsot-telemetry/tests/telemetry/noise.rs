@@ -1,0 +1,62 @@
+//! The noise seen against the noise drawn.
+
+use poinsot_telemetry::{Channel, noise_level};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+fn channel(n: usize, f: impl FnMut(usize) -> f64) -> Channel {
+    Channel {
+        name: "omega_x".into(),
+        sensor: String::new(),
+        unit: "rad/s".into(),
+        frame: "body".into(),
+        time_s: (0..n).map(|k| k as f64 * 0.1).collect(),
+        values: (0..n).map(f).collect(),
+    }
+}
+
+#[test]
+fn stat_white_noise_on_slow_motion_is_seen() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let normal = Normal::new(0.0, 1e-4).unwrap();
+    // A median of 20000 correlated differences scatters by about 1.5 %.
+    let c = channel(20_000, |k| {
+        (k as f64 * 1e-3).sin() + normal.sample(&mut rng)
+    });
+    let level = noise_level(&c).unwrap();
+    assert!((level.sigma / 1e-4 - 1.0).abs() < 0.05, "{level:?}");
+    assert!(!level.constant && !level.below_quantum && level.quantum.is_none());
+}
+
+#[test]
+fn stat_a_tenth_of_outliers_hardly_matters() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let normal = Normal::new(0.0, 1e-4).unwrap();
+    let c = channel(20_000, |k| {
+        normal.sample(&mut rng) + if k % 100 < 5 { 1.0 } else { 0.0 }
+    });
+    let level = noise_level(&c).unwrap();
+    assert!((level.sigma / 1e-4 - 1.0).abs() < 0.15, "{level:?}");
+}
+
+#[test]
+fn exact_constant_and_quantised_channels() {
+    let level = noise_level(&channel(100, |_| 3.0)).unwrap();
+    assert!(level.constant && level.sigma == 0.0);
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let normal = Normal::new(0.0, 1e-4).unwrap();
+    let lsb = 2.4e-5;
+    let quantised = |x: f64| (x / lsb).round() * lsb;
+    let level = noise_level(&channel(5000, |_| quantised(normal.sample(&mut rng)))).unwrap();
+    assert!((level.quantum.unwrap() / lsb - 1.0).abs() < 1e-9);
+    assert!((level.sigma / 1e-4 - 1.0).abs() < 0.15, "{level:?}");
+    // Noise below the last bit: what is left is the quantisation itself.
+    let slow = noise_level(&channel(5000, |k| quantised(k as f64 * 1e-7))).unwrap();
+    assert!(slow.below_quantum);
+    assert!((slow.sigma * 12.0_f64.sqrt() / lsb - 1.0).abs() < 1e-6);
+    // Levels that are switched carry no visible noise.
+    let thruster = noise_level(&channel(5000, |k| if k % 50 < 7 { 2.0 } else { 0.0 })).unwrap();
+    assert!(thruster.below_quantum && thruster.sigma == 0.0);
+    assert!(noise_level(&channel(3, |k| k as f64)).is_none());
+}

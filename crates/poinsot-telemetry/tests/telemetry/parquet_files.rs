@@ -1,0 +1,156 @@
+//! Parquet as other programs write it, and damaged.
+
+use crate::Folder;
+use arrow_array::types::Int8Type;
+use arrow_array::{
+    ArrayRef, DictionaryArray, Float32Array, Int64Array, LargeStringArray, RecordBatch,
+};
+use arrow_array::{BooleanArray, Float64Array, StringArray};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::file::properties::WriterProperties;
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+fn store(path: &Path, columns: Vec<(&str, ArrayRef)>, compression: Compression) {
+    let batch = RecordBatch::try_from_iter(columns).unwrap();
+    let properties = WriterProperties::builder()
+        .set_compression(compression)
+        .build();
+    let file = std::fs::File::create(path).unwrap();
+    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).unwrap();
+    writer.write(&batch).unwrap();
+    writer.close().unwrap();
+}
+
+fn sample(folder: &Folder) -> PathBuf {
+    let path = folder.path("run.parquet");
+    let log: DictionaryArray<Int8Type> = ["a", "a", "b", "b", "b"].into_iter().collect();
+    store(
+        &path,
+        vec![
+            ("group", Arc::new(LargeStringArray::from(vec!["g"; 5]))),
+            ("log", Arc::new(log)),
+            (
+                "t_ns",
+                Arc::new(Int64Array::from(vec![
+                    0,
+                    100_000_000,
+                    0,
+                    100_000_000,
+                    200_000_000,
+                ])),
+            ),
+            (
+                "wx",
+                Arc::new(Float32Array::from(vec![1.0, 2.0, 0.1, f32::NAN, 5.0])),
+            ),
+            (
+                "wheel1_rad_s",
+                Arc::new(Float64Array::from(vec![
+                    None,
+                    Some(1.0),
+                    None,
+                    Some(2.0),
+                    Some(3.0),
+                ])),
+            ),
+            (
+                "thr1_N",
+                Arc::new(BooleanArray::from(vec![true, false, true, false, true])),
+            ),
+        ],
+        Compression::ZSTD(ZstdLevel::default()),
+    );
+    path
+}
+
+fn options() -> ReadOptions {
+    let map = |channel: &str, column: &str, unit: &str| ColumnMap {
+        channel: channel.into(),
+        column: column.into(),
+        unit: unit.into(),
+    };
+    ReadOptions {
+        columns: vec![map("time_s", "t_ns", "ns"), map("omega_x", "wx", "rad/s")],
+        row_filter: vec![("log".into(), "b".into()), ("group".into(), "g".into())],
+        ..ReadOptions::default()
+    }
+}
+
+#[test]
+fn exact_types_nulls_and_dictionaries() {
+    let folder = Folder::new();
+    let path = sample(&folder);
+    let table = read(&[&path], &options()).unwrap();
+    let x = table.channel("omega_x").unwrap();
+    assert_eq!(x.values, [f64::from(0.1_f32), 5.0]);
+    assert_eq!(x.time_s.as_ref(), [0.0, 0.2]);
+    assert_eq!(table.channel("wheel1_rad_s").unwrap().values, [2.0, 3.0]);
+    assert_eq!(table.channel("thr1_N").unwrap().values, [1.0, 0.0, 1.0]);
+    assert_eq!(table.repairs.len(), 1);
+    assert!(table.repairs[0].ends_with(
+        "run.parquet row 4 column 'wx': 1 NaN cells taken as no sample (this is the first)"
+    ));
+    assert!(table.ignored.is_empty());
+}
+
+#[test]
+fn unit_faults_name_file_row_and_column() {
+    let folder = Folder::new();
+    let path = sample(&folder);
+    let unfiltered = ReadOptions {
+        row_filter: Vec::new(),
+        ..options()
+    };
+    let error = read(&[&path], &unfiltered).unwrap_err();
+    assert_eq!(
+        folder.message(&error),
+        "E0208 run.parquet row 3 column 't_ns': time goes back from 0.1 s (row 2) to 0 s; choose one run by [telemetry] where, or cut the file into segments"
+    );
+    let path = folder.path("text.parquet");
+    let text: ArrayRef = Arc::new(StringArray::from(vec!["1", "2"]));
+    let time: ArrayRef = Arc::new(Float64Array::from(vec![0.0, 1.0]));
+    store(
+        &path,
+        vec![("time_s", Arc::clone(&time)), ("omega_x", text)],
+        Compression::SNAPPY,
+    );
+    let error = read(&[&path], &ReadOptions::default()).unwrap_err();
+    assert_eq!(
+        folder.message(&error),
+        "E0216 text.parquet column 'omega_x': type Utf8 is not read; store numbers as float64 and times as seconds; write the file again, or convert it to CSV"
+    );
+    let path = folder.path("inf.parquet");
+    let inf: ArrayRef = Arc::new(Float64Array::from(vec![0.0, f64::NEG_INFINITY]));
+    store(
+        &path,
+        vec![("time_s", time), ("omega_x", inf)],
+        Compression::SNAPPY,
+    );
+    let error = read(&[&path], &ReadOptions::default()).unwrap_err();
+    assert_eq!(
+        folder.message(&error),
+        "E0203 inf.parquet row 2 column 'omega_x': '-inf' is infinite; leave the cell empty where there is no sample"
+    );
+}
+
+/// Every truncation and many single-byte damages: an error or a table, never a panic.
+#[test]
+fn prop_damaged_files_are_refused_cleanly() {
+    let folder = Folder::new();
+    let whole = std::fs::read(sample(&folder)).unwrap();
+    let path = folder.path("damaged.parquet");
+    for cut in (0..whole.len()).step_by(7) {
+        std::fs::write(&path, &whole[..cut]).unwrap();
+        let error = read(&[&path], &options()).unwrap_err();
+        assert!(matches!(error, TelemetryError::Parquet { .. }), "{error}");
+    }
+    for at in 0..whole.len() {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 0xff;
+        std::fs::write(&path, &bytes).unwrap();
+        let _ = read(&[&path], &options());
+    }
+}

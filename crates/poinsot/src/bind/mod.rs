@@ -1,0 +1,180 @@
+//! Names become indices: a table of channels and a model become samples on one time base.
+//!
+//! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
+
+mod channels;
+mod motion;
+mod noise;
+mod thrust;
+
+pub use channels::wanted_channels;
+pub use noise::declared_noise;
+
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Noise, Samples, Segment};
+use poinsot_model::{Model, SensorKind};
+use poinsot_telemetry::Table;
+
+/// Why telemetry and model do not fit together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BindError {
+    /// A channel that the method cannot do without.
+    #[error("E0301 {file}: no channel '{channel}': {why}")]
+    Missing {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Why it is needed and what to do.
+        why: String,
+    },
+    /// A sensor without declared noise.
+    #[error(
+        "E0302 model: no sensor of type '{kind}' declares its noise: without it no uncertainty can be stated; add [[sensor]] type = \"{kind}\" with {key}"
+    )]
+    NoNoise {
+        /// Kind of sensor.
+        kind: &'static str,
+        /// Key to add.
+        key: &'static str,
+    },
+    /// Too few common samples.
+    #[error(
+        "E0303 {file}: {found} samples have all needed channels at one time; at least {needed} are needed"
+    )]
+    TooFew {
+        /// File or files of the segment.
+        file: String,
+        /// Samples found.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// Absolute orbital coordinates.
+    #[error(
+        "E0304 {file}: channel 'r': |r| = {distance:.3e} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; give positions relative to a reference orbit"
+    )]
+    OrbitalPosition {
+        /// File or files of the segment.
+        file: String,
+        /// Distance, m.
+        distance: f64,
+        /// Time, s.
+        time: f64,
+    },
+    /// Something the linear method cannot use.
+    #[error("E0305 model: {what}")]
+    Unsupported {
+        /// What and what to do.
+        what: String,
+    },
+}
+
+/// Everything an estimator needs of one question.
+pub struct Bound {
+    /// Segments in the order given.
+    pub segments: Vec<Segment>,
+    /// Declared noise.
+    pub noise: Noise,
+    /// Assumptions and repairs, in words.
+    pub repairs: Vec<String>,
+    /// Largest share of samples left out of a segment.
+    pub dropped: f64,
+}
+
+/// Binds the tables of all segments to the model.
+///
+/// # Errors
+/// A channel or a noise that is needed is missing.
+pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
+    refuse_unsupported(model)?;
+    let mut repairs = Vec::new();
+    let mut segments = Vec::with_capacity(tables.len());
+    let mut dropped: f64 = 0.0;
+    for table in tables {
+        let (segment, lost) = bind_segment(model, tree, table, &mut repairs)?;
+        dropped = dropped.max(lost);
+        segments.push(segment);
+    }
+    let noise = declared_noise(model, tree, tables, &mut repairs)?;
+    repairs.dedup();
+    Ok(Bound {
+        segments,
+        noise,
+        repairs,
+        dropped,
+    })
+}
+
+fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
+    let elsewhere = model
+        .sensors
+        .iter()
+        .find(|s| s.body != 0 && !s.kind.is_scalar());
+    if let Some(sensor) = elsewhere {
+        return Err(BindError::Unsupported {
+            what: format!(
+                "sensor '{}' sits on body '{}'; the linear method uses sensors of the base '{}' only: move it or leave it out",
+                sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
+            ),
+        });
+    }
+    if model.environment.gravity_gradient || model.environment.point_mass_gm.is_some() {
+        return Err(BindError::Unsupported {
+            what: "[environment]: the linear method knows no gravity; leave it out or use --method maximum_likelihood".to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// Name of a segment in messages: its files.
+fn file_label(table: &Table) -> String {
+    let names: Vec<&str> = table.sources.iter().map(|s| s.path.as_str()).collect();
+    names.join(",")
+}
+
+fn bind_segment(
+    model: &Model,
+    tree: &Tree,
+    table: &Table,
+    repairs: &mut Vec<String>,
+) -> Result<(Segment, f64), BindError> {
+    let label = file_label(table);
+    let channels = channels::Channels {
+        table,
+        label: &label,
+    };
+    let gyro = channels.gyro(model)?;
+    let times = gyro.time_s();
+    let aligned = motion::align(model, tree, &channels, &gyro, times, repairs)?;
+    let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();
+    if complete.len() < 2 {
+        return Err(BindError::TooFew {
+            file: label.clone(),
+            found: complete.len(),
+            needed: 2,
+        });
+    }
+    let lost = times.len() - complete.len();
+    if lost > 0 {
+        repairs.push(format!(
+            "{label}: {lost} of {} gyro samples left out: another channel has no sample there or within 3 of its steps",
+            times.len()
+        ));
+    }
+    let samples: Samples = aligned.take(&complete, tree);
+    let firings = thrust::firings(model, &channels, &samples, repairs);
+    Ok((
+        Segment {
+            label: label.clone(),
+            samples,
+            firings,
+        },
+        lost as f64 / times.len() as f64,
+    ))
+}
+
+/// Sensors of one kind that sit on the base.
+fn base_sensor(model: &Model, kind: SensorKind) -> Option<&poinsot_model::Sensor> {
+    model.sensors_of(kind).find(|s| s.body == 0)
+}

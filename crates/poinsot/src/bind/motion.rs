@@ -1,0 +1,327 @@
+//! All channels at the gyro's times: attitude, translation, joints, wheels.
+
+use super::BindError;
+use super::channels::{Channels, VectorChannels, joint_columns};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Samples, Translation};
+use poinsot_model::{Model, SensorKind};
+use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
+
+/// Distance beyond which positions are not relative to a reference orbit, m.
+const ORBITAL: f64 = 1.0e5;
+/// Samples each side of the polynomial that differentiates a channel without a rate.
+const HALF_WIDTH: usize = 2;
+
+type Column = Vec<Option<f64>>;
+
+/// Channels at the gyro's times; `None` where there is no sample.
+pub(super) struct Aligned {
+    time_s: Vec<f64>,
+    rate: Vec<Option<Vector3<f64>>>,
+    attitude: Vec<Option<UnitQuaternion<f64>>>,
+    translation: Option<(Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>)>,
+    joint_position: Vec<Column>,
+    joint_rate: Vec<Column>,
+    wheel_speed: Vec<Column>,
+}
+
+pub(super) fn align(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels,
+    gyro: &VectorChannels,
+    times: &[f64],
+    repairs: &mut Vec<String>,
+) -> Result<Aligned, BindError> {
+    let rate: Vec<Option<Vector3<f64>>> = vectors(&gyro.axes.map(|c| resample(c, times, None)))
+        .into_iter()
+        .map(|w| w.map(|w| gyro.R_BS * w))
+        .collect();
+    let attitude = attitude(model, channels, gyro, times, &rate, repairs);
+    let translation = translation(model, channels, times, &rate, &attitude, repairs)?;
+    let mut joint_position = Vec::new();
+    let mut joint_rate = Vec::new();
+    for &at in &tree.coordinates {
+        let (position, rate) = joint(model, channels, at, times, repairs);
+        joint_position.push(position);
+        joint_rate.push(rate);
+    }
+    let mut wheel_speed = Vec::new();
+    for wheel in &model.wheels {
+        let name = format!("{}_rad_s", wheel.name);
+        let channel = channels.find(None, &name).ok_or_else(|| {
+            channels.missing(
+                &name,
+                "the momentum of a wheel cannot be guessed; add the column, or take the wheel out of the model",
+            )
+        })?;
+        wheel_speed.push(resample(channel, times, None));
+    }
+    Ok(Aligned {
+        time_s: times.to_vec(),
+        rate,
+        attitude,
+        translation,
+        joint_position,
+        joint_rate,
+        wheel_speed,
+    })
+}
+
+impl Aligned {
+    /// Whether every channel has a sample at time k.
+    pub fn complete(&self, k: usize) -> bool {
+        let columns = [&self.joint_position, &self.joint_rate, &self.wheel_speed];
+        self.rate[k].is_some()
+            && self.attitude[k].is_some()
+            && self
+                .translation
+                .as_ref()
+                .is_none_or(|(r, v)| r[k].is_some() && v[k].is_some())
+            && columns.iter().all(|c| c.iter().all(|x| x[k].is_some()))
+    }
+
+    /// The samples at the times picked; positions from the place of the first one.
+    pub fn take(&self, picked: &[usize], tree: &Tree) -> Samples {
+        let rows = |columns: &[Column]| -> Vec<f64> {
+            picked
+                .iter()
+                .flat_map(|&k| columns.iter().map(move |c| c[k].unwrap_or(0.0)))
+                .collect()
+        };
+        debug_assert_eq!(self.joint_position.len(), tree.dof());
+        let translation = self.translation.as_ref().map(|(r, v)| {
+            let all = |list: &[Option<Vector3<f64>>]| -> Vec<Vector3<f64>> {
+                picked.iter().filter_map(|&k| list[k]).collect()
+            };
+            let mut p_NoBo_N = all(r);
+            if let Some(first) = p_NoBo_N.first().copied() {
+                p_NoBo_N.iter_mut().for_each(|p| *p -= first);
+            }
+            Translation {
+                v_NBo_N: all(v),
+                p_NoBo_N,
+            }
+        });
+        Samples {
+            time_s: picked.iter().map(|&k| self.time_s[k]).collect(),
+            R_NB: picked.iter().filter_map(|&k| self.attitude[k]).collect(),
+            w_NB_B: picked.iter().filter_map(|&k| self.rate[k]).collect(),
+            translation,
+            joint_position: rows(&self.joint_position),
+            joint_rate: rows(&self.joint_rate),
+            wheel_speed: rows(&self.wheel_speed),
+        }
+    }
+}
+
+fn vectors(axes: &[Column; 3]) -> Vec<Option<Vector3<f64>>> {
+    axes[0]
+        .iter()
+        .zip(&axes[1])
+        .zip(&axes[2])
+        .map(|((x, y), z)| Some(Vector3::new((*x)?, (*y)?, (*z)?)))
+        .collect()
+}
+
+fn attitude(
+    model: &Model,
+    channels: &Channels,
+    gyro: &VectorChannels,
+    times: &[f64],
+    rate: &[Option<Vector3<f64>>],
+    repairs: &mut Vec<String>,
+) -> Vec<Option<UnitQuaternion<f64>>> {
+    let sensor = super::base_sensor(model, SensorKind::Attitude);
+    let name = sensor.map(|s| s.name.as_str());
+    let part = |k: &str| channels.find(name, &format!("q_{k}"));
+    if let (Some(x), Some(y), Some(z), Some(w)) = (part("x"), part("y"), part("z"), part("w")) {
+        // A turned gyro's channels are not body rates: interpolate without them.
+        let rates = (gyro.R_BS == nalgebra::Matrix3::identity()).then_some(gyro.axes);
+        let R_SB = sensor.map_or_else(UnitQuaternion::identity, |s| {
+            UnitQuaternion::from_matrix(&s.R_BS).inverse()
+        });
+        return resample_attitude([x, y, z, w], rates, times, None)
+            .into_iter()
+            .map(|q| {
+                q.map(|[x, y, z, w]| {
+                    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)) * R_SB
+                })
+            })
+            .collect();
+    }
+    repairs.push(format!(
+        "{}: no attitude channel: attitude integrated from the gyro, from the identity at its first sample",
+        channels.label
+    ));
+    integrate_rate(times, rate)
+}
+
+/// Attitude from body rates: per step the rotation vector of the fourth-order Magnus expansion for a
+/// rate linear in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
+fn integrate_rate(
+    times: &[f64],
+    rate: &[Option<Vector3<f64>>],
+) -> Vec<Option<UnitQuaternion<f64>>> {
+    let mut out = vec![None; times.len()];
+    let mut last: Option<(usize, UnitQuaternion<f64>, Vector3<f64>)> = None;
+    for (k, w) in rate.iter().enumerate() {
+        let Some(w) = w else { continue };
+        let q = match &last {
+            None => UnitQuaternion::identity(),
+            Some((before, q, w0)) => {
+                let h = times[k] - times[*before];
+                q * UnitQuaternion::from_scaled_axis(
+                    (w0 + w) * (0.5 * h) + w0.cross(w) * (h * h / 12.0),
+                )
+            }
+        };
+        out[k] = Some(q);
+        last = Some((k, q, *w));
+    }
+    out
+}
+
+type Positions = (Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>);
+
+/// Position and velocity of the base origin in N, corrected for the place of the sensors.
+fn translation(
+    model: &Model,
+    channels: &Channels,
+    times: &[f64],
+    rate: &[Option<Vector3<f64>>],
+    attitude: &[Option<UnitQuaternion<f64>>],
+    repairs: &mut Vec<String>,
+) -> Result<Option<Positions>, BindError> {
+    let velocity = channels.vector(model, SensorKind::Velocity, "v");
+    let position = channels.vector(model, SensorKind::Position, "r");
+    let label = channels.label;
+    if let Some(r) = &position {
+        refuse_orbital(label, r)?;
+    }
+    let corrected = |list: Vec<Option<Vector3<f64>>>, arm: nalgebra::Vector3<f64>, moving: bool| {
+        list.into_iter()
+            .zip(rate.iter().zip(attitude))
+            .map(|(x, (w, R))| {
+                let (x, w, R) = (x?, (*w)?, (*R)?);
+                Some(x - R * if moving { w.cross(&arm) } else { arm })
+            })
+            .collect::<Vec<_>>()
+    };
+    let at_times = |c: &[&Channel; 3]| vectors(&c.map(|c| resample(c, times, None)));
+    Ok(match (velocity, position) {
+        (None, None) => None,
+        (Some(v), Some(r)) => {
+            let smooth = [0, 1, 2].map(|k| resample_hermite(r.axes[k], v.axes[k], times, None));
+            Some((
+                corrected(vectors(&smooth), r.p_BoS_B, false),
+                corrected(at_times(&v.axes), v.p_BoS_B, true),
+            ))
+        }
+        (Some(v), None) => {
+            repairs.push(format!(
+                "{label}: no position channel: position integrated from velocity"
+            ));
+            let velocity = corrected(at_times(&v.axes), v.p_BoS_B, true);
+            Some((integrate_velocity(times, &velocity), velocity))
+        }
+        (None, Some(r)) => {
+            repairs.push(format!(
+                "{label}: no velocity channel: velocity differentiated from position (quartic through five samples)"
+            ));
+            let rates = r.axes.map(|c| differentiate(c, HALF_WIDTH, None));
+            let v = vectors(&[0, 1, 2].map(|k| resample(&rates[k], times, None)));
+            Some((
+                corrected(at_times(&r.axes), r.p_BoS_B, false),
+                corrected(v, r.p_BoS_B, true),
+            ))
+        }
+    })
+}
+
+fn refuse_orbital(label: &str, r: &VectorChannels) -> Result<(), BindError> {
+    let [x, y, z] = r.axes.map(|c| c.values.first().copied().unwrap_or(0.0));
+    let distance = Vector3::new(x, y, z).norm();
+    if distance > ORBITAL {
+        return Err(BindError::OrbitalPosition {
+            file: label.to_owned(),
+            distance,
+            time: r.time_s().first().copied().unwrap_or(0.0),
+        });
+    }
+    Ok(())
+}
+
+/// Position from velocity by the trapezium with its end correction from central slopes.
+fn integrate_velocity(
+    times: &[f64],
+    velocity: &[Option<Vector3<f64>>],
+) -> Vec<Option<Vector3<f64>>> {
+    let known: Vec<usize> = (0..times.len())
+        .filter(|&k| velocity[k].is_some())
+        .collect();
+    let v = |i: usize| velocity[known[i]].unwrap_or_default();
+    let t = |i: usize| times[known[i]];
+    let slope = |i: usize| {
+        let (a, b) = (i.saturating_sub(1), (i + 1).min(known.len() - 1));
+        if b > a {
+            (v(b) - v(a)) / (t(b) - t(a))
+        } else {
+            Vector3::zeros()
+        }
+    };
+    let mut out = vec![None; times.len()];
+    let mut p = Vector3::zeros();
+    for i in 0..known.len() {
+        if i > 0 {
+            let h = t(i) - t(i - 1);
+            p += (v(i - 1) + v(i)) * (0.5 * h) + (slope(i - 1) - slope(i)) * (h * h / 12.0);
+        }
+        out[known[i]] = Some(p);
+    }
+    out
+}
+
+/// Position and rate of one joint: measured, derived, or locked.
+fn joint(
+    model: &Model,
+    channels: &Channels,
+    at: usize,
+    times: &[f64],
+    repairs: &mut Vec<String>,
+) -> (Column, Column) {
+    let joint = &model.joints[at];
+    let (position_name, rate_name) = joint_columns(&joint.name, joint.kind);
+    let label = channels.label;
+    match (
+        channels.find(None, &position_name),
+        channels.find(None, &rate_name),
+    ) {
+        (Some(q), Some(rate)) => (
+            resample_hermite(q, rate, times, None),
+            resample(rate, times, None),
+        ),
+        (Some(q), None) => {
+            repairs.push(format!(
+                "{label}: no channel '{rate_name}': rate of {} differentiated from '{position_name}' (quartic through five samples)",
+                joint.name
+            ));
+            let rate = differentiate(q, HALF_WIDTH, None);
+            (resample(q, times, None), resample(&rate, times, None))
+        }
+        (None, rate) => {
+            let unused = rate.map_or(String::new(), |_| {
+                format!("; its '{rate_name}' is not used without a position")
+            });
+            repairs.push(format!(
+                "{label}: no channel '{position_name}': {} taken as locked at {}{unused}",
+                joint.name, joint.locked_at
+            ));
+            (
+                vec![Some(joint.locked_at); times.len()],
+                vec![Some(0.0); times.len()],
+            )
+        }
+    }
+}

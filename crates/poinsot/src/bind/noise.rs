@@ -1,0 +1,164 @@
+//! Declared noise of the sensors, and how much of it the data really show.
+
+use super::{BindError, base_sensor};
+use poinsot_dynamics::Tree;
+use poinsot_identify::Noise;
+use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_spatial::Matrix3;
+use poinsot_telemetry::{Table, noise_level};
+
+/// Noise of every measurement of the momentum equations, from the model's sensors.
+///
+/// # Errors
+/// The gyro or a velocity that is measured declares no noise.
+pub fn declared_noise(
+    model: &Model,
+    tree: &Tree,
+    tables: &[Table],
+    repairs: &mut Vec<String>,
+) -> Result<Noise, BindError> {
+    let has = |name: &str| {
+        tables
+            .iter()
+            .any(|t| t.channels.iter().any(|c| c.name == name))
+    };
+    let gyro = vector(model, SensorKind::Gyro).ok_or(BindError::NoNoise {
+        kind: "gyro",
+        key: "noise_rad_s",
+    })?;
+    let position = vector(model, SensorKind::Position);
+    let velocity = velocity(model, tables, &has, position)?;
+    let mut exact = |value: Option<Matrix3>, channel: &str, what: &str| {
+        if value.is_none() && has(channel) {
+            repairs.push(format!(
+                "{what} taken as exact: no sensor declares its noise"
+            ));
+        }
+        value.unwrap_or_else(Matrix3::zeros)
+    };
+    let attitude = exact(vector(model, SensorKind::Attitude), "q_w", "attitude");
+    let position = exact(position, "r_x", "position");
+    let of_joints = |kind: SensorKind| -> Vec<f64> {
+        tree.coordinates
+            .iter()
+            .map(|&at| scalar(model, kind, at))
+            .collect()
+    };
+    let mut noise = Noise {
+        gyro,
+        attitude,
+        velocity,
+        position,
+        joint_position: of_joints(SensorKind::JointPosition),
+        joint_rate: of_joints(SensorKind::JointRate),
+        wheel_speed: (0..model.wheels.len())
+            .map(|k| scalar(model, SensorKind::WheelSpeed, k))
+            .collect(),
+        seen_gyro: 0.0,
+        seen_velocity: 0.0,
+        seen_joint_rate: 0.0,
+    };
+    silence_locked(model, tree, tables, &mut noise);
+    noise.seen_gyro = seen(tables, &["omega_x", "omega_y", "omega_z"], &gyro);
+    noise.seen_velocity = seen(tables, &["v_x", "v_y", "v_z"], &noise.velocity);
+    noise.seen_joint_rate = seen_rates(model, tree, tables, &noise.joint_rate);
+    Ok(noise)
+}
+
+/// Covariance of a base sensor in body axes, quantisation included.
+fn vector(model: &Model, kind: SensorKind) -> Option<Matrix3> {
+    let sensor = base_sensor(model, kind)?;
+    let covariance = covariance(sensor)?;
+    Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
+}
+
+fn covariance(sensor: &Sensor) -> Option<Matrix3> {
+    let step = sensor.quantisation * sensor.quantisation / 12.0;
+    match sensor.noise_covariance {
+        Some(c) => Some(c + Matrix3::identity() * step),
+        None => (step > 0.0).then(|| Matrix3::identity() * step),
+    }
+}
+
+fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
+    model
+        .sensors_of(kind)
+        .find(|s| s.of.contains(&of))
+        .and_then(covariance)
+        .map_or(0.0, |c| c[(0, 0)])
+}
+
+fn velocity(
+    model: &Model,
+    tables: &[Table],
+    has: &dyn Fn(&str) -> bool,
+    position: Option<Matrix3>,
+) -> Result<Matrix3, BindError> {
+    if has("v_x") {
+        return vector(model, SensorKind::Velocity).ok_or(BindError::NoNoise {
+            kind: "velocity",
+            key: "noise_m_s",
+        });
+    }
+    if has("r_x") {
+        let position = position.ok_or(BindError::NoNoise {
+            kind: "position",
+            key: "noise_m",
+        })?;
+        // The quartic through five samples passes noise on with 0.95 / h.
+        let step = tables
+            .iter()
+            .filter_map(|t| t.channel("r_x"))
+            .filter_map(|c| poinsot_telemetry::median_step(&c.time_s))
+            .fold(f64::INFINITY, f64::min);
+        return Ok(position * (0.95 / step).powi(2));
+    }
+    Ok(Matrix3::identity())
+}
+
+/// A joint without a column, or one that reads the same throughout, is locked: it has no noise.
+fn silence_locked(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
+    for (k, &at) in tree.coordinates.iter().enumerate() {
+        let joint = &model.joints[at];
+        let (position, _) = super::channels::joint_columns(&joint.name, joint.kind);
+        let moves = tables.iter().filter_map(|t| t.channel(&position)).any(|c| {
+            c.values
+                .first()
+                .is_some_and(|first| c.values.iter().any(|x| x != first))
+        });
+        if !moves {
+            noise.joint_position[k] = 0.0;
+            noise.joint_rate[k] = 0.0;
+        }
+    }
+}
+
+/// Seen over declared variance, at most one: the largest over the axes and segments.
+fn seen(tables: &[Table], names: &[&str; 3], declared: &Matrix3) -> f64 {
+    let mut worst: f64 = 0.0;
+    for (axis, name) in names.iter().enumerate() {
+        for channel in tables.iter().filter_map(|t| t.channel(name)) {
+            if let Some(level) = noise_level(channel) {
+                worst = worst.max(level.sigma.powi(2) / declared[(axis, axis)]);
+            }
+        }
+    }
+    worst.min(1.0)
+}
+
+fn seen_rates(model: &Model, tree: &Tree, tables: &[Table], declared: &[f64]) -> f64 {
+    let mut worst: f64 = 0.0;
+    for (&at, variance) in tree.coordinates.iter().zip(declared) {
+        if *variance <= 0.0 {
+            continue;
+        }
+        let joint = &model.joints[at];
+        let (_, rate) = super::channels::joint_columns(&joint.name, joint.kind);
+        for channel in tables.iter().filter_map(|t| t.channel(&rate)) {
+            if let Some(level) = noise_level(channel) {
+                worst = worst.max(level.sigma.powi(2) / variance);
+            }
+        }
+    }
+    worst.min(1.0)
+}

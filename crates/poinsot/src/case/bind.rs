@@ -1,0 +1,110 @@
+//! A case with a model: names become indices, and the first instant a start.
+
+use super::file::InitialFile;
+use super::motion::Planner;
+use super::sensor_output::{SensorOutput, sensor_outputs};
+use super::{Case, CaseError, refuse};
+use nalgebra::Quaternion;
+use poinsot_dynamics::{Plan, Start, StartVelocity};
+use poinsot_model::Model;
+use poinsot_spatial::{UnitQuaternion, Vector3};
+use toml::Spanned;
+
+/// A case bound to a model: everything a simulation needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// Motion of joints and wheels, firings.
+    pub plan: Plan,
+    /// Pose and motion at time zero.
+    pub start: Start,
+    /// Times of the rows, s.
+    pub times: Vec<f64>,
+    /// One per sensor of the model.
+    pub sensors: Vec<SensorOutput>,
+}
+
+impl Case {
+    /// Resolves the names of the case in a model.
+    ///
+    /// # Errors
+    /// Every fault that shows against this model.
+    pub fn bind(&self, model: &Model) -> Result<Scenario, CaseError> {
+        let mut planner = Planner {
+            text: &self.text,
+            model,
+            faults: Vec::new(),
+        };
+        let file = &self.file;
+        let output = file.output.span();
+        let plan = planner.plan(&file.joint_motion, &file.wheel_motion, &file.firing, output);
+        let start = start(&mut planner, &file.initial);
+        let sensors = sensor_outputs(&mut planner, file.output.get_ref());
+        if !planner.faults.is_empty() {
+            return Err(refuse(planner.faults));
+        }
+        Ok(Scenario {
+            plan,
+            start,
+            times: self.times(),
+            sensors,
+        })
+    }
+}
+
+fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
+    let mut vector = |key: &str, x: &Option<Spanned<[f64; 3]>>| {
+        let Some(x) = x else {
+            return Vector3::zeros();
+        };
+        if !x.get_ref().iter().all(|x| x.is_finite()) {
+            let key = format!("initial.{key}");
+            planner.refuse("E0305", &key, x.span(), "not finite", "correct it");
+        }
+        Vector3::from(*x.get_ref())
+    };
+    let p_NoBo_N = vector("r_m", &initial.r_m);
+    let v_NBo_N = vector("v_m_s", &initial.v_m_s);
+    let w_NB_B = vector("omega_rad_s", &initial.omega_rad_s);
+    let l_S_N = vector("linear_N_s", &initial.linear_N_s);
+    let h_SScm_N = vector("angular_N_m_s", &initial.angular_N_m_s);
+
+    let twist = [&initial.v_m_s, &initial.omega_rad_s];
+    let momentum = [&initial.linear_N_s, &initial.angular_N_m_s];
+    let twist = twist.into_iter().flatten().next().map(Spanned::span);
+    let momentum = momentum.into_iter().flatten().next().map(Spanned::span);
+    let zero = initial.momentum_zero.as_ref();
+    let zero = zero.filter(|z| *z.get_ref()).map(Spanned::span);
+    let given = [&twist, &momentum, &zero].into_iter().flatten();
+    if let Some(second) = given.skip(1).next().cloned() {
+        let problem = "the initial motion is given twice";
+        let remedy =
+            "give either omega_rad_s and v_m_s, or linear_N_s and angular_N_m_s, or momentum_zero";
+        planner.refuse("E0307", "initial", second, problem, remedy);
+    }
+    let velocity = if momentum.is_some() || zero.is_some() {
+        StartVelocity::Momentum { l_S_N, h_SScm_N }
+    } else {
+        StartVelocity::Twist { v_NBo_N, w_NB_B }
+    };
+    Start {
+        R_NB: attitude(planner, initial),
+        p_NoBo_N,
+        velocity,
+    }
+}
+
+fn attitude(planner: &mut Planner, initial: &InitialFile) -> UnitQuaternion {
+    let Some(given) = &initial.q_xyzw else {
+        return UnitQuaternion::identity();
+    };
+    let [x, y, z, w] = *given.get_ref();
+    let q = Quaternion::new(w, x, y, z);
+    // Printed quaternions are rounded; anything further off is another mistake.
+    if !((q.norm() - 1.0).abs() < 1e-3) {
+        let problem = format!("norm {} is not 1", q.norm());
+        let remedy = "give a unit quaternion, scalar last, body to inertial";
+        planner.refuse("E0305", "initial.q_xyzw", given.span(), problem, remedy);
+        return UnitQuaternion::identity();
+    }
+    UnitQuaternion::new_normalize(q)
+}

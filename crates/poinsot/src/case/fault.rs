@@ -1,0 +1,165 @@
+//! What is wrong with a case file, each fault with its place.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Codes of the faults in case files with one line of explanation each, for `poinsot explain`.
+pub const CASE_CODES: [(&str, &str); 8] = [
+    (
+        "E0301",
+        "The case file cannot be read, or is larger than 16 MiB or not UTF-8.",
+    ),
+    (
+        "E0302",
+        "The case file is not valid TOML, lacks a key, or has a key or type that the format does not have.",
+    ),
+    (
+        "E0303",
+        "The file names another format than poinsot.case/1.",
+    ),
+    (
+        "E0304",
+        "A name that the model does not have, or a thing that is moved twice or not at all.",
+    ),
+    (
+        "E0305",
+        "A number out of range: not finite, negative or zero where only positive numbers mean something.",
+    ),
+    (
+        "E0306",
+        "Times and values that make no motion: different lengths, or times that do not increase.",
+    ),
+    (
+        "E0307",
+        "Keys that contradict each other, or whose unit does not fit what they describe.",
+    ),
+    (
+        "E0308",
+        "Something the format has and the simulation does not do yet.",
+    ),
+];
+
+/// One thing that is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CaseFault {
+    /// Stable code, see [`CASE_CODES`].
+    pub code: &'static str,
+    /// File as given.
+    pub file: String,
+    /// Line, from one; zero where the file could not be read.
+    pub line: usize,
+    /// Key, for example `joint_motion[2].time_s`.
+    pub key: String,
+    /// The value as written, shortened.
+    pub value: String,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl fmt::Display for CaseFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.code, self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
+        }
+        write!(f, ": ")?;
+        if !self.key.is_empty() {
+            write!(f, "{}", self.key)?;
+            if !self.value.is_empty() {
+                write!(f, " = {}", self.value)?;
+            }
+            write!(f, ": ")?;
+        }
+        write!(f, "{}; {}", self.problem, self.remedy)
+    }
+}
+
+/// A case file that was refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CaseError {
+    /// The faults in the order of the checks, never empty.
+    pub faults: Vec<CaseFault>,
+    /// Whether the surroundings (disk, permission) failed and not the file.
+    pub environment: bool,
+}
+
+impl fmt::Display for CaseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, fault) in self.faults.iter().enumerate() {
+            if k > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for CaseError {}
+
+/// Name and text of a case file: turns spans into lines.
+#[derive(Debug, Clone)]
+pub(crate) struct CaseText {
+    pub path: PathBuf,
+    pub text: String,
+}
+
+impl CaseText {
+    /// A fault at the bytes of a value.
+    pub fn fault(
+        &self,
+        code: &'static str,
+        key: &str,
+        span: Range<usize>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> CaseFault {
+        let before = self.text.get(..span.start).unwrap_or(&self.text);
+        CaseFault {
+            code,
+            file: self.path.display().to_string(),
+            line: before.matches('\n').count() + 1,
+            key: key.to_owned(),
+            value: excerpt(self.text.get(span).unwrap_or("")),
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
+    }
+}
+
+/// A value on one line, cut to a readable length; nothing for a whole section.
+fn excerpt(text: &str) -> String {
+    if text.contains("[[") || text.contains('=') {
+        return String::new();
+    }
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut short: String = line.chars().filter(|c| !c.is_control()).take(60).collect();
+    if short.len() < line.len() {
+        short.push_str("...");
+    }
+    short
+}
+
+/// The nearest of the known names, as a remedy.
+pub(crate) fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> String {
+    let known: Vec<&str> = known.collect();
+    let nearest = known
+        .iter()
+        .min_by_key(|k| strsim::damerau_levenshtein(name, k));
+    match nearest {
+        None => "the model has none".to_owned(),
+        Some(nearest)
+            if nearest.starts_with(name)
+                || strsim::damerau_levenshtein(name, nearest) <= name.len() / 2 =>
+        {
+            format!("did you mean \"{nearest}\"?")
+        }
+        Some(_) => {
+            let some = known.iter().take(8).map(|k| format!("\"{k}\""));
+            format!("the model has {}", some.collect::<Vec<_>>().join(", "))
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The case file as written: shape only, nothing checked.
+#![allow(non_snake_case)]
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use toml::Spanned;
+
+/// The whole file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CaseFile {
+    pub schema: Spanned<String>,
+    pub model: Spanned<String>,
+    pub duration_s: Spanned<f64>,
+    #[serde(default)]
+    pub initial: InitialFile,
+    #[serde(default)]
+    pub joint_motion: Vec<JointMotionFile>,
+    #[serde(default)]
+    pub wheel_motion: Vec<WheelMotionFile>,
+    #[serde(default)]
+    pub firing: Vec<FiringFile>,
+    pub joint_torque: Option<Spanned<IgnoredAny>>,
+    pub control: Option<Spanned<IgnoredAny>>,
+    pub integration: Option<IntegrationFile>,
+    pub output: Spanned<OutputFile>,
+}
+
+/// Pose and velocity of the base, or momentum of the whole.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct InitialFile {
+    pub q_xyzw: Option<Spanned<[f64; 4]>>,
+    pub omega_rad_s: Option<Spanned<[f64; 3]>>,
+    pub r_m: Option<Spanned<[f64; 3]>>,
+    pub v_m_s: Option<Spanned<[f64; 3]>>,
+    pub momentum_zero: Option<Spanned<bool>>,
+    /// In N.
+    pub linear_N_s: Option<Spanned<[f64; 3]>>,
+    /// About the system's mass centre, in N.
+    pub angular_N_m_s: Option<Spanned<[f64; 3]>>,
+}
+
+/// Motion of one joint.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct JointMotionFile {
+    pub joint: Spanned<String>,
+    pub interpolation: Spanned<String>,
+    pub time_s: Option<Spanned<Vec<f64>>>,
+    pub position_rad: Option<Spanned<Vec<f64>>>,
+    pub position_m: Option<Spanned<Vec<f64>>>,
+    pub base_frequency_hz: Option<Spanned<f64>>,
+    pub offset_rad: Option<Spanned<f64>>,
+    pub offset_m: Option<Spanned<f64>>,
+    pub sine_rad: Option<Spanned<Vec<f64>>>,
+    pub sine_m: Option<Spanned<Vec<f64>>>,
+    pub cosine_rad: Option<Spanned<Vec<f64>>>,
+    pub cosine_m: Option<Spanned<Vec<f64>>>,
+}
+
+/// Speed of one wheel, or torque of its motor.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WheelMotionFile {
+    pub wheel: Spanned<String>,
+    pub time_s: Spanned<Vec<f64>>,
+    pub speed_rad_s: Option<Spanned<Vec<f64>>>,
+    pub torque_N_m: Option<Spanned<Vec<f64>>>,
+    /// Only with a torque.
+    pub initial_speed_rad_s: Option<Spanned<f64>>,
+    pub interpolation: Option<Spanned<String>>,
+}
+
+/// One firing.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FiringFile {
+    pub thruster: Spanned<String>,
+    pub on_s: Spanned<f64>,
+    pub off_s: Spanned<f64>,
+    pub force_N: Spanned<f64>,
+}
+
+/// How hard the integrator works.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct IntegrationFile {
+    pub relative_tolerance: Spanned<f64>,
+}
+
+/// What is written.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OutputFile {
+    pub rate_hz: Spanned<f64>,
+    #[serde(default)]
+    pub format: Format,
+    #[serde(default)]
+    pub seed: u64,
+    #[serde(default)]
+    pub sensor: Vec<SensorOutputFile>,
+}
+
+/// Kind of telemetry file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// One header row, comma separated.
+    #[default]
+    Csv,
+    /// Parquet.
+    Parquet,
+}
+
+/// What a sensor of the model does in this case.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SensorOutputFile {
+    pub name: Spanned<String>,
+    pub rate_hz: Option<Spanned<f64>>,
+    pub bias_rad: Option<Spanned<Vec<f64>>>,
+    pub bias_rad_s: Option<Spanned<Vec<f64>>>,
+    pub bias_m: Option<Spanned<Vec<f64>>>,
+    pub bias_m_s: Option<Spanned<Vec<f64>>>,
+    pub bias_m_s2: Option<Spanned<Vec<f64>>>,
+    pub bias_N: Option<Spanned<Vec<f64>>>,
+}

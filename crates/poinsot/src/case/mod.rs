@@ -1,0 +1,211 @@
+//! The case file `poinsot.case/1`: what a vehicle does, for how long, and what is written of it.
+//!
+//! Reading checks what needs no vehicle; [`Case::bind`] resolves names against a model, so that one case
+//! can be run with several models.
+
+mod bind;
+mod fault;
+mod file;
+mod motion;
+mod sensor_output;
+
+pub use bind::Scenario;
+pub use fault::{CASE_CODES, CaseError, CaseFault};
+pub use file::Format;
+pub use sensor_output::SensorOutput;
+pub(crate) use sensor_output::unit_suffix;
+
+use fault::{CaseText, did_you_mean};
+use file::CaseFile;
+use poinsot_dynamics::Tolerance;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// The name of the format.
+pub const CASE_SCHEMA: &str = "poinsot.case/1";
+
+const LARGEST_FILE: u64 = 16 << 20;
+const MOST_ROWS: f64 = 1e8;
+
+/// A case that was read; names are not yet resolved.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// The model file, relative to the case file's folder where it is not absolute.
+    pub model: PathBuf,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Rows per second.
+    pub rate_hz: f64,
+    /// Kind of telemetry file.
+    pub format: Format,
+    /// Seed of all noise.
+    pub seed: u64,
+    /// How hard the integrator works.
+    pub tolerance: Tolerance,
+    text: CaseText,
+    file: CaseFile,
+}
+
+/// Reads a case file.
+///
+/// # Errors
+/// All faults that show without the model.
+pub fn read_case(path: &Path) -> Result<Case, CaseError> {
+    let unreadable = |problem: String, environment: bool| CaseError {
+        faults: vec![CaseFault {
+            code: "E0301",
+            file: path.display().to_string(),
+            line: 0,
+            key: String::new(),
+            value: String::new(),
+            problem,
+            remedy: "give the path of a readable poinsot.case/1 file".into(),
+        }],
+        environment,
+    };
+    let failed = |e: std::io::Error| {
+        let missing = e.kind() == std::io::ErrorKind::NotFound;
+        unreadable(e.to_string(), !missing)
+    };
+    let size = std::fs::metadata(path).map_err(failed)?.len();
+    if size > LARGEST_FILE {
+        return Err(unreadable(
+            format!("the file holds {size} bytes, more than 16 MiB"),
+            false,
+        ));
+    }
+    let bytes = std::fs::read(path).map_err(failed)?;
+    match String::from_utf8(bytes) {
+        Ok(text) => parse_case(path, text),
+        Err(_) => Err(unreadable("the file is not UTF-8 text".into(), false)),
+    }
+}
+
+/// Reads the text of a case file; `path` serves messages and finds the model.
+///
+/// # Errors
+/// All faults that show without the model.
+pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
+    let text = CaseText {
+        path: path.to_owned(),
+        text,
+    };
+    let file: CaseFile = toml::from_str(&text.text).map_err(|e| refuse(vec![syntax(&text, &e)]))?;
+    let mut faults = Vec::new();
+    if file.schema.get_ref() != CASE_SCHEMA {
+        faults.push(text.fault(
+            "E0303",
+            "schema",
+            file.schema.span(),
+            "this is not the format of a case",
+            format!("write schema = \"{CASE_SCHEMA}\""),
+        ));
+    }
+    let output = file.output.get_ref();
+    positive(&text, &mut faults, "duration_s", &file.duration_s);
+    positive(&text, &mut faults, "output.rate_hz", &output.rate_hz);
+    let (duration_s, rate_hz) = (*file.duration_s.get_ref(), *output.rate_hz.get_ref());
+    if duration_s * rate_hz > MOST_ROWS {
+        faults.push(text.fault(
+            "E0305",
+            "output.rate_hz",
+            output.rate_hz.span(),
+            format!(
+                "{:.3e} rows are more than the program writes",
+                duration_s * rate_hz
+            ),
+            "lower the rate or the duration",
+        ));
+    }
+    let mut tolerance = Tolerance::default();
+    if let Some(integration) = &file.integration {
+        let key = "integration.relative_tolerance";
+        tolerance.relative = *integration.relative_tolerance.get_ref();
+        if !(1e-14..=1e-3).contains(&tolerance.relative) {
+            faults.push(text.fault(
+                "E0305",
+                key,
+                integration.relative_tolerance.span(),
+                "the tolerance must lie between 1e-14 and 1e-3",
+                "leave it out for 1e-12",
+            ));
+        }
+    }
+    later_work(&text, &file, &mut faults);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let case = Case {
+        model: folder.join(file.model.get_ref()),
+        duration_s,
+        rate_hz,
+        format: output.format,
+        seed: output.seed,
+        tolerance,
+        text,
+        file,
+    };
+    if faults.is_empty() {
+        Ok(case)
+    } else {
+        Err(refuse(faults))
+    }
+}
+
+fn later_work(text: &CaseText, file: &CaseFile, faults: &mut Vec<CaseFault>) {
+    let mut not_yet = |key: &str, span: Range<usize>, remedy: &str| {
+        let problem = "the simulation does not do this yet: joint motion is prescribed, not driven";
+        faults.push(text.fault("E0308", key, span, problem, remedy));
+    };
+    if let Some(x) = &file.joint_torque {
+        let remedy = "prescribe the motion with [[joint_motion]]";
+        not_yet("joint_torque", x.span(), remedy);
+    }
+    if let Some(x) = &file.control {
+        let remedy = "prescribe wheel speeds or torques with [[wheel_motion]]";
+        not_yet("control", x.span(), remedy);
+    }
+}
+
+impl Case {
+    /// The path the case was read from.
+    pub fn path(&self) -> &Path {
+        &self.text.path
+    }
+
+    /// Times of the rows, s: `k / rate_hz` up to the duration.
+    pub fn times(&self) -> Vec<f64> {
+        // A duration of whole periods must not lose its last row to round-off.
+        let rows = (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor();
+        (0..=rows as u64).map(|k| k as f64 / self.rate_hz).collect()
+    }
+}
+
+fn refuse(faults: Vec<CaseFault>) -> CaseError {
+    CaseError {
+        faults,
+        environment: false,
+    }
+}
+
+fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Spanned<f64>) {
+    let value = *x.get_ref();
+    if !value.is_finite() || value <= 0.0 {
+        let problem = "must be a positive number";
+        faults.push(text.fault("E0305", key, x.span(), problem, "correct it"));
+    }
+}
+
+/// A message of the TOML reader, with the nearest key where one is unknown.
+fn syntax(text: &CaseText, e: &toml::de::Error) -> CaseFault {
+    let message = e.message().lines().next().unwrap_or("").to_owned();
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let remedy = match (message.starts_with("unknown"), quoted.next()) {
+        (true, Some(name)) => did_you_mean(name, quoted).replace("the model has", "known are"),
+        _ => "correct the file".to_owned(),
+    };
+    let problem = message.split(", expected one of").next().unwrap_or("");
+    let span = e.span().unwrap_or(0..0);
+    let mut fault = text.fault("E0302", "", span, problem, remedy);
+    fault.value.clear();
+    fault
+}

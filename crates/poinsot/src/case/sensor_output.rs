@@ -1,0 +1,129 @@
+//! Own rate and bias of the sensors in a case.
+
+use super::fault::did_you_mean;
+use super::file::{OutputFile, SensorOutputFile};
+use super::motion::Planner;
+use poinsot_model::{JointKind, Model, Sensor, SensorKind};
+use toml::Spanned;
+
+/// What one sensor of the model does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorOutput {
+    /// It reads every so many rows.
+    pub every: usize,
+    /// Bias in the sensor's axes, where the case gives one; else drawn or zero.
+    pub bias: Option<Vec<f64>>,
+}
+
+/// One per sensor of the model.
+pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<SensorOutput> {
+    let model = planner.model;
+    let mut outputs = vec![
+        SensorOutput {
+            every: 1,
+            bias: None
+        };
+        model.sensors.len()
+    ];
+    for (i, table) in output.sensor.iter().enumerate() {
+        let key = format!("output.sensor[{i}]");
+        let name = table.name.get_ref();
+        let found: Vec<usize> = (0..model.sensors.len())
+            .filter(|k| model.sensors[*k].name == *name)
+            .collect();
+        let [k] = found.as_slice() else {
+            let names = model.sensors.iter().map(|s| s.name.as_str());
+            let remedy = did_you_mean(name, names);
+            let problem = format!("{} sensors of the model have this name", found.len());
+            planner.refuse(
+                "E0304",
+                &format!("{key}.name"),
+                table.name.span(),
+                problem,
+                remedy,
+            );
+            continue;
+        };
+        if let Some(rate) = &table.rate_hz {
+            let ratio = *output.rate_hz.get_ref() / *rate.get_ref();
+            let every = ratio.round();
+            if !(1.0..1e9).contains(&every) || (ratio - every).abs() > 1e-9 * every {
+                let problem = "the sensor's rate does not divide the output rate";
+                let remedy = "choose output.rate_hz as a multiple of every sensor's rate";
+                planner.refuse(
+                    "E0305",
+                    &format!("{key}.rate_hz"),
+                    rate.span(),
+                    problem,
+                    remedy,
+                );
+            } else {
+                outputs[*k].every = every as usize;
+            }
+        }
+        outputs[*k].bias = bias(planner, table, &model.sensors[*k], &key);
+    }
+    outputs
+}
+
+fn bias(
+    planner: &mut Planner,
+    table: &SensorOutputFile,
+    sensor: &Sensor,
+    key: &str,
+) -> Option<Vec<f64>> {
+    let wanted = unit_suffix(planner.model, sensor);
+    let all: [(&str, &Option<Spanned<Vec<f64>>>); 6] = [
+        ("rad", &table.bias_rad),
+        ("rad_s", &table.bias_rad_s),
+        ("m", &table.bias_m),
+        ("m_s", &table.bias_m_s),
+        ("m_s2", &table.bias_m_s2),
+        ("N", &table.bias_N),
+    ];
+    let mut found = None;
+    for (suffix, value) in all {
+        let Some(value) = value else { continue };
+        let key = format!("{key}.bias_{suffix}");
+        let numbers = value.get_ref();
+        let channels = if sensor.kind.is_scalar() {
+            sensor.of.len()
+        } else {
+            3
+        };
+        if suffix != wanted {
+            let problem = "this sensor has another unit";
+            let remedy = format!("use bias_{wanted}");
+            planner.refuse("E0307", &key, value.span(), problem, remedy);
+        } else if !numbers.iter().all(|x| x.is_finite()) {
+            planner.refuse("E0305", &key, value.span(), "not finite", "correct it");
+        } else if numbers.len() != channels && !(sensor.kind.is_scalar() && numbers.len() == 1) {
+            let problem = format!("{} numbers for {channels} channels", numbers.len());
+            planner.refuse("E0306", &key, value.span(), problem, "give one per channel");
+        } else {
+            found = Some(numbers.clone());
+        }
+    }
+    found
+}
+
+/// The unit of a sensor's readings as it ends a key.
+pub(crate) fn unit_suffix(model: &Model, sensor: &Sensor) -> &'static str {
+    let slides = sensor
+        .of
+        .first()
+        .and_then(|j| model.joints.get(*j))
+        .is_some_and(|joint| joint.kind == JointKind::Prismatic);
+    match sensor.kind {
+        SensorKind::Gyro | SensorKind::WheelSpeed => "rad_s",
+        SensorKind::Attitude => "rad",
+        SensorKind::Position => "m",
+        SensorKind::Velocity | SensorKind::VelocityIncrement => "m_s",
+        SensorKind::Accelerometer => "m_s2",
+        SensorKind::JointPosition if slides => "m",
+        SensorKind::JointPosition => "rad",
+        SensorKind::JointRate if slides => "m_s",
+        SensorKind::JointRate => "rad_s",
+        SensorKind::Thrust => "N",
+    }
+}

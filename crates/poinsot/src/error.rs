@@ -1,0 +1,58 @@
+//! Everything that can keep a verb from answering, with its exit code.
+
+use crate::bind::BindError;
+use poinsot_identify::LinearError;
+use poinsot_model::ModelError;
+use poinsot_telemetry::TelemetryError;
+use std::path::PathBuf;
+
+/// Why a verb gives no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The model file.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A telemetry file.
+    #[error(transparent)]
+    Telemetry(#[from] TelemetryError),
+    /// Model and telemetry do not fit.
+    #[error(transparent)]
+    Bind(#[from] BindError),
+    /// The linear method.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// A word on the command line.
+    #[error("E0001 {option} '{value}': {why}")]
+    Usage {
+        /// Option.
+        option: &'static str,
+        /// Value as read.
+        value: String,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// The operating system.
+    #[error("E0002 {}: {what}: {source}", path.display())]
+    Io {
+        /// Path.
+        path: PathBuf,
+        /// What was tried.
+        what: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// Exit code of CONTRACT: 2 for bad usage or input, 3 for the environment.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Io { source, .. } | Self::Telemetry(TelemetryError::Io { source, .. })
+                if source.kind() != std::io::ErrorKind::NotFound =>
+            {
+                3
+            }
+            _ => 2,
+        }
+    }
+}

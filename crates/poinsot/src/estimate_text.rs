@@ -1,0 +1,198 @@
+//! The answer as an engineer reads it in a terminal.
+
+use crate::estimate_file::{component, inertia_entries};
+use crate::identify::Identified;
+use poinsot_identify::{BodyEstimate, Number, OpenCombination, Source, Status};
+use poinsot_report::{Document, Section, Table, number_with_sigma, significant};
+
+/// Combinations listed in the terminal; the file has all.
+const LISTED: usize = 12;
+
+/// The answer as a document: verdict, mass properties, what is open, fit, repairs.
+pub fn estimate_document(identified: &Identified) -> Document {
+    let e = &identified.estimate;
+    let mut document = Document::new(verdict(identified));
+    for body in e.bodies.iter().filter(|b| b.asked) {
+        document.push(body_section(body));
+    }
+    if let Some((whole, _)) = &e.system
+        && e.bodies.len() > 1
+    {
+        let mut section = body_section(whole);
+        section.title =
+            "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
+        document.push(section);
+    }
+    if !e.nuisance.is_empty() {
+        let mut table = Table::new(&["", "value", "1 sigma", "nominal", "unit"]);
+        for item in &e.nuisance {
+            let n = &item.number;
+            let (value, sigma) = number_with_sigma(n.value, n.sigma);
+            table.push(vec![
+                item.name.clone(),
+                value,
+                sigma,
+                significant(n.nominal, 6),
+                item.unit.to_owned(),
+            ]);
+        }
+        document.push(Section::table("also estimated", table));
+    }
+    if e.status == Status::Rejected {
+        document.push(Section::list("why it is rejected", e.warnings.clone()));
+    } else {
+        if !e.identifiability.open.is_empty() {
+            document.push(Section::list(
+                "not identifiable from these data",
+                open_sentences(&e.identifiability.open),
+            ));
+            document.push(determined(identified));
+        }
+        if !e.warnings.is_empty() {
+            document.push(Section::list("warnings", e.warnings.clone()));
+        }
+    }
+    document.push(fit(identified));
+    if !identified.repairs.is_empty() {
+        document.push(Section::list(
+            "assumed or repaired",
+            identified.repairs.clone(),
+        ));
+    }
+    document
+}
+
+fn verdict(identified: &Identified) -> String {
+    let e = &identified.estimate;
+    let i = &e.identifiability;
+    let word = match e.status {
+        Status::Converged => "every number asked for is determined",
+        Status::Partial => "part of what was asked for is determined",
+        Status::NotIdentifiable => "nothing that was asked for is determined",
+        Status::Rejected => "the rigid model contradicts the data; no number is given",
+        Status::IterationLimit => "the iteration did not settle",
+    };
+    format!(
+        "{}: {word} ({} of {} combinations; method {})",
+        identified.model.name, i.rank, i.parameters, e.method
+    )
+}
+
+fn body_section(body: &BodyEstimate) -> Section {
+    let mut table = Table::new(&["", "value", "1 sigma", "nominal", "difference", "unit"]);
+    let mut row = |name: String, n: &Number, unit: &str| {
+        let (value, sigma) = number_with_sigma(n.value, n.sigma);
+        let (value, sigma, difference) = match n.source {
+            Source::Known => (significant(n.nominal, 6), "known".to_owned(), String::new()),
+            Source::Open => ("not identifiable".to_owned(), String::new(), String::new()),
+            _ => (value, sigma, difference(n)),
+        };
+        table.push(vec![
+            name,
+            value,
+            sigma,
+            significant(n.nominal, 6),
+            difference,
+            unit.to_owned(),
+        ]);
+    };
+    row("mass".to_owned(), &body.mass, "kg");
+    for k in 0..3 {
+        row(component("com", k), &body.com[k], "m");
+    }
+    for (k, name) in inertia_entries() {
+        row(format!("I_{name}"), &body.inertia[k], "kg m2");
+    }
+    let mut section = Section::table(
+        &format!(
+            "{} (inertia about its mass centre, tensor elements)",
+            body.name
+        ),
+        table,
+    );
+    let seen = (0..10)
+        .filter(|&k| body.barycentric[k].source == Source::Data)
+        .count();
+    if seen > 0 && body.inertia.iter().any(|n| n.source == Source::Open) {
+        section.note = Some(format!(
+            "{seen} of its 10 barycentric parameters about its frame origin are determined: see the result file"
+        ));
+    }
+    if body.physically_consistent == Some(false) {
+        section.note = Some("no distribution of positive mass has this tensor".to_owned());
+    }
+    section
+}
+
+/// Difference from nominal in sigmas, or in percent where the sigma is far smaller.
+fn difference(n: &Number) -> String {
+    let Some(value) = n.value else {
+        return String::new();
+    };
+    let gap = value - n.nominal;
+    match n.sigma {
+        _ if n.nominal != 0.0 => format!("{:+.3} %", 100.0 * gap / n.nominal.abs()),
+        Some(sigma) if sigma > 0.0 => format!("{:+.1} sigma", gap / sigma),
+        _ => String::new(),
+    }
+}
+
+fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut last = ("", "");
+    for (k, item) in open.iter().enumerate() {
+        lines.push(item.text.clone());
+        let next = open
+            .get(k + 1)
+            .map(|n| (n.reason.as_str(), n.remedy.as_str()));
+        let own = (item.reason.as_str(), item.remedy.as_str());
+        if next != Some(own) && last != own {
+            lines.push(format!("    why: {}", item.reason));
+            lines.push(format!("    to change that: {}", item.remedy));
+            last = own;
+        } else if next != Some(own) {
+            last = ("", "");
+        }
+    }
+    lines
+}
+
+fn determined(identified: &Identified) -> Section {
+    let all = &identified.estimate.identifiability.determined;
+    let mut table = Table::new(&["determined combination", "value", "1 sigma", "unit"]);
+    for c in all.iter().take(LISTED) {
+        let (value, sigma) = number_with_sigma(Some(c.value), Some(c.sigma));
+        table.push(vec![c.text.clone(), value, sigma, c.unit.to_owned()]);
+    }
+    let mut section = Section::table("what is determined instead", table);
+    if all.len() > LISTED {
+        section.note = Some(format!(
+            "and {} more combinations in the result file",
+            all.len() - LISTED
+        ));
+    }
+    section
+}
+
+fn fit(identified: &Identified) -> Section {
+    let mut table = Table::new(&[
+        "segment",
+        "samples",
+        "chi2 per dof",
+        "gyro rms",
+        "velocity rms",
+    ]);
+    for f in &identified.estimate.fit {
+        let shown = |x: Option<f64>, unit: &str| {
+            x.map_or_else(|| "-".to_owned(), |x| format!("{x:.2e} {unit}"))
+        };
+        table.push(vec![
+            f.label.clone(),
+            f.samples.to_string(),
+            format!("{:.3e}", f.chi2_per_dof),
+            shown(f.rms_rate, "rad/s"),
+            shown(f.rms_velocity, "m/s"),
+        ]);
+    }
+    Section::table("fit", table)
+}

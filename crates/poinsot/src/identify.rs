@@ -1,0 +1,167 @@
+//! The verb `identify`: model and telemetry in, mass properties out.
+
+use crate::bind::{bind, wanted_channels};
+use crate::error::Error;
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, LinearProblem, Status, linear};
+use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
+use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
+use std::path::{Path, PathBuf};
+
+/// Share of samples that may be left out before the answer counts as not acceptable.
+const ALLOWED_LOSS: f64 = 0.2;
+
+/// The question.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifyRequest {
+    /// Model file.
+    pub model: PathBuf,
+    /// Files of each segment.
+    pub segments: Vec<Vec<PathBuf>>,
+    /// File with a `[telemetry]` table that replaces the model's.
+    pub map: Option<PathBuf>,
+    /// `auto`, `linear`.
+    pub method: String,
+    /// Variant of a published method.
+    pub variant: Option<String>,
+    /// One-sigma accuracy in natural units that counts as identified.
+    pub relative_accuracy: f64,
+    /// No repairs.
+    pub strict: bool,
+    /// Read what a damaged file still holds.
+    pub recover: bool,
+}
+
+/// The answer with where it came from.
+pub struct Identified {
+    /// The vehicle.
+    pub model: Model,
+    /// The estimate.
+    pub estimate: Estimate,
+    /// Files of each segment.
+    pub inputs: Vec<Vec<Source>>,
+    /// Assumptions and repairs.
+    pub repairs: Vec<String>,
+    /// Columns that were not used.
+    pub ignored: Vec<String>,
+}
+
+impl Identified {
+    /// Exit code of the command.
+    pub fn exit_code(&self) -> u8 {
+        self.estimate.status.exit_code()
+    }
+}
+
+/// Identifies the unknown mass properties of a vehicle.
+///
+/// # Errors
+/// The question cannot be asked; what the data do not determine is part of the answer.
+pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
+    check_method(request)?;
+    let mut model = read_model(&request.model)?;
+    if let Some(map) = &request.map {
+        model.telemetry = read_telemetry_map(map)?;
+    }
+    let options = read_options(&model, &model.telemetry, request.strict, request.recover);
+    let tables = request
+        .segments
+        .iter()
+        .map(|files| read(files, &options))
+        .collect::<Result<Vec<Table>, _>>()?;
+    identify_tables(model, tables, request.relative_accuracy)
+}
+
+/// Identifies from tables in memory.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_tables(
+    model: Model,
+    tables: Vec<Table>,
+    relative_accuracy: f64,
+) -> Result<Identified, Error> {
+    let tree = Tree::new(&model);
+    let bound = bind(&model, &tree, &tables)?;
+    let mut estimate = linear(&LinearProblem {
+        model: &model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy,
+    })?;
+    if bound.dropped > ALLOWED_LOSS {
+        estimate.warnings.push(format!(
+            "{:.0} % of the samples of a segment were left out (see repairs): the answer is not acceptable without a look at them",
+            100.0 * bound.dropped
+        ));
+        if estimate.status == Status::Converged {
+            estimate.status = Status::Partial;
+        }
+    }
+    let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
+    repairs.extend(bound.repairs);
+    let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
+    ignored.sort();
+    ignored.dedup();
+    Ok(Identified {
+        model,
+        estimate,
+        inputs: tables.into_iter().map(|t| t.sources).collect(),
+        repairs,
+        ignored,
+    })
+}
+
+fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
+    if !matches!(request.method.as_str(), "auto" | "linear") {
+        return Err(Error::Usage {
+            option: "--method",
+            value: request.method.clone(),
+            why: "known methods: auto, linear".to_owned(),
+        });
+    }
+    if let Some(variant) = &request.variant {
+        return Err(Error::Usage {
+            option: "--variant",
+            value: variant.clone(),
+            why: format!("method {} has no variants; leave it out", request.method),
+        });
+    }
+    if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
+        return Err(Error::Usage {
+            option: "--relative-accuracy",
+            value: request.relative_accuracy.to_string(),
+            why: "a positive number is needed, for example 1.0".to_owned(),
+        });
+    }
+    Ok(())
+}
+
+/// Options for reading telemetry that a model asks for.
+pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bool) -> ReadOptions {
+    ReadOptions {
+        columns: map
+            .columns
+            .iter()
+            .map(|c| ColumnMap {
+                channel: c.channel.clone(),
+                column: c.column.clone(),
+                unit: c.unit.clone(),
+            })
+            .collect(),
+        row_filter: map.row_filter.clone(),
+        wanted: Some(wanted_channels(model)),
+        strict,
+        recover,
+        check_conventions: true,
+    }
+}
+
+/// Splits `a.csv,b.csv` into the files of one segment.
+pub fn segment_files(argument: &str) -> Vec<PathBuf> {
+    argument
+        .split(',')
+        .map(|p| Path::new(p).to_owned())
+        .collect()
+}

@@ -1,0 +1,162 @@
+//! `poinsot simulate`: a case with a model becomes telemetry and the truth behind it.
+
+mod record;
+mod truth;
+
+use crate::case::{Case, CaseError, Format, Scenario, read_case};
+use poinsot_dynamics::{MotionError, MotionSample, Prescribed};
+use poinsot_model::{Model, ModelError, read_model};
+use poinsot_telemetry::{Table, TelemetryError};
+use record::Recorder;
+use std::path::{Path, PathBuf};
+
+/// Why a simulation gave nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulateError {
+    /// The case file was refused.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The model file was refused.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The motion cannot be computed.
+    #[error("E0309 {}: {error}", file.display())]
+    Motion {
+        /// The case file.
+        file: PathBuf,
+        /// Why.
+        error: MotionError,
+    },
+    /// The telemetry cannot be written.
+    #[error(transparent)]
+    Telemetry(#[from] TelemetryError),
+    /// The folder cannot be written.
+    #[error("E0310 {}: {source}", path.display())]
+    Write {
+        /// What was to be written.
+        path: PathBuf,
+        /// The answer of the operating system.
+        source: std::io::Error,
+    },
+}
+
+impl SimulateError {
+    /// Whether the surroundings (disk, permission) failed and not the question.
+    pub fn is_environment(&self) -> bool {
+        match self {
+            Self::Case(e) => e.environment,
+            Self::Model(e) => e.environment,
+            Self::Motion { .. } => false,
+            Self::Telemetry(e) => e.is_environment(),
+            Self::Write { .. } => true,
+        }
+    }
+}
+
+/// Telemetry with the truth behind it.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    /// What the sensors report; exact where the model has no sensor for a channel.
+    pub table: Table,
+    /// The document `truth.json` (`poinsot.truth/1`).
+    pub truth: serde_json::Value,
+}
+
+/// The files of a simulation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// `telemetry.csv` or `telemetry.parquet`.
+    pub telemetry: PathBuf,
+    /// `truth.json`.
+    pub truth: PathBuf,
+    /// Rows of telemetry.
+    pub rows: usize,
+    /// Channels of telemetry.
+    pub channels: usize,
+}
+
+/// Runs the case file and writes telemetry and truth into `out`, which is made if it does not exist.
+/// Nothing stands under a final name unless both are complete.
+///
+/// # Errors
+/// Case or model are refused, the motion cannot be computed, or the disk refuses.
+pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> {
+    let case = read_case(case_path)?;
+    let model = read_model(&case.model)?;
+    let simulation = simulate_case(&case, &model)?;
+    let name = match case.format {
+        Format::Csv => "telemetry.csv",
+        Format::Parquet => "telemetry.parquet",
+    };
+    let failed = |path: &Path, source| SimulateError::Write {
+        path: path.to_owned(),
+        source,
+    };
+    std::fs::create_dir_all(out).map_err(|e| failed(out, e))?;
+    let workshop = tempfile::Builder::new()
+        .prefix(".poinsot-")
+        .tempdir_in(out)
+        .map_err(|e| failed(out, e))?;
+    poinsot_telemetry::write(&workshop.path().join(name), &simulation.table.channels)?;
+    let text = format!("{:#}\n", simulation.truth);
+    let draft = workshop.path().join("truth.json");
+    std::fs::write(&draft, text).map_err(|e| failed(&draft, e))?;
+    let (telemetry, truth) = (out.join(name), out.join("truth.json"));
+    for (file, target) in [(name, &telemetry), ("truth.json", &truth)] {
+        let draft = workshop.path().join(file);
+        std::fs::rename(draft, target).map_err(|e| failed(target, e))?;
+    }
+    let channels = &simulation.table.channels;
+    Ok(Written {
+        telemetry,
+        truth,
+        rows: case.times().len(),
+        channels: channels.len(),
+    })
+}
+
+/// Runs a case in memory; the model's nominal numbers are the truth.
+///
+/// # Errors
+/// The case does not fit the model, or the motion cannot be computed.
+pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateError> {
+    simulate_trial(case, model, 0)
+}
+
+/// The same with the noise of one of many trials: equal seed and trial give equal bits.
+///
+/// # Errors
+/// As [`simulate_case`].
+pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
+    let scenario = case.bind(model)?;
+    let motion = |error| SimulateError::Motion {
+        file: case.path().to_owned(),
+        error,
+    };
+    let vehicle = Prescribed::new(model, &scenario.plan, case.tolerance).map_err(motion)?;
+    let mut recorder = Recorder::new(model, &scenario, vehicle.tree(), case.seed, trial);
+    let mut first: Option<MotionSample> = None;
+    vehicle
+        .run(&scenario.start, &scenario.times, |sample| {
+            if first.is_none() {
+                first = Some(sample.clone());
+            }
+            recorder.take(sample);
+        })
+        .map_err(motion)?;
+    let truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
+    Ok(Simulation {
+        table: recorder.table(&scenario),
+        truth,
+    })
+}
+
+/// One random stream per sensor and trial.
+fn stream(trial: u64, sensor: usize) -> u64 {
+    (trial << 16) | (sensor as u64 & 0xffff)
+}
+
+/// Rate of a sensor in a scenario, relative to the rows.
+fn every(scenario: &Scenario, sensor: usize) -> usize {
+    scenario.sensors.get(sensor).map_or(1, |s| s.every)
+}

@@ -1,0 +1,261 @@
+//! From samples of the motion to channels of telemetry.
+
+use super::{every, stream};
+use crate::case::Scenario;
+use poinsot_dynamics::{Instrument, MotionSample, Tree, vector_reading};
+use poinsot_model::{JointKind, Model, SensorKind};
+use poinsot_spatial::Vector3;
+use poinsot_telemetry::{Channel, Table, classify};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+const XYZ: [&str; 3] = ["x", "y", "z"];
+
+/// Where the numbers of a group of channels come from.
+enum Reader {
+    /// A sensor of the model with its errors.
+    Sensor(Box<Instrument>),
+    /// The exact motion.
+    Exact(fn(&MotionSample, &mut Vec<f64>)),
+}
+
+/// Channels that are read together.
+struct Group {
+    /// Index and name of the sensor.
+    sensor: Option<(usize, String)>,
+    names: Vec<String>,
+    every: usize,
+    reader: Reader,
+    /// The first row that gave a reading.
+    first: Option<usize>,
+    values: Vec<Vec<f64>>,
+}
+
+/// Collects telemetry row by row.
+pub(super) struct Recorder {
+    groups: Vec<Group>,
+    row: usize,
+    reading: Vec<f64>,
+}
+
+impl Recorder {
+    /// All sensors of the model, and exact channels for what no sensor reads.
+    pub fn new(model: &Model, scenario: &Scenario, tree: &Tree, seed: u64, trial: u64) -> Self {
+        let mut groups = Vec::new();
+        for (i, sensor) in model.sensors.iter().enumerate() {
+            let bias = scenario.sensors.get(i).and_then(|s| s.bias.as_deref());
+            let instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
+            let reader = Reader::Sensor(Box::new(instrument));
+            let names = names(model, sensor.kind, &sensor.of);
+            let every = every(scenario, i);
+            groups.push(Group::new(
+                Some((i, sensor.name.clone())),
+                names,
+                every,
+                reader,
+            ));
+        }
+        let measured: HashSet<String> = groups.iter().flat_map(|g| g.names.clone()).collect();
+        for (names, read) in exact_channels(model, tree) {
+            if !names.iter().all(|name| measured.contains(name)) {
+                groups.push(Group::new(None, names, 1, Reader::Exact(read)));
+            }
+        }
+        // A scalar that some sensor reads is dropped from its exact group afterwards.
+        Self {
+            groups,
+            row: 0,
+            reading: Vec::new(),
+        }
+    }
+
+    /// One row.
+    pub fn take(&mut self, sample: &MotionSample) {
+        for group in &mut self.groups {
+            if !self.row.is_multiple_of(group.every) {
+                continue;
+            }
+            match &mut group.reader {
+                Reader::Sensor(instrument) => instrument.read(sample, &mut self.reading),
+                Reader::Exact(read) => {
+                    self.reading.clear();
+                    read(sample, &mut self.reading);
+                }
+            }
+            if !self.reading.is_empty() {
+                group.first.get_or_insert(self.row);
+            }
+            for (values, x) in group.values.iter_mut().zip(&self.reading) {
+                values.push(*x);
+            }
+        }
+        self.row += 1;
+    }
+
+    /// The bias that a sensor had.
+    pub fn bias(&self, sensor: usize) -> &[f64] {
+        let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
+        match self.groups.iter().find(of).map(|g| &g.reader) {
+            Some(Reader::Sensor(instrument)) => instrument.bias(),
+            _ => &[],
+        }
+    }
+
+    /// The table; where two sensors read one channel both carry their name.
+    pub fn table(self, scenario: &Scenario) -> Table {
+        let mut readers: HashMap<&str, usize> = HashMap::new();
+        let by_sensor = self.groups.iter().filter(|g| g.sensor.is_some());
+        for name in by_sensor.flat_map(|g| &g.names) {
+            *readers.entry(name).or_default() += 1;
+        }
+        let readers: HashMap<String, usize> = readers
+            .into_iter()
+            .map(|(k, v)| (k.to_owned(), v))
+            .collect();
+        let mut bases: HashMap<(usize, usize), Arc<[f64]>> = HashMap::new();
+        let mut channels = Vec::new();
+        for group in self.groups {
+            let (first, every) = (group.first.unwrap_or(0), group.every);
+            let base = bases.entry((first, every)).or_insert_with(|| {
+                let times = scenario.times.iter().skip(first).step_by(every);
+                times.copied().collect()
+            });
+            for (name, values) in group.names.into_iter().zip(group.values) {
+                let count = readers.get(&name).copied().unwrap_or(0);
+                let exact = group.sensor.is_none();
+                if (exact && count > 0) || values.is_empty() {
+                    continue;
+                }
+                let sensor = group.sensor.as_ref().filter(|_| count > 1);
+                let sensor = sensor.map_or(String::new(), |(_, sensor)| sensor.clone());
+                channels.push(channel(name, sensor, base.clone(), values));
+            }
+        }
+        Table {
+            channels,
+            ..Table::default()
+        }
+    }
+}
+
+impl Group {
+    fn new(
+        sensor: Option<(usize, String)>,
+        names: Vec<String>,
+        every: usize,
+        reader: Reader,
+    ) -> Self {
+        Self {
+            sensor,
+            values: vec![Vec::new(); names.len()],
+            names,
+            every: every.max(1),
+            reader,
+            first: None,
+        }
+    }
+}
+
+fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -> Channel {
+    let meaning = classify(&name);
+    let unit = meaning.as_ref().map_or("", |m| m.dimension.si());
+    let frame = meaning.as_ref().map_or("", |m| m.frame);
+    Channel {
+        unit: unit.to_owned(),
+        frame: frame.to_owned(),
+        name,
+        sensor,
+        time_s,
+        values,
+    }
+}
+
+/// Channel names of a sensor kind; `of` for scalars.
+fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String> {
+    let xyz = |prefix: &str| XYZ.map(|axis| format!("{prefix}_{axis}")).to_vec();
+    let joints = |suffix: &str| {
+        of.iter()
+            .filter_map(|j| model.joints.get(*j))
+            .filter(|joint| joint.kind != JointKind::Fixed)
+            .map(|joint| match joint.kind {
+                JointKind::Prismatic => format!("{}_m{suffix}", joint.name),
+                _ => format!("{}_rad{suffix}", joint.name),
+            })
+            .collect()
+    };
+    match kind {
+        SensorKind::Gyro => xyz("omega"),
+        SensorKind::Attitude => ["x", "y", "z", "w"]
+            .map(|axis| format!("q_{axis}"))
+            .to_vec(),
+        SensorKind::Position => xyz("r"),
+        SensorKind::Velocity => xyz("v"),
+        SensorKind::VelocityIncrement => xyz("dv"),
+        SensorKind::Accelerometer => xyz("acc"),
+        SensorKind::JointPosition => joints(""),
+        SensorKind::JointRate => joints("_s"),
+        SensorKind::WheelSpeed => wheels(model, of, "rad_s"),
+        SensorKind::Thrust => of
+            .iter()
+            .filter_map(|i| model.thrusters.get(*i))
+            .map(|thruster| format!("{}_N", thruster.name))
+            .collect(),
+    }
+}
+
+fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
+    of.iter()
+        .filter_map(|i| model.wheels.get(*i))
+        .map(|wheel| format!("{}_{suffix}", wheel.name))
+        .collect()
+}
+
+type Exact = (Vec<String>, fn(&MotionSample, &mut Vec<f64>));
+
+/// Every channel of the exact motion, of the base's origin.
+fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
+    let all = |n: usize| (0..n).collect::<Vec<_>>();
+    let (joints, wheel_list) = (&tree.coordinates, all(model.wheels.len()));
+    let of = |kind, list: &[usize]| names(model, kind, list);
+    let rates = of(SensorKind::JointRate, joints);
+    let accelerations = rates.iter().map(|name| format!("{name}2")).collect();
+    vec![
+        (of(SensorKind::Attitude, &[]), |s, out| {
+            out.extend(s.R_NB.coords.iter())
+        }),
+        (of(SensorKind::Gyro, &[]), |s, out| {
+            out.extend(s.w_NB_B.iter())
+        }),
+        (
+            XYZ.map(|axis| format!("domega_{axis}")).to_vec(),
+            |s, out| {
+                out.extend(s.body.alpha[0].iter());
+            },
+        ),
+        (of(SensorKind::Position, &[]), |s, out| {
+            out.extend(s.p_NoBo_N.iter())
+        }),
+        (of(SensorKind::Velocity, &[]), |s, out| {
+            out.extend(s.v_NBo_N.iter())
+        }),
+        (of(SensorKind::Accelerometer, &[]), |s, out| {
+            let origin = Vector3::zeros();
+            out.extend(vector_reading(SensorKind::Accelerometer, s, 0, &origin).iter());
+        }),
+        (of(SensorKind::JointPosition, joints), |s, out| {
+            out.extend(&s.q)
+        }),
+        (rates, |s, out| out.extend(&s.rates)),
+        (accelerations, |s, out| out.extend(&s.accelerations)),
+        (of(SensorKind::WheelSpeed, &wheel_list), |s, out| {
+            out.extend(&s.wheel_speed)
+        }),
+        (wheels(model, &wheel_list, "Nm"), |s, out| {
+            out.extend(&s.wheel_torque)
+        }),
+        (
+            of(SensorKind::Thrust, &all(model.thrusters.len())),
+            |s, out| out.extend(&s.thrust),
+        ),
+    ]
+}

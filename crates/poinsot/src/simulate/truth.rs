@@ -1,0 +1,169 @@
+//! The document `truth.json`: what an identification of the telemetry should find.
+
+use super::record::Recorder;
+use super::{every, stream};
+use crate::case::{Case, Scenario, unit_suffix};
+use poinsot_dynamics::{MotionSample, composite};
+use poinsot_model::Model;
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
+use serde_json::{Map, Value, json};
+
+/// The name of the format.
+const TRUTH_SCHEMA: &str = "poinsot.truth/1";
+
+pub(super) fn document(
+    case: &Case,
+    model: &Model,
+    scenario: &Scenario,
+    first: Option<&MotionSample>,
+    recorder: &Recorder,
+    trial: u64,
+) -> Value {
+    let bodies: Map<String, Value> = model
+        .bodies
+        .iter()
+        .map(|b| (b.name.clone(), body(&b.nominal)))
+        .collect();
+    let wheels: Map<String, Value> = model
+        .wheels
+        .iter()
+        .map(|w| {
+            (
+                w.name.clone(),
+                json!({ "spin_inertia_kg_m2": { "value": w.spin_inertia } }),
+            )
+        })
+        .collect();
+    let noise: Map<String, Value> = (0..model.sensors.len())
+        .map(|i| {
+            let key = format!("{}.{}", model.sensors[i].kind.word(), model.sensors[i].name);
+            (key, noise(case, model, scenario, recorder, trial, i))
+        })
+        .collect();
+    json!({
+        "schema": TRUTH_SCHEMA,
+        "poinsot": env!("CARGO_PKG_VERSION"),
+        "model": model.name,
+        "duration_s": case.duration_s,
+        "rate_hz": case.rate_hz,
+        "seed": case.seed,
+        "trial": trial,
+        "initial": first.map(initial),
+        "bodies": bodies,
+        "wheels": wheels,
+        "system": first.map(|s| vec![system(model, s)]),
+        "momentum": first.map(|s| vec![json!({
+            "linear_N_s": { "value": array(&s.l_S_N) },
+            "angular_N_m_s": { "value": array(&s.h_SScm_N) },
+        })]),
+        "noise": noise,
+    })
+}
+
+fn array(v: &Vector3) -> [f64; 3] {
+    [v.x, v.y, v.z]
+}
+
+fn tensor(i: &Matrix3) -> Value {
+    json!({
+        "xx": i[(0, 0)], "yy": i[(1, 1)], "zz": i[(2, 2)],
+        "xy": i[(0, 1)], "xz": i[(0, 2)], "yz": i[(1, 2)],
+    })
+}
+
+/// One body in the layout of `bodies` of an estimate, values only.
+fn body(properties: &MassProperties) -> Value {
+    let (moments, axes) = properties.principal();
+    let axes = nalgebra::Rotation3::from_matrix_unchecked(axes);
+    let q = UnitQuaternion::from_rotation_matrix(&axes).coords;
+    let InertialParameters {
+        mass,
+        mc_B,
+        I_BBo_B,
+    } = properties.parameters();
+    json!({
+        "mass_kg": { "value": properties.mass },
+        "com_m": { "value": array(&properties.p_BoBcm_B) },
+        "inertia_kg_m2": { "value": tensor(&properties.I_BBcm_B) },
+        "principal": { "moments_kg_m2": moments, "axes_xyzw": [q.x, q.y, q.z, q.w] },
+        "barycentric": {
+            "m_kg": { "value": mass },
+            "mc_kg_m": { "value": array(&mc_B) },
+            "I_BBo_kg_m2": { "value": tensor(&I_BBo_B) },
+        },
+        "physically_consistent": properties.check_physical(1e-9).is_ok(),
+    })
+}
+
+/// Pose and motion of the base at time zero.
+fn initial(s: &MotionSample) -> Value {
+    let q = s.R_NB.coords;
+    json!({
+        "q_xyzw": [q.x, q.y, q.z, q.w],
+        "omega_rad_s": array(&s.w_NB_B),
+        "r_m": array(&s.p_NoBo_N),
+        "v_m_s": array(&s.v_NBo_N),
+    })
+}
+
+/// The whole as one body at the first sample, about the base's origin and in its axes.
+fn system(model: &Model, s: &MotionSample) -> Value {
+    let parameters: Vec<_> = model
+        .bodies
+        .iter()
+        .map(|b| b.nominal.parameters())
+        .collect();
+    let whole = composite(&parameters, &s.kinematics);
+    let moving = model
+        .joints
+        .iter()
+        .filter(|j| j.kind != poinsot_model::JointKind::Fixed);
+    let joints: Map<String, Value> = moving
+        .zip(&s.q)
+        .map(|(joint, q)| {
+            let unit = match joint.kind {
+                poinsot_model::JointKind::Prismatic => "m",
+                _ => "rad",
+            };
+            (format!("{}_{unit}", joint.name), json!(q))
+        })
+        .collect();
+    json!({
+        "mass_kg": { "value": whole.mass },
+        "com_m": { "value": array(&whole.p_BoScm_B()) },
+        "inertia_kg_m2": { "value": tensor(&whole.I_SScm_B()) },
+        "joints": joints,
+    })
+}
+
+/// The errors that one sensor had.
+fn noise(
+    case: &Case,
+    model: &Model,
+    scenario: &Scenario,
+    recorder: &Recorder,
+    trial: u64,
+    i: usize,
+) -> Value {
+    let sensor = &model.sensors[i];
+    let unit = unit_suffix(model, sensor);
+    let mut out = Map::new();
+    let bias = recorder.bias(i);
+    out.insert("name".into(), json!(sensor.name));
+    out.insert("type".into(), json!(sensor.kind.word()));
+    out.insert("stream".into(), json!(stream(trial, i)));
+    out.insert(
+        "rate_hz".into(),
+        json!(case.rate_hz / every(scenario, i) as f64),
+    );
+    out.insert(format!("bias_{unit}"), json!(bias));
+    let covariance = sensor.noise_covariance.map(|c| {
+        if sensor.kind.is_scalar() {
+            return json!(c[(0, 0)]);
+        }
+        json!([0, 1, 2].map(|r| [0, 1, 2].map(|k| c[(r, k)])))
+    });
+    out.insert(format!("covariance_{unit}_squared"), json!(covariance));
+    out.insert(format!("quantisation_{unit}"), json!(sensor.quantisation));
+    Value::Object(out)
+}
