@@ -1,7 +1,5 @@
 //! The answer: numbers with their sigma and source, and what the data leave open.
 
-use poinsot_spatial::Vector3;
-
 /// How a question was answered. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -239,6 +237,8 @@ pub struct Estimate {
     pub variant: Option<String>,
     /// How it ended.
     pub status: Status,
+    /// Iterations taken; one for a closed form.
+    pub iterations: usize,
     /// Bodies in the order of the model.
     pub bodies: Vec<BodyEstimate>,
     /// The whole vehicle at the first sample of the first segment, with the joint positions it holds
@@ -262,9 +262,4 @@ pub struct Estimate {
     pub covariance_trustworthy: bool,
     /// Warnings.
     pub warnings: Vec<String>,
-}
-
-/// Components of a vector as an array.
-pub fn array(v: &Vector3) -> [f64; 3] {
-    [v.x, v.y, v.z]
 }

@@ -28,6 +28,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
         "method": e.method,
         "variant": e.variant,
         "status": e.status.name(),
+        "iterations": e.iterations,
         "model": identified.model.name,
         "inputs": inputs,
         "bodies": bodies,
@@ -136,7 +137,7 @@ fn nuisance(e: &Estimate) -> Map<String, Value> {
         .map(|n| {
             let unit = match n.unit {
                 "1" => String::new(),
-                unit => format!("_{}", unit.replace('/', "_").replace(' ', "_")),
+                unit => format!("_{}", unit.replace(['/', ' '], "_")),
             };
             (format!("{}{unit}", n.name), number(&n.number))
         })

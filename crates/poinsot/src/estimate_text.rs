@@ -175,7 +175,9 @@ fn determined(identified: &Identified) -> Section {
 }
 
 fn fit(identified: &Identified) -> Section {
-    let mut table = Table::new(&["segment", "samples", "chi2/dof", "sensor", "rms", "chi2/n", "white"]);
+    let mut table = Table::new(&[
+        "segment", "samples", "chi2/dof", "sensor", "rms", "chi2/n", "white",
+    ]);
     for f in &identified.estimate.fit {
         let mut first = vec![
             f.label.clone(),
@@ -186,8 +188,14 @@ fn fit(identified: &Identified) -> Section {
             let mut row = std::mem::replace(&mut first, vec![String::new(); 3]);
             row.push(c.name.to_owned());
             row.push(format!("{:.2e} {}", c.rms, c.unit));
-            row.push(c.chi2_per_number.map_or_else(|| "-".to_owned(), |x| format!("{x:.3}")));
-            row.push(c.whiteness_p.map_or_else(|| "-".to_owned(), |p| format!("p = {p:.2}")));
+            row.push(
+                c.chi2_per_number
+                    .map_or_else(|| "-".to_owned(), |x| format!("{x:.3}")),
+            );
+            row.push(
+                c.whiteness_p
+                    .map_or_else(|| "-".to_owned(), |p| format!("p = {p:.2}")),
+            );
             table.push(row);
         }
         if f.channels.is_empty() {
