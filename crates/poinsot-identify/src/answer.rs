@@ -90,7 +90,7 @@ fn status(
 }
 
 fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identifiability {
-    let spectrum = &solved.spectrum;
+    let spectrum = solved.of_data();
     let m = spectrum.natural.len();
     let combinations = split(
         &spectrum.open_directions(),

@@ -8,6 +8,7 @@ use crate::block_qr::{BlockQr, Triangle};
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::motion::Vehicle;
 use crate::parameters::Parameters;
+use crate::prior;
 use crate::problem::Problem;
 use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
@@ -79,8 +80,23 @@ impl<'a> Experiment<'a> {
             .collect()
     }
 
-    /// Triangle of the shared unknowns: the rows of every segment below its own head.
-    pub fn stack(&self, evaluated: &[Evaluated]) -> Triangle {
+    /// Chi-square of readings and declared priors; `None` where a prior forbids the point.
+    pub fn chi2(&self, at: &Point, evaluated: &[Evaluated]) -> Option<f64> {
+        let readings: f64 = evaluated.iter().map(|e| e.chi2).sum();
+        let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
+        let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
+        Some(readings + calibration + design)
+    }
+
+    /// Whether any mass property has a declared prior.
+    pub fn has_design_prior(&self) -> bool {
+        let bodies = &self.problem.model.bodies;
+        bodies.iter().any(|b| b.estimate.any() && b.prior.is_some())
+    }
+
+    /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
+    /// calibrations, and, if wanted, those of the design.
+    pub fn stack(&self, at: &Point, evaluated: &[Evaluated], with_design: bool) -> Triangle {
         let mut stacked = BlockQr::new(self.parameters.len() + 1);
         for (one, unknown) in evaluated.iter().zip(&self.unknown) {
             if let Some(triangle) = &one.triangle {
@@ -88,6 +104,15 @@ impl<'a> Experiment<'a> {
                 let tail = triangle.r.nrows() - h;
                 stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
             }
+        }
+        let mut priors = prior::calibration(self.problem, self.parameters, &at.x).rows;
+        if with_design
+            && let Some(design) = prior::design(self.problem, self.parameters, &at.x)
+        {
+            priors.extend(design.rows);
+        }
+        for row in &priors {
+            stacked.push(1, |_, j| row.gradient.get(j).copied().unwrap_or(row.residual));
         }
         stacked.finish()
     }

@@ -8,6 +8,7 @@ mod answer;
 mod answer_body;
 mod answer_momentum;
 mod block_qr;
+mod bound;
 mod combination;
 mod estimate;
 mod fit;
@@ -18,6 +19,7 @@ mod linear;
 mod maximum_likelihood;
 mod motion;
 mod parameters;
+mod prior;
 mod problem;
 mod quantity;
 mod residual;
@@ -28,6 +30,7 @@ mod spectrum;
 mod words;
 
 pub use block_qr::{BlockQr, Triangle};
+pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,

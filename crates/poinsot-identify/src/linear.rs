@@ -239,6 +239,7 @@ fn conclude(
         parameters,
         shared,
         spectrum,
+        data_alone: None,
         explained: None,
         residual: (0.0, rows),
         rows,

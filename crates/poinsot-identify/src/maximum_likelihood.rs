@@ -52,7 +52,7 @@ fn solve(problem: &Problem) -> Result<Solved, ProblemError> {
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
-fn proportional(problem: &Problem) -> bool {
+pub(crate) fn proportional(problem: &Problem) -> bool {
     let model = problem.model;
     let known_body = model
         .bodies
@@ -63,7 +63,7 @@ fn proportional(problem: &Problem) -> bool {
     !known_body && !known_wheel && !fires
 }
 
-fn conclude(experiment: &Experiment, fitted: Fitted, explained: Option<f64>) -> Solved {
+pub(crate) fn conclude(experiment: &Experiment, fitted: Fitted, explained: Option<f64>) -> Solved {
     let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
     let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
@@ -119,6 +119,7 @@ fn conclude(experiment: &Experiment, fitted: Fitted, explained: Option<f64>) -> 
         x: fitted.at.x,
         shared: fitted.shared,
         spectrum: fitted.spectrum,
+        data_alone: fitted.data_alone,
         explained,
         starts,
         fit,

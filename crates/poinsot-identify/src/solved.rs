@@ -159,7 +159,10 @@ pub(crate) struct Solved {
     pub method: &'static str,
     pub parameters: Parameters,
     pub shared: Shared,
+    /// Spectrum of the data and all declared priors: what the numbers rest on.
     pub spectrum: Spectrum,
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
     /// Values of all unknowns in the order of `parameters`.
     pub x: Vec<f64>,
     /// Residual sum of squares of the whitened rows and degrees of freedom.
@@ -182,6 +185,11 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
+    /// What the data determine, priors of mass properties left out.
+    pub fn of_data(&self) -> &Spectrum {
+        self.data_alone.as_ref().unwrap_or(&self.spectrum)
+    }
+
     /// Chi-square per degree of freedom.
     pub fn chi2_per_dof(&self) -> f64 {
         self.residual.0 / self.residual.1.max(1) as f64

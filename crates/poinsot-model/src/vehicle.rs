@@ -76,6 +76,8 @@ pub struct Prior {
     pub com: Option<f64>,
     /// Sigma of each element of the central inertia, kg m2.
     pub inertia: Option<f64>,
+    /// Relative sigma of the entropic prior, which keeps the body physical; no unit.
+    pub entropic: Option<f64>,
 }
 
 /// Kind of a joint.

@@ -76,6 +76,7 @@ fn write_body(out: &mut String, body: &Body) {
             ("mass_kg", prior.mass),
             ("com_m", prior.com),
             ("inertia_kg_m2", prior.inertia),
+            ("entropic", prior.entropic),
         ];
         let sigmas: Vec<String> = sigmas
             .iter()

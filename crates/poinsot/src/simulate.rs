@@ -5,9 +5,10 @@ mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use poinsot_dynamics::{MotionError, MotionSample, Prescribed};
-use poinsot_model::{Model, ModelError, read_model};
+use poinsot_model::{Model, ModelError, Nuisance, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
+pub(crate) use record::names;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -145,12 +146,46 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
 /// As [`simulate_case`].
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
     let scenario = case.bind(model)?;
+    let (recorder, first) = record(case, model, &scenario, trial)?;
+    let truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
+    Ok(Simulation {
+        table: recorder.table(&scenario),
+        truth,
+    })
+}
+
+/// What perfect sensors read, each at its own times and place, and the biases that the case gives them.
+///
+/// # Errors
+/// As [`simulate_case`].
+pub fn simulate_exact(
+    case: &Case,
+    model: &Model,
+) -> Result<(Table, Vec<Option<Vec<f64>>>), SimulateError> {
+    let mut perfect = model.clone();
+    for sensor in &mut perfect.sensors {
+        sensor.noise_covariance = None;
+        sensor.quantisation = 0.0;
+        sensor.bias = Nuisance::Known;
+    }
+    let mut scenario = case.bind(model)?;
+    let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
+    let (recorder, _) = record(case, &perfect, &scenario, 0)?;
+    Ok((recorder.table(&scenario), biases))
+}
+
+fn record(
+    case: &Case,
+    model: &Model,
+    scenario: &Scenario,
+    trial: u64,
+) -> Result<(Recorder, Option<MotionSample>), SimulateError> {
     let motion = |error| SimulateError::Motion {
         file: case.path().to_owned(),
         error,
     };
     let vehicle = Prescribed::new(model, &scenario.plan, case.tolerance).map_err(motion)?;
-    let mut recorder = Recorder::new(model, &scenario, vehicle.tree(), case.seed, trial);
+    let mut recorder = Recorder::new(model, scenario, vehicle.tree(), case.seed, trial);
     let mut first: Option<MotionSample> = None;
     vehicle
         .run(&scenario.start, &scenario.times, |sample| {
@@ -160,15 +195,11 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
             recorder.take(sample);
         })
         .map_err(motion)?;
-    let truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
-    Ok(Simulation {
-        table: recorder.table(&scenario),
-        truth,
-    })
+    Ok((recorder, first))
 }
 
 /// One random stream per sensor and trial.
-fn stream(trial: u64, sensor: usize) -> u64 {
+pub(crate) fn stream(trial: u64, sensor: usize) -> u64 {
     (trial << 16) | (sensor as u64 & 0xffff)
 }
 

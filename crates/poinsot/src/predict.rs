@@ -1,0 +1,1 @@
+//! The verb `predict`: what a planned manoeuvre will tell, before it is flown.
