@@ -175,8 +175,8 @@ fn promised_decrease(
             (0..h).map(|i| t.r[(i, last)].powi(2)).sum::<f64>()
         })
         .sum();
-    let n = shared.biases + shared.mass;
-    let biases: f64 = (0..shared.biases).map(|i| shared.r[(i, n)].powi(2)).sum();
+    let n = shared.nuisances + shared.mass;
+    let biases: f64 = (0..shared.nuisances).map(|i| shared.r[(i, n)].powi(2)).sum();
     heads + biases + spectrum.reach(&shared.rhs())
 }
 
@@ -194,7 +194,7 @@ fn moved(
         .zip(&spectrum.natural)
         .map(|(z, unit)| z * unit)
         .collect();
-    dx.extend(shared.biases_for(&dx));
+    dx.extend(shared.nuisances_for(&dx));
     let heads = at
         .heads
         .iter()

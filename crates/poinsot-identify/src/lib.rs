@@ -14,6 +14,8 @@ mod estimate;
 mod fit;
 mod impulse;
 mod information;
+#[cfg(test)]
+mod information_tests;
 mod likelihood;
 mod linear;
 mod maximum_likelihood;

@@ -284,12 +284,12 @@ impl Solved {
             .map(|(x, unit)| x / unit)
             .collect();
         self.spectrum.set_bias(&self.regressor_noise, &z);
-        let biases = self.shared.biases_for(&x[..m]);
+        let biases = self.shared.nuisances_for(&x[..m]);
         x[m..].copy_from_slice(&biases);
         let square = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
         let (left, whole) = (square(&left_over(&x)), square(&rhs));
         self.explained = (whole > 1.0e-20).then(|| 1.0 - left / whole);
-        let found = self.spectrum.rank + self.shared.biases;
+        let found = self.spectrum.rank + self.shared.nuisances;
         self.residual = (left, self.rows.saturating_sub(found));
         self.x = x;
     }

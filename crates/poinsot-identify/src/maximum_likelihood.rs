@@ -113,7 +113,7 @@ pub(crate) fn conclude(experiment: &Experiment, fitted: Fitted, explained: Optio
         method: "maximum_likelihood",
         residual: (
             chi2(&fitted.evaluated),
-            rows.saturating_sub(heads + fitted.spectrum.rank + fitted.shared.biases),
+            rows.saturating_sub(heads + fitted.spectrum.rank + fitted.shared.nuisances),
         ),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,

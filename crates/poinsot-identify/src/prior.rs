@@ -37,9 +37,17 @@ impl PriorRows {
 pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64]) -> PriorRows {
     let mut out = PriorRows::default();
     let gyro = problem.model.sensors_of(SensorKind::Gyro).next();
+    let tracker = problem.model.sensors_of(SensorKind::Attitude).next();
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
+        let around = &problem.model.environment;
         let declared = match unknown.kind {
             UnknownKind::GyroBias(_) => gyro.map(|g| g.bias),
+            UnknownKind::GyroScale(_) => gyro.map(|g| g.scale),
+            UnknownKind::GyroMisalignment(_) => gyro.map(|g| g.misalignment),
+            UnknownKind::GyroLag => gyro.map(|g| g.lag),
+            UnknownKind::AttitudeLag => tracker.map(|t| t.lag),
+            UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
+            UnknownKind::DragTorque(_) => Some(around.drag_torque),
             UnknownKind::ThrusterScale(k) => Some(problem.model.thrusters[k].scale),
             _ => None,
         };

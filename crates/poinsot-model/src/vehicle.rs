@@ -278,6 +278,8 @@ pub struct Environment {
     pub gravity_gradient: bool,
     /// Whether a constant disturbance torque is unknown.
     pub disturbance_torque: Nuisance,
+    /// Whether a drag torque `-c |w| w` is unknown, one coefficient c an axis of the base, kg m2.
+    pub drag_torque: Nuisance,
 }
 
 /// How columns of a telemetry file become channels.

@@ -21,7 +21,7 @@ use poinsot_identify::{
     BodyEstimate, Estimate, Problem, Source, Status, axis_name, cramer_rao, linear,
     maximum_likelihood, tensor_name,
 };
-use poinsot_model::{Model, SensorKind};
+use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
@@ -47,6 +47,8 @@ pub struct Study {
     pub exact: Vec<Table>,
     /// The vehicle as the identification knows it: nominal numbers, what is unknown, sensors with noise.
     pub model: Model,
+    /// The sensors as they really are: those of the model unless a study asks what a wrong declaration does.
+    pub sensors: Vec<Sensor>,
     /// True mass properties, one per body.
     pub truth: Vec<MassProperties>,
     /// True bias of each sensor of the model in its own axes; `None`: zero, or drawn from its prior.
@@ -107,6 +109,7 @@ impl Study {
         Ok(Self {
             exact: vec![table],
             truth: truth.bodies.iter().map(|b| b.nominal).collect(),
+            sensors: model.sensors.clone(),
             model,
             biases,
             method: TrialMethod::Auto,
@@ -121,6 +124,7 @@ impl Study {
             exact,
             truth: truth.bodies.iter().map(|b| b.nominal).collect(),
             biases: vec![None; model.sensors.len()],
+            sensors: model.sensors.clone(),
             model,
             method: TrialMethod::Auto,
             seed: 1,
@@ -132,9 +136,9 @@ impl Study {
     pub fn draw(&self, trial: u64) -> (Vec<Table>, Vec<Vec<f64>>) {
         let tree = Tree::new(&self.model);
         let mut tables = self.exact.clone();
-        let mut biases = vec![Vec::new(); self.model.sensors.len()];
+        let mut biases = vec![Vec::new(); self.sensors.len()];
         for (segment, table) in tables.iter_mut().enumerate() {
-            for (i, sensor) in self.model.sensors.iter().enumerate() {
+            for (i, sensor) in self.sensors.iter().enumerate() {
                 // One bias for all segments: it belongs to the sensor, not to the record.
                 let given = match (segment, self.biases.get(i)) {
                     (0, given) => given.and_then(|b| b.as_deref()),
@@ -266,7 +270,7 @@ impl Study {
                 );
             }
         }
-        for (sensor, bias) in self.model.sensors.iter().zip(biases) {
+        for (sensor, bias) in self.sensors.iter().zip(biases) {
             if sensor.kind == SensorKind::Gyro && bias.len() == 3 {
                 let bias_B = sensor.R_BS * nalgebra::Vector3::from_column_slice(bias);
                 for k in 0..3 {

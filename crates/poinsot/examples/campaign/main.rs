@@ -1,10 +1,15 @@
 //! Thousands of noisy repetitions of each experiment: is the stated uncertainty the true one?
 //!
 //!     cargo run --release -p poinsot --example campaign -- --trials 1000 [--setup NAME] [--method linear]
+//!
+//! Further words find out what does harm: `--perfect SENSOR` takes the errors of a sensor away but not its declared
+//! noise; `--noise SENSOR=FACTOR` makes a sensor that much worse, as declared; `--fixed-phase` rounds alike in every
+//! trial; `--stride N` keeps every N-th sample.
 
 mod setups;
 
 use poinsot::trials::{Study, TrialMethod, statistics, statistics_document};
+use poinsot_model::Sensor;
 use std::error::Error;
 use std::time::Instant;
 
@@ -14,6 +19,8 @@ struct Options {
     method: TrialMethod,
     stride: usize,
     fixed_phase: bool,
+    perfect: Vec<String>,
+    noise: Vec<(String, f64)>,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -26,11 +33,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         };
         let setup = setup?;
-        let study = Study {
+        let mut study = Study {
             method: options.method,
             draw_phase: !options.fixed_phase,
             ..setup.study
         };
+        change_sensors(&mut study, &options);
         let started = Instant::now();
         let bound = study.bound()?;
         let trials = study.run(0..options.trials);
@@ -44,6 +52,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+fn change_sensors(study: &mut Study, options: &Options) {
+    for (name, factor) in &options.noise {
+        let own = |s: &&mut Sensor| s.name == *name;
+        let declared = study.model.sensors.iter_mut().filter(own);
+        for sensor in declared.chain(study.sensors.iter_mut().filter(own)) {
+            sensor.quantisation *= factor;
+            sensor.noise_covariance = sensor.noise_covariance.map(|c| c * (factor * factor));
+        }
+    }
+    for sensor in &mut study.sensors {
+        if options.perfect.contains(&sensor.name) {
+            sensor.quantisation = 0.0;
+            sensor.noise_covariance = None;
+        }
+    }
+}
+
 fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options {
         trials: 1000,
@@ -51,6 +76,8 @@ fn options() -> Result<Options, Box<dyn Error>> {
         method: TrialMethod::Auto,
         stride: 1,
         fixed_phase: false,
+        perfect: Vec::new(),
+        noise: Vec::new(),
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -69,9 +96,14 @@ fn options() -> Result<Options, Box<dyn Error>> {
             }
             ("--method", "auto") => options.method = TrialMethod::Auto,
             ("--method", "linear") => options.method = TrialMethod::Linear,
+            ("--perfect", _) => options.perfect.push(value),
+            ("--noise", pair) => {
+                let (name, factor) = pair.split_once('=').ok_or("--noise SENSOR=FACTOR")?;
+                options.noise.push((name.to_owned(), factor.parse()?));
+            }
             _ => {
                 return Err(format!(
-                    "{word} {value}: known are --trials N, --setup NAME, --method auto|linear, --stride N, --fixed-phase"
+                    "{word} {value}: known are --trials N, --setup NAME, --method auto|linear, --stride N, --fixed-phase, --perfect SENSOR, --noise SENSOR=FACTOR"
                 )
                 .into());
             }

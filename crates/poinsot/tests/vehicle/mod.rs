@@ -398,3 +398,52 @@ pub fn worst_error(answer: &Identified, truth: &Model, body: usize) -> f64 {
 pub fn turned(v: Vector3) -> Matrix3 {
     Rotation3::new(v).into_inner()
 }
+
+/// One channel of a table, to be changed.
+pub fn channel<'a>(table: &'a mut Table, name: &str) -> &'a mut Channel {
+    table.channels.iter_mut().find(|c| c.name == name).unwrap()
+}
+
+/// Keeps every n-th sample of the channels whose names begin so.
+pub fn thinned(mut table: Table, prefix: &str, every: usize) -> Table {
+    for c in &mut table.channels {
+        if c.name.starts_with(prefix) {
+            c.time_s = c.time_s.iter().copied().step_by(every).collect();
+            c.values = c.values.iter().copied().step_by(every).collect();
+        }
+    }
+    table
+}
+
+/// Adds white noise of one sigma to gyro, position and velocity, and turns the attitude by as much.
+pub fn noisy(mut table: Table, seed: u64, sigma: f64) -> Table {
+    let mut dice = Dice::new(seed);
+    for name in [
+        "omega_x", "omega_y", "omega_z", "r_x", "r_y", "r_z", "v_x", "v_y", "v_z",
+    ] {
+        if let Some(c) = table.channels.iter_mut().find(|c| c.name == name) {
+            c.values.iter_mut().for_each(|x| *x += sigma * dice.normal());
+        }
+    }
+    let rows = channel(&mut table, "q_x").values.len();
+    for k in 0..rows {
+        let parts = ["q_w", "q_x", "q_y", "q_z"];
+        let [w, x, y, z] = parts.map(|n| channel(&mut table, n).values[k]);
+        let q = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+        let small = Vector3::from_fn(|_, _| sigma * dice.normal());
+        let q = q * UnitQuaternion::from_scaled_axis(small);
+        for (name, value) in parts.into_iter().zip([q.w, q.i, q.j, q.k]) {
+            channel(&mut table, name).values[k] = value;
+        }
+    }
+    table
+}
+
+/// A base to be found that carries known links: one revolute arm of two.
+pub fn known_arm(seed: u64) -> Model {
+    let mut model = tree(seed, "rr");
+    for body in &mut model.bodies[1..] {
+        body.estimate = EstimateSet::default();
+    }
+    model
+}
