@@ -5,6 +5,7 @@
 //! estimator: this module knows none.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::loss::Loss;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::motion::Vehicle;
 use crate::parameters::Parameters;
@@ -26,6 +27,7 @@ pub(crate) struct Experiment<'a> {
     pub nominal_spin: Vec<f64>,
     pub unknown: Vec<HeadColumns>,
     pub sight: Sight,
+    pub loss: Loss,
 }
 
 /// A value of all unknowns: the shared ones and the start of every segment.
@@ -57,6 +59,19 @@ impl<'a> Experiment<'a> {
                 .map(|s| HeadColumns::of(s, &problem.model.momentum, problem.noise, sight))
                 .collect(),
             sight,
+            loss: Loss::Gaussian,
+        }
+    }
+
+    /// The same experiment with more unknowns.
+    pub fn with_parameters<'b>(&'b self, parameters: &'b Parameters) -> Experiment<'b> {
+        Experiment {
+            problem: self.problem,
+            parameters,
+            nominal_spin: self.nominal_spin.clone(),
+            unknown: self.unknown.clone(),
+            sight: self.sight,
+            loss: self.loss,
         }
     }
 
@@ -68,6 +83,7 @@ impl<'a> Experiment<'a> {
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
+            loss: self.loss,
         };
         self.problem
             .segments
@@ -80,9 +96,9 @@ impl<'a> Experiment<'a> {
             .collect()
     }
 
-    /// Chi-square of readings and declared priors; `None` where a prior forbids the point.
+    /// Loss of readings and declared priors; `None` where a prior forbids the point.
     pub fn chi2(&self, at: &Point, evaluated: &[Evaluated]) -> Option<f64> {
-        let readings: f64 = evaluated.iter().map(|e| e.chi2).sum();
+        let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
         let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
         let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
         Some(readings + calibration + design)

@@ -10,6 +10,7 @@ mod answer_momentum;
 mod block_qr;
 mod bound;
 mod combination;
+mod diagnosis;
 mod estimate;
 mod fit;
 mod impulse;
@@ -18,6 +19,7 @@ mod information;
 mod information_tests;
 mod likelihood;
 mod linear;
+mod loss;
 mod maximum_likelihood;
 mod motion;
 mod parameters;
@@ -39,7 +41,8 @@ pub use estimate::{
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
 pub use linear::linear;
-pub use maximum_likelihood::maximum_likelihood;
+pub use loss::Loss;
+pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };

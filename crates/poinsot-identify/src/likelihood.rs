@@ -1,6 +1,7 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, Vehicle, matrix, small_turn};
 use crate::parameters::{Equations, Parameters, UnknownKind};
 use crate::quantity::TenParameters;
@@ -84,6 +85,7 @@ pub(crate) struct Setting<'a> {
     pub parameters: &'a Parameters,
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
+    pub loss: Loss,
 }
 
 /// One kind of sensor in one segment: whitened residuals, three axes a sample.
@@ -98,7 +100,10 @@ pub(crate) struct ChannelResidual {
 /// One segment at one value of all unknowns.
 pub(crate) struct Evaluated {
     pub triangle: Option<Triangle>,
+    /// Weighted sum of squares; plain for the Gaussian loss.
     pub chi2: f64,
+    /// What is minimised.
+    pub cost: f64,
     pub rows: usize,
     pub channels: Vec<ChannelResidual>,
 }
@@ -441,9 +446,11 @@ impl<'a> Compare<'a> {
                 self.six.push(L.solve_lower_triangular(&d).unwrap_or(d));
             }
             self.six.push(white);
+            let loss = self.setting.loss;
+            let weights = [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
             let six = &self.six;
             if let Some(qr) = &mut self.qr {
-                qr.push(6, |i, j| six[j][i]);
+                qr.push(6, |i, j| six[j][i] * weights[i / 3]);
             }
         }
         if let Some(r) = residual_v {
@@ -503,7 +510,8 @@ impl<'a> Compare<'a> {
                     L.solve_lower_triangular(&d).unwrap_or(d)
                 })
                 .collect();
-            qr.push(3, |i, j| block.get(j).map_or(white[i], |d| d[i]));
+            let weight = self.setting.loss.weight(white.norm_squared()).sqrt();
+            qr.push(3, |i, j| weight * block.get(j).map_or(white[i], |d| d[i]));
         }
         self.note(channel, residual, white);
     }
@@ -516,15 +524,17 @@ impl<'a> Compare<'a> {
     }
 
     fn finish(self) -> Option<Evaluated> {
-        let chi2: f64 = self
-            .channels
-            .iter()
-            .flat_map(|c| &c.white)
-            .map(|w| w.norm_squared())
-            .sum();
+        let loss = self.setting.loss;
+        let (mut chi2, mut cost) = (0.0, 0.0);
+        for white in self.channels.iter().flat_map(|c| &c.white) {
+            let square = white.norm_squared();
+            chi2 += loss.weight(square) * square;
+            cost += loss.cost(square);
+        }
         chi2.is_finite().then(|| Evaluated {
             triangle: self.qr.map(BlockQr::finish),
             chi2,
+            cost,
             rows: self.rows,
             channels: self
                 .channels

@@ -249,6 +249,7 @@ fn conclude(
         iterations: 1,
         settled: true,
         warnings: Vec::new(),
+        not_rigid: false,
         regressor_noise: block_noise,
     };
     solved.settle();

@@ -3,13 +3,16 @@
 use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Problem, Status, linear, maximum_likelihood};
+use poinsot_identify::{Estimate, Loss, Problem, Status, linear, maximum_likelihood_with};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
 
 /// Methods by name; `auto` is linear least squares, then maximum likelihood.
 pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
+
+/// Variants of maximum likelihood: the loss of a reading.
+pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -95,7 +98,12 @@ pub fn identify_tables(
     };
     let mut estimate = match request.method.as_str() {
         "linear" => linear(&problem)?,
-        _ => maximum_likelihood(&problem)?,
+        _ => {
+            let loss = request.variant.as_deref().and_then(Loss::from_name);
+            let mut estimate = maximum_likelihood_with(&problem, loss.unwrap_or_default())?;
+            estimate.variant.clone_from(&request.variant);
+            estimate
+        }
     };
     if bound.dropped > ALLOWED_LOSS {
         estimate.warnings.push(format!(
@@ -129,11 +137,22 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         });
     }
     if let Some(variant) = &request.variant {
-        return Err(Error::Usage {
-            option: "--variant",
-            value: variant.clone(),
-            why: format!("method {} has no variants; leave it out", request.method),
-        });
+        let known: &[&str] = match request.method.as_str() {
+            "linear" => &[],
+            _ => &LOSSES,
+        };
+        if !known.contains(&variant.as_str()) {
+            let why = if known.is_empty() {
+                format!("method {} has no variants; leave it out", request.method)
+            } else {
+                format!("variants of {}: {}", request.method, known.join(", "))
+            };
+            return Err(Error::Usage {
+                option: "--variant",
+                value: variant.clone(),
+                why,
+            });
+        }
     }
     if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
         return Err(Error::Usage {

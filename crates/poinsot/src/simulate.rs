@@ -5,7 +5,7 @@ mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use poinsot_dynamics::{MotionError, MotionSample, Prescribed};
-use poinsot_model::{Model, ModelError, Nuisance, read_model};
+use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
 pub(crate) use record::names;
@@ -171,7 +171,20 @@ pub fn simulate_exact(
     let mut scenario = case.bind(model)?;
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
     let (recorder, _) = record(case, &perfect, &scenario, 0)?;
-    Ok((recorder.table(&scenario), biases))
+    let mut table = recorder.table(&scenario);
+    keep_measured(model, &mut table);
+    Ok((table, biases))
+}
+
+/// Leaves out what no sensor of the model measures: a simulation knows the whole motion, an experiment does
+/// not. Joints, wheels and thrusters are commanded and stay.
+pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
+    let blind: Vec<String> = SensorKind::ALL
+        .into_iter()
+        .filter(|kind| !kind.is_scalar() && model.sensors_of(*kind).next().is_none())
+        .flat_map(|kind| names(model, kind, &[]))
+        .collect();
+    table.channels.retain(|c| !blind.contains(&c.name));
 }
 
 fn record(

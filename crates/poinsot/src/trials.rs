@@ -14,7 +14,7 @@ pub use text::statistics_document;
 use crate::bind::bind;
 use crate::case::Case;
 use crate::error::Error;
-use crate::simulate::{names, simulate_exact, stream};
+use crate::simulate::{keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_identify::{
@@ -119,7 +119,10 @@ impl Study {
     }
 
     /// The experiment behind noise-free tables.
-    pub fn of_tables(exact: Vec<Table>, truth: &Model, model: Model) -> Self {
+    pub fn of_tables(mut exact: Vec<Table>, truth: &Model, model: Model) -> Self {
+        for table in &mut exact {
+            keep_measured(&model, table);
+        }
         Self {
             exact,
             truth: truth.bodies.iter().map(|b| b.nominal).collect(),
@@ -258,10 +261,7 @@ impl Study {
             let name = &body.name;
             all.insert(format!("{name}.mass"), truth.mass);
             for k in 0..3 {
-                all.insert(
-                    format!("{name}.com_{}", axis_name(k)),
-                    truth.p_BoBcm_B[k],
-                );
+                all.insert(format!("{name}.com_{}", axis_name(k)), truth.p_BoBcm_B[k]);
             }
             for (k, at) in TENSOR.into_iter().enumerate() {
                 all.insert(
@@ -357,8 +357,9 @@ fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
         sigma[i] = estimate.covariance[i][i].sqrt();
         scaled[i] = number.error / sigma[i];
     }
-    let correlation =
-        DMatrix::from_fn(n, n, |i, j| estimate.covariance[i][j] / (sigma[i] * sigma[j]));
+    let correlation = DMatrix::from_fn(n, n, |i, j| {
+        estimate.covariance[i][j] / (sigma[i] * sigma[j])
+    });
     let l = correlation.cholesky()?.unpack();
     if (0..n).any(|i| l[(i, i)] < 1.0e-6) {
         return None;

@@ -218,14 +218,3 @@ fn paper_rotation_with_one_joint_at_a_time() {
         );
     }
 }
-
-#[test]
-fn probe() {
-    let m = tree(51, "");
-    for hz in [10.0, 20.0, 50.0] {
-        let flights = [51, 52].map(|s| Flight { rate_hz: hz, ..moving(&m, s) });
-        let a = identified(&m, &flights, "linear");
-        let f = &a.estimate.identifiability;
-        println!("{hz} {} {} {:?}", f.structural_rank, f.rank, f.sigmas_natural);
-    }
-}

@@ -126,10 +126,15 @@ fn of_case(
     stride: usize,
     nominal: impl Fn(&mut poinsot_model::Body),
 ) -> Result<Study, Error> {
-    let mut case = read_case(&examples().join(case)).map_err(poinsot::simulate::SimulateError::from)?;
+    let mut case =
+        read_case(&examples().join(case)).map_err(poinsot::simulate::SimulateError::from)?;
     case.rate_hz /= stride as f64;
     let truth = read_model(&case.model)?;
     let mut model = truth.clone();
-    model.bodies.iter_mut().filter(|b| b.estimate.any()).for_each(nominal);
+    model
+        .bodies
+        .iter_mut()
+        .filter(|b| b.estimate.any())
+        .for_each(nominal);
     Study::of_case(&case, &truth, model)
 }

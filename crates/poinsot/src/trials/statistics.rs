@@ -56,7 +56,10 @@ pub struct Statistics {
 /// Reduces trials in their order. A failed trial counts as failed; its numbers, if it gave any, count too.
 pub fn statistics(trials: &[Trial], bound: Option<&Estimate>) -> Statistics {
     let bounds = bound.map(super::estimated_numbers).unwrap_or_default();
-    let answers: Vec<&Answer> = trials.iter().filter_map(|t| t.outcome.as_ref().ok()).collect();
+    let answers: Vec<&Answer> = trials
+        .iter()
+        .filter_map(|t| t.outcome.as_ref().ok())
+        .collect();
     let mut failed = Vec::new();
     for trial in trials {
         match &trial.outcome {
@@ -157,7 +160,12 @@ impl Statistics {
             let n = p.trials;
             let sigma = p.sigma();
             judge(&p.name, "RMSE over bound", p.rmse / sigma, Band::of_rms(n));
-            judge(&p.name, "|bias| over sigma", p.bias.abs() / sigma, Band::of_bias(n));
+            judge(
+                &p.name,
+                "|bias| over sigma",
+                p.bias.abs() / sigma,
+                Band::of_bias(n),
+            );
             judge(&p.name, "coverage", p.coverage, Band::of_coverage(n));
         }
         if let Some((mean, dof)) = self.nees {

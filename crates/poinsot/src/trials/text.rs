@@ -16,12 +16,22 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
     };
     let mut document = Document::new(format!("{title}: {} trials, {word}", s.trials));
     let mut table = Table::new(&[
-        "", "bound (1 sigma)", "stated/bound", "RMSE/bound", "|bias|/sigma", "coverage %", "trials",
+        "",
+        "bound (1 sigma)",
+        "stated/bound",
+        "RMSE/bound",
+        "|bias|/sigma",
+        "coverage %",
+        "trials",
     ]);
     for p in &s.parameters {
         let (n, sigma) = (p.trials, p.sigma());
         let marked = |text: String, x: f64, band: Band| {
-            if band.holds(x) { text } else { format!("{text} !") }
+            if band.holds(x) {
+                text
+            } else {
+                format!("{text} !")
+            }
         };
         let (rmse, bias) = (p.rmse / sigma, p.bias.abs() / sigma);
         table.push(vec![
@@ -60,7 +70,10 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
             if band.holds(mean) { "" } else { " !" }
         ));
     }
-    lines.push(format!("chi-square per degree of freedom {:.4}", s.chi2_per_dof));
+    lines.push(format!(
+        "chi-square per degree of freedom {:.4}",
+        s.chi2_per_dof
+    ));
     for (name, chi2) in &s.channels {
         lines.push(format!("  {name} {chi2:.4}"));
     }
