@@ -54,6 +54,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         variant: None,
         status,
         iterations: solved.iterations,
+        assumptions: solved.assumptions.clone(),
         warnings: warnings(solved, chi2, rejected, impossible, &bodies, &nuisance),
         bodies,
         system,

@@ -262,4 +262,6 @@ pub struct Estimate {
     pub covariance_trustworthy: bool,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// What the method assumed of its inputs.
+    pub assumptions: Vec<String>,
 }

@@ -72,7 +72,7 @@ fn iterate(
     loop {
         let stacked = experiment.stack(&at, &evaluated, true);
         let shared = Shared::new(experiment.parameters, &stacked);
-        let spectrum = experiment.spectrum(&shared)?;
+        let spectrum = experiment.spectrum(&shared, &evaluated)?;
         let now = experiment.chi2(&at, &evaluated).unwrap_or(f64::INFINITY);
         let promised = promised_decrease(experiment, &evaluated, &shared, &spectrum);
         if promised < SETTLED || iterations == limit {
@@ -139,7 +139,7 @@ fn finish(
     let data_alone = if experiment.has_design_prior() {
         let stacked = experiment.stack(&at, &evaluated, false);
         let own = Shared::new(experiment.parameters, &stacked);
-        Some(experiment.spectrum(&own)?)
+        Some(experiment.spectrum(&own, &evaluated)?)
     } else {
         None
     };

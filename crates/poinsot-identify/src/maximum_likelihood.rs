@@ -54,13 +54,33 @@ fn solve(problem: &Problem, loss: Loss) -> Result<Solved, ProblemError> {
     };
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = loss;
-    let fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+    let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+    let mut assumptions = Vec::new();
+    if !problem.model.wheels.is_empty() {
+        // Between readings a wheel may run straight (torque held) or smoothly: the data decide.
+        experiment.wheels_smooth = true;
+        let smooth = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+        let cost = |experiment: &Experiment, f: &Fitted| {
+            experiment
+                .chi2(&f.at, &f.evaluated)
+                .unwrap_or(f64::INFINITY)
+        };
+        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+            fitted = smooth;
+            assumptions.push("wheel speeds taken as smooth between readings".to_owned());
+        } else {
+            experiment.wheels_smooth = false;
+            assumptions.push("wheel torques taken as held between readings".to_owned());
+        }
+    }
     let explained = match &linear {
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
     let found = diagnose(&experiment, &fitted);
-    Ok(conclude(&experiment, fitted, explained, found))
+    let mut solved = conclude(&experiment, fitted, explained, found);
+    solved.assumptions = assumptions;
+    Ok(solved)
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
@@ -144,6 +164,7 @@ pub(crate) fn conclude(
         settled: fitted.settled,
         warnings: found.findings,
         not_rigid: found.not_rigid,
+        assumptions: Vec::new(),
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

@@ -122,7 +122,7 @@ pub enum ParametersError {
     NothingUnknown,
     /// A tree without a translation sensor.
     #[error(
-        "E0403 no velocity channel (v_x v_y v_z): the linear method can use rotation alone only for one rigid body whose mass properties are all asked of it; this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
+        "E0403 no velocity: no channels v_x v_y v_z, or no [[sensor]] of type \"velocity\" in the model: the linear method can use rotation alone only for one rigid body whose mass properties are all asked of it; this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
     )]
     RotationOfTree {
         /// Number of bodies.

@@ -40,7 +40,8 @@ pub struct NotFinite;
 impl Spectrum {
     /// Decomposes the triangle `R` (n x n, whitened) for the natural units given.
     ///
-    /// `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
+    /// `size` is the length of the longest column, natural units, before anything was projected out: it sets
+    /// the round-off. `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
     ///
     /// # Errors
     /// The triangle holds NaN or infinity.
@@ -48,6 +49,7 @@ impl Spectrum {
         R: &Mat<f64>,
         natural: &[f64],
         regressor_noise: &[f64],
+        size: f64,
         relative_accuracy: f64,
     ) -> Result<Self, NotFinite> {
         let n = natural.len();
@@ -64,7 +66,8 @@ impl Spectrum {
         let noise: Vec<f64> = (0..n)
             .map(|k| quadratic(&noise_z, &directions, k))
             .collect();
-        let round_off = 32.0 * n as f64 * f64::EPSILON * singular.first().copied().unwrap_or(0.0);
+        let round_off =
+            32.0 * n as f64 * f64::EPSILON * size.max(singular.first().copied().unwrap_or(0.0));
         let structural_rank = singular.iter().filter(|s| **s > round_off).count();
         let identified = |k: &usize| {
             let square = singular[*k] * singular[*k];

@@ -116,6 +116,7 @@ pub fn identify_tables(
     }
     let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
     repairs.extend(bound.repairs);
+    repairs.extend(estimate.assumptions.iter().cloned());
     let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
     ignored.sort();
     ignored.dedup();

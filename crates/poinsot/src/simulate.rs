@@ -154,14 +154,20 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
     })
 }
 
+/// The readings of perfect sensors.
+#[derive(Debug, Clone)]
+pub struct Exact {
+    /// Only what some sensor measures, and the motion of joints, wheels and thrusters.
+    pub table: Table,
+    /// Bias that the case gives each sensor of the model; it is not in the table.
+    pub biases: Vec<Option<Vec<f64>>>,
+}
+
 /// What perfect sensors read, each at its own times and place, and the biases that the case gives them.
 ///
 /// # Errors
 /// As [`simulate_case`].
-pub fn simulate_exact(
-    case: &Case,
-    model: &Model,
-) -> Result<(Table, Vec<Option<Vec<f64>>>), SimulateError> {
+pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
     let mut perfect = model.clone();
     for sensor in &mut perfect.sensors {
         sensor.noise_covariance = None;
@@ -173,7 +179,7 @@ pub fn simulate_exact(
     let (recorder, _) = record(case, &perfect, &scenario, 0)?;
     let mut table = recorder.table(&scenario);
     keep_measured(model, &mut table);
-    Ok((table, biases))
+    Ok(Exact { table, biases })
 }
 
 /// Leaves out what no sensor of the model measures: a simulation knows the whole motion, an experiment does

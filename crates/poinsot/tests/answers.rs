@@ -183,6 +183,35 @@ fn exact_spin_inertia_without_a_scale_is_null() {
     }
 }
 
+/// Free of forces, a drifting body moves the same whatever its mass (FINDINGS: with wheels 9, never the mass).
+#[test]
+fn exact_wheels_never_show_the_mass() {
+    for noise in [1.0e-5, 1.0e-7] {
+        let mut truth = with_wheels(tree(51, ""));
+        truth.sensors = sensors(noise);
+        let table = noisy(fly(&truth, &moving(&truth, 51)), 3, noise);
+        for method in METHODS {
+            let answer = ask(&off_nominal(&truth, 0.05), vec![table.clone()], method);
+            let mass = answer.estimate.bodies[0].mass;
+            assert_eq!(mass.value, None, "{method} {noise}: {mass:?}");
+        }
+    }
+}
+
+/// How wheels turn between readings at 10 Hz must not be mistaken for a wrong model.
+#[test]
+fn stat_wheels_read_at_10_hz_do_not_reject_a_right_model() {
+    let mut truth = with_wheels(known_arm(28));
+    truth.sensors = sensors(1.0e-5);
+    let table = noisy(fly(&truth, &moving(&truth, 28)), 28, 1.0e-5);
+    for method in METHODS {
+        let answer = ask(&off_nominal(&truth, 0.05), vec![table.clone()], method);
+        let e = &answer.estimate;
+        assert_eq!(e.status, Status::Converged, "{method}: {:?}", e.warnings);
+        assert!(e.fit[0].chi2_per_dof < 1.5, "{method}");
+    }
+}
+
 #[test]
 fn exact_a_thruster_stronger_than_declared() {
     let mut truth = with_thrusters(tree(16, ""));

@@ -3,13 +3,14 @@
 //!     cargo run --release -p poinsot --example campaign -- --trials 1000 [--setup NAME] [--method linear]
 //!
 //! Further words find out what does harm: `--perfect SENSOR` takes the errors of a sensor away but not its declared
-//! noise; `--white SENSOR` replaces its rounding by white noise of the same variance; `--noise SENSOR=FACTOR` makes a sensor that much worse, as declared; `--fixed-phase` rounds alike in every
-//! trial; `--stride N` keeps every N-th sample.
+//! noise; `--white SENSOR` replaces its rounding by white noise of the same variance, `--offset SENSOR` by a constant
+//! error of that variance; `--noise SENSOR=FACTOR` makes a sensor that much worse, as declared; `--fixed-phase` rounds
+//! alike in every trial; `--stride N` keeps every N-th sample.
 
 mod setups;
 
 use poinsot::trials::{Study, TrialMethod, statistics, statistics_document};
-use poinsot_model::Sensor;
+use poinsot_model::{Nuisance, Sensor};
 use poinsot_spatial::Matrix3;
 use std::error::Error;
 use std::time::Instant;
@@ -22,6 +23,7 @@ struct Options {
     fixed_phase: bool,
     perfect: Vec<String>,
     white: Vec<String>,
+    offset: Vec<String>,
     noise: Vec<(String, f64)>,
 }
 
@@ -74,6 +76,10 @@ fn change_sensors(study: &mut Study, options: &Options) {
             sensor.noise_covariance = Some(own + Matrix3::identity() * step);
             sensor.quantisation = 0.0;
         }
+        if options.offset.contains(&sensor.name) {
+            sensor.bias = Nuisance::Prior(sensor.quantisation / 12.0_f64.sqrt());
+            sensor.quantisation = 0.0;
+        }
     }
 }
 
@@ -86,6 +92,7 @@ fn options() -> Result<Options, Box<dyn Error>> {
         fixed_phase: false,
         perfect: Vec::new(),
         white: Vec::new(),
+        offset: Vec::new(),
         noise: Vec::new(),
     };
     let mut words = std::env::args().skip(1);
@@ -107,13 +114,14 @@ fn options() -> Result<Options, Box<dyn Error>> {
             ("--method", "linear") => options.method = TrialMethod::Linear,
             ("--perfect", _) => options.perfect.push(value),
             ("--white", _) => options.white.push(value),
+            ("--offset", _) => options.offset.push(value),
             ("--noise", pair) => {
                 let (name, factor) = pair.split_once('=').ok_or("--noise SENSOR=FACTOR")?;
                 options.noise.push((name.to_owned(), factor.parse()?));
             }
             _ => {
                 return Err(format!(
-                    "{word} {value}: known are --trials N, --setup NAME, --method auto|linear, --stride N, --fixed-phase, --perfect SENSOR, --white SENSOR, --noise SENSOR=FACTOR"
+                    "{word} {value}: known are --trials N, --setup NAME, --method auto|linear, --stride N, --fixed-phase, --perfect SENSOR, --white SENSOR, --offset SENSOR, --noise SENSOR=FACTOR"
                 )
                 .into());
             }
