@@ -40,7 +40,7 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
-    /// Method: auto, linear.
+    /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood.
     #[arg(long, default_value = "auto")]
     pub method: String,
     /// Variant of a published method.

@@ -17,6 +17,7 @@ mod prescribed;
 mod reaction_wheel;
 mod regressor;
 mod sensors;
+mod stage;
 mod thrust;
 mod tree;
 mod wheel_motion;

@@ -1,7 +1,7 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
 use crate::estimate::{BodyEstimate, Number, Principal};
-use crate::linear::Solved;
+use crate::solved::Solved;
 use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
 use crate::spectrum::Spectrum;
@@ -82,13 +82,14 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether a gradient is determined, and its sigma.
-    pub(crate) fn sigma(&self, gradient: &[f64]) -> Option<f64> {
+    /// Sigma of a number with this gradient and a variance of its own; `None` where it is open.
+    pub(crate) fn sigma_with(&self, gradient: &[f64], own: f64) -> Option<f64> {
         if self.rejected {
             return None;
         }
-        let used = &gradient[..self.spectrum.natural.len()];
-        self.spectrum.sigma(used).map(|s| s * self.inflation)
+        let used = gradient.get(..self.spectrum.natural.len()).unwrap_or(gradient);
+        let sigma = self.spectrum.sigma(used)?;
+        Some((sigma * sigma + own).sqrt() * self.inflation)
     }
 }
 

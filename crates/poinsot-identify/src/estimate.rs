@@ -209,10 +209,25 @@ pub struct SegmentFit {
     pub samples: usize,
     /// Chi-square per degree of freedom with the declared noise.
     pub chi2_per_dof: f64,
-    /// Root mean square of measured less predicted angular velocity, rad/s; `None` with thrust.
-    pub rms_rate: Option<f64>,
-    /// Root mean square of measured less predicted velocity, m/s; `None` with thrust or without translation.
-    pub rms_velocity: Option<f64>,
+    /// One entry per kind of sensor.
+    pub channels: Vec<ChannelFit>,
+}
+
+/// How well one kind of sensor fits in one segment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelFit {
+    /// Kind: gyro, attitude, velocity, position.
+    pub name: &'static str,
+    /// Unit of the root mean square.
+    pub unit: &'static str,
+    /// Root mean square of measured less predicted, per axis.
+    pub rms: f64,
+    /// Chi-square per number with the declared noise; `None` where the method does not weigh this sensor
+    /// on its own.
+    pub chi2_per_number: Option<f64>,
+    /// Probability of so much correlation in time if the residual were white (Ljung and Box 1978, ten lags
+    /// on each axis).
+    pub whiteness_p: Option<f64>,
 }
 
 /// The answer to one question.

@@ -42,7 +42,7 @@ pub enum UnknownKind {
 /// Which equations of motion can be written for the data at hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Equations {
-    /// Linear and angular momentum about the inertial origin: six rows a sample.
+    /// Linear and angular momentum about the inertial origin: six rows a sample. Unknowns are barycentric.
     Momentum,
     /// Angular momentum about the mass centre of one rigid body: three rows a sample.
     Rotation,
@@ -315,8 +315,13 @@ impl Parameters {
         self.unknowns.iter().map(|u| u.nominal).collect()
     }
 
-    /// Barycentric parameters of every body for values of the unknowns (momentum equations).
+    /// Barycentric parameters of every body for values of the unknowns.
+    ///
+    /// Where only rotation is seen the mass is the nominal one: it does not matter then.
     pub fn bodies(&self, x: &[f64]) -> Vec<InertialParameters> {
+        if self.equations == Equations::Rotation {
+            return vec![rotation_properties(self, x).parameters()];
+        }
         let mut pi: Vec<[f64; 10]> = self.known.iter().map(|b| b.to_array()).collect();
         for (unknown, value) in self.unknowns.iter().zip(x) {
             if let UnknownKind::Barycentric(column) = &unknown.kind {
@@ -326,6 +331,21 @@ impl Parameters {
             }
         }
         pi.iter().map(InertialParameters::from_array).collect()
+    }
+
+    /// How each unknown moves the barycentric parameters at `x`: pairs of index `10 body + k` and slope.
+    /// Empty for unknowns that are not mass properties.
+    pub fn slopes(&self, x: &[f64]) -> Vec<Vec<(usize, f64)>> {
+        let given = (self.equations == Equations::Rotation).then(|| rotation_properties(self, x));
+        self.unknowns
+            .iter()
+            .map(|unknown| match (&unknown.kind, &given) {
+                (UnknownKind::Barycentric(parts), _) => parts.clone(),
+                (UnknownKind::CentralInertia(k), _) => vec![(4 + k, 1.0)],
+                (UnknownKind::MassCentre(axis), Some(body)) => mass_centre_slope(body, *axis),
+                _ => Vec::new(),
+            })
+            .collect()
     }
 
     /// Gradient over the unknowns of a function of one body, given its gradient over the body's ten
@@ -343,6 +363,26 @@ impl Parameters {
             })
             .collect()
     }
+}
+
+/// Slope of the barycentric parameters over a component of the mass centre at fixed mass and central
+/// inertia: `d(m c)` and `d(m (c.c 1 - c c^T))`.
+fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
+    let (m, c) = (body.mass, body.p_BoBcm_B);
+    let mut e = Vector3::zeros();
+    e[axis] = 1.0;
+    let shift = (nalgebra::Matrix3::identity() * (2.0 * c[axis])
+        - e * c.transpose()
+        - c * e.transpose())
+        * m;
+    let mut slope = vec![(1 + axis, m)];
+    slope.extend(
+        TENSOR
+            .iter()
+            .enumerate()
+            .map(|(k, &element)| (4 + k, shift[element])),
+    );
+    slope
 }
 
 /// Natural unit of mass and length per body; a massless nominal body borrows those of the vehicle.

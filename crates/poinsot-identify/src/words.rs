@@ -2,7 +2,8 @@
 
 use crate::combination::{Combination, split};
 use crate::estimate::OpenCombination;
-use crate::linear::{LinearProblem, Solved};
+use crate::problem::Problem;
+use crate::solved::Solved;
 use crate::parameters::{Equations, TENSOR, UnknownKind};
 use crate::rows::parameters_in_base;
 use faer::Mat;
@@ -27,7 +28,7 @@ const NEW: f64 = 1.0e-3;
 const SAID: f64 = 1.0e-3;
 
 /// Names every open direction.
-pub(crate) fn open_directions(problem: &LinearProblem, solved: &Solved) -> Vec<OpenCombination> {
+pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCombination> {
     let spectrum = &solved.spectrum;
     let natural = &spectrum.natural;
     let open = spectrum.open_directions();
@@ -134,7 +135,7 @@ pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
         .collect()
 }
 
-fn symmetries(problem: &LinearProblem, solved: &Solved) -> Vec<Symmetry> {
+fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
     if solved.parameters.equations == Equations::Rotation {
         return Vec::new();
     }
@@ -157,7 +158,7 @@ fn symmetries(problem: &LinearProblem, solved: &Solved) -> Vec<Symmetry> {
 /// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
 /// a sliding one the inertia tensor, with a stopped one everything.
 fn joint_symmetries(
-    problem: &LinearProblem,
+    problem: &Problem,
     solved: &Solved,
     child: usize,
     list: &mut Vec<Symmetry>,
@@ -255,7 +256,7 @@ fn ten(mass: f64, mc_B: Vector3, I_BBo_B: Matrix3) -> InertialParameters {
 }
 
 /// The joint position of a body that never moved relative to its parent; `None` if it moved.
-fn stopped_at(problem: &LinearProblem, child: usize) -> Option<f64> {
+fn stopped_at(problem: &Problem, child: usize) -> Option<f64> {
     let (k, dof) = match problem.tree.links[child].motion {
         Motion::Revolute(k) | Motion::Prismatic(k) => (k, problem.tree.dof()),
         Motion::Fixed | Motion::Free => return Some(0.0),
@@ -303,7 +304,7 @@ fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
 }
 
 fn in_numbers(
-    problem: &LinearProblem,
+    problem: &Problem,
     solved: &Solved,
     combination: &Combination,
 ) -> OpenCombination {
@@ -318,7 +319,7 @@ fn in_numbers(
 }
 
 /// Why a direction without a closed form is open: how the base turned.
-fn poor_motion(problem: &LinearProblem, solved: &Solved) -> (String, String) {
+fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
     for segment in problem.segments {
@@ -338,7 +339,7 @@ fn poor_motion(problem: &LinearProblem, solved: &Solved) -> (String, String) {
     }
     let weak = solved
         .spectrum
-        .sigmas_natural()
+        .certificate
         .get(solved.spectrum.rank)
         .copied()
         .unwrap_or(f64::INFINITY);

@@ -40,10 +40,12 @@ pub fn estimate_json(identified: &Identified) -> Value {
             "segment": f.label,
             "samples": f.samples,
             "chi2_per_dof": f.chi2_per_dof,
-            "channels": {
-                "gyro": { "rms": f.rms_rate, "unit": "rad/s" },
-                "velocity": { "rms": f.rms_velocity, "unit": "m/s" },
-            },
+            "channels": f.channels.iter().map(|c| (c.name.to_owned(), json!({
+                "rms": c.rms,
+                "unit": c.unit,
+                "chi2_per_number": c.chi2_per_number,
+                "whiteness_p": c.whiteness_p,
+            }))).collect::<Map<String, Value>>(),
         })).collect::<Vec<_>>(),
         "covariance_trustworthy": e.covariance_trustworthy,
         "repairs": identified.repairs,

@@ -3,10 +3,13 @@
 use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, LinearProblem, Status, linear};
+use poinsot_identify::{Estimate, Problem, Status, linear, maximum_likelihood};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
+
+/// Methods by name; `auto` is linear least squares, then maximum likelihood.
+pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
 
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -20,7 +23,7 @@ pub struct IdentifyRequest {
     pub segments: Vec<Vec<PathBuf>>,
     /// File with a `[telemetry]` table that replaces the model's.
     pub map: Option<PathBuf>,
-    /// `auto`, `linear`.
+    /// One of [`METHODS`].
     pub method: String,
     /// Variant of a published method.
     pub variant: Option<String>,
@@ -69,7 +72,7 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
         .iter()
         .map(|files| read(files, &options))
         .collect::<Result<Vec<Table>, _>>()?;
-    identify_tables(model, tables, request.relative_accuracy)
+    identify_tables(model, tables, request)
 }
 
 /// Identifies from tables in memory.
@@ -79,17 +82,21 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
 pub fn identify_tables(
     model: Model,
     tables: Vec<Table>,
-    relative_accuracy: f64,
+    request: &IdentifyRequest,
 ) -> Result<Identified, Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
-    let mut estimate = linear(&LinearProblem {
+    let problem = Problem {
         model: &model,
         tree: &tree,
         segments: &bound.segments,
         noise: &bound.noise,
-        relative_accuracy,
-    })?;
+        relative_accuracy: request.relative_accuracy,
+    };
+    let mut estimate = match request.method.as_str() {
+        "linear" => linear(&problem)?,
+        _ => maximum_likelihood(&problem)?,
+    };
     if bound.dropped > ALLOWED_LOSS {
         estimate.warnings.push(format!(
             "{:.0} % of the samples of a segment were left out (see repairs): the answer is not acceptable without a look at them",
@@ -114,11 +121,11 @@ pub fn identify_tables(
 }
 
 fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
-    if !matches!(request.method.as_str(), "auto" | "linear") {
+    if !METHODS.contains(&request.method.as_str()) {
         return Err(Error::Usage {
             option: "--method",
             value: request.method.clone(),
-            why: "known methods: auto, linear".to_owned(),
+            why: format!("known methods: {}", METHODS.join(", ")),
         });
     }
     if let Some(variant) = &request.variant {

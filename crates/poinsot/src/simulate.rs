@@ -8,7 +8,17 @@ use poinsot_dynamics::{MotionError, MotionSample, Prescribed};
 use poinsot_model::{Model, ModelError, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+
+/// Codes of the errors of a simulation beyond those of case, model and telemetry, for `poinsot explain`.
+pub const SIMULATE_CODES: [(&str, &str); 2] = [
+    (
+        "E0509",
+        "The motion cannot be computed: something moves that has no inertia, or the tolerance cannot be met.",
+    ),
+    ("E0510", "The output folder cannot be made or written."),
+];
 
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +30,7 @@ pub enum SimulateError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The motion cannot be computed.
-    #[error("E0309 {}: {error}", file.display())]
+    #[error("E0509 {}: {error}", file.display())]
     Motion {
         /// The case file.
         file: PathBuf,
@@ -31,7 +41,7 @@ pub enum SimulateError {
     #[error(transparent)]
     Telemetry(#[from] TelemetryError),
     /// The folder cannot be written.
-    #[error("E0310 {}: {source}", path.display())]
+    #[error("E0510 {}: {source}", path.display())]
     Write {
         /// What was to be written.
         path: PathBuf,
@@ -100,11 +110,17 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> 
     poinsot_telemetry::write(&workshop.path().join(name), &simulation.table.channels)?;
     let text = format!("{:#}\n", simulation.truth);
     let draft = workshop.path().join("truth.json");
-    std::fs::write(&draft, text).map_err(|e| failed(&draft, e))?;
+    let whole = std::fs::File::create(&draft).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    });
+    whole.map_err(|e| failed(&draft, e))?;
     let (telemetry, truth) = (out.join(name), out.join("truth.json"));
-    for (file, target) in [(name, &telemetry), ("truth.json", &truth)] {
-        let draft = workshop.path().join(file);
-        std::fs::rename(draft, target).map_err(|e| failed(target, e))?;
+    std::fs::rename(workshop.path().join(name), &telemetry).map_err(|e| failed(&telemetry, e))?;
+    if let Err(e) = std::fs::rename(&draft, &truth) {
+        // Telemetry without its truth must not stand alone; what hinders that is the same fault.
+        let _ = std::fs::remove_file(&telemetry);
+        return Err(failed(&truth, e));
     }
     let channels = &simulation.table.channels;
     Ok(Written {

@@ -307,7 +307,7 @@ fn joint(
                 "{label}: no channel '{rate_name}': rate of {} differentiated from '{position_name}' (quartic through five samples)",
                 joint.name
             ));
-            let rate = differentiate(q, HALF_WIDTH, None);
+            let rate = derived_rate(q);
             (resample(q, times, None), resample(&rate, times, None))
         }
         (None, rate) => {
@@ -324,4 +324,9 @@ fn joint(
             )
         }
     }
+}
+
+/// Rate of a joint from its positions.
+pub(super) fn derived_rate(position: &Channel) -> Channel {
+    differentiate(position, HALF_WIDTH, None)
 }
