@@ -1,5 +1,6 @@
 //! A case with a model: names become indices, and the first instant a start.
 
+use super::control::Control;
 use super::file::InitialFile;
 use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
@@ -15,6 +16,8 @@ use toml::Spanned;
 pub struct Scenario {
     /// Motion of joints and wheels, firings.
     pub plan: Plan,
+    /// Attitude feedback that drives the wheels instead of the plan.
+    pub control: Option<Control>,
     /// Pose and motion at time zero.
     pub start: Start,
     /// Times of the rows, s.
@@ -36,7 +39,16 @@ impl Case {
         };
         let file = &self.file;
         let output = file.output.span();
-        let plan = planner.plan(&file.joint_motion, &file.wheel_motion, &file.firing, output);
+        let (control, plan) = match planner.control(file) {
+            Some((control, plan)) => (Some(control), plan),
+            None => {
+                let wheels = &file.wheel_motion;
+                (
+                    None,
+                    planner.plan(&file.joint_motion, wheels, &file.firing, output),
+                )
+            }
+        };
         let start = start(&mut planner, &file.initial);
         let sensors = sensor_outputs(&mut planner, file.output.get_ref());
         if !planner.faults.is_empty() {
@@ -44,6 +56,7 @@ impl Case {
         }
         Ok(Scenario {
             plan,
+            control,
             start,
             times: self.times(),
             sensors,
