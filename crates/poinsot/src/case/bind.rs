@@ -22,6 +22,8 @@ pub struct Scenario {
     pub start: Start,
     /// Times of the rows, s.
     pub times: Vec<f64>,
+    /// Whether channels that no sensor reads are left out.
+    pub sensors_only: bool,
     /// One per sensor of the model.
     pub sensors: Vec<SensorOutput>,
 }
@@ -59,6 +61,7 @@ impl Case {
             control,
             start,
             times: self.times(),
+            sensors_only: file.output.get_ref().sensors_only,
             sensors,
         })
     }

@@ -136,6 +136,9 @@ pub(crate) struct OutputFile {
     pub format: Format,
     #[serde(default)]
     pub seed: u64,
+    /// Leave out the channels that no sensor of the model reads (they are exact).
+    #[serde(default)]
+    pub sensors_only: bool,
     #[serde(default)]
     pub sensor: Vec<SensorOutputFile>,
 }
