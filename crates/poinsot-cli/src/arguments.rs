@@ -40,10 +40,10 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
-    /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood.
+    /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published: kim2010.
     #[arg(long, default_value = "auto")]
     pub method: String,
-    /// Variant of a published method.
+    /// Variant of a published method; kim2010: suggested (default), batch, conventional, pre-estimate, iterated.
     #[arg(long)]
     pub variant: Option<String>,
     /// File whose [telemetry] table replaces that of the model.

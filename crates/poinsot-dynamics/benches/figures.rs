@@ -7,10 +7,11 @@
 
 mod xu_arm;
 
-use poinsot_dynamics::{Kinematics, composite, momentum, momentum_regressor};
+use poinsot_dynamics::{Kinematics, Tree, composite, momentum, momentum_regressor};
+use poinsot_spatial::{InertialParameters, Vector6};
 use std::hint::black_box;
 use std::time::Instant;
-use xu_arm::{COLUMNS, RING};
+use xu_arm::{COLUMNS, RING, State};
 
 /// Batches per kernel and calls per batch.
 const BATCHES: usize = 400;
@@ -27,6 +28,7 @@ fn main() {
         at = (at + 1) % RING;
         at
     };
+    check(&tree, &parameters, &states[1]);
     measure("momentum_regressor_6x70", || {
         let s = black_box(&states[next()]);
         kinematics.place(&tree, &s.q);
@@ -64,6 +66,18 @@ fn main() {
         kinematics.place(&tree, &s.q);
         black_box(composite(&parameters, &kinematics));
     });
+}
+
+/// Prints the size of the momentum at one state: the peer prints the same number.
+fn check(tree: &Tree, parameters: &[InertialParameters], state: &State) {
+    let mut kinematics = Kinematics::new(tree);
+    let mut Y = vec![[0.0; 6]; COLUMNS];
+    kinematics.place(tree, &state.q);
+    kinematics.set_velocities(tree, &state.v, &state.w, &state.rates);
+    momentum_regressor(&kinematics, &mut Y);
+    let pi = parameters.iter().flat_map(|p| p.to_array());
+    let sum: Vector6 = Y.iter().zip(pi).map(|(y, p)| Vector6::from(*y) * p).sum();
+    println!("poinsot_momentum_at_state_1,{:.12e},norm", sum.norm());
 }
 
 fn measure(name: &str, mut kernel: impl FnMut()) {

@@ -121,10 +121,7 @@ impl Link {
             // Rodrigues.
             None => {
                 let [first, second] = &self.rodrigues;
-                product(
-                    R_BP,
-                    &(self.R_PC_zero + first * sin + second * (1.0 - cos)),
-                )
+                product(R_BP, &(self.R_PC_zero + first * sin + second * (1.0 - cos)))
             }
         }
     }

@@ -7,9 +7,9 @@ use crate::estimate::{
     BodyEstimate, DeterminedCombination, Estimate, Identifiability, NamedNumber, Number, Source,
     Status,
 };
+use crate::parameters::Equations;
 use crate::problem::Problem;
 use crate::solved::Solved;
-use crate::parameters::Equations;
 use crate::words;
 
 /// Chi-square per degree of freedom above which the declared noise cannot be right.
@@ -38,6 +38,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         method: solved.method.to_owned(),
         variant: None,
         status,
+        iterations: solved.iterations,
         warnings: warnings(solved, chi2, rejected, &bodies, &nuisance),
         bodies,
         system,
@@ -49,14 +50,11 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         identifiability,
         fit: solved.fit.clone(),
         covariance_trustworthy: chi2 <= MISFIT && !rejected,
+        method_report: None,
     }
 }
 
-fn whole(
-    problem: &Problem,
-    solved: &Solved,
-    judge: &Judge,
-) -> Option<(BodyEstimate, Vec<f64>)> {
+fn whole(problem: &Problem, solved: &Solved, judge: &Judge) -> Option<(BodyEstimate, Vec<f64>)> {
     let dof = problem.tree.dof();
     let position = problem
         .segments

@@ -1,9 +1,9 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
 use crate::estimate::{BodyEstimate, Number, Principal};
-use crate::solved::Solved;
 use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
+use crate::solved::Solved;
 use crate::spectrum::Spectrum;
 use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
@@ -87,7 +87,9 @@ impl<'a> Judge<'a> {
         if self.rejected {
             return None;
         }
-        let used = gradient.get(..self.spectrum.natural.len()).unwrap_or(gradient);
+        let used = gradient
+            .get(..self.spectrum.natural.len())
+            .unwrap_or(gradient);
         let sigma = self.spectrum.sigma(used)?;
         Some((sigma * sigma + own).sqrt() * self.inflation)
     }
@@ -246,7 +248,7 @@ fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
     body
 }
 
-fn finish(
+pub(crate) fn finish(
     name: String,
     mass: Number,
     com: [Number; 3],

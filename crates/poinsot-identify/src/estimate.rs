@@ -1,7 +1,5 @@
 //! The answer: numbers with their sigma and source, and what the data leave open.
 
-use poinsot_spatial::Vector3;
-
 /// How a question was answered. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -230,6 +228,15 @@ pub struct ChannelFit {
     pub whiteness_p: Option<f64>,
 }
 
+/// Numbers of a published method in its own terms, beside the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodReport {
+    /// What they are and what they are not.
+    pub note: String,
+    /// The numbers.
+    pub numbers: Vec<NamedNumber>,
+}
+
 /// The answer to one question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
@@ -239,6 +246,8 @@ pub struct Estimate {
     pub variant: Option<String>,
     /// How it ended.
     pub status: Status,
+    /// Iterations taken; one for a closed form.
+    pub iterations: usize,
     /// Bodies in the order of the model.
     pub bodies: Vec<BodyEstimate>,
     /// The whole vehicle at the first sample of the first segment, with the joint positions it holds
@@ -262,9 +271,6 @@ pub struct Estimate {
     pub covariance_trustworthy: bool,
     /// Warnings.
     pub warnings: Vec<String>,
-}
-
-/// Components of a vector as an array.
-pub fn array(v: &Vector3) -> [f64; 3] {
-    [v.x, v.y, v.z]
+    /// A published method's own numbers.
+    pub method_report: Option<MethodReport>,
 }

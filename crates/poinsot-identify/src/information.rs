@@ -44,7 +44,12 @@ impl<'a> Experiment<'a> {
         Self {
             problem,
             parameters,
-            nominal_spin: problem.model.wheels.iter().map(|w| w.spin_inertia).collect(),
+            nominal_spin: problem
+                .model
+                .wheels
+                .iter()
+                .map(|w| w.spin_inertia)
+                .collect(),
             unknown: problem
                 .segments
                 .iter()
@@ -109,7 +114,11 @@ impl<'a> Experiment<'a> {
         let bodies = self.parameters.bodies(x);
         let mut kinematics = Kinematics::new(tree);
         kinematics.place(tree, s.joint_position.get(..dof).unwrap_or(&[]));
-        let R = s.R_NB.first().copied().unwrap_or_else(UnitQuaternion::identity);
+        let R = s
+            .R_NB
+            .first()
+            .copied()
+            .unwrap_or_else(UnitQuaternion::identity);
         let w = s.w_NB_B.first().copied().unwrap_or_default();
         let v = match (&s.translation, self.sight) {
             (Some(t), Sight::Translation) => {
@@ -183,17 +192,4 @@ impl<'a> Experiment<'a> {
             .collect();
         Point { x, heads }
     }
-}
-
-/// Spectrum of the experiment near a solution, or near the nominal numbers where the vehicle cannot move
-/// there; `None` where it can move at neither.
-pub(crate) fn certificate(problem: &Problem, solved: &Solved) -> Option<Spectrum> {
-    let experiment = Experiment::new(problem, &solved.parameters);
-    [experiment.point(solved), experiment.nominal_point()]
-        .iter()
-        .find_map(|point| {
-            let evaluated = experiment.evaluate(point, true)?;
-            let shared = Shared::new(&solved.parameters, &experiment.stack(&evaluated));
-            experiment.spectrum(&shared).ok()
-        })
 }

@@ -10,6 +10,7 @@ mod answer_momentum;
 mod block_qr;
 mod combination;
 mod estimate;
+mod fit;
 mod impulse;
 mod information;
 mod likelihood;
@@ -30,14 +31,14 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use combination::{Combination, Combinations, split};
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate, NamedNumber,
-    Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
+    NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
 pub use linear::linear;
+pub use maximum_likelihood::maximum_likelihood;
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
-pub use maximum_likelihood::maximum_likelihood;
 pub use problem::{Problem, ProblemError};
 pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

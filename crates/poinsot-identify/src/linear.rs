@@ -8,8 +8,9 @@
 use crate::answer;
 use crate::block_qr::{BlockQr, Triangle};
 use crate::estimate::{Estimate, SegmentFit};
+use crate::fit::fit;
 use crate::impulse;
-use crate::information::certificate;
+use crate::information::Experiment;
 use crate::parameters::{Equations, Parameters};
 use crate::problem::{Problem, ProblemError};
 use crate::quantity::TenParameters;
@@ -25,6 +26,8 @@ use rayon::prelude::*;
 
 /// Samples that one task turns into a triangle; fixed, so that the sum does not depend on the threads.
 const CHUNK: usize = 1024;
+/// Steps towards the best fit before the certificate is taken.
+const CERTIFICATE_STEPS: usize = 8;
 /// Chunks in flight: bounds the memory.
 const WAVE: usize = 32;
 /// Samples per segment at which the noise of the regressor is evaluated.
@@ -36,8 +39,11 @@ const NOISE_SAMPLES: usize = 150;
 /// The question cannot be asked. What the data leave open is an answer, not an error.
 pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     let mut solved = solve_linear(problem)?;
-    if let Some(experiment) = certificate(problem, &solved) {
-        restrict(problem, &mut solved, &experiment)?;
+    let parameters = solved.parameters.clone();
+    let experiment = Experiment::new(problem, &parameters);
+    // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
+    if let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
+        restrict(problem, &mut solved, &fitted.spectrum)?;
     }
     Ok(answer::write(problem, &solved))
 }
@@ -79,10 +85,7 @@ fn needs_mass_centre(problem: &Problem) -> bool {
 }
 
 /// Fixed point on the mass centre: `H0 = h_cm + p_cm x P0`.
-fn refine_known_momentum(
-    problem: &Problem,
-    mut solved: Solved,
-) -> Result<Solved, ProblemError> {
+fn refine_known_momentum(problem: &Problem, mut solved: Solved) -> Result<Solved, ProblemError> {
     for _ in 0..4 {
         let bodies = solved.parameters.bodies(&solved.x);
         let centres: Vec<Vector3> = problem
@@ -137,7 +140,14 @@ fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solved, Probl
         } - m;
         reduced.push(Reduced { triangle, start });
     }
-    conclude(problem, parameters, reduced, &stacked.finish(), &noise, rows)
+    conclude(
+        problem,
+        parameters,
+        reduced,
+        &stacked.finish(),
+        &noise,
+        rows,
+    )
 }
 
 fn start_momentum(
@@ -275,8 +285,7 @@ impl Solved {
         self.spectrum.set_bias(&self.regressor_noise, &z);
         let biases = self.shared.biases_for(&x[..m]);
         x[m..].copy_from_slice(&biases);
-        let square =
-            |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
+        let square = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
         let (left, whole) = (square(&left_over(&x)), square(&rhs));
         self.explained = (whole > 1.0e-20).then(|| 1.0 - left / whole);
         let found = self.spectrum.rank + self.shared.biases;
@@ -292,7 +301,12 @@ fn segments(
     reduced: &[Reduced],
     x: &[f64],
 ) -> (Vec<StartOfSegment>, Vec<SegmentFit>) {
-    let spin: Vec<f64> = problem.model.wheels.iter().map(|w| w.spin_inertia).collect();
+    let spin: Vec<f64> = problem
+        .model
+        .wheels
+        .iter()
+        .map(|w| w.spin_inertia)
+        .collect();
     problem
         .segments
         .iter()

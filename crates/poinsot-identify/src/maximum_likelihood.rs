@@ -7,22 +7,17 @@
 
 use crate::answer;
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::information::{Experiment, Point};
-use crate::likelihood::{ChannelResidual, Evaluated, Sight};
+use crate::fit::{Fitted, ITERATIONS, chi2, fit};
+use crate::information::Experiment;
+use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::{Problem, ProblemError};
-use crate::solved::{Shared, Solved, StartOfSegment, VectorQuantity, head};
-use crate::spectrum::Spectrum;
-use nalgebra::UnitQuaternion;
+use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Most iterations.
-const ITERATIONS: usize = 60;
-/// Settled when the next step would lower chi-square by less than this: steps of a ten-thousandth of a sigma.
-const SETTLED: f64 = 1.0e-8;
 /// Lags of the whiteness test.
 const LAGS: usize = 10;
 
@@ -48,172 +43,12 @@ fn solve(problem: &Problem) -> Result<Solved, ProblemError> {
         Err(other) => return Err(other),
     };
     let experiment = Experiment::new(problem, &parameters);
-    let (at, evaluated) = starting_point(&experiment, linear.as_ref())?;
-    let fitted = iterate(&experiment, at, evaluated)?;
+    let fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
     let explained = match &linear {
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
     Ok(conclude(&experiment, fitted, explained))
-}
-
-/// The better of linear solution and nominal numbers.
-fn starting_point(
-    experiment: &Experiment,
-    linear: Option<&Solved>,
-) -> Result<(Point, Vec<Evaluated>), ProblemError> {
-    let points = linear
-        .map(|solved| experiment.point(solved))
-        .into_iter()
-        .chain([experiment.nominal_point()]);
-    points
-        .filter_map(|point| experiment.evaluate(&point, true).map(|e| (point, e)))
-        .min_by(|a, b| chi2(&a.1).total_cmp(&chi2(&b.1)))
-        .ok_or(ProblemError::NoMotion)
-}
-
-/// Where the iteration ended.
-struct Fitted {
-    at: Point,
-    evaluated: Vec<Evaluated>,
-    shared: Shared,
-    spectrum: Spectrum,
-    iterations: usize,
-    settled: bool,
-}
-
-/// Levenberg-Marquardt (Levenberg 1944, Marquardt 1963). The damping is added to the squared singular
-/// values in natural units: it holds back weak directions first.
-fn iterate(
-    experiment: &Experiment,
-    mut at: Point,
-    mut evaluated: Vec<Evaluated>,
-) -> Result<Fitted, ProblemError> {
-    let mut damping = 0.0;
-    let mut iterations = 0;
-    loop {
-        let shared = Shared::new(experiment.parameters, &experiment.stack(&evaluated));
-        let spectrum = experiment.spectrum(&shared)?;
-        let now = chi2(&evaluated);
-        let promised = promised_decrease(experiment, &evaluated, &shared, &spectrum);
-        if promised < SETTLED || iterations == ITERATIONS {
-            return Ok(Fitted {
-                settled: promised < SETTLED,
-                at,
-                evaluated,
-                shared,
-                spectrum,
-                iterations,
-            });
-        }
-        iterations += 1;
-        let weakest = spectrum.singular[..spectrum.rank]
-            .iter()
-            .fold(f64::INFINITY, |a, b| a.min(*b));
-        let mut accepted = None;
-        for _ in 0..30 {
-            let step = spectrum.damped(&shared.rhs(), damping);
-            let candidate = moved(experiment, &at, &evaluated, &shared, &spectrum, &step);
-            let better = experiment
-                .evaluate(&candidate, false)
-                .is_some_and(|e| chi2(&e) <= now * (1.0 + 1.0e-12) + 1.0e-12);
-            if better {
-                accepted = Some(candidate);
-                break;
-            }
-            damping = f64::max(8.0 * damping, weakest * weakest);
-        }
-        damping /= 8.0;
-        if damping < 1.0e-3 * weakest * weakest {
-            damping = 0.0;
-        }
-        let next = accepted.and_then(|point| experiment.evaluate(&point, true).map(|e| (point, e)));
-        match next {
-            Some((point, e)) => (at, evaluated) = (point, e),
-            // No step lowers chi-square: this is the minimum to round-off.
-            None => {
-                return Ok(Fitted {
-                    settled: promised < 1.0e-4 * now.max(1.0),
-                    at,
-                    evaluated,
-                    shared,
-                    spectrum,
-                    iterations,
-                });
-            }
-        }
-    }
-}
-
-fn chi2(evaluated: &[Evaluated]) -> f64 {
-    evaluated.iter().map(|e| e.chi2).sum()
-}
-
-/// How much the linear model says a full step lowers chi-square.
-fn promised_decrease(
-    experiment: &Experiment,
-    evaluated: &[Evaluated],
-    shared: &Shared,
-    spectrum: &Spectrum,
-) -> f64 {
-    let heads: f64 = evaluated
-        .iter()
-        .zip(&experiment.unknown)
-        .filter_map(|(e, unknown)| e.triangle.as_ref().map(|t| (t, unknown.count())))
-        .map(|(t, h)| {
-            let last = t.r.ncols() - 1;
-            (0..h).map(|i| t.r[(i, last)].powi(2)).sum::<f64>()
-        })
-        .sum();
-    let n = shared.biases + shared.mass;
-    let biases: f64 = (0..shared.biases).map(|i| shared.r[(i, n)].powi(2)).sum();
-    heads + biases + spectrum.reach(&shared.rhs())
-}
-
-/// The point after a step of the mass properties: biases and heads follow.
-fn moved(
-    experiment: &Experiment,
-    at: &Point,
-    evaluated: &[Evaluated],
-    shared: &Shared,
-    spectrum: &Spectrum,
-    step: &[f64],
-) -> Point {
-    let mut dx: Vec<f64> = step
-        .iter()
-        .zip(&spectrum.natural)
-        .map(|(z, unit)| z * unit)
-        .collect();
-    dx.extend(shared.biases_for(&dx));
-    let heads = at
-        .heads
-        .iter()
-        .zip(evaluated)
-        .zip(&experiment.unknown)
-        .map(|((old, one), unknown)| {
-            let Some(triangle) = &one.triangle else {
-                return *old;
-            };
-            let d = head(&triangle.r, unknown.count(), &dx).mean;
-            let mut parts = d.chunks_exact(3).map(Vector3::from_row_slice);
-            let mut take = |present: bool| {
-                present
-                    .then(|| parts.next())
-                    .flatten()
-                    .unwrap_or_default()
-            };
-            let mut new = *old;
-            new.R_NB = old.R_NB * UnitQuaternion::from_scaled_axis(take(unknown.attitude));
-            new.p_NoBo_N += take(unknown.position);
-            new.P += take(unknown.linear);
-            new.h_SScm_N += take(unknown.angular);
-            new
-        })
-        .collect();
-    Point {
-        x: at.x.iter().zip(&dx).map(|(a, b)| a + b).collect(),
-        heads,
-    }
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.

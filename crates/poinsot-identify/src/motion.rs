@@ -8,7 +8,7 @@ use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use nalgebra::{Quaternion, SMatrix, SVector};
 use poinsot_dynamics::{
-    Composite, Kinematics, Tree, Twist, composite, momentum, momentum_regressor, shift_to_body,
+    Kinematics, Tree, Twist, composite, momentum, momentum_regressor, shift_to_body,
     twist_from_momentum, wheel_momentum, wheel_regressor,
 };
 use poinsot_model::Thruster;
@@ -109,7 +109,6 @@ struct Buffers {
 /// Velocity at an instant with what is needed of it.
 pub(crate) struct Instant {
     pub twist: Twist,
-    pub composite: Composite,
     pub inverse_inertia: Matrix6,
 }
 
@@ -172,11 +171,6 @@ impl<'a> Motion<'a> {
         Some((instant?, &self.buffer.twist_columns))
     }
 
-    /// Kinematics of the last call of [`Self::velocity`].
-    pub fn kinematics(&self) -> &Kinematics {
-        &self.kinematics
-    }
-
     /// Carries state and sensitivities from grid time k to k + 1: classical Runge-Kutta of fourth order in
     /// steps that turn no more than a tenth of a radian.
     pub fn advance(&mut self, state: &State, k: usize) -> Option<State> {
@@ -197,7 +191,11 @@ impl<'a> Motion<'a> {
         let columns = std::mem::take(&mut self.columns);
         let w = self.velocity(state, k).map(|(i, _)| i.twist.w.norm());
         self.columns = columns;
-        let rates = self.buffer.rates.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let rates = self
+            .buffer
+            .rates
+            .iter()
+            .fold(0.0_f64, |a, b| a.max(b.abs()));
         w.map(|w| w + rates)
     }
 
@@ -205,7 +203,12 @@ impl<'a> Motion<'a> {
         let dt = (to - from) * h;
         let mut buffer = std::mem::take(&mut self.buffer);
         let mut slopes: [Option<Slope>; 4] = [None; 4];
-        let nodes = [(from, 0.0), (0.5 * (from + to), 0.5), (0.5 * (from + to), 0.5), (to, 1.0)];
+        let nodes = [
+            (from, 0.0),
+            (0.5 * (from + to), 0.5),
+            (0.5 * (from + to), 0.5),
+            (to, 1.0),
+        ];
         let mut failed = false;
         for (i, (at, share)) in nodes.into_iter().enumerate() {
             fill_inputs(self.observations, self.vehicle.tree, k, at, &mut buffer);
@@ -263,7 +266,14 @@ impl<'a> Motion<'a> {
         let instant = self.solve(state, &drive, &columns, &mut twists);
         let slope = instant.map(|instant| {
             let forces = self.forces(state, &drive);
-            self.column_slopes(state, &instant, &forces, &columns, &twists, &mut buffer.stage[stage]);
+            self.column_slopes(
+                state,
+                &instant,
+                &forces,
+                &columns,
+                &twists,
+                &mut buffer.stage[stage],
+            );
             let Twist { v, w } = instant.twist;
             Slope {
                 R: state.R_NB.quaternion() * Quaternion::from_imag(w) * 0.5,
@@ -288,7 +298,8 @@ impl<'a> Motion<'a> {
         let v = self.vehicle;
         let zero = Vector3::zeros();
         self.kinematics.place(v.tree, drive.q);
-        self.kinematics.set_velocities(v.tree, &zero, &zero, drive.rates);
+        self.kinematics
+            .set_velocities(v.tree, &zero, &zero, drive.rates);
         let joints = momentum(&v.bodies, &self.kinematics);
         let wheels = wheel_momentum(v.tree, &self.kinematics, &v.spin, drive.wheels);
         let whole = composite(&v.bodies, &self.kinematics);
@@ -308,12 +319,16 @@ impl<'a> Motion<'a> {
             self.kinematics
                 .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
             momentum_regressor(&self.kinematics, &mut self.regressor);
-            wheel_regressor(v.tree, &self.kinematics, drive.wheels, &mut self.wheel_columns);
+            wheel_regressor(
+                v.tree,
+                &self.kinematics,
+                drive.wheels,
+                &mut self.wheel_columns,
+            );
             self.twist_columns(state, &l, &h, &inverse_inertia, columns, twists);
         }
         Some(Instant {
             twist,
-            composite: whole,
             inverse_inertia,
         })
     }
@@ -333,7 +348,8 @@ impl<'a> Motion<'a> {
         let mut X = SMatrix::<f64, 6, 12>::zeros();
         X.fixed_view_mut::<3, 3>(0, 0).copy_from(&skew(l));
         X.fixed_view_mut::<3, 3>(3, 0).copy_from(&skew(h));
-        X.fixed_view_mut::<3, 3>(3, 3).copy_from(&(Rt * skew(&state.P)));
+        X.fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&(Rt * skew(&state.P)));
         X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
         X.fixed_view_mut::<3, 3>(3, 6)
             .copy_from(&(-Rt * skew(&state.p_NoBo_N)));
@@ -401,10 +417,12 @@ impl<'a> Motion<'a> {
                 .fixed_rows_mut::<3>(3)
                 .copy_from(&(slide * dphi + R * dv));
             let (mut dP, mut dH) = (Vector3::zeros(), Vector3::zeros());
-            let scaled = j.checked_sub(self.head).and_then(|u| match self.vehicle.kinds[u] {
-                UnknownKind::ThrusterScale(at) => Some(at),
-                _ => None,
-            });
+            let scaled = j
+                .checked_sub(self.head)
+                .and_then(|u| match self.vehicle.kinds[u] {
+                    UnknownKind::ThrusterScale(at) => Some(at),
+                    _ => None,
+                });
             for force in forces {
                 let dp: Vector3 = column.fixed_rows::<3>(3).into();
                 let mut dF = R * dphi.cross(&force.F_B);
@@ -465,9 +483,15 @@ fn moved(state: &State, slope: &Slope, dt: f64) -> State {
 fn fill_inputs(o: &Observations, tree: &Tree, k: usize, at: f64, buffer: &mut Buffers) {
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
     if at == 0.0 {
-        buffer.q.copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
-        buffer.rates.copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
-        buffer.wheels.copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
+        buffer
+            .q
+            .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
+        buffer
+            .rates
+            .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
+        buffer
+            .wheels
+            .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
         return;
     }
     let h = o.time_s[k + 1] - o.time_s[k];
@@ -482,7 +506,10 @@ fn fill_inputs(o: &Observations, tree: &Tree, k: usize, at: f64, buffer: &mut Bu
         buffer.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
     }
     for j in 0..wheels {
-        let (a, b) = (o.wheel_speed[k * wheels + j], o.wheel_speed[(k + 1) * wheels + j]);
+        let (a, b) = (
+            o.wheel_speed[k * wheels + j],
+            o.wheel_speed[(k + 1) * wheels + j],
+        );
         buffer.wheels[j] = a + at * (b - a);
     }
 }

@@ -253,10 +253,10 @@ impl Parameters {
         let name = self.body_names[0].clone();
         // Without thrusters the mass centre never enters: it is left out, and reported as unseen.
         if asked.com && thrusters_fire {
-            for k in 0..3 {
+            for (k, axis) in AXES.iter().enumerate() {
                 self.push(
                     UnknownKind::MassCentre(k),
-                    format!("{name}.com_{}", AXES[k]),
+                    format!("{name}.com_{axis}"),
                     "m",
                     given.p_BoBcm_B[k],
                     l,
@@ -371,10 +371,9 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
     let (m, c) = (body.mass, body.p_BoBcm_B);
     let mut e = Vector3::zeros();
     e[axis] = 1.0;
-    let shift = (nalgebra::Matrix3::identity() * (2.0 * c[axis])
-        - e * c.transpose()
-        - c * e.transpose())
-        * m;
+    let shift =
+        (nalgebra::Matrix3::identity() * (2.0 * c[axis]) - e * c.transpose() - c * e.transpose())
+            * m;
     let mut slope = vec![(1 + axis, m)];
     slope.extend(
         TENSOR

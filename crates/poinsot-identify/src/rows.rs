@@ -77,11 +77,6 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Columns of one row set: unknown momentum, unknowns, right-hand side.
-    pub fn width(&self) -> usize {
-        self.start.columns() + self.setting.parameters.len() + 1
-    }
-
     /// The whitened rows of sample k, one array of six per column.
     pub fn at(&mut self, k: usize) -> &[[f64; 6]] {
         self.place(k);

@@ -83,7 +83,13 @@ impl Spectrum {
             left: Mat::from_fn(n, n, |i, j| left[(i, order[j])]),
             certificate: order
                 .iter()
-                .map(|&k| if singular[k] > 0.0 { 1.0 / singular[k] } else { f64::INFINITY })
+                .map(|&k| {
+                    if singular[k] > 0.0 {
+                        1.0 / singular[k]
+                    } else {
+                        f64::INFINITY
+                    }
+                })
                 .collect(),
             rank,
             structural_rank,

@@ -2,10 +2,10 @@
 
 use crate::combination::{Combination, split};
 use crate::estimate::OpenCombination;
-use crate::problem::Problem;
-use crate::solved::Solved;
 use crate::parameters::{Equations, TENSOR, UnknownKind};
+use crate::problem::Problem;
 use crate::rows::parameters_in_base;
+use crate::solved::Solved;
 use faer::Mat;
 use poinsot_dynamics::{Motion, Tree};
 use poinsot_model::{EstimateSet, Model};
@@ -145,24 +145,23 @@ fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
     }
     if solved.explained.is_none() {
         let m = solved.spectrum.natural.len();
-        list.push(Symmetry {
-            step: solved.x[..m].to_vec(),
+        let scale = |x: Vec<f64>| {
+            Symmetry {
+            step: x[..m].to_vec(),
             text: "the common scale of all masses, first moments and inertias".to_owned(),
             reason: "every force and momentum in the data is proportional to the unknowns themselves: nothing of known size takes part".to_owned(),
             remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or give one body as known".to_owned(),
-        });
+        }
+        };
+        list.push(scale(solved.x.clone()));
+        list.push(scale(solved.parameters.nominal_vector()));
     }
     list
 }
 
 /// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
 /// a sliding one the inertia tensor, with a stopped one everything.
-fn joint_symmetries(
-    problem: &Problem,
-    solved: &Solved,
-    child: usize,
-    list: &mut Vec<Symmetry>,
-) {
+fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut Vec<Symmetry>) {
     let (model, tree) = (problem.model, problem.tree);
     let link = &tree.links[child];
     let parent = link.parent;
@@ -303,11 +302,7 @@ fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
         .collect()
 }
 
-fn in_numbers(
-    problem: &Problem,
-    solved: &Solved,
-    combination: &Combination,
-) -> OpenCombination {
+fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> OpenCombination {
     let m = solved.spectrum.natural.len();
     let (reason, remedy) = poor_motion(problem, solved);
     OpenCombination {
@@ -331,8 +326,8 @@ fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
     let eigen = nalgebra::SymmetricEigen::new(spread / f64::max(count, 1.0));
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let rms = order.map(|k| eigen.eigenvalues[k].max(0.0).sqrt());
-    let noise = problem.noise.gyro.trace().sqrt();
+    let noise = (problem.noise.gyro.trace() / 3.0 * problem.noise.seen_gyro).sqrt();
+    let rms = order.map(|k| (eigen.eigenvalues[k] - noise * noise).max(0.0).sqrt());
     let mut axis = eigen.eigenvectors.column(order[0]).into_owned();
     if axis.max() < -axis.min() {
         axis = -axis;
@@ -352,7 +347,7 @@ fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
             "turn the base about two axes, by wheels, joints or thrusters".to_owned(),
         );
     }
-    if rms[1] < 0.02 * rms[0] {
+    if rms[1] < 0.05 * rms[0] {
         return (
             format!(
                 "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so of the inertia tensor only I n shows (best open direction: sigma {weak:.2e} of the nominal)",

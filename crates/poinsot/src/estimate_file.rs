@@ -28,6 +28,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
         "method": e.method,
         "variant": e.variant,
         "status": e.status.name(),
+        "iterations": e.iterations,
         "model": identified.model.name,
         "inputs": inputs,
         "bodies": bodies,
@@ -48,6 +49,16 @@ pub fn estimate_json(identified: &Identified) -> Value {
             }))).collect::<Map<String, Value>>(),
         })).collect::<Vec<_>>(),
         "covariance_trustworthy": e.covariance_trustworthy,
+        "method_report": e.method_report.as_ref().map(|r| json!({
+            "note": r.note,
+            "numbers": r.numbers.iter().map(|n| json!({
+                "name": n.name,
+                "unit": n.unit,
+                "value": n.number.value,
+                "sigma": n.number.sigma,
+                "nominal": n.number.nominal,
+            })).collect::<Vec<_>>(),
+        })),
         "repairs": identified.repairs,
         "ignored_columns": identified.ignored,
         "warnings": e.warnings,
@@ -136,7 +147,7 @@ fn nuisance(e: &Estimate) -> Map<String, Value> {
         .map(|n| {
             let unit = match n.unit {
                 "1" => String::new(),
-                unit => format!("_{}", unit.replace('/', "_").replace(' ', "_")),
+                unit => format!("_{}", unit.replace(['/', ' '], "_")),
             };
             (format!("{}{unit}", n.name), number(&n.number))
         })

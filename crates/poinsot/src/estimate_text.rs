@@ -52,6 +52,21 @@ pub fn estimate_document(identified: &Identified) -> Document {
             document.push(Section::list("warnings", e.warnings.clone()));
         }
     }
+    if let Some(report) = &e.method_report {
+        let mut table = Table::new(&["", "value", "nominal", "unit"]);
+        for item in &report.numbers {
+            let (value, _) = number_with_sigma(item.number.value, item.number.sigma);
+            table.push(vec![
+                item.name.clone(),
+                value,
+                significant(item.number.nominal, 6),
+                item.unit.to_owned(),
+            ]);
+        }
+        let mut section = Section::table(&format!("what the method {} prints", e.method), table);
+        section.note = Some(report.note.clone());
+        document.push(section);
+    }
     document.push(fit(identified));
     if !identified.repairs.is_empty() {
         document.push(Section::list(
@@ -175,7 +190,9 @@ fn determined(identified: &Identified) -> Section {
 }
 
 fn fit(identified: &Identified) -> Section {
-    let mut table = Table::new(&["segment", "samples", "chi2/dof", "sensor", "rms", "chi2/n", "white"]);
+    let mut table = Table::new(&[
+        "segment", "samples", "chi2/dof", "sensor", "rms", "chi2/n", "white",
+    ]);
     for f in &identified.estimate.fit {
         let mut first = vec![
             f.label.clone(),
@@ -186,8 +203,14 @@ fn fit(identified: &Identified) -> Section {
             let mut row = std::mem::replace(&mut first, vec![String::new(); 3]);
             row.push(c.name.to_owned());
             row.push(format!("{:.2e} {}", c.rms, c.unit));
-            row.push(c.chi2_per_number.map_or_else(|| "-".to_owned(), |x| format!("{x:.3}")));
-            row.push(c.whiteness_p.map_or_else(|| "-".to_owned(), |p| format!("p = {p:.2}")));
+            row.push(
+                c.chi2_per_number
+                    .map_or_else(|| "-".to_owned(), |x| format!("{x:.3}")),
+            );
+            row.push(
+                c.whiteness_p
+                    .map_or_else(|| "-".to_owned(), |p| format!("p = {p:.2}")),
+            );
             table.push(row);
         }
         if f.channels.is_empty() {

@@ -20,7 +20,8 @@ pub(super) struct Aligned {
     time_s: Vec<f64>,
     rate: Vec<Option<Vector3<f64>>>,
     attitude: Vec<Option<UnitQuaternion<f64>>>,
-    translation: Option<(Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>)>,
+    /// Position and velocity of the base origin in N.
+    translation: Option<Positions>,
     joint_position: Vec<Column>,
     joint_rate: Vec<Column>,
     wheel_speed: Vec<Column>,

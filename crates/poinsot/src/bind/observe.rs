@@ -149,12 +149,7 @@ fn attitudes(
 }
 
 /// Joint positions, joint rates, wheel speeds at the grid's times, one column each.
-fn inputs(
-    model: &Model,
-    tree: &Tree,
-    channels: &Channels,
-    grid: &[f64],
-) -> Vec<Vec<Option<f64>>> {
+fn inputs(model: &Model, tree: &Tree, channels: &Channels, grid: &[f64]) -> Vec<Vec<Option<f64>>> {
     let mut positions = Vec::new();
     let mut rates = Vec::new();
     for &at in &tree.coordinates {

@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// Gyro scatter above which a box was not at rest before its throw, rad/s.
 const AT_REST: f64 = 0.05;
+/// Every fourth filtered sample is kept, about 1 kHz: twelve times what a cut-off of 40 Hz can need.
+const KEEP: usize = 4;
 
 /// What `logs.csv` says of one log.
 #[derive(Debug, Clone)]
@@ -113,23 +115,24 @@ pub fn read_recording(
     let table = read(&[folder.join("throws.parquet")], &options)?;
     let first = table.channel("omega_x").ok_or("no gyro")?;
     let rate_hz = 1.0 / poinsot_telemetry::median_step(&first.time_s).ok_or("no samples")?;
-    // The last sample before the wheel ends and the first after it starts bound what is used; the
-    // filter sees what comes before, so that its start-up lies outside.
+    // The filter sees what comes before the start, so that its own start-up lies outside.
     let from = first.time_s.partition_point(|t| *t < settings.start_s);
+    let kept =
+        |values: &[f64]| -> Vec<f64> { values.iter().skip(from).step_by(KEEP).copied().collect() };
     let filtered = |name: &str, bias: f64| -> Result<Vec<f64>, Fault> {
         let channel = table
             .channel(name)
             .ok_or_else(|| format!("no channel {name}"))?;
         let unbiased: Vec<f64> = channel.values.iter().map(|x| x - bias).collect();
-        Ok(low_pass(&unbiased, rate_hz, settings.cut_off_hz)[from..].to_vec())
+        Ok(kept(&low_pass(&unbiased, rate_hz, settings.cut_off_hz)))
     };
     let [wx, wy, wz] =
         [0, 1, 2].map(|k| filtered(["omega_x", "omega_y", "omega_z"][k], log.gyro_bias_B[k]));
     let [fx, fy, fz] = ["acc_x", "acc_y", "acc_z"].map(|name| filtered(name, 0.0));
     Ok(Recording {
         name: log.name.clone(),
-        time_s: first.time_s[from..].to_vec(),
-        rate_hz,
+        time_s: kept(&first.time_s),
+        rate_hz: rate_hz / KEEP as f64,
         w_NB_B: vectors(&wx?, &wy?, &wz?),
         f_S_B: vectors(&fx?, &fy?, &fz?),
         wheel_rad_s: filtered("wheel_rad_s", 0.0)?,

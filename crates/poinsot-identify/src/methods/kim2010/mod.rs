@@ -30,6 +30,11 @@
 //!
 //! and each estimator sets some elements of the 3 x 3 matrix `E(I)` to zero.
 
+mod identify;
+mod suspicions;
+
+pub use identify::{Kim2010ProblemError, identify};
+
 use faer::Mat;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
