@@ -82,11 +82,20 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
         estimate.identifiability.parameters,
     )];
     notes.push(match at_rest {
-        true => "Rates at the first sample are zero within the noise and taken so, as in the paper.".into(),
-        false => "Rates at the first sample are not zero: I w(0) is kept in (7), beyond the paper.".into(),
+        true => {
+            "Rates at the first sample are zero within the noise and taken so, as in the paper."
+                .into()
+        }
+        false => "Rates at the first sample are not zero: I w(0) is kept in (7), beyond the paper."
+            .into(),
     });
     notes.append(&mut found.notes);
-    estimate.warnings.extend(suspicions(problem, &found.tensor, &estimate));
+    let moments = sums.conventional()?.elements;
+    let suspected = suspicions(problem, &moments, &estimate);
+    estimate.warnings.extend(suspected);
+    // No tensor has a negative moment, and none the certificate may stand on one.
+    let impossible = (0..3).any(|k| moments[(k, k)] <= 0.0)
+        || estimate.bodies[0].physically_consistent == Some(false);
     let numbers = |names: &[&str], values: &[f64], prefix: &str| -> Vec<NamedNumber> {
         let named = names.iter().zip(values);
         named
@@ -111,7 +120,10 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     }
     let symmetric = (found.tensor + found.tensor.transpose()) * 0.5;
     let certified = estimate.bodies[0].clone();
-    estimate.bodies[0] = replaced(certified, &symmetric);
+    estimate.bodies[0] = replaced(certified, &symmetric, impossible);
+    if impossible {
+        estimate.status = Status::Rejected;
+    }
     estimate.system = None;
     estimate.nuisance.clear();
     estimate.covariance_names.clear();
@@ -156,7 +168,11 @@ fn sums(problem: &Problem) -> Result<(Sums, bool), Kim2010Error> {
         let first = s.samples.w_NB_B.first();
         first.is_none_or(|w| w.norm() <= REST * sigma)
     };
-    let momenta: Vec<Vec<Vector3>> = problem.segments.iter().map(|s| momenta(problem, s)).collect();
+    let momenta: Vec<Vec<Vector3>> = problem
+        .segments
+        .iter()
+        .map(|s| momenta(problem, s))
+        .collect();
     let manoeuvres: Vec<Manoeuvre> = problem
         .segments
         .iter()
@@ -165,7 +181,11 @@ fn sums(problem: &Problem) -> Result<(Sums, bool), Kim2010Error> {
             R_NB: &segment.samples.R_NB,
             w_NB_B: &segment.samples.w_NB_B,
             h_W_B: h,
-            start: if rest(segment) { StartRate::Rest } else { StartRate::Measured },
+            start: if rest(segment) {
+                StartRate::Rest
+            } else {
+                StartRate::Measured
+            },
         })
         .collect();
     Ok((Sums::of(&manoeuvres)?, problem.segments.iter().all(rest)))
@@ -176,7 +196,9 @@ fn momenta(problem: &Problem, segment: &Segment) -> Vec<Vector3> {
     let axes: Vec<Vector3> = wheels.iter().map(|w| w.axis_B).collect();
     let spin: Vec<f64> = wheels.iter().map(|w| w.spin_inertia).collect();
     let speeds = segment.samples.wheel_speed.chunks_exact(wheels.len());
-    speeds.map(|speed| wheel_momentum(&axes, &spin, speed)).collect()
+    speeds
+        .map(|speed| wheel_momentum(&axes, &spin, speed))
+        .collect()
 }
 
 /// What one estimator says.
@@ -208,7 +230,11 @@ fn run(sums: &Sums, variant: Variant) -> Result<Found, Kim2010Error> {
         Variant::Iterated => {
             let it = sums.iterated()?;
             settled = it.converged;
-            let settled = if it.converged { "settled" } else { "did not settle" };
+            let settled = if it.converged {
+                "settled"
+            } else {
+                "did not settle"
+            };
             let end = match (it.free_directions, it.fixed_point) {
                 (0, _) => "its fixed point is unique".to_owned(),
                 (n, _) => format!("{n} directions are free: any value along them is a fixed point"),
@@ -256,14 +282,22 @@ fn nominal_of(I: &Matrix3, name: &str) -> f64 {
     I[(index(letters.next()), index(letters.next()))]
 }
 
-/// The certified body with the method's numbers where the certificate stands, and no sigma.
-fn replaced(mut body: BodyEstimate, I: &Matrix3) -> BodyEstimate {
+/// The certified body with the method's numbers where the certificate stands, and no sigma; all open where
+/// the data contradict any rigid body.
+fn replaced(mut body: BodyEstimate, I: &Matrix3, impossible: bool) -> BodyEstimate {
     let seen = |n: &Number| n.source == Source::Data;
     let shift: [Option<f64>; 6] = std::array::from_fn(|k| {
-        body.barycentric[4 + k].value.zip(body.inertia[k].value).map(|(o, cm)| o - cm)
+        body.barycentric[4 + k]
+            .value
+            .zip(body.inertia[k].value)
+            .map(|(o, cm)| o - cm)
     });
     for k in 0..6 {
         if !seen(&body.inertia[k]) {
+            continue;
+        }
+        if impossible {
+            body.inertia[k] = Number::open(body.inertia[k].nominal);
             continue;
         }
         let value = I[TENSOR[k]];
@@ -273,10 +307,21 @@ fn replaced(mut body: BodyEstimate, I: &Matrix3) -> BodyEstimate {
             None => Number::open(body.barycentric[4 + k].nominal),
         };
     }
-    for number in body.com.iter_mut().chain([&mut body.mass]).chain(&mut body.barycentric) {
+    for number in body
+        .com
+        .iter_mut()
+        .chain([&mut body.mass])
+        .chain(&mut body.barycentric)
+    {
         if seen(number) && number.sigma.is_some() {
             *number = Number::open(number.nominal);
         }
     }
-    finish(body.name, body.mass, body.com, body.inertia, body.barycentric)
+    finish(
+        body.name,
+        body.mass,
+        body.com,
+        body.inertia,
+        body.barycentric,
+    )
 }

@@ -18,8 +18,16 @@ const SERVES: f64 = 0.5;
 pub(super) fn suspicions(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String> {
     let model = problem.model;
     let mut list = Vec::new();
-    let gram: Matrix3 = model.wheels.iter().map(|w| w.axis_B * w.axis_B.transpose()).sum();
-    let span = gram.symmetric_eigenvalues().iter().filter(|x| **x > 1e-9).count();
+    let gram: Matrix3 = model
+        .wheels
+        .iter()
+        .map(|w| w.axis_B * w.axis_B.transpose())
+        .sum();
+    let span = gram
+        .symmetric_eigenvalues()
+        .iter()
+        .filter(|x| **x > 1e-9)
+        .count();
     if span < 3 {
         list.push(format!(
             "{} wheel(s) whose axes span {span} of 3 directions: the paper's manoeuvre needs a wheel about every axis; is a wheel missing in the model?",
@@ -27,7 +35,10 @@ pub(super) fn suspicions(problem: &Problem, I: &Matrix3, certificate: &Estimate)
         ));
     }
     for k in 0..model.wheels.len() {
-        let moves = problem.segments.iter().any(|s| range(s, model, k) > still(problem, k));
+        let moves = problem
+            .segments
+            .iter()
+            .any(|s| range(s, model, k) > still(problem, k));
         if !moves {
             list.push(format!(
                 "wheel '{}' never changes its speed: it exchanges no momentum, and rotation about its axis is hardly excited; if it did move, its column is stuck",
@@ -49,7 +60,13 @@ pub(super) fn suspicions(problem: &Problem, I: &Matrix3, certificate: &Estimate)
 
 fn speeds<'s>(segment: &'s Segment, model: &Model, k: usize) -> impl Iterator<Item = f64> + 's {
     let wheels = model.wheels.len();
-    segment.samples.wheel_speed.iter().skip(k).step_by(wheels).copied()
+    segment
+        .samples
+        .wheel_speed
+        .iter()
+        .skip(k)
+        .step_by(wheels)
+        .copied()
 }
 
 /// Speeds closer than this are the same, rad/s.
@@ -60,7 +77,9 @@ fn still(problem: &Problem, k: usize) -> f64 {
 
 fn range(segment: &Segment, model: &Model, k: usize) -> f64 {
     let (low, high) = speeds(segment, model, k)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
     high - low
 }
 
@@ -75,7 +94,11 @@ fn plateau(segment: &Segment, model: &Model, k: usize, same: f64) -> Option<(f64
     let (mut longest, mut run) = (0, 0);
     for x in &all {
         // A smooth maximum is flat too, but only over a few samples of a slew that is sampled well.
-        run = if top - x <= 1e-6 * top + same / 6.0 { run + 1 } else { 0 };
+        run = if top - x <= 1e-6 * top + same / 6.0 {
+            run + 1
+        } else {
+            0
+        };
         longest = longest.max(run);
     }
     (longest >= PLATEAU).then_some((top, longest))
@@ -90,7 +113,10 @@ fn flipped(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String
             continue;
         }
         let e = Vector3::ith(axis, 1.0);
-        let wheels = model.wheels.iter().filter(|w| w.axis_B.dot(&e).abs() > SERVES);
+        let wheels = model
+            .wheels
+            .iter()
+            .filter(|w| w.axis_B.dot(&e).abs() > SERVES);
         let names: Vec<String> = wheels.map(|w| format!("'{}'", w.name)).collect();
         list.push(format!(
             "the moment of inertia about {name} comes out as {:.3} kg m2, and none is negative: the sign of wheel {} is probably flipped (axis in the model, or speed column)",
