@@ -221,3 +221,27 @@ impl Tree {
         self.coordinates.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_turn_about_a_coordinate_axis_is_rodrigues() {
+        let tilt = |x, y, z| *nalgebra::Rotation3::new(Vector3::new(x, y, z)).matrix();
+        let (R_BP, R_PC_zero) = (tilt(0.4, -1.1, 0.7), tilt(-0.2, 0.5, 2.1));
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            let link = Link::new(0, Motion::Revolute(0), Vector3::zeros(), R_PC_zero, axis);
+            assert!(link.along.is_some());
+            for k in -20..=20 {
+                let angle = 0.31 * f64::from(k);
+                let turn = *nalgebra::Rotation3::new(axis * angle).matrix();
+                let expected = R_BP * R_PC_zero * turn;
+                let found = link.turned(&R_BP, angle);
+                assert!((found - expected).amax() < 1.0e-15, "{axis} {angle}");
+                let of_axis = link.axis_B(&found) - R_BP * link.axis_P;
+                assert!(of_axis.amax() < 1.0e-15, "{axis} {angle}");
+            }
+        }
+    }
+}

@@ -1,5 +1,5 @@
 //! Attitude control by wheels against Basilisk, closed forms and conservation.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 mod setup;
 

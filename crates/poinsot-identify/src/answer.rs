@@ -21,11 +21,24 @@ const EXPLAINED: f64 = 0.5;
 
 pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let chi2 = solved.chi2_per_dof();
-    let rejected = chi2 > REJECT && solved.explained.is_some_and(|share| share < EXPLAINED);
-    let judge = Judge::new(solved, chi2.sqrt().max(1.0), rejected);
-    let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
-        .map(|at| body(&judge, solved, at))
-        .collect();
+    let unexplained = solved.explained.is_some_and(|share| share < EXPLAINED);
+    let not_rigid = solved.not_rigid && chi2 > MISFIT;
+    let answered = |rejected: bool| {
+        let judge = Judge::new(solved, chi2.sqrt().max(1.0), rejected);
+        let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
+            .map(|at| body(&judge, solved, at))
+            .collect();
+        (judge, bodies)
+    };
+    let (judge, bodies) = answered(false);
+    let impossible = bodies.iter().any(|b| unphysical(b, chi2 > MISFIT || unexplained));
+    let rejected = (chi2 > REJECT && unexplained) || not_rigid || impossible;
+    // What is rejected, and what did not settle, gets no numbers.
+    let (judge, bodies) = if rejected || !solved.settled {
+        answered(true)
+    } else {
+        (judge, bodies)
+    };
     let identifiability = identifiability(problem, solved, &judge);
     let status = status(&bodies, &identifiability, rejected, solved.settled);
     let rows = covariance_rows(&solved.parameters, &bodies, &solved.x);
@@ -39,7 +52,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         variant: None,
         status,
         iterations: solved.iterations,
-        warnings: warnings(solved, chi2, rejected, &bodies, &nuisance),
+        warnings: warnings(solved, chi2, rejected, impossible, &bodies, &nuisance),
         bodies,
         system,
         momentum,
@@ -49,9 +62,28 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         nuisance,
         identifiability,
         fit: solved.fit.clone(),
-        covariance_trustworthy: chi2 <= MISFIT && !rejected,
+        covariance_trustworthy: chi2 <= MISFIT && !rejected && solved.settled,
         method_report: None,
     }
+}
+
+/// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
+/// bad besides.
+fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
+    if !body.asked || body.physically_consistent != Some(false) {
+        return false;
+    }
+    let Some(principal) = &body.principal else {
+        return false;
+    };
+    let [a, b, c] = principal.moments;
+    let violation = (c - a - b).max(-a);
+    let sigma = body
+        .inertia
+        .iter()
+        .filter_map(|n| n.sigma)
+        .fold(0.0, f64::max);
+    bad_fit || violation > 3.0 * sigma
 }
 
 fn whole(problem: &Problem, solved: &Solved, judge: &Judge) -> Option<(BodyEstimate, Vec<f64>)> {
@@ -78,12 +110,15 @@ fn status(
     if !settled {
         return Status::IterationLimit;
     }
+    let unphysical = bodies
+        .iter()
+        .any(|b| b.asked && b.physically_consistent == Some(false));
     let open = bodies
         .iter()
         .filter(|b| b.asked)
         .flat_map(|b| std::iter::once(&b.mass).chain(&b.com).chain(&b.inertia))
         .any(|n| n.source == Source::Open);
-    match (found.rank, open) {
+    match (found.rank, open || unphysical) {
         (0, _) => Status::NotIdentifiable,
         (_, true) => Status::Partial,
         (_, false) => Status::Converged,
@@ -91,7 +126,7 @@ fn status(
 }
 
 fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identifiability {
-    let spectrum = &solved.spectrum;
+    let spectrum = solved.of_data();
     let m = spectrum.natural.len();
     let combinations = split(
         &spectrum.open_directions(),
@@ -151,11 +186,20 @@ fn warnings(
     solved: &Solved,
     chi2: f64,
     rejected: bool,
+    impossible: bool,
     bodies: &[BodyEstimate],
     nuisance: &[NamedNumber],
 ) -> Vec<String> {
     let mut list = solved.warnings.clone();
-    if rejected {
+    if impossible {
+        list.push(format!(
+            "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty (chi-square per degree of freedom {chi2:.1}); check units, signs, wheel axes, external torques"
+        ));
+    } else if rejected && solved.not_rigid {
+        list.push(format!(
+            "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
+        ));
+    } else if rejected {
         let share = 100.0 * solved.explained.unwrap_or(0.0);
         list.push(format!(
             "rigid model rejected: it explains {share:.0} % of the measured change of momentum and misses the rest by {:.0} sigma; check units, signs, wheel axes, external torques",

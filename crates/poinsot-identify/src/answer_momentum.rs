@@ -34,7 +34,7 @@ fn numbers(
 pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
     let parameters = &solved.parameters;
     let mass = solved.shared.mass;
-    let biases = head(&solved.shared.r, solved.shared.biases, &solved.x[..mass]);
+    let biases = head(&solved.shared.r, solved.shared.nuisances, &solved.x[..mass]);
     parameters
         .unknowns
         .iter()
@@ -46,7 +46,7 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
                     gradient[at] = 1.0;
                     judge.sigma_with(&gradient, 0.0)
                 }
-                UnknownKind::GyroBias(_) => {
+                ref kind if kind.is_nuisance() => {
                     let k = at - mass;
                     judge
                         .sigma_with(&biases.slope[k], biases.covariance[(k, k)])

@@ -37,8 +37,13 @@ fn starting_point(
         .into_iter()
         .chain([experiment.nominal_point()]);
     points
-        .filter_map(|point| experiment.evaluate(&point, true).map(|e| (point, e)))
-        .min_by(|a, b| chi2(&a.1).total_cmp(&chi2(&b.1)))
+        .filter_map(|point| {
+            let evaluated = experiment.evaluate(&point, true)?;
+            let chi2 = experiment.chi2(&point, &evaluated)?;
+            Some((chi2, point, evaluated))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, point, evaluated)| (point, evaluated))
         .ok_or(ProblemError::NoMotion)
 }
 
@@ -48,6 +53,8 @@ pub(crate) struct Fitted {
     pub evaluated: Vec<Evaluated>,
     pub shared: Shared,
     pub spectrum: Spectrum,
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub settled: bool,
 }
@@ -63,19 +70,21 @@ fn iterate(
     let mut damping = 0.0;
     let mut iterations = 0;
     loop {
-        let shared = Shared::new(experiment.parameters, &experiment.stack(&evaluated));
+        let stacked = experiment.stack(&at, &evaluated, true);
+        let shared = Shared::new(experiment.parameters, &stacked);
         let spectrum = experiment.spectrum(&shared)?;
-        let now = chi2(&evaluated);
+        let now = experiment.chi2(&at, &evaluated).unwrap_or(f64::INFINITY);
         let promised = promised_decrease(experiment, &evaluated, &shared, &spectrum);
         if promised < SETTLED || iterations == limit {
-            return Ok(Fitted {
-                settled: promised < SETTLED,
+            return finish(
+                experiment,
+                promised < SETTLED,
                 at,
                 evaluated,
                 shared,
                 spectrum,
                 iterations,
-            });
+            );
         }
         iterations += 1;
         let weakest = spectrum.singular[..spectrum.rank]
@@ -87,7 +96,8 @@ fn iterate(
             let candidate = moved(experiment, &at, &evaluated, &shared, &spectrum, &step);
             let better = experiment
                 .evaluate(&candidate, false)
-                .is_some_and(|e| chi2(&e) <= now * (1.0 + 1.0e-12) + 1.0e-12);
+                .and_then(|e| experiment.chi2(&candidate, &e))
+                .is_some_and(|chi2| chi2 <= now * (1.0 + 1.0e-12) + 1.0e-12);
             if better {
                 accepted = Some(candidate);
                 break;
@@ -103,19 +113,48 @@ fn iterate(
             Some((point, e)) => (at, evaluated) = (point, e),
             // No step lowers chi-square: this is the minimum to round-off.
             None => {
-                return Ok(Fitted {
-                    settled: promised < 1.0e-4 * now.max(1.0),
+                return finish(
+                    experiment,
+                    promised < 1.0e-4 * now.max(1.0),
                     at,
                     evaluated,
                     shared,
                     spectrum,
                     iterations,
-                });
+                );
             }
         }
     }
 }
 
+fn finish(
+    experiment: &Experiment,
+    settled: bool,
+    at: Point,
+    evaluated: Vec<Evaluated>,
+    shared: Shared,
+    spectrum: Spectrum,
+    iterations: usize,
+) -> Result<Fitted, ProblemError> {
+    let data_alone = if experiment.has_design_prior() {
+        let stacked = experiment.stack(&at, &evaluated, false);
+        let own = Shared::new(experiment.parameters, &stacked);
+        Some(experiment.spectrum(&own)?)
+    } else {
+        None
+    };
+    Ok(Fitted {
+        at,
+        evaluated,
+        shared,
+        spectrum,
+        data_alone,
+        iterations,
+        settled,
+    })
+}
+
+/// Chi-square of the readings alone.
 pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
     evaluated.iter().map(|e| e.chi2).sum()
 }
@@ -136,8 +175,8 @@ fn promised_decrease(
             (0..h).map(|i| t.r[(i, last)].powi(2)).sum::<f64>()
         })
         .sum();
-    let n = shared.biases + shared.mass;
-    let biases: f64 = (0..shared.biases).map(|i| shared.r[(i, n)].powi(2)).sum();
+    let n = shared.nuisances + shared.mass;
+    let biases: f64 = (0..shared.nuisances).map(|i| shared.r[(i, n)].powi(2)).sum();
     heads + biases + spectrum.reach(&shared.rhs())
 }
 
@@ -155,7 +194,7 @@ fn moved(
         .zip(&spectrum.natural)
         .map(|(z, unit)| z * unit)
         .collect();
-    dx.extend(shared.biases_for(&dx));
+    dx.extend(shared.nuisances_for(&dx));
     let heads = at
         .heads
         .iter()

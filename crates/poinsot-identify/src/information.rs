@@ -5,9 +5,11 @@
 //! estimator: this module knows none.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::loss::Loss;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::motion::Vehicle;
 use crate::parameters::Parameters;
+use crate::prior;
 use crate::problem::Problem;
 use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
@@ -25,6 +27,7 @@ pub(crate) struct Experiment<'a> {
     pub nominal_spin: Vec<f64>,
     pub unknown: Vec<HeadColumns>,
     pub sight: Sight,
+    pub loss: Loss,
 }
 
 /// A value of all unknowns: the shared ones and the start of every segment.
@@ -56,6 +59,19 @@ impl<'a> Experiment<'a> {
                 .map(|s| HeadColumns::of(s, &problem.model.momentum, problem.noise, sight))
                 .collect(),
             sight,
+            loss: Loss::Gaussian,
+        }
+    }
+
+    /// The same experiment with more unknowns.
+    pub fn with_parameters<'b>(&'b self, parameters: &'b Parameters) -> Experiment<'b> {
+        Experiment {
+            problem: self.problem,
+            parameters,
+            nominal_spin: self.nominal_spin.clone(),
+            unknown: self.unknown.clone(),
+            sight: self.sight,
+            loss: self.loss,
         }
     }
 
@@ -67,6 +83,7 @@ impl<'a> Experiment<'a> {
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
+            loss: self.loss,
         };
         self.problem
             .segments
@@ -79,8 +96,23 @@ impl<'a> Experiment<'a> {
             .collect()
     }
 
-    /// Triangle of the shared unknowns: the rows of every segment below its own head.
-    pub fn stack(&self, evaluated: &[Evaluated]) -> Triangle {
+    /// Loss of readings and declared priors; `None` where a prior forbids the point.
+    pub fn chi2(&self, at: &Point, evaluated: &[Evaluated]) -> Option<f64> {
+        let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
+        let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
+        let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
+        Some(readings + calibration + design)
+    }
+
+    /// Whether any mass property has a declared prior.
+    pub fn has_design_prior(&self) -> bool {
+        let bodies = &self.problem.model.bodies;
+        bodies.iter().any(|b| b.estimate.any() && b.prior.is_some())
+    }
+
+    /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
+    /// calibrations, and, if wanted, those of the design.
+    pub fn stack(&self, at: &Point, evaluated: &[Evaluated], with_design: bool) -> Triangle {
         let mut stacked = BlockQr::new(self.parameters.len() + 1);
         for (one, unknown) in evaluated.iter().zip(&self.unknown) {
             if let Some(triangle) = &one.triangle {
@@ -88,6 +120,15 @@ impl<'a> Experiment<'a> {
                 let tail = triangle.r.nrows() - h;
                 stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
             }
+        }
+        let mut priors = prior::calibration(self.problem, self.parameters, &at.x).rows;
+        if with_design
+            && let Some(design) = prior::design(self.problem, self.parameters, &at.x)
+        {
+            priors.extend(design.rows);
+        }
+        for row in &priors {
+            stacked.push(1, |_, j| row.gradient.get(j).copied().unwrap_or(row.residual));
         }
         stacked.finish()
     }

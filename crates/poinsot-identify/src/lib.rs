@@ -8,17 +8,23 @@ mod answer;
 mod answer_body;
 mod answer_momentum;
 mod block_qr;
+mod bound;
 mod combination;
+mod diagnosis;
 mod estimate;
 mod fit;
 mod impulse;
 mod information;
+#[cfg(test)]
+mod information_tests;
 mod likelihood;
 mod linear;
+mod loss;
 mod maximum_likelihood;
 pub mod methods;
 mod motion;
 mod parameters;
+mod prior;
 mod problem;
 mod quantity;
 mod residual;
@@ -29,13 +35,15 @@ mod spectrum;
 mod words;
 
 pub use block_qr::{BlockQr, Triangle};
+pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
 pub use linear::linear;
-pub use maximum_likelihood::maximum_likelihood;
+pub use loss::Loss;
+pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };

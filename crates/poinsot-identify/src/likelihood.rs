@@ -1,6 +1,7 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, Vehicle, matrix, small_turn};
 use crate::parameters::{Equations, Parameters, UnknownKind};
 use crate::quantity::TenParameters;
@@ -84,6 +85,7 @@ pub(crate) struct Setting<'a> {
     pub parameters: &'a Parameters,
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
+    pub loss: Loss,
 }
 
 /// One kind of sensor in one segment: whitened residuals, three axes a sample.
@@ -98,7 +100,10 @@ pub(crate) struct ChannelResidual {
 /// One segment at one value of all unknowns.
 pub(crate) struct Evaluated {
     pub triangle: Option<Triangle>,
+    /// Weighted sum of squares; plain for the Gaussian loss.
     pub chi2: f64,
+    /// What is minimised.
+    pub cost: f64,
     pub rows: usize,
     pub channels: Vec<ChannelResidual>,
 }
@@ -128,6 +133,9 @@ pub(crate) fn evaluate(
     };
     let mut motion = Motion::new(&vehicle, segment, columns, unknown.count());
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
+    if has_lag(setting.parameters) {
+        compare.rates = predicted_rates(&vehicle, segment, &state)?;
+    }
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
         compare.sample(&mut motion, &state, k)?;
@@ -136,6 +144,26 @@ pub(crate) fn evaluate(
         }
     }
     compare.finish()
+}
+
+fn has_lag(parameters: &Parameters) -> bool {
+    let late = |k: &UnknownKind| matches!(k, UnknownKind::GyroLag | UnknownKind::AttitudeLag);
+    parameters.unknowns.iter().any(|u| late(&u.kind))
+}
+
+/// Predicted rates at all grid times: a lag needs what comes before and after.
+fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Vec<Vector3>> {
+    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
+    let samples = segment.observations.time_s.len();
+    let mut state = *start;
+    let mut rates = Vec::with_capacity(samples);
+    for k in 0..samples {
+        rates.push(motion.velocity(&state, k)?.0.twist.w);
+        if k + 1 < samples {
+            state = motion.advance(&state, k)?;
+        }
+    }
+    Some(rates)
 }
 
 /// State at the first grid time and its change with every unknown.
@@ -204,12 +232,56 @@ fn start(
 struct Compare<'a> {
     setting: &'a Setting<'a>,
     segment: &'a Segment,
-    bias: Vector3,
+    gyro: GyroErrors,
+    attitude_lag: f64,
     head: usize,
     qr: Option<BlockQr>,
     rows: usize,
     channels: Vec<ChannelResidual>,
     six: Vec<Vector6>,
+    /// Predicted rates at the grid times, where a lag is unknown; empty otherwise.
+    rates: Vec<Vector3>,
+}
+
+/// What may be wrong with the gyro: it reads `(1 + turn) w(t - lag) + bias`.
+#[derive(Default)]
+struct GyroErrors {
+    bias: Vector3,
+    /// Scale errors on the diagonal, misalignment beside it.
+    turn: Matrix3,
+    lag: f64,
+}
+
+impl GyroErrors {
+    fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
+        let then = w - acceleration * self.lag;
+        then + self.turn * then + self.bias
+    }
+
+    /// Change of the reading with the rate and with one unknown.
+    fn change(
+        &self,
+        w: &Vector3,
+        acceleration: &Vector3,
+        dw: &Vector3,
+        unknown: Option<&UnknownKind>,
+    ) -> Vector3 {
+        let mut change = dw + self.turn * dw;
+        match unknown {
+            Some(UnknownKind::GyroBias(k)) => change[*k] += 1.0,
+            Some(UnknownKind::GyroScale(k)) => change[*k] += w[*k],
+            Some(UnknownKind::GyroMisalignment(k)) => change += axis(*k).cross(w),
+            Some(UnknownKind::GyroLag) => change -= acceleration + self.turn * acceleration,
+            _ => {}
+        }
+        change
+    }
+}
+
+fn axis(k: usize) -> Vector3 {
+    let mut e = Vector3::zeros();
+    e[k] = 1.0;
+    e
 }
 
 const GYRO: usize = 0;
@@ -225,10 +297,16 @@ impl<'a> Compare<'a> {
         unknown: HeadColumns,
         with_sensitivities: bool,
     ) -> Self {
-        let mut bias = Vector3::zeros();
+        let mut gyro = GyroErrors::default();
+        let mut attitude_lag = 0.0;
         for (u, value) in setting.parameters.unknowns.iter().zip(x) {
-            if let UnknownKind::GyroBias(k) = u.kind {
-                bias[k] = *value;
+            match u.kind {
+                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
+                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
+                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
+                UnknownKind::GyroLag => gyro.lag = *value,
+                UnknownKind::AttitudeLag => attitude_lag = *value,
+                _ => {}
             }
         }
         let channel = |name, unit| ChannelResidual {
@@ -240,7 +318,8 @@ impl<'a> Compare<'a> {
         Self {
             setting,
             segment,
-            bias,
+            gyro,
+            attitude_lag,
             head: unknown.count(),
             qr: with_sensitivities.then(|| BlockQr::new(width)),
             rows: 0,
@@ -251,6 +330,21 @@ impl<'a> Compare<'a> {
                 channel("position", "m"),
             ],
             six: Vec::with_capacity(width),
+            rates: Vec::new(),
+        }
+    }
+
+    /// Angular acceleration at grid time k from the predicted rates on both sides, rad/s2.
+    fn acceleration(&self, k: usize) -> Vector3 {
+        if self.rates.is_empty() {
+            return Vector3::zeros();
+        }
+        let t = &self.segment.observations.time_s;
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(self.rates.len() - 1));
+        if b > a {
+            (self.rates[b] - self.rates[a]) / (t[b] - t[a])
+        } else {
+            Vector3::zeros()
         }
     }
 
@@ -302,7 +396,9 @@ impl<'a> Compare<'a> {
             }
         }
         let residual_v = o.velocity[k].map(|v| R.transpose() * v - v_S);
-        let residual_w = o.rate[k].map(|w| w - instant.twist.w - self.bias);
+        let acceleration = self.acceleration(k);
+        let expected = self.gyro.reading(&instant.twist.w, &acceleration);
+        let residual_w = o.rate[k].map(|w| w - expected);
         // A missing half is given a variance without information, and is not counted.
         let blind = C.diagonal().max() * 1.0e12;
         for (missing, at) in [(residual_v.is_none(), 0), (residual_w.is_none(), 3)] {
@@ -333,11 +429,14 @@ impl<'a> Compare<'a> {
                 let dphi: Vector3 = column.fixed_rows::<3>(0).into();
                 let sum = d.fixed_rows::<3>(0) - turn * dphi;
                 d.fixed_rows_mut::<3>(0).copy_from(&sum);
-                if let Some(u) = j.checked_sub(self.head)
-                    && let UnknownKind::GyroBias(axis) = self.setting.parameters.unknowns[u].kind
-                {
-                    d[3 + axis] += 1.0;
-                }
+                let unknown = j
+                    .checked_sub(self.head)
+                    .map(|u| &self.setting.parameters.unknowns[u].kind);
+                let dw: Vector3 = d.fixed_rows::<3>(3).into();
+                let seen = self
+                    .gyro
+                    .change(&instant.twist.w, &acceleration, &dw, unknown);
+                d.fixed_rows_mut::<3>(3).copy_from(&seen);
                 if residual_v.is_none() {
                     d.fixed_rows_mut::<3>(0).fill(0.0);
                 }
@@ -347,9 +446,11 @@ impl<'a> Compare<'a> {
                 self.six.push(L.solve_lower_triangular(&d).unwrap_or(d));
             }
             self.six.push(white);
+            let loss = self.setting.loss;
+            let weights = [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
             let six = &self.six;
             if let Some(qr) = &mut self.qr {
-                qr.push(6, |i, j| six[j][i]);
+                qr.push(6, |i, j| six[j][i] * weights[i / 3]);
             }
         }
         if let Some(r) = residual_v {
@@ -364,10 +465,17 @@ impl<'a> Compare<'a> {
         let o = &self.segment.observations;
         let noise = self.setting.noise;
         if let Some(measured) = o.attitude[k] {
-            let residual = small_turn(&state.R_NB, &measured);
+            let late = self.rates.get(k).copied().unwrap_or_default();
+            let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
             let columns = &motion.columns;
+            let kinds = &self.setting.parameters.unknowns;
+            let head = self.head;
             self.three(ATTITUDE, &noise.attitude, &residual, |j| {
-                columns[j].fixed_rows::<3>(0).into()
+                let own: Vector3 = columns[j].fixed_rows::<3>(0).into();
+                match j.checked_sub(head).map(|u| &kinds[u].kind) {
+                    Some(UnknownKind::AttitudeLag) => own - late,
+                    _ => own,
+                }
             });
         }
         if let Some(measured) = o.position[k] {
@@ -402,7 +510,8 @@ impl<'a> Compare<'a> {
                     L.solve_lower_triangular(&d).unwrap_or(d)
                 })
                 .collect();
-            qr.push(3, |i, j| block.get(j).map_or(white[i], |d| d[i]));
+            let weight = self.setting.loss.weight(white.norm_squared()).sqrt();
+            qr.push(3, |i, j| weight * block.get(j).map_or(white[i], |d| d[i]));
         }
         self.note(channel, residual, white);
     }
@@ -415,15 +524,17 @@ impl<'a> Compare<'a> {
     }
 
     fn finish(self) -> Option<Evaluated> {
-        let chi2: f64 = self
-            .channels
-            .iter()
-            .flat_map(|c| &c.white)
-            .map(|w| w.norm_squared())
-            .sum();
+        let loss = self.setting.loss;
+        let (mut chi2, mut cost) = (0.0, 0.0);
+        for white in self.channels.iter().flat_map(|c| &c.white) {
+            let square = white.norm_squared();
+            chi2 += loss.weight(square) * square;
+            cost += loss.cost(square);
+        }
         chi2.is_finite().then(|| Evaluated {
             triangle: self.qr.map(BlockQr::finish),
             chi2,
+            cost,
             rows: self.rows,
             channels: self
                 .channels

@@ -239,6 +239,7 @@ fn conclude(
         parameters,
         shared,
         spectrum,
+        data_alone: None,
         explained: None,
         residual: (0.0, rows),
         rows,
@@ -248,6 +249,7 @@ fn conclude(
         iterations: 1,
         settled: true,
         warnings: Vec::new(),
+        not_rigid: false,
         regressor_noise: block_noise,
     };
     solved.settle();
@@ -283,12 +285,12 @@ impl Solved {
             .map(|(x, unit)| x / unit)
             .collect();
         self.spectrum.set_bias(&self.regressor_noise, &z);
-        let biases = self.shared.biases_for(&x[..m]);
+        let biases = self.shared.nuisances_for(&x[..m]);
         x[m..].copy_from_slice(&biases);
         let square = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
         let (left, whole) = (square(&left_over(&x)), square(&rhs));
         self.explained = (whole > 1.0e-20).then(|| 1.0 - left / whole);
-        let found = self.spectrum.rank + self.shared.biases;
+        let found = self.spectrum.rank + self.shared.nuisances;
         self.residual = (left, self.rows.saturating_sub(found));
         self.x = x;
     }

@@ -6,11 +6,13 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
+use crate::diagnosis::{Diagnosis, diagnose};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::information::Experiment;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
+use crate::loss::Loss;
 use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::{Problem, ProblemError};
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
@@ -26,11 +28,19 @@ const LAGS: usize = 10;
 /// # Errors
 /// The question cannot be asked. What the data leave open is an answer, not an error.
 pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
-    let solved = solve(problem)?;
+    maximum_likelihood_with(problem, Loss::Gaussian)
+}
+
+/// The same with a loss that bounds what a few bad readings can do.
+///
+/// # Errors
+/// As [`maximum_likelihood`].
+pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate, ProblemError> {
+    let solved = solve(problem, loss)?;
     Ok(answer::write(problem, &solved))
 }
 
-fn solve(problem: &Problem) -> Result<Solved, ProblemError> {
+fn solve(problem: &Problem, loss: Loss) -> Result<Solved, ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solved) => (solved.parameters.clone(), Some(solved)),
@@ -42,17 +52,19 @@ fn solve(problem: &Problem) -> Result<Solved, ProblemError> {
         }
         Err(other) => return Err(other),
     };
-    let experiment = Experiment::new(problem, &parameters);
+    let mut experiment = Experiment::new(problem, &parameters);
+    experiment.loss = loss;
     let fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
     let explained = match &linear {
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    Ok(conclude(&experiment, fitted, explained))
+    let found = diagnose(&experiment, &fitted);
+    Ok(conclude(&experiment, fitted, explained, found))
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
-fn proportional(problem: &Problem) -> bool {
+pub(crate) fn proportional(problem: &Problem) -> bool {
     let model = problem.model;
     let known_body = model
         .bodies
@@ -63,7 +75,12 @@ fn proportional(problem: &Problem) -> bool {
     !known_body && !known_wheel && !fires
 }
 
-fn conclude(experiment: &Experiment, fitted: Fitted, explained: Option<f64>) -> Solved {
+pub(crate) fn conclude(
+    experiment: &Experiment,
+    fitted: Fitted,
+    explained: Option<f64>,
+    found: Diagnosis,
+) -> Solved {
     let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
     let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
@@ -113,18 +130,20 @@ fn conclude(experiment: &Experiment, fitted: Fitted, explained: Option<f64>) -> 
         method: "maximum_likelihood",
         residual: (
             chi2(&fitted.evaluated),
-            rows.saturating_sub(heads + fitted.spectrum.rank + fitted.shared.biases),
+            rows.saturating_sub(heads + fitted.spectrum.rank + fitted.shared.nuisances),
         ),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,
         shared: fitted.shared,
         spectrum: fitted.spectrum,
+        data_alone: fitted.data_alone,
         explained,
         starts,
         fit,
         iterations: fitted.iterations,
         settled: fitted.settled,
-        warnings: Vec::new(),
+        warnings: found.findings,
+        not_rigid: found.not_rigid,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

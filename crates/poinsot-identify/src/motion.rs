@@ -39,6 +39,10 @@ pub(crate) struct Vehicle<'a> {
     /// How unknowns move the barycentric parameters.
     pub slopes: Vec<Vec<(usize, f64)>>,
     pub kinds: Vec<UnknownKind>,
+    /// Constant torque in body axes, N m.
+    pub torque_B: Vector3,
+    /// Coefficients of the drag torque `-c |w| w`, kg m2.
+    pub drag: Vector3,
 }
 
 impl<'a> Vehicle<'a> {
@@ -51,10 +55,13 @@ impl<'a> Vehicle<'a> {
     ) -> Self {
         let mut spin = nominal_spin.to_vec();
         let mut thrust_factor = vec![1.0; thrusters.len()];
+        let (mut torque_B, mut drag) = (Vector3::zeros(), Vector3::zeros());
         for (unknown, value) in parameters.unknowns.iter().zip(x) {
             match unknown.kind {
                 UnknownKind::SpinInertia(k) => spin[k] = *value,
                 UnknownKind::ThrusterScale(k) => thrust_factor[k] = 1.0 + value,
+                UnknownKind::DisturbanceTorque(k) => torque_B[k] = *value,
+                UnknownKind::DragTorque(k) => drag[k] = *value,
                 _ => {}
             }
         }
@@ -66,7 +73,29 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
+            torque_B,
+            drag,
         }
+    }
+
+    /// Torque of the surroundings on the base in B, N m.
+    fn torque(&self, w: &Vector3) -> Vector3 {
+        self.torque_B - self.drag.component_mul(w) * w.norm()
+    }
+
+    /// Change of that torque with the rate and with one unknown.
+    fn torque_change(&self, w: &Vector3, dw: &Vector3, unknown: Option<&UnknownKind>) -> Vector3 {
+        let size = w.norm();
+        let mut change = Vector3::zeros();
+        if self.drag != Vector3::zeros() && size > 0.0 {
+            change -= self.drag.component_mul(&(dw * size + w * (w.dot(dw) / size)));
+        }
+        match unknown {
+            Some(UnknownKind::DisturbanceTorque(k)) => change[*k] += 1.0,
+            Some(UnknownKind::DragTorque(k)) => change[*k] -= size * w[*k],
+            _ => {}
+        }
+        change
     }
 }
 
@@ -279,7 +308,11 @@ impl<'a> Motion<'a> {
                 R: state.R_NB.quaternion() * Quaternion::from_imag(w) * 0.5,
                 p: state.R_NB * v,
                 P: forces.iter().map(|f| f.F_N).sum(),
-                H: forces.iter().map(|f| f.arm_N.cross(&f.F_N)).sum(),
+                H: forces
+                    .iter()
+                    .map(|f| f.arm_N.cross(&f.F_N))
+                    .sum::<Vector3>()
+                    + state.R_NB * self.vehicle.torque(&w),
             }
         });
         buffer.at = columns;
@@ -360,7 +393,8 @@ impl<'a> Motion<'a> {
             if let Some(u) = j.checked_sub(self.head) {
                 let own = match &self.vehicle.kinds[u] {
                     UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
-                    UnknownKind::GyroBias(_) | UnknownKind::ThrusterScale(_) => continue,
+                    kind if kind.is_nuisance() => continue,
+                    UnknownKind::ThrusterScale(_) => continue,
                     _ => {
                         let mut sum = Vector6::zeros();
                         for (at, slope) in &self.vehicle.slopes[u] {
@@ -408,6 +442,7 @@ impl<'a> Motion<'a> {
         let R = *state.R_NB.to_rotation_matrix().matrix();
         let (v, w) = (instant.twist.v, instant.twist.w);
         let (turn, slide) = (-skew(&w), -R * skew(&v));
+        let torque = self.vehicle.torque(&w);
         for (j, ((column, twist), slope)) in columns.iter().zip(twists).zip(out).enumerate() {
             let dphi: Vector3 = column.fixed_rows::<3>(0).into();
             let dv: Vector3 = twist.fixed_rows::<3>(0).into();
@@ -417,12 +452,13 @@ impl<'a> Motion<'a> {
                 .fixed_rows_mut::<3>(3)
                 .copy_from(&(slide * dphi + R * dv));
             let (mut dP, mut dH) = (Vector3::zeros(), Vector3::zeros());
-            let scaled = j
-                .checked_sub(self.head)
-                .and_then(|u| match self.vehicle.kinds[u] {
-                    UnknownKind::ThrusterScale(at) => Some(at),
-                    _ => None,
-                });
+            let unknown = j.checked_sub(self.head).map(|u| &self.vehicle.kinds[u]);
+            let scaled = match unknown {
+                Some(UnknownKind::ThrusterScale(at)) => Some(*at),
+                _ => None,
+            };
+            let change = self.vehicle.torque_change(&w, &dw, unknown);
+            dH += R * (dphi.cross(&torque) + change);
             for force in forces {
                 let dp: Vector3 = column.fixed_rows::<3>(3).into();
                 let mut dF = R * dphi.cross(&force.F_B);

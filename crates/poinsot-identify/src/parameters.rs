@@ -35,8 +35,36 @@ pub enum UnknownKind {
     SpinInertia(usize),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
-    /// Component of the gyro bias, at the nominal inertia.
+    /// Component of the gyro bias, rad/s.
     GyroBias(usize),
+    /// Relative scale error of a gyro axis.
+    GyroScale(usize),
+    /// Component of the small rotation between true and assumed gyro axes, rad.
+    GyroMisalignment(usize),
+    /// How late the gyro reads, s.
+    GyroLag,
+    /// How late the attitude reads, s.
+    AttitudeLag,
+    /// Component of a constant torque in body axes, N m.
+    DisturbanceTorque(usize),
+    /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
+    DragTorque(usize),
+}
+
+impl UnknownKind {
+    /// Whether it belongs to a sensor or the surroundings: projected out before anything is judged.
+    pub fn is_nuisance(&self) -> bool {
+        matches!(
+            self,
+            Self::GyroBias(_)
+                | Self::GyroScale(_)
+                | Self::GyroMisalignment(_)
+                | Self::GyroLag
+                | Self::AttitudeLag
+                | Self::DisturbanceTorque(_)
+                | Self::DragTorque(_)
+        )
+    }
 }
 
 /// Which equations of motion can be written for the data at hand.
@@ -291,12 +319,41 @@ impl Parameters {
                 self.push(UnknownKind::ThrusterScale(k), name, "1", 0.0, 1.0);
             }
         }
-        let gyro = model.sensors_of(SensorKind::Gyro).next();
-        if let Some(gyro) = gyro.filter(|g| g.bias != Nuisance::Known) {
+        if let Some(gyro) = model.sensors_of(SensorKind::Gyro).next() {
+            let name = gyro.name.as_str();
+            self.add_axes(gyro.bias, UnknownKind::GyroBias, name, "bias", "rad/s");
+            self.add_axes(gyro.scale, UnknownKind::GyroScale, name, "scale", "1");
+            let turned = UnknownKind::GyroMisalignment;
+            self.add_axes(gyro.misalignment, turned, name, "misalignment", "rad");
+            self.add_lag(gyro.lag, UnknownKind::GyroLag, name);
+        }
+        if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
+            self.add_lag(tracker.lag, UnknownKind::AttitudeLag, &tracker.name);
+        }
+        let around = &model.environment;
+        let torque = UnknownKind::DisturbanceTorque;
+        self.add_axes(around.disturbance_torque, torque, "environment", "torque", "N m");
+        self.add_axes(around.drag_torque, UnknownKind::DragTorque, "environment", "drag", "kg m2");
+    }
+
+    fn add_axes(
+        &mut self,
+        declared: Nuisance,
+        kind: fn(usize) -> UnknownKind,
+        owner: &str,
+        what: &str,
+        unit: &'static str,
+    ) {
+        if declared != Nuisance::Known {
             for (k, axis) in AXES.iter().enumerate() {
-                let name = format!("{}.bias_{axis}", gyro.name);
-                self.push(UnknownKind::GyroBias(k), name, "rad/s", 0.0, 1.0e-3);
+                self.push(kind(k), format!("{owner}.{what}_{axis}"), unit, 0.0, 1.0);
             }
+        }
+    }
+
+    fn add_lag(&mut self, declared: Nuisance, kind: UnknownKind, owner: &str) {
+        if declared != Nuisance::Known {
+            self.push(kind, format!("{owner}.lag"), "s", 0.0, 1.0);
         }
     }
 

@@ -160,7 +160,7 @@ impl<'a> Rows<'a> {
                     let c = h.column(3 + axis);
                     [-c[0], -c[1], -c[2], -c[3], -c[4], -c[5]]
                 }
-                UnknownKind::CentralInertia(_) | UnknownKind::MassCentre(_) => [0.0; 6],
+                _ => [0.0; 6],
             };
             self.columns.push(column);
         }
@@ -301,7 +301,7 @@ impl<'a> Rows<'a> {
                     let h = given.I_BBcm_B.column(*axis).into_owned();
                     stack(&zero, &-h)
                 }
-                UnknownKind::Barycentric(_) => [0.0; 6],
+                _ => [0.0; 6],
             };
             self.columns.push(column);
         }

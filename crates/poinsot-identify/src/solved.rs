@@ -2,7 +2,7 @@
 
 use crate::block_qr::{BlockQr, Triangle};
 use crate::estimate::SegmentFit;
-use crate::parameters::{Parameters, UnknownKind};
+use crate::parameters::Parameters;
 use crate::rows::StartMomentum;
 use crate::spectrum::Spectrum;
 use faer::Mat;
@@ -10,53 +10,53 @@ use nalgebra::DMatrix;
 use poinsot_model::MomentumKnowledge;
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Triangle of the shared unknowns: gyro biases first, then mass properties, right-hand side last.
+/// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.
 pub(crate) struct Shared {
     pub r: Mat<f64>,
-    /// Number of biases in front.
-    pub biases: usize,
+    /// Number of nuisances in front.
+    pub nuisances: usize,
     /// Number of mass properties, spin inertias and thruster scales.
     pub mass: usize,
 }
 
 impl Shared {
-    /// Puts the biases of a stacked triangle in front: what is left below is projected clear of them.
+    /// Puts the nuisances of a stacked triangle in front: what is left below is projected clear of them.
     /// In [`Parameters`] they stand last.
     pub fn new(parameters: &Parameters, stacked: &Triangle) -> Self {
         let n = parameters.len();
-        let is_bias = |k: &usize| matches!(parameters.unknowns[*k].kind, UnknownKind::GyroBias(_));
-        let (front, back): (Vec<usize>, Vec<usize>) = (0..n).partition(is_bias);
+        let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
+        let (front, back): (Vec<usize>, Vec<usize>) = (0..n).partition(is_nuisance);
         let order: Vec<usize> = front.iter().chain(&back).copied().chain([n]).collect();
         let mut permuted = BlockQr::new(n + 1);
         permuted.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
         Self {
             r: permuted.finish().r,
-            biases: front.len(),
+            nuisances: front.len(),
             mass: back.len(),
         }
     }
 
     /// Triangle of the mass properties.
     pub fn block(&self) -> Mat<f64> {
-        let b = self.biases;
+        let b = self.nuisances;
         Mat::from_fn(self.mass, self.mass, |i, j| self.r[(b + i, b + j)])
     }
 
     /// Right-hand side of the mass properties.
     pub fn rhs(&self) -> Vec<f64> {
-        let n = self.biases + self.mass;
-        (self.biases..n).map(|i| self.r[(i, n)]).collect()
+        let n = self.nuisances + self.mass;
+        (self.nuisances..n).map(|i| self.r[(i, n)]).collect()
     }
 
     /// Squared length of what no unknown can reach.
     pub fn unreachable(&self) -> f64 {
-        let n = self.biases + self.mass;
+        let n = self.nuisances + self.mass;
         self.r[(n, n)].powi(2)
     }
 
-    /// Biases that go with values of the mass properties.
-    pub fn biases_for(&self, mass: &[f64]) -> Vec<f64> {
-        head(&self.r, self.biases, mass).mean
+    /// Nuisances that go with values of the mass properties.
+    pub fn nuisances_for(&self, mass: &[f64]) -> Vec<f64> {
+        head(&self.r, self.nuisances, mass).mean
     }
 }
 
@@ -159,7 +159,10 @@ pub(crate) struct Solved {
     pub method: &'static str,
     pub parameters: Parameters,
     pub shared: Shared,
+    /// Spectrum of the data and all declared priors: what the numbers rest on.
     pub spectrum: Spectrum,
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
     /// Values of all unknowns in the order of `parameters`.
     pub x: Vec<f64>,
     /// Residual sum of squares of the whitened rows and degrees of freedom.
@@ -177,11 +180,18 @@ pub(crate) struct Solved {
     pub iterations: usize,
     pub settled: bool,
     pub warnings: Vec<String>,
+    /// Whether the residual speaks against a rigid vehicle.
+    pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.
     pub regressor_noise: Vec<f64>,
 }
 
 impl Solved {
+    /// What the data determine, priors of mass properties left out.
+    pub fn of_data(&self) -> &Spectrum {
+        self.data_alone.as_ref().unwrap_or(&self.spectrum)
+    }
+
     /// Chi-square per degree of freedom.
     pub fn chi2_per_dof(&self) -> f64 {
         self.residual.0 / self.residual.1.max(1) as f64

@@ -29,7 +29,7 @@ const SAID: f64 = 1.0e-3;
 
 /// Names every open direction.
 pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCombination> {
-    let spectrum = &solved.spectrum;
+    let spectrum = solved.of_data();
     let natural = &spectrum.natural;
     let open = spectrum.open_directions();
     let mut found: Vec<OpenCombination> = Vec::new();
@@ -71,7 +71,7 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
 /// A preference for which unknowns stand as the open ones: products before moments.
 pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
     let product = |k: usize| TENSOR[k].0 != TENSOR[k].1;
-    solved.parameters.unknowns[..solved.spectrum.natural.len()]
+    solved.parameters.unknowns[..solved.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::CentralInertia(k) if product(*k) => 4.0,
@@ -87,7 +87,7 @@ pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
 /// A combination as a sentence of numbers, largest share first.
 pub(crate) fn sentence(solved: &Solved, combination: &Combination) -> String {
     let unknowns = &solved.parameters.unknowns;
-    let natural = &solved.spectrum.natural;
+    let natural = &solved.of_data().natural;
     let lead = combination
         .terms
         .first()
@@ -144,7 +144,7 @@ fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
         joint_symmetries(problem, solved, child, &mut list);
     }
     if solved.explained.is_none() {
-        let m = solved.spectrum.natural.len();
+        let m = solved.of_data().natural.len();
         let scale = |x: Vec<f64>| {
             Symmetry {
             step: x[..m].to_vec(),
@@ -291,7 +291,7 @@ fn joint_name(model: &Model, child: usize) -> String {
 
 /// A change of all barycentric parameters as a change of the unknowns (bodies wholly unknown).
 fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
-    solved.parameters.unknowns[..solved.spectrum.natural.len()]
+    solved.parameters.unknowns[..solved.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::Barycentric(parts) => {
@@ -303,7 +303,7 @@ fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
 }
 
 fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> OpenCombination {
-    let m = solved.spectrum.natural.len();
+    let m = solved.of_data().natural.len();
     let (reason, remedy) = poor_motion(problem, solved);
     OpenCombination {
         text: format!("{} can change unseen", sentence(solved, combination)),
@@ -333,9 +333,9 @@ fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
         axis = -axis;
     }
     let weak = solved
-        .spectrum
+        .of_data()
         .certificate
-        .get(solved.spectrum.rank)
+        .get(solved.of_data().rank)
         .copied()
         .unwrap_or(f64::INFINITY);
     if rms[0] <= 3.0 * noise {

@@ -1,5 +1,5 @@
 //! Kim, Choi, Oh 2010 against closed forms and the printed tables.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 use poinsot_identify::methods::kim2010::*;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};

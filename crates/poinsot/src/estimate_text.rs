@@ -152,7 +152,7 @@ fn difference(n: &Number) -> String {
     }
 }
 
-fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
+pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut last = ("", "");
     for (k, item) in open.iter().enumerate() {

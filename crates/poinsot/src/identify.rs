@@ -4,13 +4,16 @@ use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010};
-use poinsot_identify::{Estimate, Problem, Status, linear, maximum_likelihood};
+use poinsot_identify::{Estimate, Loss, Problem, Status, linear, maximum_likelihood_with};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
 
 /// Methods by name; `auto` is linear least squares, then maximum likelihood.
 pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
+
+/// Variants of maximum likelihood: the loss of a reading.
+pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -97,7 +100,12 @@ pub fn identify_tables(
     let mut estimate = match request.method.as_str() {
         "linear" => linear(&problem)?,
         "kim2010" => kim2010::identify(&problem, kim2010_variant(request)?)?,
-        _ => maximum_likelihood(&problem)?,
+        _ => {
+            let loss = request.variant.as_deref().and_then(Loss::from_name);
+            let mut estimate = maximum_likelihood_with(&problem, loss.unwrap_or_default())?;
+            estimate.variant.clone_from(&request.variant);
+            estimate
+        }
     };
     if bound.dropped > ALLOWED_LOSS {
         estimate.warnings.push(format!(
@@ -134,7 +142,11 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
             why: format!("known methods: {}", names.join(", ")),
         });
     }
-    let known = published.map_or(&[][..], |p| p.variants);
+    let known: &[&str] = match (published, name) {
+        (Some(published), _) => published.variants,
+        (None, "linear") => &[],
+        (None, _) => &LOSSES,
+    };
     if let Some(variant) = &request.variant
         && !known.contains(&variant.as_str())
     {

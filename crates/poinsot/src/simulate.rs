@@ -5,9 +5,10 @@ mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use poinsot_dynamics::{ControlError, ControlledVehicle, MotionSample, Prescribed, Tree, WheelUse};
-use poinsot_model::{Model, ModelError, read_model};
+use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
+pub(crate) use record::names;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -145,12 +146,73 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
 /// As [`simulate_case`].
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
     let scenario = case.bind(model)?;
+    let Recorded {
+        recorder,
+        first,
+        used,
+    } = record(case, model, &scenario, trial)?;
+    let mut truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
+    if let Some(object) = truth.as_object_mut().filter(|_| !used.is_empty()) {
+        object.insert("wheel_use".to_owned(), wheel_use(model, &used));
+    }
+    Ok(Simulation {
+        table: recorder.table(&scenario),
+        truth,
+    })
+}
+
+/// What perfect sensors read, each at its own times and place, and the biases that the case gives them.
+///
+/// # Errors
+/// As [`simulate_case`].
+pub fn simulate_exact(
+    case: &Case,
+    model: &Model,
+) -> Result<(Table, Vec<Option<Vec<f64>>>), SimulateError> {
+    let mut perfect = model.clone();
+    for sensor in &mut perfect.sensors {
+        sensor.noise_covariance = None;
+        sensor.quantisation = 0.0;
+        sensor.bias = Nuisance::Known;
+    }
+    let mut scenario = case.bind(model)?;
+    let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
+    let recorded = record(case, &perfect, &scenario, 0)?;
+    let mut table = recorded.recorder.table(&scenario);
+    keep_measured(model, &mut table);
+    Ok((table, biases))
+}
+
+/// Leaves out what no sensor of the model measures: a simulation knows the whole motion, an experiment does
+/// not. Joints, wheels and thrusters are commanded and stay.
+pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
+    let blind: Vec<String> = SensorKind::ALL
+        .into_iter()
+        .filter(|kind| !kind.is_scalar() && model.sensors_of(*kind).next().is_none())
+        .flat_map(|kind| names(model, kind, &[]))
+        .collect();
+    table.channels.retain(|c| !blind.contains(&c.name));
+}
+
+/// A run: what was read, the first instant, and how far a controller used the wheels.
+struct Recorded {
+    recorder: Recorder,
+    first: Option<MotionSample>,
+    used: Vec<WheelUse>,
+}
+
+fn record(
+    case: &Case,
+    model: &Model,
+    scenario: &Scenario,
+    trial: u64,
+) -> Result<Recorded, SimulateError> {
     let motion = |error| SimulateError::Motion {
         file: case.path().to_owned(),
         error,
     };
     let tree = Tree::new(model);
-    let mut recorder = Recorder::new(model, &scenario, &tree, case.seed, trial);
+    let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
     let take = |sample: &MotionSample| {
         if first.is_none() {
@@ -170,13 +232,10 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
                 .map_err(motion)?;
         }
     }
-    let mut truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
-    if let Some(object) = truth.as_object_mut().filter(|_| !used.is_empty()) {
-        object.insert("wheel_use".to_owned(), wheel_use(model, &used));
-    }
-    Ok(Simulation {
-        table: recorder.table(&scenario),
-        truth,
+    Ok(Recorded {
+        recorder,
+        first,
+        used,
     })
 }
 
@@ -197,7 +256,7 @@ fn wheel_use(model: &Model, used: &[WheelUse]) -> serde_json::Value {
 }
 
 /// One random stream per sensor and trial.
-fn stream(trial: u64, sensor: usize) -> u64 {
+pub(crate) fn stream(trial: u64, sensor: usize) -> u64 {
     (trial << 16) | (sensor as u64 & 0xffff)
 }
 

@@ -1,5 +1,5 @@
 //! The spacecraft of Kim, Choi and Oh with one slew and with three, from their case files.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;

@@ -26,7 +26,7 @@ pub fn errors() -> Result<Vec<Errors>, Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string(&path)?;
     let case = parse_case(&path, text.clone())?;
     let truth = read_model(&read_case(&path)?.model)?;
-    let nominal = read_model(&cases().join("../stsat3/model.toml"))?;
+    let nominal = read_model(cases().join("../stsat3/model.toml"))?;
     let I = truth.bodies[0].nominal.I_BBcm_B;
     let wanted = [
         I[(0, 0)],
