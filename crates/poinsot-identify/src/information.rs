@@ -5,8 +5,8 @@
 //! estimator: this module knows none.
 
 use crate::block_qr::{BlockQr, Triangle};
-use crate::loss::Loss;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
+use crate::loss::Loss;
 use crate::motion::Vehicle;
 use crate::parameters::Parameters;
 use crate::prior;
@@ -122,13 +122,13 @@ impl<'a> Experiment<'a> {
             }
         }
         let mut priors = prior::calibration(self.problem, self.parameters, &at.x).rows;
-        if with_design
-            && let Some(design) = prior::design(self.problem, self.parameters, &at.x)
-        {
+        if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
             priors.extend(design.rows);
         }
         for row in &priors {
-            stacked.push(1, |_, j| row.gradient.get(j).copied().unwrap_or(row.residual));
+            stacked.push(1, |_, j| {
+                row.gradient.get(j).copied().unwrap_or(row.residual)
+            });
         }
         stacked.finish()
     }

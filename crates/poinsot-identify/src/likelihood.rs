@@ -447,7 +447,8 @@ impl<'a> Compare<'a> {
             }
             self.six.push(white);
             let loss = self.setting.loss;
-            let weights = [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
+            let weights =
+                [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
             let six = &self.six;
             if let Some(qr) = &mut self.qr {
                 qr.push(6, |i, j| six[j][i] * weights[i / 3]);

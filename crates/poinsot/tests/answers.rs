@@ -138,7 +138,8 @@ fn exact_every_segment_has_its_own_momentum() {
 
 #[test]
 fn exact_spin_inertia_follows_from_a_known_body() {
-    let truth = with_wheels(known_arm(14));
+    let mut truth = with_wheels(known_arm(14));
+    truth.sensors = sensors(1.0e-4);
     let mut asked = off_nominal(&truth, 0.1);
     for wheel in &mut asked.wheels {
         wheel.estimate = true;
@@ -184,7 +185,8 @@ fn exact_spin_inertia_without_a_scale_is_null() {
 
 #[test]
 fn exact_a_thruster_stronger_than_declared() {
-    let truth = with_thrusters(tree(16, ""));
+    let mut truth = with_thrusters(tree(16, ""));
+    truth.sensors = sensors(1.0e-6);
     let mut asked = off_nominal(&truth, 0.1);
     asked.thrusters[1].scale = Nuisance::Estimate;
     let (mut flight, ..) = drifting(&truth, 16);
@@ -225,6 +227,7 @@ fn exact_subsets_of_what_may_be_asked() {
         },
     ] {
         let mut truth = with_thrusters(tree(17, ""));
+        truth.sensors = sensors(1.0e-6);
         truth.bodies[0].estimate = set;
         let (flight, ..) = drifting(&truth, 17);
         for method in METHODS {
