@@ -255,7 +255,7 @@ fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
     body
 }
 
-fn finish(
+pub(crate) fn finish(
     name: String,
     mass: Number,
     com: [Number; 3],

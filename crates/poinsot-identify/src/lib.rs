@@ -21,6 +21,7 @@ mod likelihood;
 mod linear;
 mod loss;
 mod maximum_likelihood;
+pub mod methods;
 mod motion;
 mod parameters;
 mod prior;

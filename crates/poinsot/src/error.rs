@@ -2,6 +2,7 @@
 
 use crate::bind::BindError;
 use poinsot_identify::ProblemError;
+use poinsot_identify::methods::kim2010::Kim2010ProblemError;
 use poinsot_model::ModelError;
 use poinsot_telemetry::TelemetryError;
 use std::path::PathBuf;
@@ -24,6 +25,9 @@ pub enum Error {
     /// The question itself.
     #[error(transparent)]
     Problem(#[from] ProblemError),
+    /// The method of Kim, Choi and Oh.
+    #[error(transparent)]
+    Kim2010(#[from] Kim2010ProblemError),
     /// A word on the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {

@@ -3,6 +3,7 @@
 use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
+use poinsot_identify::methods::{self, kim2010};
 use poinsot_identify::{Estimate, Loss, Problem, Status, linear, maximum_likelihood_with};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
@@ -98,6 +99,7 @@ pub fn identify_tables(
     };
     let mut estimate = match request.method.as_str() {
         "linear" => linear(&problem)?,
+        "kim2010" => kim2010::identify(&problem, kim2010_variant(request)?)?,
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
             let mut estimate = maximum_likelihood_with(&problem, loss.unwrap_or_default())?;
@@ -130,30 +132,26 @@ pub fn identify_tables(
 }
 
 fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
-    if !METHODS.contains(&request.method.as_str()) {
+    let name = request.method.as_str();
+    let published = methods::published(name);
+    if !METHODS.contains(&name) && published.is_none() {
+        let mut names = METHODS.to_vec();
+        names.extend(methods::PUBLISHED.iter().map(|p| p.name));
         return Err(Error::Usage {
             option: "--method",
             value: request.method.clone(),
-            why: format!("known methods: {}", METHODS.join(", ")),
+            why: format!("known methods: {}", names.join(", ")),
         });
     }
-    if let Some(variant) = &request.variant {
-        let known: &[&str] = match request.method.as_str() {
-            "linear" => &[],
-            _ => &LOSSES,
-        };
-        if !known.contains(&variant.as_str()) {
-            let why = if known.is_empty() {
-                format!("method {} has no variants; leave it out", request.method)
-            } else {
-                format!("variants of {}: {}", request.method, known.join(", "))
-            };
-            return Err(Error::Usage {
-                option: "--variant",
-                value: variant.clone(),
-                why,
-            });
-        }
+    let known: &[&str] = match (published, name) {
+        (Some(published), _) => published.variants,
+        (None, "linear") => &[],
+        (None, _) => &LOSSES,
+    };
+    if let Some(variant) = &request.variant
+        && !known.contains(&variant.as_str())
+    {
+        return Err(variant_error(request, known));
     }
     if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
@@ -163,6 +161,24 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         });
     }
     Ok(())
+}
+
+fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
+    let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
+    kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
+}
+
+fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {
+    let why = if known.is_empty() {
+        format!("method {} has no variants; leave it out", request.method)
+    } else {
+        format!("variants of {}: {}", request.method, known.join(", "))
+    };
+    Error::Usage {
+        option: "--variant",
+        value: request.variant.clone().unwrap_or_default(),
+        why,
+    }
 }
 
 /// Options for reading telemetry that a model asks for.
