@@ -40,10 +40,10 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
-    /// Method: auto, linear.
+    /// Method: auto, linear; published methods: ma2008.
     #[arg(long, default_value = "auto")]
     pub method: String,
-    /// Variant of a published method.
+    /// Variant of a published method; ma2008: unknown-momentum (default), known-momentum.
     #[arg(long)]
     pub variant: Option<String>,
     /// File whose [telemetry] table replaces that of the model.

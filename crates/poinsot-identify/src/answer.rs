@@ -54,6 +54,7 @@ pub(crate) fn write(problem: &LinearProblem, solved: &Solved) -> Estimate {
         identifiability,
         fit: fit(problem, solved),
         covariance_trustworthy: chi2 <= MISFIT && !rejected,
+        method_report: Vec::new(),
     }
 }
 

@@ -247,6 +247,8 @@ pub struct Estimate {
     pub covariance_trustworthy: bool,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// Numbers of the method itself, in its own terms: what, value, unit.
+    pub method_report: Vec<(String, f64, &'static str)>,
 }
 
 /// Components of a vector as an array.

@@ -12,6 +12,7 @@ mod combination;
 mod estimate;
 mod impulse;
 mod linear;
+pub mod methods;
 mod parameters;
 mod quantity;
 mod residual;

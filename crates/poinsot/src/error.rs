@@ -2,6 +2,7 @@
 
 use crate::bind::BindError;
 use poinsot_identify::LinearError;
+use poinsot_identify::methods::ma2008::Ma2008Error;
 use poinsot_model::ModelError;
 use poinsot_telemetry::TelemetryError;
 use std::path::PathBuf;
@@ -21,6 +22,9 @@ pub enum Error {
     /// The linear method.
     #[error(transparent)]
     Linear(#[from] LinearError),
+    /// The method of Ma, Dang and Pham.
+    #[error(transparent)]
+    Ma2008(#[from] Ma2008Error),
     /// A word on the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {

@@ -46,6 +46,9 @@ pub fn estimate_json(identified: &Identified) -> Value {
             },
         })).collect::<Vec<_>>(),
         "covariance_trustworthy": e.covariance_trustworthy,
+        "method_report": e.method_report.iter().map(|(what, value, unit)| json!({
+            "what": what, "value": value, "unit": unit,
+        })).collect::<Vec<_>>(),
         "repairs": identified.repairs,
         "ignored_columns": identified.ignored,
         "warnings": e.warnings,

@@ -53,6 +53,17 @@ pub fn estimate_document(identified: &Identified) -> Document {
         }
     }
     document.push(fit(identified));
+    if !e.method_report.is_empty() {
+        let mut table = Table::new(&["", "value", "unit"]);
+        for (what, value, unit) in &e.method_report {
+            table.push(vec![
+                what.clone(),
+                format!("{value:.3e}"),
+                (*unit).to_owned(),
+            ]);
+        }
+        document.push(Section::table("error analysis of the method", table));
+    }
     if !identified.repairs.is_empty() {
         document.push(Section::list(
             "assumed or repaired",

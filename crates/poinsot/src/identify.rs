@@ -3,6 +3,7 @@
 use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
+use poinsot_identify::methods::{self, ma2008};
 use poinsot_identify::{Estimate, LinearProblem, Status, linear};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
@@ -58,7 +59,7 @@ impl Identified {
 /// # Errors
 /// The question cannot be asked; what the data do not determine is part of the answer.
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
-    check_method(request)?;
+    let method = check_method(request)?;
     let mut model = read_model(&request.model)?;
     if let Some(map) = &request.map {
         model.telemetry = read_telemetry_map(map)?;
@@ -69,10 +70,19 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
         .iter()
         .map(|files| read(files, &options))
         .collect::<Result<Vec<Table>, _>>()?;
-    identify_tables(model, tables, request.relative_accuracy)
+    identify_tables_by(method, model, tables, request.relative_accuracy)
 }
 
-/// Identifies from tables in memory.
+/// How the question is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The linear rung.
+    Linear,
+    /// Ma, Dang and Pham 2008.
+    Ma2008(ma2008::Variant),
+}
+
+/// Identifies from tables in memory by the linear rung.
 ///
 /// # Errors
 /// As [`identify`].
@@ -81,15 +91,32 @@ pub fn identify_tables(
     tables: Vec<Table>,
     relative_accuracy: f64,
 ) -> Result<Identified, Error> {
+    identify_tables_by(Method::Linear, model, tables, relative_accuracy)
+}
+
+/// Identifies from tables in memory.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_tables_by(
+    method: Method,
+    model: Model,
+    tables: Vec<Table>,
+    relative_accuracy: f64,
+) -> Result<Identified, Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
-    let mut estimate = linear(&LinearProblem {
+    let problem = LinearProblem {
         model: &model,
         tree: &tree,
         segments: &bound.segments,
         noise: &bound.noise,
         relative_accuracy,
-    })?;
+    };
+    let mut estimate = match method {
+        Method::Linear => linear(&problem)?,
+        Method::Ma2008(variant) => ma2008::identify(&problem, variant)?,
+    };
     if bound.dropped > ALLOWED_LOSS {
         estimate.warnings.push(format!(
             "{:.0} % of the samples of a segment were left out (see repairs): the answer is not acceptable without a look at them",
@@ -113,21 +140,32 @@ pub fn identify_tables(
     })
 }
 
-fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
-    if !matches!(request.method.as_str(), "auto" | "linear") {
-        return Err(Error::Usage {
-            option: "--method",
-            value: request.method.clone(),
-            why: "known methods: auto, linear".to_owned(),
-        });
-    }
-    if let Some(variant) = &request.variant {
-        return Err(Error::Usage {
-            option: "--variant",
-            value: variant.clone(),
-            why: format!("method {} has no variants; leave it out", request.method),
-        });
-    }
+fn check_method(request: &IdentifyRequest) -> Result<Method, Error> {
+    let method = match request.method.as_str() {
+        "auto" | "linear" => {
+            refuse_variant(request, &[])?;
+            Method::Linear
+        }
+        "ma2008" => Method::Ma2008(match request.variant.as_deref() {
+            None | Some("unknown-momentum") => ma2008::Variant::UnknownMomentum,
+            Some("known-momentum") => ma2008::Variant::KnownMomentum,
+            Some(_) => {
+                let published = methods::published("ma2008");
+                return Err(variant_error(
+                    request,
+                    published.map_or(&[], |p| p.variants),
+                ));
+            }
+        }),
+        _ => {
+            let names: Vec<&str> = methods::PUBLISHED.iter().map(|p| p.name).collect();
+            return Err(Error::Usage {
+                option: "--method",
+                value: request.method.clone(),
+                why: format!("known methods: auto, linear, {}", names.join(", ")),
+            });
+        }
+    };
     if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
             option: "--relative-accuracy",
@@ -135,7 +173,27 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
             why: "a positive number is needed, for example 1.0".to_owned(),
         });
     }
-    Ok(())
+    Ok(method)
+}
+
+fn refuse_variant(request: &IdentifyRequest, known: &[&str]) -> Result<(), Error> {
+    match request.variant {
+        Some(_) => Err(variant_error(request, known)),
+        None => Ok(()),
+    }
+}
+
+fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {
+    let why = if known.is_empty() {
+        format!("method {} has no variants; leave it out", request.method)
+    } else {
+        format!("variants of {}: {}", request.method, known.join(", "))
+    };
+    Error::Usage {
+        option: "--variant",
+        value: request.variant.clone().unwrap_or_default(),
+        why,
+    }
 }
 
 /// Options for reading telemetry that a model asks for.
