@@ -347,18 +347,14 @@ fn solve_both(
         x = linear.solve(&linear_step, &nominal);
         effect = alone(x, &linear, vehicle);
     }
-    let mut chi2 = ratio(
-        linear_step_residual(&rows, &x),
-        effect.linear.residual,
-        &linear,
-        rows.len(),
-    );
+    let left = expected(effect.linear.residual, &effect, &linear, 0);
+    let mut chi2 = linear_step_residual(&rows, &x) / left;
     let mut chi2_segment = shares(
         &readings,
         given.is_some(),
         &rows,
         |r| (r * up(&x)).norm_squared(),
-        effect.linear.residual,
+        left,
     );
     let whole: f64 = rows.iter().map(|r| r.column(4).norm_squared()).sum();
     let mut explained = 1.0 - linear_step_residual(&rows, &x) / whole.max(f64::MIN_POSITIVE);
@@ -405,8 +401,9 @@ fn solve_both(
             effect = both(y, &directions, vehicle);
         }
         let left: f64 = rows.iter().map(|r| (r * up6(&y)).norm_squared()).sum();
-        let expected = effect.angular.residual + inherited(&effect, &linear, &directions);
-        chi2 = chi2.max(ratio(left, expected, &directions, rows.len()));
+        let all = effect.angular.residual + effect.inherited;
+        let expected = expected(all, &effect, &directions, 4);
+        chi2 = chi2.max(left / expected);
         let second = shares(
             &readings,
             given.is_some(),
@@ -484,15 +481,14 @@ fn believe<const N: usize>(
     before != directions.usable
 }
 
-/// Residual over what the declared noise leaves of it once the directions used are fitted.
-fn ratio<const N: usize>(left: f64, expected: f64, d: &Directions<N>, rows: usize) -> f64 {
-    let fitted = d.usable.iter().filter(|u| **u).count() as f64;
-    let share = 1.0 - fitted / (3 * rows).max(N + 1) as f64;
-    if expected > 0.0 {
-        left / (expected * share)
-    } else {
-        0.0
-    }
+/// What the declared noise leaves as residual: `E ||e||^2` less the part that the fit takes up,
+/// `E ||A dx||^2`; `at` is where the step's directions stand in the covariance.
+fn expected<const N: usize>(all: f64, effect: &Influence, d: &Directions<N>, at: usize) -> f64 {
+    let fitted: f64 = (0..N)
+        .filter(|&j| d.usable[j])
+        .map(|j| d.singular[j] * d.singular[j] * effect.covariance[(at + j, at + j)])
+        .sum();
+    (all - fitted).max(f64::MIN_POSITIVE)
 }
 
 /// Residual of every segment in expected residuals.
@@ -515,26 +511,6 @@ fn shares<const W: usize>(
             left / (expected * count as f64 / total).max(f64::MIN_POSITIVE)
         })
         .collect()
-}
-
-/// Residual of step 2 that the error of step 1 causes: `tr(Cov_x (C^T C - K^T (B^T B)^-1 K))`.
-fn inherited(effect: &Influence, linear: &Directions<4>, angular: &Directions<6>) -> f64 {
-    let cov = covariance_x(effect, linear);
-    let mut left = effect.inherited;
-    for j in 0..4 {
-        let column: SVector<f64, 6> = effect.coupling.column(j).into_owned();
-        let moved = angular.in_units(&angular.along(&column));
-        for i in 0..4 {
-            left[(i, j)] += effect.coupling.column(i).dot(&moved);
-        }
-    }
-    (cov * left).trace().max(0.0)
-}
-
-fn covariance_x(effect: &Influence, linear: &Directions<4>) -> SMatrix<f64, 4, 4> {
-    let natural = SMatrix::<f64, 4, 4>::from_diagonal(&SVector::from(linear.natural));
-    let map = natural * linear.V;
-    map * effect.covariance.fixed_view::<4, 4>(0, 0) * map.transpose()
 }
 
 fn paper_tensor(I: &Matrix3) -> [f64; 6] {

@@ -164,8 +164,8 @@ pub struct Influence {
     pub momentum: Vec<(Vector3, Vector3)>,
     /// `B^T C` over all rows: how an error of step 1 enters step 2.
     pub coupling: SMatrix<f64, 6, 4>,
-    /// `C^T C` over all rows.
-    pub inherited: SMatrix<f64, 4, 4>,
+    /// What the error of step 1 adds to `E ||e||^2` of step 2.
+    pub inherited: f64,
 }
 
 /// Both solved steps as the influence needs them.
@@ -240,6 +240,7 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             sum.t1 += t1;
             sum.t2 += t2;
             sum.C += c;
+            sum.own_C += c - rc;
         }
         sum.first = first;
         sum.count = segment.len() as f64;
@@ -257,11 +258,11 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             .map(|s| (s.t1 * x1 * (m_S / s.count), s.t2 * y1 / s.count))
             .collect(),
         coupling: K,
-        inherited,
+        inherited: 0.0,
     };
     let mut effect = DVector::<f64>::zeros(size);
     for (at, (segment, sums)) in setting.segments.iter().zip(&per_segment).enumerate() {
-        let Some((r1, r2, _)) = sums.first else {
+        let Some((r1, r2, rc)) = sums.first else {
             continue;
         };
         let stride = segment.len().div_ceil(FOLLOWED).max(1);
@@ -277,15 +278,20 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
                 (sums.count - 1.0) / followed
             };
             let reading = vehicle.reading(raw);
-            let (A, B) = if opens && known.is_none() {
-                (-sums.A, -sums.B)
+            let (A, B, C) = if opens && known.is_none() {
+                (-sums.A, -sums.B, -sums.own_C)
             } else {
-                let t2 = if two { steps.angular(&reading) } else { r2 };
+                let (t2, c) = if two {
+                    (steps.angular(&reading), steps.slope(&reading) - rc)
+                } else {
+                    (r2, rc)
+                };
                 (
                     (linear_rows(&reading) - r1)
                         .fixed_columns::<4>(0)
                         .into_owned(),
                     (t2 - r2).fixed_columns::<6>(0).into_owned(),
+                    c,
                 )
             };
             // In option 2 the first sample's own error stands in all rows of the segment.
@@ -314,6 +320,7 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
                     let c2 = angular.along(&(B.transpose() * e2 + K * dx));
                     effect.fixed_rows_mut::<6>(4).copy_from(&c2);
                     dy = angular.in_units(&c2);
+                    out.inherited += weight * (2.0 * e2.dot(&(C * dx)) + dx.dot(&(inherited * dx)));
                     own_h = e2;
                 }
                 for (other, s) in per_segment.iter().enumerate() {
@@ -337,6 +344,7 @@ struct SegmentSums {
     A: SMatrix<f64, 3, 4>,
     B: SMatrix<f64, 3, 6>,
     C: SMatrix<f64, 3, 4>,
+    own_C: SMatrix<f64, 3, 4>,
     t1: SMatrix<f64, 3, 5>,
     t2: SMatrix<f64, 3, 7>,
     first: Option<(SMatrix<f64, 3, 5>, SMatrix<f64, 3, 7>, SMatrix<f64, 3, 4>)>,
