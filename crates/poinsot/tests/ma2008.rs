@@ -64,7 +64,7 @@ fn exact_both_trajectories_all_options_both_bases() {
                     e = e.moving(40);
                 }
                 e.velocity = [0.02 + orbital, -0.01, 0.005];
-                let Run { raws, known } = e.run();
+                let Run { raws, known, .. } = e.run();
                 let samples = vec![readings(&e.model, &raws)];
                 for option in [Some(known), None] {
                     let found = error(&two_step(&samples, option), &base);
@@ -369,7 +369,7 @@ fn stat_sigmas_are_calibrated() {
     let e = Experiment::new(1, [1.0, 2.0, 5.0])
         .with_base(unsymmetric())
         .moving(30);
-    let Run { raws, known } = e.run();
+    let Run { raws, known, .. } = e.run();
     let truth = e.truth();
     for variant in [Variant::KnownMomentum, Variant::UnknownMomentum] {
         let mut model = e.model.clone();
@@ -449,7 +449,7 @@ fn prop_what_motion_does_not_show_is_open() {
     assert_eq!(answer.identifiability.rank, 0);
     assert!(!answer.identifiability.open.is_empty());
     // At zero momentum with the arm stopped nothing moves either.
-    let Run { raws, known } = still.run();
+    let Run { raws, known, .. } = still.run();
     assert!(raws.iter().all(|r| r.w_NB_B.norm() < 1.0e-12));
     let mut model = still.model.clone();
     model.momentum.linear = MomentumKnowledge::Known(known.p_C_N);
@@ -459,7 +459,7 @@ fn prop_what_motion_does_not_show_is_open() {
     // Known linear momentum without spin: the mass alone.
     let mut drifting = Experiment::new(1, [0.0; 3]);
     drifting.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known } = drifting.run();
+    let Run { raws, known, .. } = drifting.run();
     let mut model = drifting.model.clone();
     model.momentum.linear = MomentumKnowledge::Known(known.p_C_N);
     model.momentum.angular = MomentumKnowledge::Known(known.h_C_N);
@@ -506,7 +506,7 @@ fn prop_what_motion_does_not_show_is_open() {
 fn prop_momentum_in_the_wrong_frame_is_rejected() {
     let mut e = Experiment::new(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
     e.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known } = e.run();
+    let Run { raws, known, .. } = e.run();
     let turned = raws[0].R_NB.inverse();
     let wrong = [
         (known.p_C_N, turned * Vector3::x() * known.h_C_N.norm()),

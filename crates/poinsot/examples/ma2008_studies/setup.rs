@@ -83,6 +83,8 @@ pub fn equally_spaced(knots: &[(f64, [f64; 6])], n: usize) -> Vec<f64> {
 pub struct Run {
     /// Samples.
     pub raws: Vec<Raw>,
+    /// Positions of the base origin, in N, m.
+    pub positions: Vec<Vector3>,
     /// Momentum at the first sample.
     pub known: Known,
 }
@@ -176,6 +178,7 @@ impl Experiment {
         let mut times = vec![0.0];
         times.extend(&self.times);
         let mut raws = Vec::new();
+        let mut positions = Vec::new();
         let mut known = None;
         vehicle
             .run(&start, &times, |s| {
@@ -183,6 +186,7 @@ impl Experiment {
                     p_C_N: s.l_S_N,
                     h_C_N: s.h_SScm_N,
                 });
+                positions.push(s.p_NoBo_N);
                 raws.push(Raw {
                     R_NB: s.R_NB,
                     v_NBo_N: s.v_NBo_N,
@@ -198,8 +202,10 @@ impl Experiment {
             })
             .expect("the motion can be computed");
         raws.remove(0);
+        positions.remove(0);
         Run {
             raws,
+            positions,
             known: known.expect("a first sample"),
         }
     }

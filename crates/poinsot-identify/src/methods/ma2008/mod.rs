@@ -37,13 +37,16 @@ mod answer;
 mod arm;
 pub mod bounds;
 mod influence;
+mod lanes;
 pub mod printed;
 mod solve;
+mod trials;
 
 pub use answer::{Ma2008Error, Variant, identify};
 pub use arm::{Arm, Raw, Vehicle};
 pub use influence::{Influence, Source as NoiseSource, influence};
 pub use solve::{Step, solve};
+pub use trials::{Results, Trials};
 
 use nalgebra::SMatrix;
 use poinsot_spatial::{Matrix3, Vector3, skew};
