@@ -115,16 +115,37 @@ pub fn run() {
         "6. the momentum may be unknown, at a price in noise; 7. mass and mass centre less sensitive; 8. 3 % noise (median errors, 3 % of each maximum)"
     );
     for n in [1, 2] {
-        let e = example(n);
-        let (a, b) = (median(&e, 0.03, true), median(&e, 0.03, false));
-        println!(
-            "   example {n}: option 1 mass {}, mass centre {:.4} m, inertia {}; option 2 mass {}, mass centre {:.4} m, inertia {}",
-            percent(a[0]),
-            a[1],
-            percent(a[2]),
-            percent(b[0]),
-            b[1],
-            percent(b[2])
-        );
+        for (start, velocity) in [
+            ("base origin at rest", [0.0; 3]),
+            ("drifting at 0.02 m/s", [0.02, -0.01, 0.005]),
+            (
+                "orbital velocity 7500 m/s, noise without it",
+                [7500.0, 0.0, 0.0],
+            ),
+        ] {
+            let mut e = example(n);
+            let slow = e.run();
+            e.velocity = velocity;
+            let run = e.run();
+            let of = if velocity[0] > 1.0 { &slow } else { &run };
+            let sigma = Sigma::of(of, 0.03, Scaling::Component);
+            let mut line = format!("   example {n}, {start}:");
+            for known in [true, false] {
+                let found = trials(&e, &run, sigma, known, SEEDS);
+                let q = |k| quantile(&found, k, 0.5);
+                let b = cramer_rao(&e, &run, sigma, known);
+                line += &format!(
+                    " option {}: mass {} (bound {}), mass centre {:.4} m ({:.4}), inertia {} ({});",
+                    if known { 1 } else { 2 },
+                    percent(q(0)),
+                    percent(b[0]),
+                    q(1),
+                    b[1],
+                    percent(q(2)),
+                    percent(b[2])
+                );
+            }
+            println!("{line}");
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! Noisy trials of the two steps and of the linear rung on the same draws.
 
 use crate::setup::{Experiment, Run, readings};
+use nalgebra::DMatrix;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::ma2008::{Known, Raw, Reading, two_step};
+use poinsot_identify::methods::ma2008::{Known, Raw, Reading, angular_rows, linear_rows, two_step};
 use poinsot_identify::{Estimate, LinearProblem, Noise, Samples, Segment, Translation, linear};
 use poinsot_model::{Model, MomentumKnowledge};
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Matrix6, Vector3, Vector6};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -128,7 +129,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             w_NB_B: raws.iter().map(|r| r.w_NB_B).collect(),
             translation: Some(Translation {
                 v_NBo_N: raws.iter().map(|r| r.v_NBo_N).collect(),
-                p_NoBo_N: run.positions.clone(),
+                p_NoBo_N: run.positions.iter().map(|p| p - run.positions[0]).collect(),
             }),
             joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
             joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
@@ -155,8 +156,8 @@ pub fn noise(sigma: Sigma, seen: f64) -> Noise {
     }
 }
 
-/// The linear rung on one draw; on the exact samples with the truth as nominal its sigmas are the
-/// Cramer-Rao bound of the linear information.
+/// The linear rung on one draw; it is also given the exact position of the base, which the two steps do
+/// not use.
 pub fn linear_answer(
     experiment: &Experiment,
     run: &Run,
@@ -196,24 +197,112 @@ pub fn properties(e: &Estimate) -> Option<MassProperties> {
     })
 }
 
-/// Cramer-Rao bound as the root-mean-square errors it allows: mass (share), mass centre (m), tensor
-/// (share of its norm).
+/// Cramer-Rao bound of what the two steps see (velocities with noise, attitude and joints exact, no
+/// position), as root-mean-square errors: mass (share), mass centre (m), tensor (share of its norm).
+///
+/// Six equations `g = 0` and six noisy velocities per sample: with `g` differentiated over the unknowns
+/// (`D`) and over the velocities (`S = sum e e^T`), the information is `sum D^T S^-1 D`. Unknown momentum
+/// adds six unknowns.
 pub fn cramer_rao(experiment: &Experiment, run: &Run, sigma: Sigma, known: bool) -> [f64; 3] {
-    let Some(e) = linear_answer(experiment, run, &run.raws, sigma, known, 0.0) else {
-        return [f64::INFINITY; 3];
-    };
     let truth = experiment.truth();
-    let s = |n: &poinsot_identify::Number| n.sigma.unwrap_or(f64::INFINITY);
-    let b = &e.bodies[0];
-    let tensor: f64 = b
-        .inertia
+    let I = &truth.I_BBcm_B;
+    let arm_mass: f64 = experiment.model.bodies[1..]
         .iter()
-        .zip(poinsot_identify::TENSOR)
-        .map(|(n, (i, j))| s(n).powi(2) * if i == j { 1.0 } else { 2.0 })
+        .map(|b| b.nominal.mass)
+        .sum();
+    let c = truth.p_BoBcm_B;
+    let mut theta = vec![
+        arm_mass / truth.mass,
+        c.x,
+        c.y,
+        c.z,
+        I[(0, 0)],
+        I[(1, 1)],
+        I[(2, 2)],
+        I[(0, 1)],
+        I[(0, 2)],
+        I[(1, 2)],
+    ];
+    let mut unit = vec![theta[0], 1.0, 1.0, 1.0];
+    unit.extend([I.norm(); 6]);
+    let momentum = run.known;
+    if !known {
+        theta.extend(
+            (momentum.p_C_N / truth.mass)
+                .iter()
+                .chain(momentum.h_C_N.iter()),
+        );
+        unit.extend([1.0, 1.0, 1.0, I.norm(), I.norm(), I.norm()]);
+    }
+    let n = theta.len();
+    let g = |s: &Reading, t: &[f64]| -> Vector6 {
+        let x1 = Vector5::new(t[0], t[1], t[2], t[3], 1.0);
+        let y1 = Vector7::from_iterator(t[4..10].iter().copied().chain([1.0]));
+        let (P, H) = if known {
+            (momentum.p_C_N * (t[0] / arm_mass), momentum.h_C_N)
+        } else {
+            (
+                Vector3::new(t[10], t[11], t[12]),
+                Vector3::new(t[13], t[14], t[15]),
+            )
+        };
+        let l = linear_rows(s) * x1 - P;
+        let h = angular_rows(s, arm_mass / t[0], &Vector3::new(t[1], t[2], t[3])) * y1 - H;
+        Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+    };
+    let mut information = DMatrix::<f64>::zeros(n, n);
+    for s in readings(&experiment.model, &run.raws) {
+        let mut S = Matrix6::zeros();
+        for k in 0..3 {
+            let mut moved = [s; 4];
+            let dv = s.R_NB.transpose().column(k) * sigma.v[k];
+            moved[0].v_NBo_B += dv;
+            moved[1].v_NBo_B -= dv;
+            moved[2].w_NB_B[k] += sigma.w[k];
+            moved[3].w_NB_B[k] -= sigma.w[k];
+            for pair in moved.chunks_exact(2) {
+                let e = (g(&pair[0], &theta) - g(&pair[1], &theta)) * 0.5;
+                S += e * e.transpose();
+            }
+        }
+        let mut D = DMatrix::<f64>::zeros(6, n);
+        for j in 0..n {
+            let (mut a, mut b) = (theta.clone(), theta.clone());
+            a[j] += 1.0e-5 * unit[j];
+            b[j] -= 1.0e-5 * unit[j];
+            let slope = (g(&s, &a) - g(&s, &b)) / 2.0e-5;
+            D.column_mut(j).copy_from(&slope);
+        }
+        let Some(inverse) = S.try_inverse() else {
+            return [f64::INFINITY; 3];
+        };
+        information += D.transpose() * inverse * &D;
+    }
+    let eigen = information.symmetric_eigen();
+    let most = eigen.eigenvalues.max();
+    let variance = |i: usize| -> f64 {
+        (0..n)
+            .map(|j| {
+                let (v, l) = (eigen.eigenvectors[(i, j)].powi(2), eigen.eigenvalues[j]);
+                if l > 1.0e-11 * most {
+                    v / l
+                } else if v > 1.0e-9 {
+                    f64::INFINITY
+                } else {
+                    0.0
+                }
+            })
+            .sum()
+    };
+    let tensor: f64 = (4..10)
+        .map(|i| variance(i) * if i < 7 { 1.0 } else { 2.0 })
         .sum();
     [
-        s(&b.mass) / truth.mass,
-        b.com.iter().map(|n| s(n).powi(2)).sum::<f64>().sqrt(),
-        tensor.sqrt() / truth.I_BBcm_B.norm(),
+        variance(0).sqrt(),
+        (1..4).map(variance).sum::<f64>().sqrt(),
+        tensor.sqrt(),
     ]
 }
+
+type Vector5 = nalgebra::SVector<f64, 5>;
+type Vector7 = nalgebra::SVector<f64, 7>;

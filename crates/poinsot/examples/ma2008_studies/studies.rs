@@ -4,9 +4,7 @@ use crate::figure::{Panel, Series, svg};
 use crate::monte::*;
 use crate::setup::{Experiment, Run, readings, unsymmetric};
 use poinsot_identify::methods::ma2008::bounds::{angular_error, bound, linear_error, sizes};
-use poinsot_identify::methods::ma2008::{
-    Reading, angular_rows, differences, two_step,
-};
+use poinsot_identify::methods::ma2008::{Reading, angular_rows, differences, two_step};
 use poinsot_spatial::Vector3;
 use std::fmt::Write;
 use std::path::Path;
@@ -328,11 +326,18 @@ pub fn compare(out: &Path) {
             ));
             println!("{motion}, {samples} samples, spin {spin} deg/s");
             for (name, r, complete) in rows {
+                let shown = |x: f64, scale: f64| {
+                    if (0.0..1.0).contains(&x) {
+                        format!("{:10.3}", scale * x)
+                    } else {
+                        "      open".to_owned()
+                    }
+                };
                 println!(
-                    "  {name:26} {:10.3} % {:10.2} mm {:10.3} %{}",
-                    100.0 * r[0],
-                    1000.0 * r[1],
-                    100.0 * r[2],
+                    "  {name:26} {} % {} mm {} %{}",
+                    shown(r[0], 100.0),
+                    shown(r[1], 1000.0),
+                    shown(r[2], 100.0),
                     if complete == 0 {
                         String::new()
                     } else {
@@ -517,16 +522,15 @@ pub fn exact() {
                     let e = errors(ma2008(&samples, known), &e.truth());
                     e[..3].iter().copied().fold(0.0, f64::max)
                 };
-                let printed: Vec<String> =
-                    [PrintedAxes::Body, PrintedAxes::Mixed, PrintedAxes::Inertial]
-                        .iter()
-                        .map(|a| {
-                            two_step_printed(&samples, *a)
-                                .map_or("-".to_owned(), |p| format!("{:.2}", p.mass()))
-                        })
-                        .collect();
+                let printed: Vec<String> = [PrintedAxes::Body, PrintedAxes::Inertial]
+                    .iter()
+                    .map(|a| {
+                        two_step_printed(&samples, *a)
+                            .map_or("-".to_owned(), |p| format!("{:.2}", p.mass()))
+                    })
+                    .collect();
                 println!(
-                    "{name}, trajectory {trajectory}, spin {spin:?} deg/s, orbital velocity {orbit} m/s: worst error option 1 {:.1e}, option 2 {:.1e}; option 2 as printed gives {} kg (velocities in B, mixed, N)",
+                    "{name}, trajectory {trajectory}, spin {spin:?} deg/s, orbital velocity {orbit} m/s: worst error option 1 {:.1e}, option 2 {:.1e}; option 2 as printed gives {} kg (read in body axes, in N)",
                     worst(Some(run.known)),
                     worst(None),
                     printed.join(", ")

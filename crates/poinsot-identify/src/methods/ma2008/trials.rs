@@ -4,11 +4,12 @@
 //! step 2 by normal equations, whose sums fit in registers (the conditions met here, 4 to 1000, leave ten
 //! and more digits). Trial t is lane `t % 8` of group `t / 8`; group g takes ChaCha8 stream g, so a trial
 //! does not depend on how many others run.
+#![allow(clippy::needless_range_loop)]
 
-use super::lanes::{LANES, V, normals, solve};
+use super::lanes::{LANES, PAIR, V, normals, solve};
 use super::{Known, Reading};
-use pulp::Arch;
-use rand::SeedableRng;
+use pulp::{Arch, Simd, WithSimd};
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// The ten numbers of eight trials: mass kg, mass centre m, tensor `y` of the paper kg m2.
@@ -37,6 +38,27 @@ struct Fixed {
     /// Known momentum in base axes.
     p: [f64; 3],
     h: [f64; 3],
+}
+
+/// One group of trials, compiled for every instruction set that the machine may have.
+struct Group<'a> {
+    trials: &'a Trials,
+    bytes: &'a [u8],
+    noisy: &'a mut [[V; 6]],
+}
+
+impl WithSimd for Group<'_> {
+    type Output = Results;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Results {
+        self.trials.draw(self.bytes, self.noisy);
+        if self.trials.known {
+            self.trials.option1(self.noisy)
+        } else {
+            self.trials.option2(self.noisy)
+        }
+    }
 }
 
 impl Trials {
@@ -79,37 +101,32 @@ impl Trials {
     /// Runs the groups of eight trials in `groups` and hands each to `sink`.
     pub fn run(&self, seed: u64, groups: std::ops::Range<u64>, mut sink: impl FnMut(&Results)) {
         let mut noisy = vec![[V::ZERO; 6]; self.samples.len()];
+        let mut bytes = vec![0_u8; 3 * PAIR * self.samples.len()];
         let base = ChaCha8Rng::seed_from_u64(seed);
         let arch = Arch::new();
         for group in groups {
             let mut rng = base.clone();
             rng.set_stream(group);
-            arch.dispatch(
-                #[inline(always)]
-                || self.draw(&mut rng, &mut noisy),
-            );
-            let result = arch.dispatch(
-                #[inline(always)]
-                || {
-                    if self.known {
-                        self.option1(&noisy)
-                    } else {
-                        self.option2(&noisy)
-                    }
-                },
-            );
+            rng.fill_bytes(&mut bytes);
+            let result = arch.dispatch(Group {
+                trials: self,
+                bytes: &bytes,
+                noisy: &mut noisy,
+            });
             sink(&result);
         }
     }
 
     /// Velocities with noise: six normal numbers per sample and lane.
     #[inline(always)]
-    fn draw(&self, rng: &mut ChaCha8Rng, noisy: &mut [[V; 6]]) {
-        for (s, out) in self.samples.iter().zip(noisy) {
+    fn draw(&self, bytes: &[u8], noisy: &mut [[V; 6]]) {
+        let pairs = bytes.as_chunks::<PAIR>().0;
+        for at in 0..self.samples.len() {
+            let (s, out) = (&self.samples[at], &mut noisy[at]);
             for k in 0..3 {
-                let (a, b) = normals(rng);
-                out[k] = V::all(s.v[k]) + a * V::all(self.sigma_v[k]);
-                out[3 + k] = V::all(s.w[k]) + b * V::all(self.sigma_w[k]);
+                let (a, b) = normals(&pairs[3 * at + k]);
+                out[k] = V::all(s.v[k]).plus(a, V::all(self.sigma_v[k]));
+                out[3 + k] = V::all(s.w[k]).plus(b, V::all(self.sigma_w[k]));
             }
         }
     }
@@ -122,16 +139,19 @@ impl Trials {
         let mut W = [V::ZERO; 6];
         let (mut aa, mut ab) = (V::ZERO, V::ZERO);
         let (mut Oa, mut Ob) = ([V::ZERO; 3], [V::ZERO; 3]);
-        for (s, noisy) in self.samples.iter().zip(noisy) {
+        for k in 0..self.samples.len() {
+            let (s, noisy) = (&self.samples[k], &noisy[k]);
             let (v, w) = (
                 [noisy[0], noisy[1], noisy[2]],
                 [noisy[3], noisy[4], noisy[5]],
             );
             let wr = cross_fixed(&w, &s.rho);
-            let a: [V; 3] =
-                std::array::from_fn(|i| v[i] + wr[i] + V::all(s.u[i] - s.p[i] * inverse));
-            aa = aa + dot(&a, &a);
-            ab = ab + dot(&a, &v);
+            let mut a = wr;
+            for i in 0..3 {
+                a[i] = a[i] + v[i] + V::all(s.u[i] - s.p[i] * inverse);
+            }
+            aa = add_dot(aa, &a, &a);
+            ab = add_dot(ab, &a, &v);
             let (wa, wv) = (cross(&w, &a), cross(&w, &v));
             for i in 0..3 {
                 Oa[i] = Oa[i] - wa[i];
@@ -154,10 +174,15 @@ impl Trials {
         let c = [x[1], x[2], x[3]];
 
         let mut r = [V::ZERO; 6];
-        for (s, noisy) in self.samples.iter().zip(noisy) {
+        for k in 0..self.samples.len() {
+            let (s, noisy) = (&self.samples[k], &noisy[k]);
             let w = [noisy[3], noisy[4], noisy[5]];
             let g = arm_momentum(s, &w, &c, mu);
-            let y: [V; 3] = std::array::from_fn(|i| V::all(s.h[i]) - g[i]);
+            let y = [
+                V::all(s.h[0]) - g[0],
+                V::all(s.h[1]) - g[1],
+                V::all(s.h[2]) - g[2],
+            ];
             add_tensor_rhs(&mut r, &w, &y);
         }
         let y = solve(tensor_normal(&W), r);
@@ -171,13 +196,17 @@ impl Trials {
         let mut first = [[V::ZERO; 3]; 5];
         let mut N = [[V::ZERO; 4]; 4];
         let mut r = [V::ZERO; 4];
-        for (k, (s, noisy)) in self.samples.iter().zip(noisy).enumerate() {
+        for k in 0..self.samples.len() {
+            let (s, noisy) = (&self.samples[k], &noisy[k]);
             let (v, w) = (
                 [noisy[0], noisy[1], noisy[2]],
                 [noisy[3], noisy[4], noisy[5]],
             );
             let wr = cross_fixed(&w, &s.rho);
-            let a: [V; 3] = std::array::from_fn(|i| v[i] + wr[i] + V::all(s.u[i]));
+            let mut a = wr;
+            for i in 0..3 {
+                a[i] = a[i] + v[i] + V::all(s.u[i]);
+            }
             let z = V::ZERO;
             let mut T = [
                 turn(s, &a),
@@ -190,11 +219,7 @@ impl Trials {
                 first = T;
                 continue;
             }
-            for (t, f) in T.iter_mut().zip(&first) {
-                for i in 0..3 {
-                    t[i] = t[i] - f[i];
-                }
-            }
+            subtract(&mut T, &first);
             accumulate(&mut N, &mut r, &T);
         }
         let x = solve(N, r);
@@ -205,7 +230,8 @@ impl Trials {
         let mut first = [[V::ZERO; 3]; 7];
         let mut N = [[V::ZERO; 6]; 6];
         let mut r = [V::ZERO; 6];
-        for (k, (s, noisy)) in self.samples.iter().zip(noisy).enumerate() {
+        for k in 0..self.samples.len() {
+            let (s, noisy) = (&self.samples[k], &noisy[k]);
             let w = [noisy[3], noisy[4], noisy[5]];
             let g = arm_momentum(s, &w, &c, mu);
             let z = V::ZERO;
@@ -222,11 +248,7 @@ impl Trials {
                 first = T;
                 continue;
             }
-            for (t, f) in T.iter_mut().zip(&first) {
-                for i in 0..3 {
-                    t[i] = t[i] - f[i];
-                }
-            }
+            subtract(&mut T, &first);
             accumulate(&mut N, &mut r, &T);
         }
         let y = solve(N, r);
@@ -244,24 +266,35 @@ fn pack(m: V, c: &[V; 3], y: &[V; 6]) -> Results {
 /// `g = I_R w + h_R + mu (w d.d - d d.w + d x u)`, `d = rho_R - rho_S`, in base axes.
 #[inline(always)]
 fn arm_momentum(s: &Fixed, w: &[V; 3], c: &[V; 3], mu: V) -> [V; 3] {
-    let d: [V; 3] = std::array::from_fn(|i| V::all(s.rho[i]) - c[i]);
+    let d = [
+        V::all(s.rho[0]) - c[0],
+        V::all(s.rho[1]) - c[1],
+        V::all(s.rho[2]) - c[2],
+    ];
     let (dd, dw) = (dot(&d, &d), dot(&d, w));
     let du = cross_fixed(&d, &s.u);
-    std::array::from_fn(|i| {
-        let own = w[0] * V::all(s.I[i][0]) + w[1] * V::all(s.I[i][1]) + w[2] * V::all(s.I[i][2]);
-        own + V::all(s.h_R[i]) + mu * (w[i] * dd - d[i] * dw + du[i])
-    })
+    let mut g = [V::ZERO; 3];
+    for i in 0..3 {
+        let own = add_dot(V::all(s.h_R[i]), w, &all(&s.I[i]));
+        g[i] = own.plus(mu, du[i].plus(w[i], dd).less(d[i], dw));
+    }
+    g
+}
+
+#[inline(always)]
+fn all(a: &[f64; 3]) -> [V; 3] {
+    [V::all(a[0]), V::all(a[1]), V::all(a[2])]
 }
 
 /// Adds `[xx, yy, zz, xy, xz, yz]` of `w w^T`.
 #[inline(always)]
 fn add_outer(W: &mut [V; 6], w: &[V; 3]) {
-    W[0] = W[0] + w[0] * w[0];
-    W[1] = W[1] + w[1] * w[1];
-    W[2] = W[2] + w[2] * w[2];
-    W[3] = W[3] + w[0] * w[1];
-    W[4] = W[4] + w[0] * w[2];
-    W[5] = W[5] + w[1] * w[2];
+    W[0] = W[0].plus(w[0], w[0]);
+    W[1] = W[1].plus(w[1], w[1]);
+    W[2] = W[2].plus(w[2], w[2]);
+    W[3] = W[3].plus(w[0], w[1]);
+    W[4] = W[4].plus(w[0], w[2]);
+    W[5] = W[5].plus(w[1], w[2]);
 }
 
 /// `B^T B` from the sums of `w w^T`, lower triangle.
@@ -282,12 +315,21 @@ fn tensor_normal(W: &[V; 6]) -> [[V; 6]; 6] {
 /// Adds `B^T y`.
 #[inline(always)]
 fn add_tensor_rhs(r: &mut [V; 6], w: &[V; 3], y: &[V; 3]) {
-    r[0] = r[0] + w[0] * y[0];
-    r[1] = r[1] + w[1] * y[1];
-    r[2] = r[2] + w[2] * y[2];
-    r[3] = r[3] + w[1] * y[0] + w[0] * y[1];
-    r[4] = r[4] + w[2] * y[0] + w[0] * y[2];
-    r[5] = r[5] + w[2] * y[1] + w[1] * y[2];
+    r[0] = r[0].plus(w[0], y[0]);
+    r[1] = r[1].plus(w[1], y[1]);
+    r[2] = r[2].plus(w[2], y[2]);
+    r[3] = r[3].plus(w[1], y[0]).plus(w[0], y[1]);
+    r[4] = r[4].plus(w[2], y[0]).plus(w[0], y[2]);
+    r[5] = r[5].plus(w[2], y[1]).plus(w[1], y[2]);
+}
+
+#[inline(always)]
+fn subtract<const W: usize>(T: &mut [[V; 3]; W], first: &[[V; 3]; W]) {
+    for j in 0..W {
+        for i in 0..3 {
+            T[j][i] = T[j][i] - first[j][i];
+        }
+    }
 }
 
 /// Adds three rows `[A | -b]`, given by columns, to `A^T A` (lower triangle) and `A^T b`.
@@ -299,32 +341,41 @@ fn accumulate<const N: usize, const W: usize>(
 ) {
     for i in 0..N {
         for j in 0..=i {
-            normal[i][j] = normal[i][j] + dot(&T[i], &T[j]);
+            normal[i][j] = add_dot(normal[i][j], &T[i], &T[j]);
         }
         rhs[i] = rhs[i] - dot(&T[i], &T[N]);
     }
 }
 
 #[inline(always)]
+fn add_dot(sum: V, a: &[V; 3], b: &[V; 3]) -> V {
+    sum.plus(a[0], b[0]).plus(a[1], b[1]).plus(a[2], b[2])
+}
+
+#[inline(always)]
 fn dot(a: &[V; 3], b: &[V; 3]) -> V {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    (a[0] * b[0]).plus(a[1], b[1]).plus(a[2], b[2])
 }
 
 #[inline(always)]
 fn cross(a: &[V; 3], b: &[V; 3]) -> [V; 3] {
     [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
+        (a[1] * b[2]).less(a[2], b[1]),
+        (a[2] * b[0]).less(a[0], b[2]),
+        (a[0] * b[1]).less(a[1], b[0]),
     ]
 }
 
 #[inline(always)]
 fn cross_fixed(a: &[V; 3], b: &[f64; 3]) -> [V; 3] {
-    cross(a, &b.map(V::all))
+    cross(a, &all(b))
 }
 
 #[inline(always)]
 fn turn(s: &Fixed, a: &[V; 3]) -> [V; 3] {
-    s.R.map(|row| a[0] * V::all(row[0]) + a[1] * V::all(row[1]) + a[2] * V::all(row[2]))
+    [
+        dot(a, &all(&s.R[0])),
+        dot(a, &all(&s.R[1])),
+        dot(a, &all(&s.R[2])),
+    ]
 }
