@@ -74,6 +74,10 @@ impl Axis {
                 10.0_f64.powf(high.log10().ceil()),
             );
         }
+        if !log && high > low {
+            let room = 0.06 * (high - low);
+            (low, high) = (low - room, high + room);
+        }
         if high <= low {
             (low, high) = if log {
                 (low / 10.0, high * 10.0)
@@ -188,6 +192,7 @@ fn one(panel: &Panel) -> String {
             HEIGHT - BOTTOM - 4.0
         );
     }
+    let corner = legend_corner(panel, &x, &y);
     for (k, s) in panel.series.iter().enumerate() {
         let colour = COLOURS[k % COLOURS.len()];
         let place = |p: &(f64, f64)| format!("{:.1},{:.1}", x.at(p.0), y.at(p.1));
@@ -212,7 +217,7 @@ fn one(panel: &Panel) -> String {
             "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"/>",
             line.join(" ")
         );
-        let at = TOP + 14.0 + 14.0 * k as f64;
+        let at = corner + 14.0 * k as f64;
         let _ = writeln!(
             out,
             "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"{colour}\" stroke-width=\"2\"/><text x=\"{}\" y=\"{at}\">{}</text>",
@@ -225,6 +230,29 @@ fn one(panel: &Panel) -> String {
         );
     }
     out
+}
+
+/// First line of the legend: at the top, in the middle or at the bottom, where the fewest points are.
+fn legend_corner(panel: &Panel, x: &Axis, y: &Axis) -> f64 {
+    let height = 14.0 * panel.series.len() as f64;
+    let places = [
+        TOP + 14.0,
+        (TOP + HEIGHT - BOTTOM - height) / 2.0 + 14.0,
+        HEIGHT - BOTTOM - height,
+    ];
+    let crowd = |top: f64| {
+        panel
+            .series
+            .iter()
+            .flat_map(|s| &s.points)
+            .filter(|p| x.at(p.0) < LEFT + 180.0)
+            .filter(|p| (top - 20.0..top + height).contains(&y.at(p.1)))
+            .count()
+    };
+    places
+        .into_iter()
+        .min_by_key(|top| crowd(*top))
+        .unwrap_or(TOP + 14.0)
 }
 
 fn short(x: f64) -> String {

@@ -278,13 +278,18 @@ pub fn cramer_rao(experiment: &Experiment, run: &Run, sigma: Sigma, known: bool)
         };
         information += D.transpose() * inverse * &D;
     }
+    // Equal diagonals first: with orbital velocity the columns differ by many powers of ten.
+    let size: Vec<f64> = (0..n)
+        .map(|i| information[(i, i)].sqrt().max(f64::MIN_POSITIVE))
+        .collect();
+    let information = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / (size[i] * size[j]));
     let eigen = information.symmetric_eigen();
     let most = eigen.eigenvalues.max();
     let variance = |i: usize| -> f64 {
         (0..n)
             .map(|j| {
                 let (v, l) = (eigen.eigenvectors[(i, j)].powi(2), eigen.eigenvalues[j]);
-                if l > 1.0e-11 * most {
+                if l > 1.0e-13 * most {
                     v / l
                 } else if v > 1.0e-9 {
                     f64::INFINITY
@@ -292,7 +297,8 @@ pub fn cramer_rao(experiment: &Experiment, run: &Run, sigma: Sigma, known: bool)
                     0.0
                 }
             })
-            .sum()
+            .sum::<f64>()
+            / (size[i] * size[i])
     };
     let tensor: f64 = (4..10)
         .map(|i| variance(i) * if i < 7 { 1.0 } else { 2.0 })

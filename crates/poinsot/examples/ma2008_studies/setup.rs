@@ -1,4 +1,5 @@
 //! The Table 1 system of Ma, Dang and Pham 2008 with both trajectories, shared by studies and tests.
+#![allow(clippy::expect_used)]
 
 use poinsot_dynamics::{JointMotion, Plan, Prescribed, Start, StartVelocity, Tolerance, Tree};
 use poinsot_identify::methods::ma2008::{Known, Raw, Reading, Vehicle};
@@ -13,7 +14,7 @@ pub fn examples() -> PathBuf {
 
 /// The Table 1 system with its true numbers.
 pub fn table1() -> Model {
-    read_model(&examples().join("cases/ma2008_truth.toml")).expect("the shipped model is readable")
+    read_model(examples().join("cases/ma2008_truth.toml")).expect("the shipped model is readable")
 }
 
 /// A base that hides nothing: offset mass centre, full tensor.

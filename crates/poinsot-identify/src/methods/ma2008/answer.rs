@@ -156,7 +156,7 @@ pub fn identify(problem: &LinearProblem, variant: Variant) -> Result<Estimate, M
 
 fn check(problem: &LinearProblem, variant: Variant) -> Result<Option<Known>, Ma2008Error> {
     let model = problem.model;
-    for body in model.bodies.iter().skip(1).filter(|b| b.estimate.any()) {
+    if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
         let body = body.name.clone();
         return Err(Ma2008Error::UnknownArm { body });
     }
@@ -472,10 +472,10 @@ fn believe<const N: usize>(
     accuracy: f64,
 ) -> bool {
     let before = directions.usable;
-    for j in 0..N {
+    for (j, variance) in variance.iter().enumerate() {
         let v = SVector::<f64, N>::from_fn(|i, _| directions.V[(i, j)] * directions.natural[i]);
         let noise = (regressor * v).dot(&v);
-        directions.usable[j] &= variance[j].sqrt() < accuracy
+        directions.usable[j] &= variance.sqrt() < accuracy
             && noise <= NOISE_SHARE * directions.singular[j] * directions.singular[j];
     }
     before != directions.usable

@@ -61,8 +61,8 @@ pub fn solve<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> Ste
         // The triangle itself is the accurate way where nothing is lost.
         x = triangle.solve_upper_triangular(&rhs).unwrap_or(x);
     } else {
-        for k in 0..structural_rank {
-            x += V.column(k) * (U.column(k).dot(&rhs) / singular[k]);
+        for (k, s) in singular.iter().enumerate().take(structural_rank) {
+            x += V.column(k) * (U.column(k).dot(&rhs) / s);
         }
     }
     let residual = (triangle * x - rhs).norm_squared() + r[(N, N)] * r[(N, N)];
