@@ -22,6 +22,10 @@ pub enum Verb {
     Identify(Identify),
     /// Simulate a case: prescribed joint motion, wheels, thrusters, sensors with noise.
     Simulate(Simulate),
+    /// Say how accurate a planned manoeuvre will be, before it is flown (Cramer-Rao bound).
+    ///
+    /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
+    Predict(Predict),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
     Inspect(Inspect),
     /// Check a model file and say what it describes.
@@ -40,13 +44,15 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
-    /// Method: auto, linear; published methods: ma2008.
+    /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published methods:
+    /// ma2008.
     #[arg(long, default_value = "auto")]
     pub method: String,
-    /// Variant of a published method; ma2008: unknown-momentum (default), known-momentum.
+    /// Variant of a method. Of maximum likelihood: gaussian (default), huber, student_t, the loss of a
+    /// reading. Of ma2008: unknown-momentum (default), known-momentum.
     #[arg(long)]
     pub variant: Option<String>,
-    /// File whose [telemetry] table replaces that of the model.
+    /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
     /// Folder for estimate.json; made if it is not there.
@@ -82,12 +88,25 @@ pub struct Simulate {
     pub quiet: bool,
 }
 
+/// Arguments of `predict`.
+#[derive(Debug, Args)]
+pub struct Predict {
+    /// Case (TOML, poinsot.case/1); the numbers of its model are taken as the truth.
+    pub case: PathBuf,
+    /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
+    #[arg(long, default_value_t = 1.0)]
+    pub relative_accuracy: f64,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
 pub struct Inspect {
     /// Telemetry (CSV or Parquet); files of one segment joined by commas.
     pub telemetry: String,
-    /// File with a [telemetry] table: columns that are not standard names, rows to keep.
+    /// File with a `[telemetry]` table: columns that are not standard names, rows to keep.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
     /// Print as JSON.

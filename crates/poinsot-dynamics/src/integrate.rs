@@ -156,10 +156,9 @@ impl DormandPrince {
             }
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
-            let error = self.attempt(flow, t, h, y)?;
-            if !error.is_finite() {
-                return Err(Halt::NotFinite { time: t });
-            }
+            // A step that leaves the finite numbers was too long.
+            let error = Some(self.attempt(flow, t, h, y)?).filter(|e| e.is_finite());
+            let error = error.unwrap_or(f64::INFINITY);
             // The standard controller of Hairer, Norsett, Wanner (1993), eq. II.4.13.
             let factor = (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, 5.0);
             if error <= 1.0 {
@@ -175,7 +174,13 @@ impl DormandPrince {
             } else {
                 self.step = h * factor.min(0.9);
                 if t + self.step * 1e-3 <= t {
-                    return Err(Halt::StepTooSmall { time: t });
+                    let finite = y.iter().all(|y| y.is_finite());
+                    let time = t;
+                    return Err(if finite {
+                        Halt::StepTooSmall { time }
+                    } else {
+                        Halt::NotFinite { time }
+                    });
                 }
             }
         }
@@ -262,6 +267,9 @@ mod tests {
             fn project(&self, _: &mut [f64]) {}
         }
         let mut rk = DormandPrince::new(vec![1.0], Tolerance::default());
-        assert!(rk.advance(&mut Escape, 0.0, 2.0, &mut [1.0]).is_err());
+        let halted = rk.advance(&mut Escape, 0.0, 2.0, &mut [1.0]);
+        assert!(matches!(halted, Err(Halt::StepTooSmall { time }) if (time - 1.0).abs() < 1e-6));
+        let halted = rk.advance(&mut Escape, 0.0, 2.0, &mut [f64::NAN]);
+        assert!(matches!(halted, Err(Halt::NotFinite { .. })));
     }
 }

@@ -1,6 +1,6 @@
 //! Where every body is and how it moves, seen from the base.
 
-use crate::tree::{Motion, Tree};
+use crate::tree::{Motion, Tree, product};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Placement and velocity of every body, all in base axes. Scratch: filled by
@@ -35,14 +35,17 @@ impl Kinematics {
     #[inline]
     pub fn place(&mut self, tree: &Tree, q: &[f64]) {
         for (i, link) in tree.links.iter().enumerate().skip(1) {
-            let (R_BP, p_BoPo) = (self.R[link.parent], self.p[link.parent]);
-            let (R_PC, p_PoCo_P) = match link.motion {
-                Motion::Revolute(k) => (link.rotation(q[k]), link.p_PoCo_P),
-                Motion::Prismatic(k) => (link.R_PC_zero, link.p_PoCo_P + link.axis_P * q[k]),
-                Motion::Fixed | Motion::Free => (link.R_PC_zero, link.p_PoCo_P),
+            let (R_BP, p_BoPo) = (&self.R[link.parent], &self.p[link.parent]);
+            let (R_BC, p_PoCo_P) = match link.motion {
+                Motion::Revolute(k) => (link.turned(R_BP, q[k]), link.p_PoCo_P),
+                Motion::Prismatic(k) => (
+                    product(R_BP, &link.R_PC_zero),
+                    link.p_PoCo_P + link.axis_P * q[k],
+                ),
+                Motion::Fixed | Motion::Free => (product(R_BP, &link.R_PC_zero), link.p_PoCo_P),
             };
-            self.R[i] = R_BP * R_PC;
             self.p[i] = p_BoPo + R_BP * p_PoCo_P;
+            self.R[i] = R_BC;
         }
     }
 
@@ -58,8 +61,8 @@ impl Kinematics {
             let mut v_C = self.v[parent] + w_P.cross(&(self.p[i] - self.p[parent]));
             let mut w_C = w_P;
             match link.motion {
-                Motion::Revolute(k) => w_C += self.R[parent] * (link.axis_P * rates[k]),
-                Motion::Prismatic(k) => v_C += self.R[parent] * (link.axis_P * rates[k]),
+                Motion::Revolute(k) => w_C += link.axis_B(&self.R[i]) * rates[k],
+                Motion::Prismatic(k) => v_C += link.axis_B(&self.R[i]) * rates[k],
                 Motion::Fixed | Motion::Free => {}
             }
             self.v[i] = v_C;

@@ -15,6 +15,7 @@ mod plan;
 mod prescribed;
 mod regressor;
 mod sensors;
+mod stage;
 mod thrust;
 mod tree;
 mod wheel_motion;

@@ -5,6 +5,7 @@ use crate::tree::Tree;
 use nalgebra::Quaternion;
 use poinsot_model::{Nuisance, Sensor, SensorKind};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -27,6 +28,8 @@ pub struct Instrument {
     noise: Option<Matrix3>,
     quantisation: f64,
     bias: Vec<f64>,
+    /// Where the steps of a rounding sensor lie, one per channel, in steps.
+    phase: Vec<f64>,
     rng: ChaCha8Rng,
     last_velocity: Option<Vector3>,
 }
@@ -62,9 +65,18 @@ impl Instrument {
             R_BS: (sensor.R_BS != Matrix3::identity()).then_some(sensor.R_BS),
             noise: sensor.noise_covariance.as_ref().map(square_root),
             quantisation: sensor.quantisation,
+            phase: vec![0.0; channels],
             bias,
             rng,
             last_velocity: None,
+        }
+    }
+
+    /// Draws where the steps of a rounding sensor lie, which no experimenter knows: without it equal motions
+    /// are rounded alike in every trial, and what is scatter between experiments shows as a bias.
+    pub fn draw_phase(&mut self) {
+        for phase in &mut self.phase {
+            *phase = self.rng.random::<f64>() - 0.5;
         }
     }
 
@@ -76,31 +88,49 @@ impl Instrument {
     /// Replaces `out` with one reading: three numbers, four for an attitude (xyzw), one per joint, wheel
     /// or thruster. Empty for the first velocity increment, which has no beginning.
     pub fn read(&mut self, sample: &MotionSample, out: &mut Vec<f64>) {
-        out.clear();
         match self.kind {
             SensorKind::Attitude => {
-                let q = self.attitude(body_attitude(sample, self.body));
-                out.extend(q.coords.iter());
+                let q = body_attitude(sample, self.body).coords;
+                self.disturb(&[q.x, q.y, q.z, q.w], out);
             }
             kind if kind.is_scalar() => {
                 let truth = scalars(kind, sample);
-                for i in 0..self.of.len() {
-                    let x = truth.get(self.of[i]).copied().unwrap_or(f64::NAN);
-                    let noise = self.noise.map_or(0.0, |root| root[(0, 0)]);
-                    let error = self.bias[i] + noise * normal(&mut self.rng);
-                    out.push(self.round(x + error));
-                }
+                let of = |i: &usize| truth.get(*i).copied().unwrap_or(f64::NAN);
+                let exact: Vec<f64> = self.of.iter().map(of).collect();
+                self.disturb(&exact, out);
             }
             kind => {
                 let mut x = vector_reading(kind, sample, self.body, &self.p_BoS_B);
                 if kind == SensorKind::VelocityIncrement {
                     let Some(last) = self.last_velocity.replace(x) else {
+                        out.clear();
                         return;
                     };
                     x -= last;
                 }
-                out.extend(self.corrupt(x).iter());
+                self.disturb(x.as_slice(), out);
             }
+        }
+    }
+
+    /// Replaces `out` with the reading where a perfect sensor reads `exact`: as many numbers, in one order.
+    pub fn disturb(&mut self, exact: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        match (self.kind, exact) {
+            (SensorKind::Attitude, &[x, y, z, w]) => {
+                let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+                out.extend(self.attitude(q).coords.iter());
+            }
+            (kind, _) if kind.is_scalar() => {
+                for (i, x) in exact.iter().enumerate() {
+                    let noise = self.noise.map_or(0.0, |root| root[(0, 0)]);
+                    let bias = self.bias.get(i).copied().unwrap_or(0.0);
+                    let error = bias + noise * normal(&mut self.rng);
+                    out.push(self.round(x + error, i));
+                }
+            }
+            (_, &[x, y, z]) => out.extend(self.corrupt(Vector3::new(x, y, z)).iter()),
+            _ => {}
         }
     }
 
@@ -108,7 +138,10 @@ impl Instrument {
         let in_body = matches!(self.kind, SensorKind::Gyro | SensorKind::Accelerometer);
         let turn = self.R_BS.filter(|_| in_body);
         let own = turn.map_or(x, |R| R.transpose() * x);
-        let own = (own + self.error()).map(|x| self.round(x));
+        let mut own = own + self.error();
+        for (i, x) in own.iter_mut().enumerate() {
+            *x = self.round(*x, i);
+        }
         turn.map_or(own, |R| R * own)
     }
 
@@ -134,9 +167,10 @@ impl Instrument {
         error
     }
 
-    fn round(&self, x: f64) -> f64 {
+    fn round(&self, x: f64, channel: usize) -> f64 {
         if self.quantisation > 0.0 {
-            (x / self.quantisation).round() * self.quantisation
+            let phase = self.phase.get(channel).copied().unwrap_or(0.0);
+            ((x / self.quantisation + phase).round() - phase) * self.quantisation
         } else {
             x
         }

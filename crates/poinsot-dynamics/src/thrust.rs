@@ -32,10 +32,9 @@ pub struct Nozzle {
 pub fn thrust_levels(firings: &[Firing], within: f64, levels: &mut [f64]) {
     levels.fill(0.0);
     for firing in firings {
-        if firing.on <= within && within < firing.off {
-            if let Some(level) = levels.get_mut(firing.thruster) {
-                *level += firing.force;
-            }
+        let on = firing.on <= within && within < firing.off;
+        if let Some(level) = levels.get_mut(firing.thruster).filter(|_| on) {
+            *level += firing.force;
         }
     }
 }

@@ -16,6 +16,26 @@ pub enum Motion {
     Prismatic(usize),
 }
 
+/// A joint axis that is a coordinate axis of its body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Along {
+    X,
+    Y,
+    Z,
+}
+
+impl Along {
+    fn of(axis: &Vector3) -> Option<Self> {
+        let is = |e: Vector3| *axis == e;
+        match () {
+            () if is(Vector3::x()) => Some(Self::X),
+            () if is(Vector3::y()) => Some(Self::Y),
+            () if is(Vector3::z()) => Some(Self::Z),
+            () => None,
+        }
+    }
+}
+
 /// One body with the joint that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
@@ -33,6 +53,7 @@ pub struct Link {
     pub axis_P: Vector3,
     /// `R_PC_zero [axis]x` and `R_PC_zero [axis]x^2`: with them Rodrigues' formula is two scaled sums.
     rodrigues: [Matrix3; 2],
+    along: Option<Along>,
 }
 
 /// A rotor with the kinematics that matter.
@@ -73,6 +94,7 @@ impl Link {
             axis_C,
             axis_P: R_PC_zero * axis_C,
             rodrigues: [R_PC_zero * k, R_PC_zero * k * k],
+            along: Along::of(&axis_C),
         }
     }
 
@@ -87,12 +109,58 @@ impl Link {
         )
     }
 
-    /// `R_PC` at a joint angle, rad (Rodrigues).
+    /// `R_BC` at a joint angle, rad, where the parent stands at `R_BP`.
     #[inline]
-    pub(crate) fn rotation(&self, angle: f64) -> Matrix3 {
+    pub(crate) fn turned(&self, R_BP: &Matrix3, angle: f64) -> Matrix3 {
         let (sin, cos) = angle.sin_cos();
-        self.R_PC_zero + self.rodrigues[0] * sin + self.rodrigues[1] * (1.0 - cos)
+        match self.along {
+            // About a coordinate axis the turn mixes the two other columns.
+            Some(Along::X) => turn::<1, 2>(product(R_BP, &self.R_PC_zero), sin, cos),
+            Some(Along::Y) => turn::<2, 0>(product(R_BP, &self.R_PC_zero), sin, cos),
+            Some(Along::Z) => turn::<0, 1>(product(R_BP, &self.R_PC_zero), sin, cos),
+            // Rodrigues.
+            None => {
+                let [first, second] = &self.rodrigues;
+                product(R_BP, &(self.R_PC_zero + first * sin + second * (1.0 - cos)))
+            }
+        }
     }
+
+    /// Joint axis in the base where this body stands at `R_BC`.
+    #[inline]
+    pub(crate) fn axis_B(&self, R_BC: &Matrix3) -> Vector3 {
+        match self.along {
+            Some(Along::X) => R_BC.column(0).into_owned(),
+            Some(Along::Y) => R_BC.column(1).into_owned(),
+            Some(Along::Z) => R_BC.column(2).into_owned(),
+            None => R_BC * self.axis_C,
+        }
+    }
+}
+
+/// Columns `I`, `J` turned towards each other: `R` times the turn about the third axis.
+#[inline]
+fn turn<const I: usize, const J: usize>(mut R: Matrix3, sin: f64, cos: f64) -> Matrix3 {
+    for row in 0..3 {
+        let (a, b) = (R[(row, I)], R[(row, J)]);
+        R[(row, I)] = a * cos + b * sin;
+        R[(row, J)] = b * cos - a * sin;
+    }
+    R
+}
+
+/// `A B`, spelled out.
+#[inline]
+pub(crate) fn product(A: &Matrix3, B: &Matrix3) -> Matrix3 {
+    let column = |j| {
+        let (x, y, z) = (B[(0, j)], B[(1, j)], B[(2, j)]);
+        [
+            A.m11 * x + A.m12 * y + A.m13 * z,
+            A.m21 * x + A.m22 * y + A.m23 * z,
+            A.m31 * x + A.m32 * y + A.m33 * z,
+        ]
+    };
+    Matrix3::from([column(0), column(1), column(2)])
 }
 
 impl Tree {
@@ -151,5 +219,29 @@ impl Tree {
     /// Number of joint coordinates.
     pub fn dof(&self) -> usize {
         self.coordinates.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_turn_about_a_coordinate_axis_is_rodrigues() {
+        let tilt = |x, y, z| *nalgebra::Rotation3::new(Vector3::new(x, y, z)).matrix();
+        let (R_BP, R_PC_zero) = (tilt(0.4, -1.1, 0.7), tilt(-0.2, 0.5, 2.1));
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            let link = Link::new(0, Motion::Revolute(0), Vector3::zeros(), R_PC_zero, axis);
+            assert!(link.along.is_some());
+            for k in -20..=20 {
+                let angle = 0.31 * f64::from(k);
+                let turn = *nalgebra::Rotation3::new(axis * angle).matrix();
+                let expected = R_BP * R_PC_zero * turn;
+                let found = link.turned(&R_BP, angle);
+                assert!((found - expected).amax() < 1.0e-15, "{axis} {angle}");
+                let of_axis = link.axis_B(&found) - R_BP * link.axis_P;
+                assert!(of_axis.amax() < 1.0e-15, "{axis} {angle}");
+            }
+        }
     }
 }

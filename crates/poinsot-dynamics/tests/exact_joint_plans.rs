@@ -1,4 +1,5 @@
 //! Joint motions against their separately coded twins.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use poinsot_dynamics::{Fourier, Jet, JointMotion};
 use poinsot_testkit::joint_plans::{ClampedSpline, PlanSample, fourier, quintic_rest};

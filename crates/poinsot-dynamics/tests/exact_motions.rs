@@ -1,5 +1,5 @@
 //! Simulated motions against closed forms.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used, clippy::panic)]
 
 mod setup;
 

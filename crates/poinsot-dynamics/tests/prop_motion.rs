@@ -1,5 +1,5 @@
 //! What every simulated motion must obey, judged by momentum by definition and by differences.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used, clippy::panic)]
 
 mod setup;
 

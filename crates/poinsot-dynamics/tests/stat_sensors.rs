@@ -1,5 +1,5 @@
 //! Sensors at work: declared against found statistics.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used, clippy::panic)]
 
 mod setup;
 

@@ -1,15 +1,15 @@
 //! From the solved system to the answer: numbers, combinations, fit, status.
 
 use crate::answer_body::{Judge, body, covariance_rows, system};
-use crate::answer_momentum::{momentum, nuisances, start_values};
+use crate::answer_momentum::{momentum, nuisances};
 use crate::combination::split;
 use crate::estimate::{
-    BodyEstimate, DeterminedCombination, Estimate, Identifiability, NamedNumber, Number,
-    SegmentFit, Source, Status,
+    BodyEstimate, DeterminedCombination, Estimate, Identifiability, NamedNumber, Number, Source,
+    Status,
 };
-use crate::linear::{LinearProblem, Solved};
 use crate::parameters::Equations;
-use crate::residual;
+use crate::problem::Problem;
+use crate::solved::Solved;
 use crate::words;
 
 /// Chi-square per degree of freedom above which the declared noise cannot be right.
@@ -19,31 +19,42 @@ const REJECT: f64 = 9.0;
 /// Share of the signal that a model must explain not to be rejected then.
 const EXPLAINED: f64 = 0.5;
 
-pub(crate) fn write(problem: &LinearProblem, solved: &Solved) -> Estimate {
-    let chi2 = per_dof(solved.residual);
-    let rejected = chi2 > REJECT && solved.explained.is_some_and(|share| share < EXPLAINED);
-    let judge = Judge::new(solved, chi2.sqrt().max(1.0), rejected);
-    let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
-        .map(|at| body(&judge, solved, at))
-        .collect();
+pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
+    let chi2 = solved.chi2_per_dof();
+    let unexplained = solved.explained.is_some_and(|share| share < EXPLAINED);
+    let not_rigid = solved.not_rigid && chi2 > MISFIT;
+    let answered = |rejected: bool| {
+        let judge = Judge::new(solved, chi2.sqrt().max(1.0), rejected);
+        let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
+            .map(|at| body(&judge, solved, at))
+            .collect();
+        (judge, bodies)
+    };
+    let (judge, bodies) = answered(false);
+    let impossible = bodies
+        .iter()
+        .any(|b| unphysical(b, chi2 > MISFIT || unexplained));
+    let rejected = (chi2 > REJECT && unexplained) || not_rigid || impossible;
+    // What is rejected, and what did not settle, gets no numbers.
+    let (judge, bodies) = if rejected || !solved.settled {
+        answered(true)
+    } else {
+        (judge, bodies)
+    };
     let identifiability = identifiability(problem, solved, &judge);
-    let status = status(&bodies, &identifiability, rejected);
+    let status = status(&bodies, &identifiability, rejected, solved.settled);
     let rows = covariance_rows(&solved.parameters, &bodies, &solved.x);
     let nuisance = nuisances(&judge, solved);
-    let momentum = problem
-        .segments
-        .iter()
-        .zip(&solved.reduced)
-        .map(|(segment, reduced)| momentum(&judge, solved, problem.tree, segment, reduced))
-        .collect();
+    let momentum = solved.starts.iter().map(|s| momentum(&judge, s)).collect();
     let system = (solved.parameters.equations == Equations::Momentum)
         .then(|| whole(problem, solved, &judge))
         .flatten();
     Estimate {
-        method: "linear".to_owned(),
+        method: solved.method.to_owned(),
         variant: None,
         status,
-        warnings: warnings(solved, chi2, rejected, &bodies, &nuisance),
+        iterations: solved.iterations,
+        warnings: warnings(solved, chi2, rejected, impossible, &bodies, &nuisance),
         bodies,
         system,
         momentum,
@@ -52,21 +63,32 @@ pub(crate) fn write(problem: &LinearProblem, solved: &Solved) -> Estimate {
         covariance_units: rows.iter().map(|r| r.1).collect(),
         nuisance,
         identifiability,
-        fit: fit(problem, solved),
-        covariance_trustworthy: chi2 <= MISFIT && !rejected,
+        fit: solved.fit.clone(),
+        covariance_trustworthy: chi2 <= MISFIT && !rejected && solved.settled,
         method_report: Vec::new(),
     }
 }
 
-fn per_dof(residual: (f64, usize)) -> f64 {
-    residual.0 / residual.1.max(1) as f64
+/// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
+/// bad besides.
+fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
+    if !body.asked || body.physically_consistent != Some(false) {
+        return false;
+    }
+    let Some(principal) = &body.principal else {
+        return false;
+    };
+    let [a, b, c] = principal.moments;
+    let violation = (c - a - b).max(-a);
+    let sigma = body
+        .inertia
+        .iter()
+        .filter_map(|n| n.sigma)
+        .fold(0.0, f64::max);
+    bad_fit || violation > 3.0 * sigma
 }
 
-fn whole(
-    problem: &LinearProblem,
-    solved: &Solved,
-    judge: &Judge,
-) -> Option<(BodyEstimate, Vec<f64>)> {
+fn whole(problem: &Problem, solved: &Solved, judge: &Judge) -> Option<(BodyEstimate, Vec<f64>)> {
     let dof = problem.tree.dof();
     let position = problem
         .segments
@@ -78,24 +100,35 @@ fn whole(
     Some((system(judge, solved, problem.tree, &position), position))
 }
 
-fn status(bodies: &[BodyEstimate], found: &Identifiability, rejected: bool) -> Status {
+fn status(
+    bodies: &[BodyEstimate],
+    found: &Identifiability,
+    rejected: bool,
+    settled: bool,
+) -> Status {
     if rejected {
         return Status::Rejected;
     }
+    if !settled {
+        return Status::IterationLimit;
+    }
+    let unphysical = bodies
+        .iter()
+        .any(|b| b.asked && b.physically_consistent == Some(false));
     let open = bodies
         .iter()
         .filter(|b| b.asked)
         .flat_map(|b| std::iter::once(&b.mass).chain(&b.com).chain(&b.inertia))
         .any(|n| n.source == Source::Open);
-    match (found.rank, open) {
+    match (found.rank, open || unphysical) {
         (0, _) => Status::NotIdentifiable,
         (_, true) => Status::Partial,
         (_, false) => Status::Converged,
     }
 }
 
-fn identifiability(problem: &LinearProblem, solved: &Solved, judge: &Judge) -> Identifiability {
-    let spectrum = &solved.spectrum;
+fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identifiability {
+    let spectrum = solved.of_data();
     let m = spectrum.natural.len();
     let combinations = split(
         &spectrum.open_directions(),
@@ -115,7 +148,7 @@ fn identifiability(problem: &LinearProblem, solved: &Solved, judge: &Judge) -> I
                 coefficients: words::named(solved, &gradient),
                 unit: solved.parameters.unknowns[lead].unit,
                 value: c.value(&solved.x),
-                sigma: judge.sigma(&full)?,
+                sigma: judge.sigma_with(&full, 0.0)?,
             })
         })
         .collect();
@@ -123,7 +156,7 @@ fn identifiability(problem: &LinearProblem, solved: &Solved, judge: &Judge) -> I
         parameters: m,
         rank: spectrum.rank,
         structural_rank: spectrum.structural_rank,
-        sigmas_natural: spectrum.sigmas_natural(),
+        sigmas_natural: spectrum.certificate.clone(),
         determined,
         open: words::open_directions(problem, solved),
     }
@@ -151,54 +184,24 @@ fn covariance(
         .collect()
 }
 
-fn fit(problem: &LinearProblem, solved: &Solved) -> Vec<SegmentFit> {
-    let n = solved.parameters.len();
-    let spin: Vec<f64> = problem
-        .model
-        .wheels
-        .iter()
-        .map(|w| w.spin_inertia)
-        .collect();
-    problem
-        .segments
-        .iter()
-        .zip(&solved.reduced)
-        .map(|(segment, reduced)| {
-            let h = reduced.start.columns();
-            let r = &reduced.triangle.r;
-            let left: f64 = (h..r.nrows())
-                .map(|i| {
-                    let predicted: f64 = (0..n).map(|j| r[(i, h + j)] * solved.x[j]).sum();
-                    (r[(i, h + n)] - predicted).powi(2)
-                })
-                .sum();
-            let per_sample = match solved.parameters.equations {
-                Equations::Momentum => 6,
-                Equations::Rotation => 3,
-            };
-            let samples = segment.samples.time_s.len();
-            let start = start_values(solved, reduced);
-            let rms = residual::twist(solved, problem.tree, &spin, segment, start);
-            SegmentFit {
-                label: segment.label.clone(),
-                samples,
-                chi2_per_dof: left / (per_sample * samples - h).max(1) as f64,
-                rms_rate: rms.map(|r| r.rate),
-                rms_velocity: rms.and_then(|r| r.velocity),
-            }
-        })
-        .collect()
-}
-
 fn warnings(
     solved: &Solved,
     chi2: f64,
     rejected: bool,
+    impossible: bool,
     bodies: &[BodyEstimate],
     nuisance: &[NamedNumber],
 ) -> Vec<String> {
-    let mut list = Vec::new();
-    if rejected {
+    let mut list = solved.warnings.clone();
+    if impossible {
+        list.push(format!(
+            "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty (chi-square per degree of freedom {chi2:.1}); check units, signs, wheel axes, external torques"
+        ));
+    } else if rejected && solved.not_rigid {
+        list.push(format!(
+            "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
+        ));
+    } else if rejected {
         let share = 100.0 * solved.explained.unwrap_or(0.0);
         list.push(format!(
             "rigid model rejected: it explains {share:.0} % of the measured change of momentum and misses the rest by {:.0} sigma; check units, signs, wheel axes, external torques",

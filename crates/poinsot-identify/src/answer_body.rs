@@ -1,9 +1,9 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
-use crate::estimate::{BodyEstimate, Number, Principal};
-use crate::linear::Solved;
+use crate::estimate::{BodyEstimate, Number, Principal, Source};
 use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
+use crate::solved::Solved;
 use crate::spectrum::Spectrum;
 use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
@@ -18,6 +18,8 @@ const STIFF: f64 = 1.0e-3;
 /// Judges quantities: determined or open.
 pub(crate) struct Judge<'a> {
     spectrum: &'a Spectrum,
+    /// What the data say without the priors of mass properties.
+    data_alone: Option<&'a Spectrum>,
     /// Unknowns swung along open directions: catches dependence of second order.
     swung: Vec<Vec<f64>>,
     /// Factor on sigma where the residual is larger than declared.
@@ -47,6 +49,7 @@ impl<'a> Judge<'a> {
         };
         Self {
             spectrum,
+            data_alone: solved.data_alone.as_ref(),
             swung,
             inflation,
             rejected,
@@ -76,19 +79,26 @@ impl<'a> Judge<'a> {
         let stiff = |x: &Vec<f64>| (at(x) - quantity.value).abs() <= STIFF * slope;
         match self.spectrum.sigma(used) {
             Some(sigma) if self.swung.iter().all(stiff) => {
-                Number::data(quantity.value, sigma * self.inflation, nominal)
+                let mut number = Number::data(quantity.value, sigma * self.inflation, nominal);
+                if self.data_alone.is_some_and(|d| d.sigma(used).is_none()) {
+                    number.source = Source::Prior;
+                }
+                number
             }
             _ => Number::open(nominal),
         }
     }
 
-    /// Whether a gradient is determined, and its sigma.
-    pub(crate) fn sigma(&self, gradient: &[f64]) -> Option<f64> {
+    /// Sigma of a number with this gradient and a variance of its own; `None` where it is open.
+    pub(crate) fn sigma_with(&self, gradient: &[f64], own: f64) -> Option<f64> {
         if self.rejected {
             return None;
         }
-        let used = &gradient[..self.spectrum.natural.len()];
-        self.spectrum.sigma(used).map(|s| s * self.inflation)
+        let used = gradient
+            .get(..self.spectrum.natural.len())
+            .unwrap_or(gradient);
+        let sigma = self.spectrum.sigma(used)?;
+        Some((sigma * sigma + own).sqrt() * self.inflation)
     }
 }
 
@@ -315,7 +325,7 @@ pub(crate) fn covariance_rows(
     let mut rows = Vec::new();
     for (at, body) in bodies.iter().enumerate() {
         let name = &body.name;
-        let determined = |n: &Number| n.source == crate::estimate::Source::Data;
+        let determined = |n: &Number| matches!(n.source, Source::Data | Source::Prior);
         let ten = (parameters.equations == Equations::Momentum)
             .then(|| TenParameters::of_body(parameters, at, x));
         let unit = |wanted: UnknownKind| -> Vec<f64> {

@@ -1,7 +1,5 @@
 //! The answer: numbers with their sigma and source, and what the data leave open.
 
-use poinsot_spatial::Vector3;
-
 /// How a question was answered. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -209,10 +207,25 @@ pub struct SegmentFit {
     pub samples: usize,
     /// Chi-square per degree of freedom with the declared noise.
     pub chi2_per_dof: f64,
-    /// Root mean square of measured less predicted angular velocity, rad/s; `None` with thrust.
-    pub rms_rate: Option<f64>,
-    /// Root mean square of measured less predicted velocity, m/s; `None` with thrust or without translation.
-    pub rms_velocity: Option<f64>,
+    /// One entry per kind of sensor.
+    pub channels: Vec<ChannelFit>,
+}
+
+/// How well one kind of sensor fits in one segment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelFit {
+    /// Kind: gyro, attitude, velocity, position.
+    pub name: &'static str,
+    /// Unit of the root mean square.
+    pub unit: &'static str,
+    /// Root mean square of measured less predicted, per axis.
+    pub rms: f64,
+    /// Chi-square per number with the declared noise; `None` where the method does not weigh this sensor
+    /// on its own.
+    pub chi2_per_number: Option<f64>,
+    /// Probability of so much correlation in time if the residual were white (Ljung and Box 1978, ten lags
+    /// on each axis).
+    pub whiteness_p: Option<f64>,
 }
 
 /// The answer to one question.
@@ -224,6 +237,8 @@ pub struct Estimate {
     pub variant: Option<String>,
     /// How it ended.
     pub status: Status,
+    /// Iterations taken; one for a closed form.
+    pub iterations: usize,
     /// Bodies in the order of the model.
     pub bodies: Vec<BodyEstimate>,
     /// The whole vehicle at the first sample of the first segment, with the joint positions it holds
@@ -249,9 +264,4 @@ pub struct Estimate {
     pub warnings: Vec<String>,
     /// Numbers of the method itself, in its own terms: what, value, unit.
     pub method_report: Vec<(String, f64, &'static str)>,
-}
-
-/// Components of a vector as an array.
-pub fn array(v: &Vector3) -> [f64; 3] {
-    [v.x, v.y, v.z]
 }

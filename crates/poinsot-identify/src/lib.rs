@@ -1,6 +1,6 @@
 //! Estimators, identifiability and information.
 //!
-//! `LinearProblem` -> [`linear`] -> [`Estimate`]. A question that cannot be asked is an error; what the
+//! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. A question that cannot be asked is an error; what the
 //! data leave open is part of the answer.
 #![allow(non_snake_case)]
 
@@ -8,28 +8,45 @@ mod answer;
 mod answer_body;
 mod answer_momentum;
 mod block_qr;
+mod bound;
 mod combination;
+mod diagnosis;
 mod estimate;
+mod fit;
 mod impulse;
+mod information;
+#[cfg(test)]
+mod information_tests;
+mod likelihood;
 mod linear;
+mod loss;
+mod maximum_likelihood;
 pub mod methods;
+mod motion;
 mod parameters;
+mod prior;
+mod problem;
 mod quantity;
 mod residual;
 mod rows;
 mod segment;
+mod solved;
 mod spectrum;
 mod words;
 
 pub use block_qr::{BlockQr, Triangle};
+pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use estimate::{
-    BodyEstimate, DeterminedCombination, Estimate, Identifiability, MomentumEstimate, NamedNumber,
-    Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
+    NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
-pub use linear::{LinearError, LinearProblem, linear};
+pub use linear::linear;
+pub use loss::Loss;
+pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
-pub use segment::{Firing, Noise, Samples, Segment, Translation};
+pub use problem::{Problem, ProblemError};
+pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

@@ -7,118 +7,85 @@
 
 use crate::answer;
 use crate::block_qr::{BlockQr, Triangle};
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, SegmentFit};
+use crate::fit::fit;
 use crate::impulse;
-use crate::parameters::{Equations, Parameters, ParametersError, UnknownKind};
+use crate::information::Experiment;
+use crate::parameters::{Equations, Parameters};
+use crate::problem::{Problem, ProblemError};
+use crate::quantity::TenParameters;
+use crate::residual;
 use crate::rows::{RowSetting, Rows, StartMomentum};
-use crate::segment::{Noise, Segment};
-use crate::spectrum::{NotFinite, Spectrum};
-use faer::Mat;
-use poinsot_dynamics::{Kinematics, Tree, composite};
-use poinsot_model::{Model, MomentumKnowledge};
-use poinsot_spatial::Vector3;
+use crate::segment::Segment;
+use crate::solved::{Reduced, Shared, Solved, StartOfSegment, VectorQuantity, head};
+use crate::spectrum::Spectrum;
+use poinsot_dynamics::{Kinematics, composite};
+use poinsot_model::MomentumKnowledge;
+use poinsot_spatial::{Vector3, skew};
 use rayon::prelude::*;
 
 /// Samples that one task turns into a triangle; fixed, so that the sum does not depend on the threads.
 const CHUNK: usize = 1024;
+/// Steps towards the best fit before the certificate is taken.
+const CERTIFICATE_STEPS: usize = 8;
 /// Chunks in flight: bounds the memory.
 const WAVE: usize = 32;
 /// Samples per segment at which the noise of the regressor is evaluated.
 const NOISE_SAMPLES: usize = 150;
 
-/// The question.
-pub struct LinearProblem<'a> {
-    /// Vehicle with nominal numbers.
-    pub model: &'a Model,
-    /// Its kinematics.
-    pub tree: &'a Tree,
-    /// Data.
-    pub segments: &'a [Segment],
-    /// Declared noise.
-    pub noise: &'a Noise,
-    /// One-sigma accuracy in natural units that counts as identified (CONTRACT: 1.0).
-    pub relative_accuracy: f64,
-}
-
-/// Why the linear problem has no answer.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LinearError {
-    /// The question cannot be put.
-    #[error(transparent)]
-    Parameters(#[from] ParametersError),
-    /// The numbers overflow.
-    #[error(transparent)]
-    NotFinite(#[from] NotFinite),
-    /// Fewer equations than unknowns.
-    #[error(
-        "E0404 segment '{label}': {samples} samples are not enough; {needed} are needed for {unknowns} unknowns"
-    )]
-    TooFewSamples {
-        /// Segment.
-        label: String,
-        /// Samples found.
-        samples: usize,
-        /// Samples needed.
-        needed: usize,
-        /// Unknowns.
-        unknowns: usize,
-    },
-}
-
-/// One segment reduced: its momentum rows and what is left for the shared unknowns.
-pub(crate) struct Reduced {
-    /// Triangle of `[momentum | unknowns | rhs]`.
-    pub triangle: Triangle,
-    /// What was assumed of its momentum.
-    pub start: StartMomentum,
-}
-
-/// The solved system, before it is put into words.
-pub(crate) struct Solved {
-    pub parameters: Parameters,
-    pub reduced: Vec<Reduced>,
-    /// Triangle of the shared unknowns: nuisances first, then mass properties, right-hand side last.
-    pub shared: Mat<f64>,
-    /// Number of nuisance columns in front.
-    pub nuisances: usize,
-    pub spectrum: Spectrum,
-    /// Values of all unknowns in the order of `parameters`.
-    pub x: Vec<f64>,
-    /// Residual sum of squares of the whitened rows and degrees of freedom.
-    pub residual: (f64, usize),
-    /// Share of the right-hand side that the model explains; `None` where there is none.
-    pub explained: Option<f64>,
-}
-
 /// Identifies by linear least squares.
 ///
 /// # Errors
 /// The question cannot be asked. What the data leave open is an answer, not an error.
-pub fn linear(problem: &LinearProblem) -> Result<Estimate, LinearError> {
-    let first = solve(problem, None)?;
-    let known_spin_needed = needs_mass_centre(problem);
-    let solved = if known_spin_needed {
-        refine_known_momentum(problem, first)?
-    } else {
-        first
-    };
+pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
+    let mut solved = solve_linear(problem)?;
+    let parameters = solved.parameters.clone();
+    let experiment = Experiment::new(problem, &parameters);
+    // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
+    if let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
+        restrict(problem, &mut solved, &fitted.spectrum)?;
+    }
     Ok(answer::write(problem, &solved))
+}
+
+/// Solves again within the directions that the experiment identifies: noise in the regressor can make
+/// others look determined.
+fn restrict(
+    problem: &Problem,
+    solved: &mut Solved,
+    experiment: &Spectrum,
+) -> Result<(), ProblemError> {
+    let own = Spectrum::within(&solved.shared.block(), &solved.regressor_noise, experiment)?;
+    solved.spectrum = own;
+    solved.settle();
+    let (starts, fit) = segments(problem, &solved.parameters, &solved.reduced, &solved.x);
+    solved.starts = starts;
+    solved.fit = fit;
+    Ok(())
+}
+
+/// The linear solution before it is put into words.
+pub(crate) fn solve_linear(problem: &Problem) -> Result<Solved, ProblemError> {
+    problem.check_samples()?;
+    let first = solve(problem, None)?;
+    if needs_mass_centre(problem) {
+        refine_known_momentum(problem, first)
+    } else {
+        Ok(first)
+    }
 }
 
 /// Whether the angular momentum about the mass centre is known while the vehicle drifts: its moment
 /// about the inertial origin then holds the unknown mass centre.
-fn needs_mass_centre(problem: &LinearProblem) -> bool {
+fn needs_mass_centre(problem: &Problem) -> bool {
     matches!(
         (problem.model.momentum.linear, problem.model.momentum.angular),
         (MomentumKnowledge::Known(P), MomentumKnowledge::Known(_)) if P != Vector3::zeros()
-    ) && equations(problem) == Equations::Momentum
+    ) && problem.linear_equations() == Equations::Momentum
 }
 
 /// Fixed point on the mass centre: `H0 = h_cm + p_cm x P0`.
-fn refine_known_momentum(
-    problem: &LinearProblem,
-    mut solved: Solved,
-) -> Result<Solved, LinearError> {
+fn refine_known_momentum(problem: &Problem, mut solved: Solved) -> Result<Solved, ProblemError> {
     for _ in 0..4 {
         let bodies = solved.parameters.bodies(&solved.x);
         let centres: Vec<Vector3> = problem
@@ -138,20 +105,8 @@ fn refine_known_momentum(
     Ok(solved)
 }
 
-pub(crate) fn equations(problem: &LinearProblem) -> Equations {
-    let seen = problem
-        .segments
-        .iter()
-        .all(|s| s.samples.translation.is_some());
-    if seen {
-        Equations::Momentum
-    } else {
-        Equations::Rotation
-    }
-}
-
-fn solve(problem: &LinearProblem, centres: Option<&[Vector3]>) -> Result<Solved, LinearError> {
-    let equations = equations(problem);
+fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solved, ProblemError> {
+    let equations = problem.linear_equations();
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     let parameters = Parameters::new(problem.model, problem.tree, equations, fires)?;
     let wheels = &problem.model.wheels;
@@ -175,14 +130,6 @@ fn solve(problem: &LinearProblem, centres: Option<&[Vector3]>) -> Result<Solved,
     for (at, segment) in problem.segments.iter().enumerate() {
         let start = start_momentum(problem, equations, centres.map(|c| c[at]));
         let samples = segment.samples.time_s.len();
-        if samples < 2 {
-            return Err(LinearError::TooFewSamples {
-                label: segment.label.clone(),
-                samples,
-                needed: 2,
-                unknowns: n + start.columns(),
-            });
-        }
         let triangle = reduce(&setting, problem, segment, start, &mut noise);
         let m = start.columns();
         let tail = triangle.r.nrows() - m;
@@ -193,11 +140,18 @@ fn solve(problem: &LinearProblem, centres: Option<&[Vector3]>) -> Result<Solved,
         } - m;
         reduced.push(Reduced { triangle, start });
     }
-    conclude(problem, parameters, reduced, stacked.finish(), noise, rows)
+    conclude(
+        problem,
+        parameters,
+        reduced,
+        &stacked.finish(),
+        &noise,
+        rows,
+    )
 }
 
 fn start_momentum(
-    problem: &LinearProblem,
+    problem: &Problem,
     equations: Equations,
     centre: Option<Vector3>,
 ) -> StartMomentum {
@@ -222,7 +176,7 @@ fn start_momentum(
 /// QR of the rows of one segment: chunks side by side, folded in their order.
 fn reduce(
     setting: &RowSetting,
-    problem: &LinearProblem,
+    problem: &Problem,
     segment: &Segment,
     start: StartMomentum,
     noise: &mut [f64],
@@ -263,99 +217,207 @@ fn reduce(
 
 /// Spectrum and solution from the stacked triangle.
 fn conclude(
-    problem: &LinearProblem,
+    problem: &Problem,
     parameters: Parameters,
     reduced: Vec<Reduced>,
-    stacked: Triangle,
-    noise: Vec<f64>,
+    stacked: &Triangle,
+    noise: &[f64],
     rows: usize,
-) -> Result<Solved, LinearError> {
+) -> Result<Solved, ProblemError> {
     let n = parameters.len();
-    // Biases are projected out: their columns go first.
-    let is_bias = |k: &usize| matches!(parameters.unknowns[*k].kind, UnknownKind::GyroBias(_));
-    let (front, back): (Vec<usize>, Vec<usize>) = (0..n).partition(is_bias);
-    let nuisances = front.len();
-    let order: Vec<usize> = front.iter().chain(&back).copied().collect();
-    let mut permuted = BlockQr::new(n + 1);
-    permuted.push(n + 1, |i, j| {
-        let column = order.get(j).copied().unwrap_or(n);
-        stacked.r[(i, column)]
-    });
-    let shared = permuted.finish().r;
-    let m = back.len();
-    let block = Mat::from_fn(m, m, |i, j| shared[(nuisances + i, nuisances + j)]);
-    let natural: Vec<f64> = back
-        .iter()
-        .map(|&k| parameters.unknowns[k].natural)
+    let shared = Shared::new(&parameters, stacked);
+    let m = shared.mass;
+    let block = shared.block();
+    let natural: Vec<f64> = parameters.unknowns[..m].iter().map(|u| u.natural).collect();
+    let block_noise: Vec<f64> = (0..m)
+        .flat_map(|i| (0..m).map(move |j| noise[i * n + j]))
         .collect();
-    let block_noise: Vec<f64> = back
-        .iter()
-        .flat_map(|&i| back.iter().map(move |&j| (i, j)))
-        .map(|(i, j)| noise[i * n + j])
-        .collect();
-    let mut spectrum = Spectrum::new(&block, &natural, &block_noise, problem.relative_accuracy)?;
-    let nominal: Vec<f64> = back
-        .iter()
-        .map(|&k| parameters.unknowns[k].nominal)
-        .collect();
-    let rhs: Vec<f64> = (0..m)
-        .map(|i| {
-            let predicted: f64 = (0..m).map(|j| block[(i, j)] * nominal[j]).sum();
-            shared[(nuisances + i, n)] - predicted
-        })
-        .collect();
-    let step = spectrum.solve(&rhs);
-    let mut x = parameters.nominal_vector();
-    for ((&k, dz), unit) in back.iter().zip(&step).zip(&natural) {
-        x[k] += dz * unit;
-    }
-    let z: Vec<f64> = back
-        .iter()
-        .zip(&natural)
-        .map(|(&k, unit)| x[k] / unit)
-        .collect();
-    spectrum.set_bias(&block_noise, &z);
-    back_substitute(&shared, &front, &back, &mut x);
-    let left: f64 = (0..m)
-        .map(|i| {
-            let predicted: f64 = back
-                .iter()
-                .enumerate()
-                .map(|(j, &k)| block[(i, j)] * x[k])
-                .sum();
-            (shared[(nuisances + i, n)] - predicted).powi(2)
-        })
-        .sum::<f64>()
-        + shared[(n, n)].powi(2);
-    let whole: f64 = (nuisances..=n).map(|i| shared[(i, n)].powi(2)).sum();
-    let dof = rows.saturating_sub(spectrum.rank + nuisances);
-    Ok(Solved {
-        explained: (whole > 1.0e-20).then(|| 1.0 - left / whole),
+    let spectrum = Spectrum::new(&block, &natural, &block_noise, problem.relative_accuracy)?;
+    let mut solved = Solved {
+        method: "linear",
+        x: parameters.nominal_vector(),
         parameters,
-        reduced,
         shared,
-        nuisances,
         spectrum,
-        x,
-        residual: (left, dof),
-    })
+        data_alone: None,
+        explained: None,
+        residual: (0.0, rows),
+        rows,
+        starts: Vec::new(),
+        fit: Vec::new(),
+        reduced,
+        iterations: 1,
+        settled: true,
+        warnings: Vec::new(),
+        not_rigid: false,
+        regressor_noise: block_noise,
+    };
+    solved.settle();
+    let (starts, fit) = segments(problem, &solved.parameters, &solved.reduced, &solved.x);
+    solved.starts = starts;
+    solved.fit = fit;
+    Ok(solved)
 }
 
-/// Nuisances from the head of the triangle; one without any signal stays at its nominal value.
-fn back_substitute(shared: &Mat<f64>, front: &[usize], back: &[usize], x: &mut [f64]) {
-    let p = front.len();
-    let n = p + back.len();
-    for i in (0..p).rev() {
-        let mut left = shared[(i, n)];
-        for (j, &k) in front.iter().enumerate().skip(i + 1) {
-            left -= shared[(i, j)] * x[k];
+impl Solved {
+    /// Linear least squares on the shared triangle: only identified directions leave the nominal values.
+    fn settle(&mut self) {
+        let m = self.shared.mass;
+        let block = self.shared.block();
+        let rhs = self.shared.rhs();
+        let left_over = |x: &[f64]| -> Vec<f64> {
+            rhs.iter()
+                .enumerate()
+                .map(|(i, d)| d - (0..m).map(|j| block[(i, j)] * x[j]).sum::<f64>())
+                .collect()
+        };
+        let mut x = self.parameters.nominal_vector();
+        // The second pass takes off the round-off of the first.
+        for _ in 0..2 {
+            let step = self.spectrum.solve(&left_over(&x));
+            for ((value, dz), unit) in x.iter_mut().zip(&step).zip(&self.spectrum.natural) {
+                *value += dz * unit;
+            }
         }
-        for (j, &k) in back.iter().enumerate() {
-            left -= shared[(i, p + j)] * x[k];
+        let z: Vec<f64> = x
+            .iter()
+            .zip(&self.spectrum.natural)
+            .map(|(x, unit)| x / unit)
+            .collect();
+        self.spectrum.set_bias(&self.regressor_noise, &z);
+        let biases = self.shared.nuisances_for(&x[..m]);
+        x[m..].copy_from_slice(&biases);
+        let square = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
+        let (left, whole) = (square(&left_over(&x)), square(&rhs));
+        self.explained = (whole > 1.0e-20).then(|| 1.0 - left / whole);
+        let found = self.spectrum.rank + self.shared.nuisances;
+        self.residual = (left, self.rows.saturating_sub(found));
+        self.x = x;
+    }
+}
+
+/// Momentum and fit of every segment at the answer.
+fn segments(
+    problem: &Problem,
+    parameters: &Parameters,
+    reduced: &[Reduced],
+    x: &[f64],
+) -> (Vec<StartOfSegment>, Vec<SegmentFit>) {
+    let spin: Vec<f64> = problem
+        .model
+        .wheels
+        .iter()
+        .map(|w| w.spin_inertia)
+        .collect();
+    problem
+        .segments
+        .iter()
+        .zip(reduced)
+        .map(|(segment, reduced)| {
+            let (start, values) = start_of(problem, parameters, segment, reduced, x);
+            let channels = residual::twist(parameters, x, problem.tree, &spin, segment, values);
+            let fit = SegmentFit {
+                label: segment.label.clone(),
+                samples: segment.samples.time_s.len(),
+                chi2_per_dof: segment_chi2(parameters, segment, reduced, x),
+                channels,
+            };
+            (start, fit)
+        })
+        .unzip()
+}
+
+fn segment_chi2(parameters: &Parameters, segment: &Segment, reduced: &Reduced, x: &[f64]) -> f64 {
+    let h = reduced.start.columns();
+    let n = parameters.len();
+    let r = &reduced.triangle.r;
+    let left: f64 = (h..r.nrows())
+        .map(|i| {
+            let predicted: f64 = (0..n).map(|j| r[(i, h + j)] * x[j]).sum();
+            (r[(i, h + n)] - predicted).powi(2)
+        })
+        .sum();
+    let per_sample = match parameters.equations {
+        Equations::Momentum => 6,
+        Equations::Rotation => 3,
+    };
+    left / (per_sample * segment.samples.time_s.len())
+        .saturating_sub(h)
+        .max(1) as f64
+}
+
+/// Momentum of a segment, and its values about the inertial origin.
+fn start_of(
+    problem: &Problem,
+    parameters: &Parameters,
+    segment: &Segment,
+    reduced: &Reduced,
+    x: &[f64],
+) -> (StartOfSegment, (Vector3, Vector3)) {
+    let start = &reduced.start;
+    let solution = head(&reduced.triangle.r, start.columns(), x);
+    let pick = |from: usize, known: MomentumKnowledge| match known {
+        MomentumKnowledge::Known(value) => VectorQuantity::known(value, x.len()),
+        MomentumKnowledge::Estimate => {
+            let mean = &solution.mean[from..from + 3];
+            VectorQuantity::of_head(&solution, from, Vector3::from_row_slice(mean))
         }
-        let pivot = shared[(i, i)];
-        if pivot.abs() > f64::MIN_POSITIVE {
-            x[front[i]] = left / pivot;
+    };
+    let linear = pick(0, start.linear);
+    let before = 3 * usize::from(start.linear == MomentumKnowledge::Estimate);
+    let mut angular = pick(before, start.angular);
+    let values = (linear.value, angular.value);
+    let translation = parameters.equations == Equations::Momentum;
+    if translation {
+        about_mass_centre(problem, parameters, segment, x, &linear, &mut angular);
+    }
+    let start = StartOfSegment {
+        linear,
+        angular,
+        linear_given: start.linear,
+        angular_given: match problem.model.momentum.angular {
+            // Known about the mass centre, carried to the inertial origin for the rows.
+            known @ MomentumKnowledge::Known(_) if start.angular != MomentumKnowledge::Estimate => {
+                known
+            }
+            _ => start.angular,
+        },
+        translation,
+    };
+    (start, values)
+}
+
+/// `h_cm = H - p_cm x P` with the mass centre a function of the unknowns.
+fn about_mass_centre(
+    problem: &Problem,
+    parameters: &Parameters,
+    segment: &Segment,
+    x: &[f64],
+    linear: &VectorQuantity,
+    angular: &mut VectorQuantity,
+) {
+    let s = &segment.samples;
+    let mut kinematics = Kinematics::new(problem.tree);
+    let dof = problem.tree.dof();
+    kinematics.place(problem.tree, s.joint_position.get(..dof).unwrap_or(&[]));
+    let ten = TenParameters::of_system(parameters, &kinematics, x);
+    let centre = [0, 1, 2].map(|k| ten.mass_centre(k));
+    let R = s.R_NB.first().copied().unwrap_or_default();
+    let c = R * Vector3::new(centre[0].value, centre[1].value, centre[2].value);
+    let P = linear.value;
+    angular.value -= c.cross(&P);
+    let cross = skew(&c);
+    angular.own += cross * linear.own * cross.transpose();
+    for u in 0..x.len() {
+        let column = |g: &[Vec<f64>; 3]| Vector3::new(g[0][u], g[1][u], g[2][u]);
+        let dc = R * Vector3::new(
+            centre[0].gradient[u],
+            centre[1].gradient[u],
+            centre[2].gradient[u],
+        );
+        let step = dc.cross(&P) + c.cross(&column(&linear.gradient));
+        for k in 0..3 {
+            angular.gradient[k][u] -= step[k];
         }
     }
 }

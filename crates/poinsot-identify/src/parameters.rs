@@ -35,14 +35,42 @@ pub enum UnknownKind {
     SpinInertia(usize),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
-    /// Component of the gyro bias, at the nominal inertia.
+    /// Component of the gyro bias, rad/s.
     GyroBias(usize),
+    /// Relative scale error of a gyro axis.
+    GyroScale(usize),
+    /// Component of the small rotation between true and assumed gyro axes, rad.
+    GyroMisalignment(usize),
+    /// How late the gyro reads, s.
+    GyroLag,
+    /// How late the attitude reads, s.
+    AttitudeLag,
+    /// Component of a constant torque in body axes, N m.
+    DisturbanceTorque(usize),
+    /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
+    DragTorque(usize),
+}
+
+impl UnknownKind {
+    /// Whether it belongs to a sensor or the surroundings: projected out before anything is judged.
+    pub fn is_nuisance(&self) -> bool {
+        matches!(
+            self,
+            Self::GyroBias(_)
+                | Self::GyroScale(_)
+                | Self::GyroMisalignment(_)
+                | Self::GyroLag
+                | Self::AttitudeLag
+                | Self::DisturbanceTorque(_)
+                | Self::DragTorque(_)
+        )
+    }
 }
 
 /// Which equations of motion can be written for the data at hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Equations {
-    /// Linear and angular momentum about the inertial origin: six rows a sample.
+    /// Linear and angular momentum about the inertial origin: six rows a sample. Unknowns are barycentric.
     Momentum,
     /// Angular momentum about the mass centre of one rigid body: three rows a sample.
     Rotation,
@@ -253,10 +281,10 @@ impl Parameters {
         let name = self.body_names[0].clone();
         // Without thrusters the mass centre never enters: it is left out, and reported as unseen.
         if asked.com && thrusters_fire {
-            for k in 0..3 {
+            for (k, axis) in AXES.iter().enumerate() {
                 self.push(
                     UnknownKind::MassCentre(k),
-                    format!("{name}.com_{}", AXES[k]),
+                    format!("{name}.com_{axis}"),
                     "m",
                     given.p_BoBcm_B[k],
                     l,
@@ -291,12 +319,53 @@ impl Parameters {
                 self.push(UnknownKind::ThrusterScale(k), name, "1", 0.0, 1.0);
             }
         }
-        let gyro = model.sensors_of(SensorKind::Gyro).next();
-        if let Some(gyro) = gyro.filter(|g| g.bias != Nuisance::Known) {
+        if let Some(gyro) = model.sensors_of(SensorKind::Gyro).next() {
+            let name = gyro.name.as_str();
+            self.add_axes(gyro.bias, UnknownKind::GyroBias, name, "bias", "rad/s");
+            self.add_axes(gyro.scale, UnknownKind::GyroScale, name, "scale", "1");
+            let turned = UnknownKind::GyroMisalignment;
+            self.add_axes(gyro.misalignment, turned, name, "misalignment", "rad");
+            self.add_lag(gyro.lag, UnknownKind::GyroLag, name);
+        }
+        if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
+            self.add_lag(tracker.lag, UnknownKind::AttitudeLag, &tracker.name);
+        }
+        let around = &model.environment;
+        let torque = UnknownKind::DisturbanceTorque;
+        self.add_axes(
+            around.disturbance_torque,
+            torque,
+            "environment",
+            "torque",
+            "N m",
+        );
+        self.add_axes(
+            around.drag_torque,
+            UnknownKind::DragTorque,
+            "environment",
+            "drag",
+            "kg m2",
+        );
+    }
+
+    fn add_axes(
+        &mut self,
+        declared: Nuisance,
+        kind: fn(usize) -> UnknownKind,
+        owner: &str,
+        what: &str,
+        unit: &'static str,
+    ) {
+        if declared != Nuisance::Known {
             for (k, axis) in AXES.iter().enumerate() {
-                let name = format!("{}.bias_{axis}", gyro.name);
-                self.push(UnknownKind::GyroBias(k), name, "rad/s", 0.0, 1.0e-3);
+                self.push(kind(k), format!("{owner}.{what}_{axis}"), unit, 0.0, 1.0);
             }
+        }
+    }
+
+    fn add_lag(&mut self, declared: Nuisance, kind: UnknownKind, owner: &str) {
+        if declared != Nuisance::Known {
+            self.push(kind, format!("{owner}.lag"), "s", 0.0, 1.0);
         }
     }
 
@@ -315,8 +384,13 @@ impl Parameters {
         self.unknowns.iter().map(|u| u.nominal).collect()
     }
 
-    /// Barycentric parameters of every body for values of the unknowns (momentum equations).
+    /// Barycentric parameters of every body for values of the unknowns.
+    ///
+    /// Where only rotation is seen the mass is the nominal one: it does not matter then.
     pub fn bodies(&self, x: &[f64]) -> Vec<InertialParameters> {
+        if self.equations == Equations::Rotation {
+            return vec![rotation_properties(self, x).parameters()];
+        }
         let mut pi: Vec<[f64; 10]> = self.known.iter().map(|b| b.to_array()).collect();
         for (unknown, value) in self.unknowns.iter().zip(x) {
             if let UnknownKind::Barycentric(column) = &unknown.kind {
@@ -326,6 +400,21 @@ impl Parameters {
             }
         }
         pi.iter().map(InertialParameters::from_array).collect()
+    }
+
+    /// How each unknown moves the barycentric parameters at `x`: pairs of index `10 body + k` and slope.
+    /// Empty for unknowns that are not mass properties.
+    pub fn slopes(&self, x: &[f64]) -> Vec<Vec<(usize, f64)>> {
+        let given = (self.equations == Equations::Rotation).then(|| rotation_properties(self, x));
+        self.unknowns
+            .iter()
+            .map(|unknown| match (&unknown.kind, &given) {
+                (UnknownKind::Barycentric(parts), _) => parts.clone(),
+                (UnknownKind::CentralInertia(k), _) => vec![(4 + k, 1.0)],
+                (UnknownKind::MassCentre(axis), Some(body)) => mass_centre_slope(body, *axis),
+                _ => Vec::new(),
+            })
+            .collect()
     }
 
     /// Gradient over the unknowns of a function of one body, given its gradient over the body's ten
@@ -343,6 +432,25 @@ impl Parameters {
             })
             .collect()
     }
+}
+
+/// Slope of the barycentric parameters over a component of the mass centre at fixed mass and central
+/// inertia: `d(m c)` and `d(m (c.c 1 - c c^T))`.
+fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
+    let (m, c) = (body.mass, body.p_BoBcm_B);
+    let mut e = Vector3::zeros();
+    e[axis] = 1.0;
+    let shift =
+        (nalgebra::Matrix3::identity() * (2.0 * c[axis]) - e * c.transpose() - c * e.transpose())
+            * m;
+    let mut slope = vec![(1 + axis, m)];
+    slope.extend(
+        TENSOR
+            .iter()
+            .enumerate()
+            .map(|(k, &element)| (4 + k, shift[element])),
+    );
+    slope
 }
 
 /// Natural unit of mass and length per body; a massless nominal body borrows those of the vehicle.

@@ -1,45 +1,32 @@
 //! Measured base twist against the one that the answer's momentum gives, sample by sample.
 
-use crate::linear::Solved;
-use crate::parameters::{Equations, UnknownKind, rotation_properties};
+use crate::estimate::ChannelFit;
+use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::Segment;
 use poinsot_dynamics::{
     Kinematics, Tree, composite, momentum, shift_to_body, twist_from_momentum, wheel_momentum,
 };
 use poinsot_spatial::Vector3;
 
-/// Root mean square of measured minus predicted rates.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct TwistResidual {
-    /// Angular velocity, rad/s.
-    pub rate: f64,
-    /// Velocity of the base origin, m/s; `None` without translation.
-    pub velocity: Option<f64>,
-}
-
-/// Residual of one segment, from the momentum at its first sample without thrust in between; `None`
-/// where thrusters fire (the whitened chi-square covers them).
+/// Root mean squares of one segment, from the momentum at its first sample about the inertial origin
+/// without thrust in between; empty where thrusters fire (the whitened chi-square covers them).
 pub(crate) fn twist(
-    solved: &Solved,
+    parameters: &Parameters,
+    x: &[f64],
     tree: &Tree,
     spin_inertia: &[f64],
     segment: &Segment,
     start: (Vector3, Vector3),
-) -> Option<TwistResidual> {
+) -> Vec<ChannelFit> {
     if !segment.firings.is_empty() {
-        return None;
+        return Vec::new();
     }
     let s = &segment.samples;
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
-    let bodies = match solved.parameters.equations {
-        Equations::Momentum => solved.parameters.bodies(&solved.x),
-        Equations::Rotation => {
-            vec![rotation_properties(&solved.parameters, &solved.x).parameters()]
-        }
-    };
+    let bodies = parameters.bodies(x);
     let mut spin = spin_inertia.to_vec();
     let mut bias = Vector3::zeros();
-    for (unknown, value) in solved.parameters.unknowns.iter().zip(&solved.x) {
+    for (unknown, value) in parameters.unknowns.iter().zip(x) {
         match unknown.kind {
             UnknownKind::SpinInertia(k) => spin[k] = *value,
             UnknownKind::GyroBias(k) => bias[k] = *value,
@@ -63,21 +50,31 @@ pub(crate) fn twist(
             // Only rotation is seen: momentum about the mass centre, moved to the base origin.
             h += whole.p_BoScm_B().cross(&l);
         }
-        let twist = twist_from_momentum(
+        let Some(twist) = twist_from_momentum(
             &whole,
             &l,
             &h,
             &joints.fixed_rows::<3>(0).into(),
             &(joints.fixed_rows::<3>(3) + h_wheels),
-        )?;
+        ) else {
+            return Vec::new();
+        };
         rate += (s.w_NB_B[k] - bias - twist.w).norm_squared();
         if let Some(t) = &s.translation {
             velocity += (s.R_NB[k].inverse() * t.v_NBo_N[k] - twist.v).norm_squared();
         }
     }
     let count = 3.0 * s.time_s.len().max(1) as f64;
-    Some(TwistResidual {
-        rate: (rate / count).sqrt(),
-        velocity: s.translation.as_ref().map(|_| (velocity / count).sqrt()),
-    })
+    let channel = |name, unit, square: f64| ChannelFit {
+        name,
+        unit,
+        rms: (square / count).sqrt(),
+        chi2_per_number: None,
+        whiteness_p: None,
+    };
+    let mut channels = vec![channel("gyro", "rad/s", rate)];
+    if s.translation.is_some() {
+        channels.push(channel("velocity", "m/s", velocity));
+    }
+    channels
 }

@@ -77,11 +77,6 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Columns of one row set: unknown momentum, unknowns, right-hand side.
-    pub fn width(&self) -> usize {
-        self.start.columns() + self.setting.parameters.len() + 1
-    }
-
     /// The whitened rows of sample k, one array of six per column.
     pub fn at(&mut self, k: usize) -> &[[f64; 6]] {
         self.place(k);
@@ -165,7 +160,7 @@ impl<'a> Rows<'a> {
                     let c = h.column(3 + axis);
                     [-c[0], -c[1], -c[2], -c[3], -c[4], -c[5]]
                 }
-                UnknownKind::CentralInertia(_) | UnknownKind::MassCentre(_) => [0.0; 6],
+                _ => [0.0; 6],
             };
             self.columns.push(column);
         }
@@ -306,7 +301,7 @@ impl<'a> Rows<'a> {
                     let h = given.I_BBcm_B.column(*axis).into_owned();
                     stack(&zero, &-h)
                 }
-                UnknownKind::Barycentric(_) => [0.0; 6],
+                _ => [0.0; 6],
             };
             self.columns.push(column);
         }

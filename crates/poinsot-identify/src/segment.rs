@@ -43,6 +43,34 @@ pub struct Firing {
     pub force: f64,
 }
 
+/// What every sensor really read, each at its own times, on one grid: what maximum likelihood needs.
+///
+/// The grid holds the times of all sensors and the edges of all firings. Joints and wheels are inputs and
+/// have a value at every time; the other arrays hold `None` where that sensor has no sample.
+#[derive(Debug, Clone, Default)]
+pub struct Observations {
+    /// Grid, s, strictly increasing.
+    pub time_s: Vec<f64>,
+    /// Angular velocity of the base in B, rad/s.
+    pub rate: Vec<Option<Vector3>>,
+    /// Attitude of the base, R_NB.
+    pub attitude: Vec<Option<UnitQuaternion>>,
+    /// Velocity of the sensor point in N, m/s.
+    pub velocity: Vec<Option<Vector3>>,
+    /// Position of the sensor point in N, m, from the place of the base origin at the first sample.
+    pub position: Vec<Option<Vector3>>,
+    /// Place of the velocity sensor from the base origin, in B, m.
+    pub velocity_arm_B: Vector3,
+    /// Place of the position sensor from the base origin, in B, m.
+    pub position_arm_B: Vector3,
+    /// Joint positions, rad or m; one row of `dof` per time.
+    pub joint_position: Vec<f64>,
+    /// Joint rates, rad/s or m/s; one row of `dof` per time.
+    pub joint_rate: Vec<f64>,
+    /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
+    pub wheel_speed: Vec<f64>,
+}
+
 /// One segment: its own initial momentum, the bodies shared with the others.
 #[derive(Debug, Clone, Default)]
 pub struct Segment {
@@ -50,6 +78,8 @@ pub struct Segment {
     pub label: String,
     /// Aligned samples.
     pub samples: Samples,
+    /// Readings of every sensor at its own times.
+    pub observations: Observations,
     /// Thruster firings in order of their start.
     pub firings: Vec<Firing>,
 }

@@ -24,6 +24,8 @@ pub struct Spectrum {
     pub rank: usize,
     /// How many exceed round-off.
     pub structural_rank: usize,
+    /// Sigma of every direction that the experiment allows, natural units, in the order of `directions`.
+    pub certificate: Vec<f64>,
     /// Bias of linear least squares from noise in the regressor, per unknown in natural units.
     pub bias: Vec<f64>,
 }
@@ -79,27 +81,92 @@ impl Spectrum {
             noise: order.iter().map(|&k| noise[k]).collect(),
             directions: Mat::from_fn(n, n, |i, j| directions[(i, order[j])]),
             left: Mat::from_fn(n, n, |i, j| left[(i, order[j])]),
+            certificate: order
+                .iter()
+                .map(|&k| {
+                    if singular[k] > 0.0 {
+                        1.0 / singular[k]
+                    } else {
+                        f64::INFINITY
+                    }
+                })
+                .collect(),
             rank,
             structural_rank,
             bias: vec![0.0; n],
         })
     }
 
+    /// The spectrum of an estimator's own triangle within the directions that `experiment` identifies.
+    ///
+    /// # Errors
+    /// The triangle holds NaN or infinity.
+    pub fn within(
+        R: &Mat<f64>,
+        regressor_noise: &[f64],
+        experiment: &Spectrum,
+    ) -> Result<Self, NotFinite> {
+        let n = experiment.natural.len();
+        let r = experiment.rank;
+        let natural = &experiment.natural;
+        let inside = Mat::from_fn(n, r, |i, k| experiment.directions[(i, k)]);
+        let scaled = Mat::from_fn(n, n, |i, j| R[(i, j)] * natural[j]);
+        let seen = &scaled * &inside;
+        if (0..r).any(|j| (0..n).any(|i| !seen[(i, j)].is_finite())) {
+            return Err(NotFinite);
+        }
+        let svd = seen.thin_svd().map_err(|_| NotFinite)?;
+        let turned = &inside * svd.V();
+        let mut out = experiment.clone();
+        out.left = Mat::from_fn(n, n, |i, j| if j < r { svd.U()[(i, j)] } else { 0.0 });
+        out.directions = Mat::from_fn(n, n, |i, j| {
+            if j < r {
+                turned[(i, j)]
+            } else {
+                experiment.directions[(i, j)]
+            }
+        });
+        let noise_z = Mat::from_fn(n, n, |i, j| {
+            regressor_noise[i * n + j] * natural[i] * natural[j]
+        });
+        for k in 0..r {
+            out.singular[k] = svd.S()[k];
+            out.noise[k] = quadratic(&noise_z, &out.directions, k);
+        }
+        Ok(out)
+    }
+
     /// Least-squares step in natural units for the right-hand side `d - R x_nominal`: only identified
     /// directions move.
     pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
+        self.damped(rhs, 0.0)
+    }
+
+    /// Like [`Self::solve`] with `damping` added to the squared singular values.
+    pub fn damped(&self, rhs: &[f64], damping: f64) -> Vec<f64> {
         let mut z = vec![0.0; self.natural.len()];
         for k in 0..self.rank {
-            let along: f64 = rhs
-                .iter()
-                .enumerate()
-                .map(|(i, d)| self.left[(i, k)] * d)
-                .sum();
+            let s = self.singular[k];
+            let step = self.left_along(rhs, k) * s / (s * s + damping);
             for (j, zj) in z.iter_mut().enumerate() {
-                *zj += self.directions[(j, k)] * along / self.singular[k];
+                *zj += self.directions[(j, k)] * step;
             }
         }
         z
+    }
+
+    /// Squared length of the right-hand side within reach of the identified directions.
+    pub fn reach(&self, rhs: &[f64]) -> f64 {
+        (0..self.rank)
+            .map(|k| self.left_along(rhs, k).powi(2))
+            .sum()
+    }
+
+    fn left_along(&self, rhs: &[f64], k: usize) -> f64 {
+        rhs.iter()
+            .enumerate()
+            .map(|(i, d)| self.left[(i, k)] * d)
+            .sum()
     }
 
     /// Stores the first-order bias `-(A^T A)^-1 E[dA^T dA] z` of least squares at the answer `z`.
@@ -159,14 +226,6 @@ impl Spectrum {
                 .sum();
             sum * self.natural[i] * self.natural[j]
         })
-    }
-
-    /// Sigma of every direction in natural units, identified ones first; infinite where round-off.
-    pub fn sigmas_natural(&self) -> Vec<f64> {
-        self.singular
-            .iter()
-            .map(|s| if *s > 0.0 { 1.0 / s } else { f64::INFINITY })
-            .collect()
     }
 
     /// Directions that are not identified, one column each, in natural units.

@@ -2,9 +2,10 @@
 
 use crate::combination::{Combination, split};
 use crate::estimate::OpenCombination;
-use crate::linear::{LinearProblem, Solved};
 use crate::parameters::{Equations, TENSOR, UnknownKind};
+use crate::problem::Problem;
 use crate::rows::parameters_in_base;
+use crate::solved::Solved;
 use faer::Mat;
 use poinsot_dynamics::{Motion, Tree};
 use poinsot_model::{EstimateSet, Model};
@@ -27,8 +28,8 @@ const NEW: f64 = 1.0e-3;
 const SAID: f64 = 1.0e-3;
 
 /// Names every open direction.
-pub(crate) fn open_directions(problem: &LinearProblem, solved: &Solved) -> Vec<OpenCombination> {
-    let spectrum = &solved.spectrum;
+pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCombination> {
+    let spectrum = solved.of_data();
     let natural = &spectrum.natural;
     let open = spectrum.open_directions();
     let mut found: Vec<OpenCombination> = Vec::new();
@@ -70,7 +71,7 @@ pub(crate) fn open_directions(problem: &LinearProblem, solved: &Solved) -> Vec<O
 /// A preference for which unknowns stand as the open ones: products before moments.
 pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
     let product = |k: usize| TENSOR[k].0 != TENSOR[k].1;
-    solved.parameters.unknowns[..solved.spectrum.natural.len()]
+    solved.parameters.unknowns[..solved.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::CentralInertia(k) if product(*k) => 4.0,
@@ -86,7 +87,7 @@ pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
 /// A combination as a sentence of numbers, largest share first.
 pub(crate) fn sentence(solved: &Solved, combination: &Combination) -> String {
     let unknowns = &solved.parameters.unknowns;
-    let natural = &solved.spectrum.natural;
+    let natural = &solved.of_data().natural;
     let lead = combination
         .terms
         .first()
@@ -134,7 +135,7 @@ pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
         .collect()
 }
 
-fn symmetries(problem: &LinearProblem, solved: &Solved) -> Vec<Symmetry> {
+fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
     if solved.parameters.equations == Equations::Rotation {
         return Vec::new();
     }
@@ -143,25 +144,24 @@ fn symmetries(problem: &LinearProblem, solved: &Solved) -> Vec<Symmetry> {
         joint_symmetries(problem, solved, child, &mut list);
     }
     if solved.explained.is_none() {
-        let m = solved.spectrum.natural.len();
-        list.push(Symmetry {
-            step: solved.x[..m].to_vec(),
+        let m = solved.of_data().natural.len();
+        let scale = |x: Vec<f64>| {
+            Symmetry {
+            step: x[..m].to_vec(),
             text: "the common scale of all masses, first moments and inertias".to_owned(),
             reason: "every force and momentum in the data is proportional to the unknowns themselves: nothing of known size takes part".to_owned(),
             remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or give one body as known".to_owned(),
-        });
+        }
+        };
+        list.push(scale(solved.x.clone()));
+        list.push(scale(solved.parameters.nominal_vector()));
     }
     list
 }
 
 /// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
 /// a sliding one the inertia tensor, with a stopped one everything.
-fn joint_symmetries(
-    problem: &LinearProblem,
-    solved: &Solved,
-    child: usize,
-    list: &mut Vec<Symmetry>,
-) {
+fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut Vec<Symmetry>) {
     let (model, tree) = (problem.model, problem.tree);
     let link = &tree.links[child];
     let parent = link.parent;
@@ -255,7 +255,7 @@ fn ten(mass: f64, mc_B: Vector3, I_BBo_B: Matrix3) -> InertialParameters {
 }
 
 /// The joint position of a body that never moved relative to its parent; `None` if it moved.
-fn stopped_at(problem: &LinearProblem, child: usize) -> Option<f64> {
+fn stopped_at(problem: &Problem, child: usize) -> Option<f64> {
     let (k, dof) = match problem.tree.links[child].motion {
         Motion::Revolute(k) | Motion::Prismatic(k) => (k, problem.tree.dof()),
         Motion::Fixed | Motion::Free => return Some(0.0),
@@ -291,7 +291,7 @@ fn joint_name(model: &Model, child: usize) -> String {
 
 /// A change of all barycentric parameters as a change of the unknowns (bodies wholly unknown).
 fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
-    solved.parameters.unknowns[..solved.spectrum.natural.len()]
+    solved.parameters.unknowns[..solved.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::Barycentric(parts) => {
@@ -302,12 +302,8 @@ fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
         .collect()
 }
 
-fn in_numbers(
-    problem: &LinearProblem,
-    solved: &Solved,
-    combination: &Combination,
-) -> OpenCombination {
-    let m = solved.spectrum.natural.len();
+fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> OpenCombination {
+    let m = solved.of_data().natural.len();
     let (reason, remedy) = poor_motion(problem, solved);
     OpenCombination {
         text: format!("{} can change unseen", sentence(solved, combination)),
@@ -318,7 +314,7 @@ fn in_numbers(
 }
 
 /// Why a direction without a closed form is open: how the base turned.
-fn poor_motion(problem: &LinearProblem, solved: &Solved) -> (String, String) {
+fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
     for segment in problem.segments {
@@ -330,16 +326,16 @@ fn poor_motion(problem: &LinearProblem, solved: &Solved) -> (String, String) {
     let eigen = nalgebra::SymmetricEigen::new(spread / f64::max(count, 1.0));
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let rms = order.map(|k| eigen.eigenvalues[k].max(0.0).sqrt());
-    let noise = problem.noise.gyro.trace().sqrt();
+    let noise = (problem.noise.gyro.trace() / 3.0 * problem.noise.seen_gyro).sqrt();
+    let rms = order.map(|k| (eigen.eigenvalues[k] - noise * noise).max(0.0).sqrt());
     let mut axis = eigen.eigenvectors.column(order[0]).into_owned();
     if axis.max() < -axis.min() {
         axis = -axis;
     }
     let weak = solved
-        .spectrum
-        .sigmas_natural()
-        .get(solved.spectrum.rank)
+        .of_data()
+        .certificate
+        .get(solved.of_data().rank)
         .copied()
         .unwrap_or(f64::INFINITY);
     if rms[0] <= 3.0 * noise {
@@ -351,7 +347,7 @@ fn poor_motion(problem: &LinearProblem, solved: &Solved) -> (String, String) {
             "turn the base about two axes, by wheels, joints or thrusters".to_owned(),
         );
     }
-    if rms[1] < 0.02 * rms[0] {
+    if rms[1] < 0.05 * rms[0] {
         return (
             format!(
                 "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so of the inertia tensor only I n shows (best open direction: sigma {weak:.2e} of the nominal)",

@@ -234,6 +234,7 @@ fn check_prior(
         mass: sigma("mass_kg", prior.mass_kg),
         com: sigma("com_m", prior.com_m),
         inertia: sigma("inertia_kg_m2", prior.inertia_kg_m2),
+        entropic: sigma("entropic", prior.entropic),
     })
 }
 

@@ -233,5 +233,11 @@ pub(crate) fn check_environment(
             "sigma_N_m",
             findings,
         ),
+        drag_torque: check_nuisance(
+            file.drag_torque.as_ref(),
+            &key.at("drag_torque"),
+            "sigma_kg_m2",
+            findings,
+        ),
     }
 }

@@ -363,6 +363,7 @@ fn unknown(model: &Model) -> Vec<String> {
         "disturbance torque",
         model.environment.disturbance_torque,
     );
+    add("environment", "drag torque", model.environment.drag_torque);
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
         out.push(format!("{}: spin inertia", wheel.name));
     }

@@ -76,6 +76,8 @@ pub struct Prior {
     pub com: Option<f64>,
     /// Sigma of each element of the central inertia, kg m2.
     pub inertia: Option<f64>,
+    /// Relative sigma of the entropic prior, which keeps the body physical; no unit.
+    pub entropic: Option<f64>,
 }
 
 /// Kind of a joint.
@@ -276,6 +278,8 @@ pub struct Environment {
     pub gravity_gradient: bool,
     /// Whether a constant disturbance torque is unknown.
     pub disturbance_torque: Nuisance,
+    /// Whether a drag torque `-c |w| w` is unknown, one coefficient c an axis of the base, kg m2.
+    pub drag_torque: Nuisance,
 }
 
 /// How columns of a telemetry file become channels.

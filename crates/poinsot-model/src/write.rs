@@ -76,6 +76,7 @@ fn write_body(out: &mut String, body: &Body) {
             ("mass_kg", prior.mass),
             ("com_m", prior.com),
             ("inertia_kg_m2", prior.inertia),
+            ("entropic", prior.entropic),
         ];
         let sigmas: Vec<String> = sigmas
             .iter()
@@ -186,6 +187,7 @@ fn write_environment(out: &mut String, model: &Model) {
         environment.disturbance_torque,
         "sigma_N_m",
     );
+    nuisance(out, "drag_torque", environment.drag_torque, "sigma_kg_m2");
 }
 
 fn write_telemetry(out: &mut String, model: &Model) {

@@ -147,12 +147,13 @@ impl MassProperties {
         (moments, axes)
     }
 
-    /// Radius of gyration `sqrt(tr(I_BBcm) / 3 m)`, m; zero for a massless body.
+    /// Radius of gyration, m: root mean square distance of the mass from its centre,
+    /// `sqrt(tr(I_BBcm) / 2 m)`; zero for a massless body.
     ///
     /// With the mass it makes the natural units m, m L, m L^2 in which identifiability is judged.
     pub fn radius_of_gyration(&self) -> f64 {
         if self.mass > 0.0 {
-            (self.I_BBcm_B.trace().max(0.0) / (3.0 * self.mass)).sqrt()
+            (self.I_BBcm_B.trace().max(0.0) / (2.0 * self.mass)).sqrt()
         } else {
             0.0
         }

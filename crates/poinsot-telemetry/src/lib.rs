@@ -1,7 +1,7 @@
 //! Channels of telemetry with unit, frame, sensor and time; read from CSV and Parquet.
 //!
 //! [`read`] makes a [`Table`] of the files of one segment: values in SI, times strictly increasing, a missing sample
-//! without entry. [`write`] puts channels back. [`inspect`] says what a table holds and whether attitude and gyro
+//! without entry. [`write()`] puts channels back. [`inspect`] says what a table holds and whether attitude and gyro
 //! fit the conventions that the names declare.
 
 mod assemble;

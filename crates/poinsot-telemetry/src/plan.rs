@@ -43,6 +43,18 @@ pub(crate) struct Plan {
     used_filters: Vec<usize>,
 }
 
+impl Plan {
+    /// Columns to choose rows by that this file does not have.
+    pub(crate) fn missing_filters<'a>(
+        &'a self,
+        options: &'a ReadOptions,
+    ) -> impl Iterator<Item = &'a str> {
+        let all = options.row_filter.iter().enumerate();
+        all.filter(|(k, _)| !self.used_filters.contains(k))
+            .map(|(_, (column, _))| column.as_str())
+    }
+}
+
 /// Column limit: no telemetry has more, a damaged header may.
 const MAX_COLUMNS: usize = 65_536;
 

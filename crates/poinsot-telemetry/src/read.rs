@@ -45,6 +45,12 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
     for path in &paths {
         let (plan, mut columns, sha256) = read_file(path, options, &mut table.repairs)?;
         unused.mark(&plan);
+        for column in plan.missing_filters(options) {
+            table.repairs.push(format!(
+                "{}: no column '{column}' to choose rows by; all its rows are kept",
+                path.display()
+            ));
+        }
         for name in &plan.ignored {
             if !table.ignored.contains(name) {
                 table.ignored.push(name.clone());

@@ -1,7 +1,7 @@
 //! Everything that can keep a verb from answering, with its exit code.
 
 use crate::bind::BindError;
-use poinsot_identify::LinearError;
+use poinsot_identify::ProblemError;
 use poinsot_identify::methods::ma2008::Ma2008Error;
 use poinsot_model::ModelError;
 use poinsot_telemetry::TelemetryError;
@@ -19,9 +19,12 @@ pub enum Error {
     /// Model and telemetry do not fit.
     #[error(transparent)]
     Bind(#[from] BindError),
-    /// The linear method.
+    /// A simulation.
     #[error(transparent)]
-    Linear(#[from] LinearError),
+    Simulate(#[from] crate::simulate::SimulateError),
+    /// The question itself.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
     /// The method of Ma, Dang and Pham.
     #[error(transparent)]
     Ma2008(#[from] Ma2008Error),
@@ -50,13 +53,13 @@ pub enum Error {
 impl Error {
     /// Exit code of CONTRACT: 2 for bad usage or input, 3 for the environment.
     pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Io { source, .. } | Self::Telemetry(TelemetryError::Io { source, .. })
-                if source.kind() != std::io::ErrorKind::NotFound =>
-            {
-                3
-            }
-            _ => 2,
-        }
+        let environment = match self {
+            Self::Io { .. } => true,
+            Self::Telemetry(error) => error.is_environment(),
+            Self::Model(error) => error.environment,
+            Self::Simulate(error) => error.is_environment(),
+            _ => false,
+        };
+        if environment { 3 } else { 2 }
     }
 }

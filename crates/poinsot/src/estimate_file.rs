@@ -28,6 +28,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
         "method": e.method,
         "variant": e.variant,
         "status": e.status.name(),
+        "iterations": e.iterations,
         "model": identified.model.name,
         "inputs": inputs,
         "bodies": bodies,
@@ -40,10 +41,12 @@ pub fn estimate_json(identified: &Identified) -> Value {
             "segment": f.label,
             "samples": f.samples,
             "chi2_per_dof": f.chi2_per_dof,
-            "channels": {
-                "gyro": { "rms": f.rms_rate, "unit": "rad/s" },
-                "velocity": { "rms": f.rms_velocity, "unit": "m/s" },
-            },
+            "channels": f.channels.iter().map(|c| (c.name.to_owned(), json!({
+                "rms": c.rms,
+                "unit": c.unit,
+                "chi2_per_number": c.chi2_per_number,
+                "whiteness_p": c.whiteness_p,
+            }))).collect::<Map<String, Value>>(),
         })).collect::<Vec<_>>(),
         "covariance_trustworthy": e.covariance_trustworthy,
         "method_report": e.method_report.iter().map(|(what, value, unit)| json!({
@@ -137,7 +140,7 @@ fn nuisance(e: &Estimate) -> Map<String, Value> {
         .map(|n| {
             let unit = match n.unit {
                 "1" => String::new(),
-                unit => format!("_{}", unit.replace('/', "_").replace(' ', "_")),
+                unit => format!("_{}", unit.replace(['/', ' '], "_")),
             };
             (format!("{}{unit}", n.name), number(&n.number))
         })

@@ -148,7 +148,7 @@ fn difference(n: &Number) -> String {
     }
 }
 
-fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
+pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut last = ("", "");
     for (k, item) in open.iter().enumerate() {
@@ -187,23 +187,32 @@ fn determined(identified: &Identified) -> Section {
 
 fn fit(identified: &Identified) -> Section {
     let mut table = Table::new(&[
-        "segment",
-        "samples",
-        "chi2 per dof",
-        "gyro rms",
-        "velocity rms",
+        "segment", "samples", "chi2/dof", "sensor", "rms", "chi2/n", "white",
     ]);
     for f in &identified.estimate.fit {
-        let shown = |x: Option<f64>, unit: &str| {
-            x.map_or_else(|| "-".to_owned(), |x| format!("{x:.2e} {unit}"))
-        };
-        table.push(vec![
+        let mut first = vec![
             f.label.clone(),
             f.samples.to_string(),
             format!("{:.3e}", f.chi2_per_dof),
-            shown(f.rms_rate, "rad/s"),
-            shown(f.rms_velocity, "m/s"),
-        ]);
+        ];
+        for c in &f.channels {
+            let mut row = std::mem::replace(&mut first, vec![String::new(); 3]);
+            row.push(c.name.to_owned());
+            row.push(format!("{:.2e} {}", c.rms, c.unit));
+            row.push(
+                c.chi2_per_number
+                    .map_or_else(|| "-".to_owned(), |x| format!("{x:.3}")),
+            );
+            row.push(
+                c.whiteness_p
+                    .map_or_else(|| "-".to_owned(), |p| format!("p = {p:.2}")),
+            );
+            table.push(row);
+        }
+        if f.channels.is_empty() {
+            first.extend(["-", "-", "-", "-"].map(str::to_owned));
+            table.push(first);
+        }
     }
     Section::table("fit", table)
 }

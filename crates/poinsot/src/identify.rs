@@ -4,10 +4,16 @@ use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, ma2008};
-use poinsot_identify::{Estimate, LinearProblem, Status, linear};
+use poinsot_identify::{Estimate, Loss, Problem, Status, linear, maximum_likelihood_with};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
+
+/// Methods by name; `auto` is linear least squares, then maximum likelihood.
+pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
+
+/// Variants of maximum likelihood: the loss of a reading.
+pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -21,7 +27,7 @@ pub struct IdentifyRequest {
     pub segments: Vec<Vec<PathBuf>>,
     /// File with a `[telemetry]` table that replaces the model's.
     pub map: Option<PathBuf>,
-    /// `auto`, `linear`.
+    /// One of [`METHODS`].
     pub method: String,
     /// Variant of a published method.
     pub variant: Option<String>,
@@ -59,7 +65,7 @@ impl Identified {
 /// # Errors
 /// The question cannot be asked; what the data do not determine is part of the answer.
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
-    let method = check_method(request)?;
+    check_method(request)?;
     let mut model = read_model(&request.model)?;
     if let Some(map) = &request.map {
         model.telemetry = read_telemetry_map(map)?;
@@ -70,52 +76,36 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
         .iter()
         .map(|files| read(files, &options))
         .collect::<Result<Vec<Table>, _>>()?;
-    identify_tables_by(method, model, tables, request.relative_accuracy)
-}
-
-/// How the question is answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// The linear rung.
-    Linear,
-    /// Ma, Dang and Pham 2008.
-    Ma2008(ma2008::Variant),
-}
-
-/// Identifies from tables in memory by the linear rung.
-///
-/// # Errors
-/// As [`identify`].
-pub fn identify_tables(
-    model: Model,
-    tables: Vec<Table>,
-    relative_accuracy: f64,
-) -> Result<Identified, Error> {
-    identify_tables_by(Method::Linear, model, tables, relative_accuracy)
+    identify_tables(model, tables, request)
 }
 
 /// Identifies from tables in memory.
 ///
 /// # Errors
 /// As [`identify`].
-pub fn identify_tables_by(
-    method: Method,
+pub fn identify_tables(
     model: Model,
     tables: Vec<Table>,
-    relative_accuracy: f64,
+    request: &IdentifyRequest,
 ) -> Result<Identified, Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
-    let problem = LinearProblem {
+    let problem = Problem {
         model: &model,
         tree: &tree,
         segments: &bound.segments,
         noise: &bound.noise,
-        relative_accuracy,
+        relative_accuracy: request.relative_accuracy,
     };
-    let mut estimate = match method {
-        Method::Linear => linear(&problem)?,
-        Method::Ma2008(variant) => ma2008::identify(&problem, variant)?,
+    let mut estimate = match request.method.as_str() {
+        "linear" => linear(&problem)?,
+        "ma2008" => ma2008::identify(&problem, ma2008_variant(request))?,
+        _ => {
+            let loss = request.variant.as_deref().and_then(Loss::from_name);
+            let mut estimate = maximum_likelihood_with(&problem, loss.unwrap_or_default())?;
+            estimate.variant.clone_from(&request.variant);
+            estimate
+        }
     };
     if bound.dropped > ALLOWED_LOSS {
         estimate.warnings.push(format!(
@@ -140,32 +130,47 @@ pub fn identify_tables_by(
     })
 }
 
-fn check_method(request: &IdentifyRequest) -> Result<Method, Error> {
-    let method = match request.method.as_str() {
-        "auto" | "linear" => {
-            refuse_variant(request, &[])?;
-            Method::Linear
-        }
-        "ma2008" => Method::Ma2008(match request.variant.as_deref() {
-            None | Some("unknown-momentum") => ma2008::Variant::UnknownMomentum,
-            Some("known-momentum") => ma2008::Variant::KnownMomentum,
-            Some(_) => {
-                let published = methods::published("ma2008");
-                return Err(variant_error(
-                    request,
-                    published.map_or(&[], |p| p.variants),
-                ));
-            }
-        }),
-        _ => {
-            let names: Vec<&str> = methods::PUBLISHED.iter().map(|p| p.name).collect();
+/// Every method by name: the ladder, then the published ones.
+fn method_names() -> Vec<&'static str> {
+    let published = methods::PUBLISHED.iter().map(|p| p.name);
+    METHODS.into_iter().chain(published).collect()
+}
+
+fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
+    match request.variant.as_deref() {
+        Some("known-momentum") => ma2008::Variant::KnownMomentum,
+        _ => ma2008::Variant::UnknownMomentum,
+    }
+}
+
+fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
+    let published = methods::published(&request.method);
+    if published.is_none() && !METHODS.contains(&request.method.as_str()) {
+        return Err(Error::Usage {
+            option: "--method",
+            value: request.method.clone(),
+            why: format!("known methods: {}", method_names().join(", ")),
+        });
+    }
+    if let Some(variant) = &request.variant {
+        let known: &[&str] = match (published, request.method.as_str()) {
+            (Some(method), _) => method.variants,
+            (_, "linear") => &[],
+            _ => &LOSSES,
+        };
+        if !known.contains(&variant.as_str()) {
+            let why = if known.is_empty() {
+                format!("method {} has no variants; leave it out", request.method)
+            } else {
+                format!("variants of {}: {}", request.method, known.join(", "))
+            };
             return Err(Error::Usage {
-                option: "--method",
-                value: request.method.clone(),
-                why: format!("known methods: auto, linear, {}", names.join(", ")),
+                option: "--variant",
+                value: variant.clone(),
+                why,
             });
         }
-    };
+    }
     if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
             option: "--relative-accuracy",
@@ -173,27 +178,7 @@ fn check_method(request: &IdentifyRequest) -> Result<Method, Error> {
             why: "a positive number is needed, for example 1.0".to_owned(),
         });
     }
-    Ok(method)
-}
-
-fn refuse_variant(request: &IdentifyRequest, known: &[&str]) -> Result<(), Error> {
-    match request.variant {
-        Some(_) => Err(variant_error(request, known)),
-        None => Ok(()),
-    }
-}
-
-fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {
-    let why = if known.is_empty() {
-        format!("method {} has no variants; leave it out", request.method)
-    } else {
-        format!("variants of {}: {}", request.method, known.join(", "))
-    };
-    Error::Usage {
-        option: "--variant",
-        value: request.variant.clone().unwrap_or_default(),
-        why,
-    }
+    Ok(())
 }
 
 /// Options for reading telemetry that a model asks for.

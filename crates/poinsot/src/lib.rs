@@ -8,7 +8,9 @@ mod estimate_file;
 mod estimate_text;
 pub mod identify;
 mod output;
+pub mod predict;
 pub mod simulate;
+pub mod trials;
 
 pub use error::Error;
 pub use estimate_file::estimate_json;

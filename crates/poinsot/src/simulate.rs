@@ -5,10 +5,21 @@ mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use poinsot_dynamics::{MotionError, MotionSample, Prescribed};
-use poinsot_model::{Model, ModelError, read_model};
+use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
+pub(crate) use record::names;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+
+/// Codes of the errors of a simulation beyond those of case, model and telemetry, for `poinsot explain`.
+pub const SIMULATE_CODES: [(&str, &str); 2] = [
+    (
+        "E0509",
+        "The motion cannot be computed: something moves that has no inertia, or the tolerance cannot be met.",
+    ),
+    ("E0510", "The output folder cannot be made or written."),
+];
 
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +31,7 @@ pub enum SimulateError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// The motion cannot be computed.
-    #[error("E0309 {}: {error}", file.display())]
+    #[error("E0509 {}: {error}", file.display())]
     Motion {
         /// The case file.
         file: PathBuf,
@@ -31,7 +42,7 @@ pub enum SimulateError {
     #[error(transparent)]
     Telemetry(#[from] TelemetryError),
     /// The folder cannot be written.
-    #[error("E0310 {}: {source}", path.display())]
+    #[error("E0510 {}: {source}", path.display())]
     Write {
         /// What was to be written.
         path: PathBuf,
@@ -100,11 +111,17 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> 
     poinsot_telemetry::write(&workshop.path().join(name), &simulation.table.channels)?;
     let text = format!("{:#}\n", simulation.truth);
     let draft = workshop.path().join("truth.json");
-    std::fs::write(&draft, text).map_err(|e| failed(&draft, e))?;
+    let whole = std::fs::File::create(&draft).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    });
+    whole.map_err(|e| failed(&draft, e))?;
     let (telemetry, truth) = (out.join(name), out.join("truth.json"));
-    for (file, target) in [(name, &telemetry), ("truth.json", &truth)] {
-        let draft = workshop.path().join(file);
-        std::fs::rename(draft, target).map_err(|e| failed(target, e))?;
+    std::fs::rename(workshop.path().join(name), &telemetry).map_err(|e| failed(&telemetry, e))?;
+    if let Err(e) = std::fs::rename(&draft, &truth) {
+        // Telemetry without its truth must not stand alone; what hinders that is the same fault.
+        let _ = std::fs::remove_file(&telemetry);
+        return Err(failed(&truth, e));
     }
     let channels = &simulation.table.channels;
     Ok(Written {
@@ -129,12 +146,59 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
 /// As [`simulate_case`].
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
     let scenario = case.bind(model)?;
+    let (recorder, first) = record(case, model, &scenario, trial)?;
+    let truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
+    Ok(Simulation {
+        table: recorder.table(&scenario),
+        truth,
+    })
+}
+
+/// What perfect sensors read, each at its own times and place, and the biases that the case gives them.
+///
+/// # Errors
+/// As [`simulate_case`].
+pub fn simulate_exact(
+    case: &Case,
+    model: &Model,
+) -> Result<(Table, Vec<Option<Vec<f64>>>), SimulateError> {
+    let mut perfect = model.clone();
+    for sensor in &mut perfect.sensors {
+        sensor.noise_covariance = None;
+        sensor.quantisation = 0.0;
+        sensor.bias = Nuisance::Known;
+    }
+    let mut scenario = case.bind(model)?;
+    let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
+    let (recorder, _) = record(case, &perfect, &scenario, 0)?;
+    let mut table = recorder.table(&scenario);
+    keep_measured(model, &mut table);
+    Ok((table, biases))
+}
+
+/// Leaves out what no sensor of the model measures: a simulation knows the whole motion, an experiment does
+/// not. Joints, wheels and thrusters are commanded and stay.
+pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
+    let blind: Vec<String> = SensorKind::ALL
+        .into_iter()
+        .filter(|kind| !kind.is_scalar() && model.sensors_of(*kind).next().is_none())
+        .flat_map(|kind| names(model, kind, &[]))
+        .collect();
+    table.channels.retain(|c| !blind.contains(&c.name));
+}
+
+fn record(
+    case: &Case,
+    model: &Model,
+    scenario: &Scenario,
+    trial: u64,
+) -> Result<(Recorder, Option<MotionSample>), SimulateError> {
     let motion = |error| SimulateError::Motion {
         file: case.path().to_owned(),
         error,
     };
     let vehicle = Prescribed::new(model, &scenario.plan, case.tolerance).map_err(motion)?;
-    let mut recorder = Recorder::new(model, &scenario, vehicle.tree(), case.seed, trial);
+    let mut recorder = Recorder::new(model, scenario, vehicle.tree(), case.seed, trial);
     let mut first: Option<MotionSample> = None;
     vehicle
         .run(&scenario.start, &scenario.times, |sample| {
@@ -144,15 +208,11 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
             recorder.take(sample);
         })
         .map_err(motion)?;
-    let truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
-    Ok(Simulation {
-        table: recorder.table(&scenario),
-        truth,
-    })
+    Ok((recorder, first))
 }
 
 /// One random stream per sensor and trial.
-fn stream(trial: u64, sensor: usize) -> u64 {
+pub(crate) fn stream(trial: u64, sensor: usize) -> u64 {
     (trial << 16) | (sensor as u64 & 0xffff)
 }
 

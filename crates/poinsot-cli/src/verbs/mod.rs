@@ -3,6 +3,7 @@
 pub mod check;
 pub mod identify;
 pub mod inspect;
+pub mod predict;
 pub mod schema;
 pub mod simulate;
 

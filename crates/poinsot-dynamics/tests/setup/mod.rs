@@ -1,5 +1,5 @@
 //! Models from recorded trees and from the truth of recorded runs; recorded telemetry.
-#![allow(dead_code, non_snake_case)]
+#![allow(dead_code, non_snake_case, clippy::unwrap_used)]
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;

@@ -76,4 +76,7 @@ pub(crate) struct PriorFile {
     pub com_m: Option<f64>,
     /// One sigma of each element of the central inertia, kg m2.
     pub inertia_kg_m2: Option<f64>,
+    /// Relative sigma of the entropic prior on the whole body, no unit: 0.1 for a body known to about a
+    /// tenth. It keeps the body physical.
+    pub entropic: Option<f64>,
 }

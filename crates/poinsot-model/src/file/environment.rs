@@ -14,6 +14,9 @@ pub(crate) struct EnvironmentFile {
     pub gravity_gradient: Option<bool>,
     /// Constant torque in body axes, N m: "none" (default), "estimate", or { sigma_N_m = x }.
     pub disturbance_torque: Option<NuisanceFile>,
+    /// Torque of drag in body axes, -c |w| w with one coefficient an axis, kg m2: "none" (default) or
+    /// "estimate".
+    pub drag_torque: Option<NuisanceFile>,
 }
 
 /// Gravity.

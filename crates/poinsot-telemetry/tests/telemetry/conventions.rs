@@ -240,3 +240,27 @@ fn unit_a_turned_gyro_fits_with_its_mounting() {
     assert!(test.check().is_ok());
     assert_eq!(test.verdict, Verdict::DeclaredFits);
 }
+
+#[test]
+fn unit_the_gyro_is_not_averaged_across_its_gaps() {
+    let whole = table(&tumble(1200, 0.05, 0.2), 0.05);
+    let mut gapped = whole.clone();
+    for c in gapped
+        .channels
+        .iter_mut()
+        .filter(|c| c.name.starts_with("omega"))
+    {
+        let there = |k: &usize| !(*k > 300 && k % 100 < 5);
+        let kept: Vec<usize> = (0..c.values.len()).filter(there).collect();
+        c.time_s = kept.iter().map(|k| c.time_s[*k]).collect();
+        c.values = kept.iter().map(|k| c.values[*k]).collect();
+    }
+    let [whole, gapped] = [whole, gapped].map(|t| test_sensors(&t, "", "", None).unwrap());
+    assert!(
+        gapped.intervals + 9 <= whole.intervals,
+        "{} {}",
+        gapped.intervals,
+        whole.intervals
+    );
+    assert_eq!(gapped.verdict, Verdict::DeclaredFits);
+}

@@ -99,6 +99,17 @@ fn unit_files_of_a_segment_keep_their_time_bases() {
     );
     assert_eq!(w.time_s.as_ref(), [0.05, 0.15]);
     assert_eq!(table.sources.len(), 2);
+    let runs = folder.file("runs.csv", "run,time_s,omega_z\na,0,1\nb,0,2\nb,1,3\n");
+    let filtered = ReadOptions {
+        row_filter: vec![("run".into(), "b".into())],
+        ..ReadOptions::default()
+    };
+    let table = read(&[&runs, &wheels], &filtered).unwrap();
+    assert_eq!(table.channel("omega_z").unwrap().values, [2.0, 3.0]);
+    assert!(
+        table.repairs[0]
+            .ends_with("wheels.csv: no column 'run' to choose rows by; all its rows are kept")
+    );
     let error = read(&[&rates, &rates], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),

@@ -4,7 +4,10 @@ use crate::setup::{Experiment, Run, readings};
 use nalgebra::DMatrix;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::ma2008::{Known, Raw, Reading, angular_rows, linear_rows, two_step};
-use poinsot_identify::{Estimate, LinearProblem, Noise, Samples, Segment, Translation, linear};
+use poinsot_identify::{
+    Estimate, Noise, Observations, Problem, Samples, Segment, Translation, linear,
+    maximum_likelihood,
+};
 use poinsot_model::{Model, MomentumKnowledge};
 use poinsot_spatial::{MassProperties, Matrix3, Matrix6, Vector3, Vector6};
 use rand::SeedableRng;
@@ -124,7 +127,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
     Segment {
         label: "study".to_owned(),
         samples: Samples {
-            time_s: (0..raws.len()).map(|k| k as f64).collect(),
+            time_s: run.times.clone(),
             R_NB: raws.iter().map(|r| r.R_NB).collect(),
             w_NB_B: raws.iter().map(|r| r.w_NB_B).collect(),
             translation: Some(Translation {
@@ -136,6 +139,18 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             wheel_speed: Vec::new(),
         },
         firings: Vec::new(),
+        observations: Observations {
+            time_s: run.times.clone(),
+            rate: raws.iter().map(|r| Some(r.w_NB_B)).collect(),
+            attitude: raws.iter().map(|r| Some(r.R_NB)).collect(),
+            velocity: raws.iter().map(|r| Some(r.v_NBo_N)).collect(),
+            position: vec![None; raws.len()],
+            velocity_arm_B: Vector3::zeros(),
+            position_arm_B: Vector3::zeros(),
+            joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
+            joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
+            wheel_speed: Vec::new(),
+        },
     }
 }
 
@@ -144,7 +159,7 @@ pub fn noise(sigma: Sigma, seen: f64) -> Noise {
     let square = |s: Vector3| Matrix3::from_diagonal(&s.component_mul(&s));
     Noise {
         gyro: square(sigma.w),
-        attitude: Matrix3::zeros(),
+        attitude: Matrix3::identity() * 1.0e-14,
         velocity: square(sigma.v),
         position: Matrix3::zeros(),
         joint_position: vec![0.0; 6],
@@ -156,7 +171,7 @@ pub fn noise(sigma: Sigma, seen: f64) -> Noise {
     }
 }
 
-/// The linear rung on one draw; it is also given the exact position of the base, which the two steps do
+/// The linear rung, or maximum likelihood, on one draw; the linear rung is also given the exact position of the base, which the two steps do
 /// not use.
 pub fn linear_answer(
     experiment: &Experiment,
@@ -165,6 +180,7 @@ pub fn linear_answer(
     sigma: Sigma,
     known: bool,
     seen: f64,
+    likelihood: bool,
 ) -> Option<Estimate> {
     let mut model: Model = experiment.model.clone();
     if known {
@@ -172,14 +188,18 @@ pub fn linear_answer(
         model.momentum.angular = MomentumKnowledge::Known(run.known.h_C_N);
     }
     let tree = Tree::new(&model);
-    linear(&LinearProblem {
+    let problem = Problem {
         model: &model,
         tree: &tree,
         segments: &[segment(run, raws)],
         noise: &noise(sigma, seen),
         relative_accuracy: 1.0e6,
-    })
-    .ok()
+    };
+    if likelihood {
+        maximum_likelihood(&problem).ok()
+    } else {
+        linear(&problem).ok()
+    }
 }
 
 /// Mass properties of an answer, where complete.

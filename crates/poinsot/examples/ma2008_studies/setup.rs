@@ -82,6 +82,8 @@ pub fn equally_spaced(knots: &[(f64, [f64; 6])], n: usize) -> Vec<f64> {
 
 /// What the run gives: samples and the true momentum.
 pub struct Run {
+    /// Times, s.
+    pub times: Vec<f64>,
     /// Samples.
     pub raws: Vec<Raw>,
     /// Positions of the base origin, in N, m.
@@ -205,6 +207,7 @@ impl Experiment {
         raws.remove(0);
         positions.remove(0);
         Run {
+            times: self.times.clone(),
             raws,
             positions,
             known: known.expect("a first sample"),

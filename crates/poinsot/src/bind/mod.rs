@@ -5,6 +5,7 @@
 mod channels;
 mod motion;
 mod noise;
+mod observe;
 mod thrust;
 
 pub use channels::wanted_channels;
@@ -164,10 +165,12 @@ fn bind_segment(
     }
     let samples: Samples = aligned.take(&complete, tree);
     let firings = thrust::firings(model, &channels, &samples, repairs);
+    let observations = observe::observe(model, tree, &channels, &samples, &firings);
     Ok((
         Segment {
             label: label.clone(),
             samples,
+            observations,
             firings,
         },
         lost as f64 / times.len() as f64,

@@ -20,7 +20,8 @@ pub(super) struct Aligned {
     time_s: Vec<f64>,
     rate: Vec<Option<Vector3<f64>>>,
     attitude: Vec<Option<UnitQuaternion<f64>>>,
-    translation: Option<(Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>)>,
+    /// Position and velocity of the base origin in N.
+    translation: Option<Positions>,
     joint_position: Vec<Column>,
     joint_rate: Vec<Column>,
     wheel_speed: Vec<Column>,
@@ -307,7 +308,7 @@ fn joint(
                 "{label}: no channel '{rate_name}': rate of {} differentiated from '{position_name}' (quartic through five samples)",
                 joint.name
             ));
-            let rate = differentiate(q, HALF_WIDTH, None);
+            let rate = derived_rate(q);
             (resample(q, times, None), resample(&rate, times, None))
         }
         (None, rate) => {
@@ -324,4 +325,9 @@ fn joint(
             )
         }
     }
+}
+
+/// Rate of a joint from its positions.
+pub(super) fn derived_rate(position: &Channel) -> Channel {
+    differentiate(position, HALF_WIDTH, None)
 }

@@ -1,7 +1,7 @@
 //! A case with a model: names become indices, and the first instant a start.
 
 use super::file::InitialFile;
-use super::motion::Planner;
+use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::{Case, CaseError, refuse};
 use nalgebra::Quaternion;
@@ -58,7 +58,7 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
         };
         if !x.get_ref().iter().all(|x| x.is_finite()) {
             let key = format!("initial.{key}");
-            planner.refuse("E0305", &key, x.span(), "not finite", "correct it");
+            planner.refuse("E0505", &key, x.span(), "not finite", "correct it");
         }
         Vector3::from(*x.get_ref())
     };
@@ -74,12 +74,12 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
     let momentum = momentum.into_iter().flatten().next().map(Spanned::span);
     let zero = initial.momentum_zero.as_ref();
     let zero = zero.filter(|z| *z.get_ref()).map(Spanned::span);
-    let given = [&twist, &momentum, &zero].into_iter().flatten();
-    if let Some(second) = given.skip(1).next().cloned() {
+    let mut given = [&twist, &momentum, &zero].into_iter().flatten();
+    if let Some(second) = given.nth(1).cloned() {
         let problem = "the initial motion is given twice";
         let remedy =
             "give either omega_rad_s and v_m_s, or linear_N_s and angular_N_m_s, or momentum_zero";
-        planner.refuse("E0307", "initial", second, problem, remedy);
+        planner.refuse("E0507", "initial", second, problem, remedy);
     }
     let velocity = if momentum.is_some() || zero.is_some() {
         StartVelocity::Momentum { l_S_N, h_SScm_N }
@@ -100,10 +100,10 @@ fn attitude(planner: &mut Planner, initial: &InitialFile) -> UnitQuaternion {
     let [x, y, z, w] = *given.get_ref();
     let q = Quaternion::new(w, x, y, z);
     // Printed quaternions are rounded; anything further off is another mistake.
-    if !((q.norm() - 1.0).abs() < 1e-3) {
+    if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
         let problem = format!("norm {} is not 1", q.norm());
         let remedy = "give a unit quaternion, scalar last, body to inertial";
-        planner.refuse("E0305", "initial.q_xyzw", given.span(), problem, remedy);
+        planner.refuse("E0505", "initial.q_xyzw", given.span(), problem, remedy);
         return UnitQuaternion::identity();
     }
     UnitQuaternion::new_normalize(q)

@@ -3,10 +3,12 @@
 //! Reading checks what needs no vehicle; [`Case::bind`] resolves names against a model, so that one case
 //! can be run with several models.
 
+mod actuators;
 mod bind;
 mod fault;
 mod file;
-mod motion;
+mod joints;
+mod planner;
 mod sensor_output;
 
 pub use bind::Scenario;
@@ -26,7 +28,7 @@ use toml::Spanned;
 pub const CASE_SCHEMA: &str = "poinsot.case/1";
 
 const LARGEST_FILE: u64 = 16 << 20;
-const MOST_ROWS: f64 = 1e8;
+const MOST_ROWS: f64 = 1e7;
 
 /// A case that was read; names are not yet resolved.
 #[derive(Debug, Clone)]
@@ -54,7 +56,7 @@ pub struct Case {
 pub fn read_case(path: &Path) -> Result<Case, CaseError> {
     let unreadable = |problem: String, environment: bool| CaseError {
         faults: vec![CaseFault {
-            code: "E0301",
+            code: "E0501",
             file: path.display().to_string(),
             line: 0,
             key: String::new(),
@@ -95,7 +97,7 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
     let mut faults = Vec::new();
     if file.schema.get_ref() != CASE_SCHEMA {
         faults.push(text.fault(
-            "E0303",
+            "E0503",
             "schema",
             file.schema.span(),
             "this is not the format of a case",
@@ -108,7 +110,7 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
     let (duration_s, rate_hz) = (*file.duration_s.get_ref(), *output.rate_hz.get_ref());
     if duration_s * rate_hz > MOST_ROWS {
         faults.push(text.fault(
-            "E0305",
+            "E0505",
             "output.rate_hz",
             output.rate_hz.span(),
             format!(
@@ -124,7 +126,7 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
         tolerance.relative = *integration.relative_tolerance.get_ref();
         if !(1e-14..=1e-3).contains(&tolerance.relative) {
             faults.push(text.fault(
-                "E0305",
+                "E0505",
                 key,
                 integration.relative_tolerance.span(),
                 "the tolerance must lie between 1e-14 and 1e-3",
@@ -154,7 +156,7 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
 fn later_work(text: &CaseText, file: &CaseFile, faults: &mut Vec<CaseFault>) {
     let mut not_yet = |key: &str, span: Range<usize>, remedy: &str| {
         let problem = "the simulation does not do this yet: joint motion is prescribed, not driven";
-        faults.push(text.fault("E0308", key, span, problem, remedy));
+        faults.push(text.fault("E0508", key, span, problem, remedy));
     };
     if let Some(x) = &file.joint_torque {
         let remedy = "prescribe the motion with [[joint_motion]]";
@@ -191,7 +193,7 @@ fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Spanned
     let value = *x.get_ref();
     if !value.is_finite() || value <= 0.0 {
         let problem = "must be a positive number";
-        faults.push(text.fault("E0305", key, x.span(), problem, "correct it"));
+        faults.push(text.fault("E0505", key, x.span(), problem, "correct it"));
     }
 }
 
@@ -205,7 +207,7 @@ fn syntax(text: &CaseText, e: &toml::de::Error) -> CaseFault {
     };
     let problem = message.split(", expected one of").next().unwrap_or("");
     let span = e.span().unwrap_or(0..0);
-    let mut fault = text.fault("E0302", "", span, problem, remedy);
+    let mut fault = text.fault("E0502", "", span, problem, remedy);
     fault.value.clear();
     fault
 }

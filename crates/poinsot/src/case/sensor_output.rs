@@ -2,7 +2,7 @@
 
 use super::fault::did_you_mean;
 use super::file::{OutputFile, SensorOutputFile};
-use super::motion::Planner;
+use super::planner::Planner;
 use poinsot_model::{JointKind, Model, Sensor, SensorKind};
 use toml::Spanned;
 
@@ -36,7 +36,7 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
             let remedy = did_you_mean(name, names);
             let problem = format!("{} sensors of the model have this name", found.len());
             planner.refuse(
-                "E0304",
+                "E0504",
                 &format!("{key}.name"),
                 table.name.span(),
                 problem,
@@ -51,7 +51,7 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
                 let problem = "the sensor's rate does not divide the output rate";
                 let remedy = "choose output.rate_hz as a multiple of every sensor's rate";
                 planner.refuse(
-                    "E0305",
+                    "E0505",
                     &format!("{key}.rate_hz"),
                     rate.span(),
                     problem,
@@ -94,12 +94,12 @@ fn bias(
         if suffix != wanted {
             let problem = "this sensor has another unit";
             let remedy = format!("use bias_{wanted}");
-            planner.refuse("E0307", &key, value.span(), problem, remedy);
+            planner.refuse("E0507", &key, value.span(), problem, remedy);
         } else if !numbers.iter().all(|x| x.is_finite()) {
-            planner.refuse("E0305", &key, value.span(), "not finite", "correct it");
+            planner.refuse("E0505", &key, value.span(), "not finite", "correct it");
         } else if numbers.len() != channels && !(sensor.kind.is_scalar() && numbers.len() == 1) {
             let problem = format!("{} numbers for {channels} channels", numbers.len());
-            planner.refuse("E0306", &key, value.span(), problem, "give one per channel");
+            planner.refuse("E0506", &key, value.span(), problem, "give one per channel");
         } else {
             found = Some(numbers.clone());
         }

@@ -171,7 +171,7 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
 }
 
 /// Channel names of a sensor kind; `of` for scalars.
-fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String> {
+pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String> {
     let xyz = |prefix: &str| XYZ.map(|axis| format!("{prefix}_{axis}")).to_vec();
     let joints = |suffix: &str| {
         of.iter()

@@ -11,8 +11,8 @@ use crate::estimate::{
     DeterminedCombination, Estimate, Identifiability, MomentumEstimate, Number, OpenCombination,
     SegmentFit, Source as From, Status,
 };
-use crate::linear::LinearProblem;
 use crate::parameters::axis_name;
+use crate::problem::Problem;
 use crate::segment::{Noise, Segment};
 use nalgebra::{DMatrix, SMatrix, SVector, SymmetricEigen};
 use poinsot_dynamics::{Kinematics, composite};
@@ -43,7 +43,7 @@ impl Variant {
 pub enum Ma2008Error {
     /// Unknown arm.
     #[error(
-        "E0501 body '{body}': estimate: ma2008 needs every body but the base known; take estimate out of it, or use --method auto"
+        "E0521 body '{body}': estimate: ma2008 needs every body but the base known; take estimate out of it, or use --method auto"
     )]
     UnknownArm {
         /// Body.
@@ -51,7 +51,7 @@ pub enum Ma2008Error {
     },
     /// Base not wholly unknown.
     #[error(
-        "E0502 body '{body}': estimate: ma2008 identifies mass, mass centre and inertia of the base together; write estimate = true, or use --method auto"
+        "E0522 body '{body}': estimate: ma2008 identifies mass, mass centre and inertia of the base together; write estimate = true, or use --method auto"
     )]
     BasePartlyKnown {
         /// Body.
@@ -59,7 +59,7 @@ pub enum Ma2008Error {
     },
     /// No arm.
     #[error(
-        "E0503 model: the bodies beyond the base '{base}' have no mass: ma2008 needs an arm of known mass; describe it, or use --method auto"
+        "E0523 model: the bodies beyond the base '{base}' have no mass: ma2008 needs an arm of known mass; describe it, or use --method auto"
     )]
     NoArm {
         /// Base.
@@ -67,7 +67,7 @@ pub enum Ma2008Error {
     },
     /// Momentum not known.
     #[error(
-        "E0504 [momentum] {key} = \"estimate\": variant known-momentum needs it in N (N s; N m s about the system mass centre at the first sample); give it, or use --variant unknown-momentum"
+        "E0524 [momentum] {key} = \"estimate\": variant known-momentum needs it in N (N s; N m s about the system mass centre at the first sample); give it, or use --variant unknown-momentum"
     )]
     MomentumUnknown {
         /// Key.
@@ -75,7 +75,7 @@ pub enum Ma2008Error {
     },
     /// No velocity.
     #[error(
-        "E0505 segment '{label}': no velocity channel (v_x v_y v_z): ma2008 needs it for step 1; add it, or use --method maximum_likelihood"
+        "E0525 segment '{label}': no velocity channel (v_x v_y v_z): ma2008 needs it for step 1; add it, or use --method maximum_likelihood"
     )]
     NoVelocity {
         /// Segment.
@@ -83,7 +83,7 @@ pub enum Ma2008Error {
     },
     /// Thrust.
     #[error(
-        "E0506 segment '{label}': a thruster fires: ma2008 takes momentum as conserved; cut the firing out, or use --method auto"
+        "E0526 segment '{label}': a thruster fires: ma2008 takes momentum as conserved; cut the firing out, or use --method auto"
     )]
     Thrust {
         /// Segment.
@@ -91,7 +91,7 @@ pub enum Ma2008Error {
     },
     /// A wheel of unknown spin inertia.
     #[error(
-        "E0507 wheel '{wheel}': estimate: ma2008 needs its spin inertia known; take estimate out of it, or use --method auto"
+        "E0527 wheel '{wheel}': estimate: ma2008 needs its spin inertia known; take estimate out of it, or use --method auto"
     )]
     UnknownWheel {
         /// Wheel.
@@ -99,7 +99,7 @@ pub enum Ma2008Error {
     },
     /// Too few samples.
     #[error(
-        "E0508 segment '{label}': {samples} samples: variant {variant} needs at least {needed} for four unknowns; add samples at other arm configurations"
+        "E0528 segment '{label}': {samples} samples: variant {variant} needs at least {needed} for four unknowns; add samples at other arm configurations"
     )]
     TooFewSamples {
         /// Segment.
@@ -113,7 +113,7 @@ pub enum Ma2008Error {
     },
     /// Numbers overflow.
     #[error(
-        "E0509 the equations hold a number that is not finite; check units and magnitudes of the telemetry"
+        "E0529 the equations hold a number that is not finite; check units and magnitudes of the telemetry"
     )]
     NotFinite,
 }
@@ -136,7 +136,7 @@ const PAPER_NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 ///
 /// # Errors
 /// The question cannot be put to this method. What the data leave open is an answer.
-pub fn identify(problem: &LinearProblem, variant: Variant) -> Result<Estimate, Ma2008Error> {
+pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008Error> {
     let given = check(problem, variant)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);
     let data: Vec<Vec<Raw>> = problem
@@ -154,7 +154,7 @@ pub fn identify(problem: &LinearProblem, variant: Variant) -> Result<Estimate, M
     Ok(write(problem, variant, given, &solved, contradicted))
 }
 
-fn check(problem: &LinearProblem, variant: Variant) -> Result<Option<Known>, Ma2008Error> {
+fn check(problem: &Problem, variant: Variant) -> Result<Option<Known>, Ma2008Error> {
     let model = problem.model;
     if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
         let body = body.name.clone();
@@ -206,7 +206,7 @@ fn check(problem: &LinearProblem, variant: Variant) -> Result<Option<Known>, Ma2
     }))
 }
 
-fn raws(problem: &LinearProblem, segment: &Segment) -> Result<Vec<Raw>, Ma2008Error> {
+fn raws(problem: &Problem, segment: &Segment) -> Result<Vec<Raw>, Ma2008Error> {
     let s = &segment.samples;
     let translation = s.translation.as_ref().ok_or_else(|| {
         let label = segment.label.clone();
@@ -290,7 +290,7 @@ struct Solved {
 }
 
 fn solve_both(
-    problem: &LinearProblem,
+    problem: &Problem,
     vehicle: &mut Vehicle,
     data: &[Vec<Raw>],
     sources: &[(Source, f64)],
@@ -620,7 +620,7 @@ fn properties(u: &[f64; 10]) -> MassProperties {
 }
 
 fn write(
-    problem: &LinearProblem,
+    problem: &Problem,
     variant: Variant,
     given: Option<Known>,
     solved: &Solved,
@@ -681,13 +681,13 @@ fn write(
                 label: s.label.clone(),
                 samples: s.samples.time_s.len(),
                 chi2_per_dof: *chi2,
-                rms_rate: None,
-                rms_velocity: None,
+                channels: Vec::new(),
             })
             .collect(),
         covariance_trustworthy: solved.chi2 <= MISFIT && !rejected,
         warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
         method_report: report(solved),
+        iterations: 1,
         bodies,
     }
 }
@@ -709,7 +709,7 @@ fn body(
 }
 
 fn system(
-    problem: &LinearProblem,
+    problem: &Problem,
     ten: &Ten,
     nominal: &MassProperties,
 ) -> Option<(crate::estimate::BodyEstimate, Vec<f64>)> {
@@ -777,7 +777,7 @@ fn unit(k: usize) -> &'static str {
 }
 
 fn momentum(
-    problem: &LinearProblem,
+    problem: &Problem,
     given: Option<Known>,
     solved: &Solved,
     ten: &Ten,
@@ -979,7 +979,7 @@ fn sentence(terms: &[(String, f64)]) -> String {
 }
 
 fn warnings(
-    problem: &LinearProblem,
+    problem: &Problem,
     solved: &Solved,
     ten: &Ten,
     contradicted: Option<f64>,

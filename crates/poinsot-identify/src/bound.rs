@@ -1,0 +1,35 @@
+//! The Cramer-Rao bound of an experiment: what its readings will tell, whatever estimator reads them.
+
+use crate::answer;
+use crate::diagnosis::Diagnosis;
+use crate::estimate::Estimate;
+use crate::fit::fit;
+use crate::information::Experiment;
+use crate::maximum_likelihood::{conclude, proportional};
+use crate::parameters::{Equations, Parameters, ParametersError};
+use crate::problem::{Problem, ProblemError};
+
+/// Information of the experiment at the model's own numbers, which are taken as the truth; the segments
+/// hold what perfect sensors read, the noise is the declared one.
+///
+/// Values of the answer are those of the model; its sigmas are the bound (Rao 1945, Cramer 1946), pose,
+/// momentum and biases projected out.
+///
+/// # Errors
+/// The question cannot be asked.
+pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
+    problem.check_samples()?;
+    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
+    let of = |equations| Parameters::new(problem.model, problem.tree, equations, fires);
+    let parameters = match of(problem.linear_equations()) {
+        Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+        other => other,
+    }?;
+    let experiment = Experiment::new(problem, &parameters);
+    let mut at_truth = fit(&experiment, None, 0)?;
+    at_truth.settled = true;
+    let explained = (!proportional(problem)).then_some(1.0);
+    let mut solved = conclude(&experiment, at_truth, explained, Diagnosis::default());
+    solved.method = "cramer_rao";
+    Ok(answer::write(problem, &solved))
+}

@@ -1,0 +1,236 @@
+//! What an experiment can tell: sensitivities of every reading, reduced to a triangle per segment.
+//!
+//! The triangle of the shared unknowns is the square root of the Fisher information with pose, momentum
+//! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
+//! estimator: this module knows none.
+
+use crate::block_qr::{BlockQr, Triangle};
+use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
+use crate::loss::Loss;
+use crate::motion::Vehicle;
+use crate::parameters::Parameters;
+use crate::prior;
+use crate::problem::Problem;
+use crate::segment::Segment;
+use crate::solved::{Shared, Solved};
+use crate::spectrum::{NotFinite, Spectrum};
+use nalgebra::UnitQuaternion;
+use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
+use poinsot_model::MomentumKnowledge;
+use poinsot_spatial::Vector3;
+use rayon::prelude::*;
+
+/// A problem with its unknowns, ready to be evaluated at any value of them.
+pub(crate) struct Experiment<'a> {
+    pub problem: &'a Problem<'a>,
+    pub parameters: &'a Parameters,
+    pub nominal_spin: Vec<f64>,
+    pub unknown: Vec<HeadColumns>,
+    pub sight: Sight,
+    pub loss: Loss,
+}
+
+/// A value of all unknowns: the shared ones and the start of every segment.
+#[derive(Clone)]
+pub(crate) struct Point {
+    pub x: Vec<f64>,
+    pub heads: Vec<Head>,
+}
+
+impl<'a> Experiment<'a> {
+    pub fn new(problem: &'a Problem<'a>, parameters: &'a Parameters) -> Self {
+        let sight = if problem.sees_translation() {
+            Sight::Translation
+        } else {
+            Sight::Rotation
+        };
+        Self {
+            problem,
+            parameters,
+            nominal_spin: problem
+                .model
+                .wheels
+                .iter()
+                .map(|w| w.spin_inertia)
+                .collect(),
+            unknown: problem
+                .segments
+                .iter()
+                .map(|s| HeadColumns::of(s, &problem.model.momentum, problem.noise, sight))
+                .collect(),
+            sight,
+            loss: Loss::Gaussian,
+        }
+    }
+
+    /// The same experiment with more unknowns.
+    pub fn with_parameters<'b>(&'b self, parameters: &'b Parameters) -> Experiment<'b> {
+        Experiment {
+            problem: self.problem,
+            parameters,
+            nominal_spin: self.nominal_spin.clone(),
+            unknown: self.unknown.clone(),
+            sight: self.sight,
+            loss: self.loss,
+        }
+    }
+
+    /// All segments at a point; `None` where the vehicle cannot move as predicted.
+    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        let setting = Setting {
+            tree: self.problem.tree,
+            thrusters: &self.problem.model.thrusters,
+            parameters: self.parameters,
+            nominal_spin: &self.nominal_spin,
+            noise: self.problem.noise,
+            loss: self.loss,
+        };
+        self.problem
+            .segments
+            .par_iter()
+            .zip(&at.heads)
+            .zip(&self.unknown)
+            .map(|((segment, head), unknown)| {
+                evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
+            })
+            .collect()
+    }
+
+    /// Loss of readings and declared priors; `None` where a prior forbids the point.
+    pub fn chi2(&self, at: &Point, evaluated: &[Evaluated]) -> Option<f64> {
+        let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
+        let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
+        let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
+        Some(readings + calibration + design)
+    }
+
+    /// Whether any mass property has a declared prior.
+    pub fn has_design_prior(&self) -> bool {
+        let bodies = &self.problem.model.bodies;
+        bodies.iter().any(|b| b.estimate.any() && b.prior.is_some())
+    }
+
+    /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
+    /// calibrations, and, if wanted, those of the design.
+    pub fn stack(&self, at: &Point, evaluated: &[Evaluated], with_design: bool) -> Triangle {
+        let mut stacked = BlockQr::new(self.parameters.len() + 1);
+        for (one, unknown) in evaluated.iter().zip(&self.unknown) {
+            if let Some(triangle) = &one.triangle {
+                let h = unknown.count();
+                let tail = triangle.r.nrows() - h;
+                stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
+            }
+        }
+        let mut priors = prior::calibration(self.problem, self.parameters, &at.x).rows;
+        if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
+            priors.extend(design.rows);
+        }
+        for row in &priors {
+            stacked.push(1, |_, j| {
+                row.gradient.get(j).copied().unwrap_or(row.residual)
+            });
+        }
+        stacked.finish()
+    }
+
+    /// Spectrum of the shared unknowns.
+    pub fn spectrum(&self, shared: &Shared) -> Result<Spectrum, NotFinite> {
+        let m = shared.mass;
+        let natural: Vec<f64> = self.parameters.unknowns[..m]
+            .iter()
+            .map(|u| u.natural)
+            .collect();
+        Spectrum::new(
+            &shared.block(),
+            &natural,
+            &vec![0.0; m * m],
+            self.problem.relative_accuracy,
+        )
+    }
+
+    /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.
+    pub fn measured_head(&self, segment: &Segment, x: &[f64]) -> Head {
+        let s = &segment.samples;
+        let (tree, dof) = (self.problem.tree, self.problem.tree.dof());
+        let bodies = self.parameters.bodies(x);
+        let mut kinematics = Kinematics::new(tree);
+        kinematics.place(tree, s.joint_position.get(..dof).unwrap_or(&[]));
+        let R = s
+            .R_NB
+            .first()
+            .copied()
+            .unwrap_or_else(UnitQuaternion::identity);
+        let w = s.w_NB_B.first().copied().unwrap_or_default();
+        let v = match (&s.translation, self.sight) {
+            (Some(t), Sight::Translation) => {
+                R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default()
+            }
+            _ => Vector3::zeros(),
+        };
+        let zeros = vec![0.0; dof];
+        let rates = s.joint_rate.get(..dof).unwrap_or(&zeros);
+        kinematics.set_velocities(tree, &v, &w, rates);
+        let now = momentum(&bodies, &kinematics);
+        let speeds = s.wheel_speed.get(..tree.rotors.len()).unwrap_or(&[]);
+        let vehicle = Vehicle::new(
+            tree,
+            &self.problem.model.thrusters,
+            self.parameters,
+            &self.nominal_spin,
+            x,
+        );
+        let l: Vector3 = now.fixed_rows::<3>(0).into();
+        let h = now.fixed_rows::<3>(3) + wheel_momentum(tree, &kinematics, &vehicle.spin, speeds);
+        let c = composite(&bodies, &kinematics).p_BoScm_B();
+        let given = &self.problem.model.momentum;
+        let pick = |known: MomentumKnowledge, value: Vector3| match known {
+            MomentumKnowledge::Known(k) => k,
+            MomentumKnowledge::Estimate => value,
+        };
+        let linear = match self.sight {
+            Sight::Translation => pick(given.linear, R * l),
+            // Without a translation sensor N may as well drift along with the mass centre.
+            Sight::Rotation => Vector3::zeros(),
+        };
+        Head {
+            R_NB: R,
+            p_NoBo_N: Vector3::zeros(),
+            P: linear,
+            h_SScm_N: pick(given.angular, R * (h - c.cross(&l))),
+        }
+    }
+
+    /// The point that a solved problem stands for.
+    pub fn point(&self, solved: &Solved) -> Point {
+        let heads = self
+            .problem
+            .segments
+            .iter()
+            .zip(&solved.starts)
+            .map(|(segment, start)| Head {
+                P: match self.sight {
+                    Sight::Translation => start.linear.value,
+                    Sight::Rotation => Vector3::zeros(),
+                },
+                h_SScm_N: start.angular.value,
+                ..self.measured_head(segment, &solved.x)
+            })
+            .collect();
+        Point {
+            x: solved.x.clone(),
+            heads,
+        }
+    }
+
+    /// The point of the nominal numbers.
+    pub fn nominal_point(&self) -> Point {
+        let x = self.parameters.nominal_vector();
+        let heads = self
+            .problem
+            .segments
+            .iter()
+            .map(|s| self.measured_head(s, &x))
+            .collect();
+        Point { x, heads }
+    }
+}

@@ -1,0 +1,554 @@
+//! Predicted against measured: whitened residuals of one segment and their sensitivities.
+
+use crate::block_qr::{BlockQr, Triangle};
+use crate::loss::Loss;
+use crate::motion::{Column, Instant, Motion, State, Vehicle, matrix, small_turn};
+use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::quantity::TenParameters;
+use crate::segment::{Noise, Segment};
+use nalgebra::{Cholesky, Matrix6};
+use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_model::{MomentumKnowledge, Thruster};
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
+
+/// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Head {
+    pub R_NB: UnitQuaternion,
+    pub p_NoBo_N: Vector3,
+    pub P: Vector3,
+    pub h_SScm_N: Vector3,
+}
+
+/// Which parts of the head are unknown: a column for each component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct HeadColumns {
+    pub attitude: bool,
+    pub position: bool,
+    pub linear: bool,
+    pub angular: bool,
+}
+
+impl HeadColumns {
+    /// What a segment leaves unknown: a pose that no sensor measures is the choice of the frame.
+    ///
+    /// One that is taken as exact is known, at its first sample.
+    pub fn of(
+        segment: &Segment,
+        momentum: &poinsot_model::Momentum,
+        noise: &Noise,
+        sight: Sight,
+    ) -> Self {
+        let o = &segment.observations;
+        let seen = sight == Sight::Translation;
+        let noisy = |covariance: &Matrix3| *covariance != Matrix3::zeros();
+        Self {
+            attitude: noisy(&noise.attitude) && o.attitude.iter().any(Option::is_some),
+            position: seen && noisy(&noise.position) && o.position.iter().any(Option::is_some),
+            linear: seen && momentum.linear == MomentumKnowledge::Estimate,
+            angular: momentum.angular == MomentumKnowledge::Estimate,
+        }
+    }
+
+    /// Number of columns.
+    pub fn count(&self) -> usize {
+        [self.attitude, self.position, self.linear, self.angular]
+            .iter()
+            .map(|b| 3 * usize::from(*b))
+            .sum()
+    }
+
+    /// First column of the linear and of the angular momentum.
+    pub fn momentum_at(&self) -> (Option<usize>, Option<usize>) {
+        let before = 3 * (usize::from(self.attitude) + usize::from(self.position));
+        let linear = self.linear.then_some(before);
+        let angular = self
+            .angular
+            .then_some(before + 3 * usize::from(self.linear));
+        (linear, angular)
+    }
+}
+
+/// Whether any translation is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sight {
+    /// Position or velocity.
+    Translation,
+    /// Attitude and rates only.
+    Rotation,
+}
+
+/// What stays the same over all evaluations.
+pub(crate) struct Setting<'a> {
+    pub tree: &'a Tree,
+    pub thrusters: &'a [Thruster],
+    pub parameters: &'a Parameters,
+    pub nominal_spin: &'a [f64],
+    pub noise: &'a Noise,
+    pub loss: Loss,
+}
+
+/// One kind of sensor in one segment: whitened residuals, three axes a sample.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ChannelResidual {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub white: Vec<Vector3>,
+    pub square: f64,
+}
+
+/// One segment at one value of all unknowns.
+pub(crate) struct Evaluated {
+    pub triangle: Option<Triangle>,
+    /// Weighted sum of squares; plain for the Gaussian loss.
+    pub chi2: f64,
+    /// What is minimised.
+    pub cost: f64,
+    pub rows: usize,
+    pub channels: Vec<ChannelResidual>,
+}
+
+/// Propagates one segment and compares with every sensor. `None` where the parameters are not those of a
+/// body with positive mass and inertia.
+pub(crate) fn evaluate(
+    setting: &Setting,
+    segment: &Segment,
+    x: &[f64],
+    head: &Head,
+    unknown: HeadColumns,
+    with_sensitivities: bool,
+) -> Option<Evaluated> {
+    let vehicle = Vehicle::new(
+        setting.tree,
+        setting.thrusters,
+        setting.parameters,
+        setting.nominal_spin,
+        x,
+    );
+    let (mut state, columns) = start(setting, segment, x, head, unknown);
+    let columns = if with_sensitivities {
+        columns
+    } else {
+        Vec::new()
+    };
+    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count());
+    let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
+    if has_lag(setting.parameters) {
+        compare.rates = predicted_rates(&vehicle, segment, &state)?;
+    }
+    let samples = segment.observations.time_s.len();
+    for k in 0..samples {
+        compare.sample(&mut motion, &state, k)?;
+        if k + 1 < samples {
+            state = motion.advance(&state, k)?;
+        }
+    }
+    compare.finish()
+}
+
+fn has_lag(parameters: &Parameters) -> bool {
+    let late = |k: &UnknownKind| matches!(k, UnknownKind::GyroLag | UnknownKind::AttitudeLag);
+    parameters.unknowns.iter().any(|u| late(&u.kind))
+}
+
+/// Predicted rates at all grid times: a lag needs what comes before and after.
+fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Vec<Vector3>> {
+    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
+    let samples = segment.observations.time_s.len();
+    let mut state = *start;
+    let mut rates = Vec::with_capacity(samples);
+    for k in 0..samples {
+        rates.push(motion.velocity(&state, k)?.0.twist.w);
+        if k + 1 < samples {
+            state = motion.advance(&state, k)?;
+        }
+    }
+    Some(rates)
+}
+
+/// State at the first grid time and its change with every unknown.
+fn start(
+    setting: &Setting,
+    segment: &Segment,
+    x: &[f64],
+    head: &Head,
+    unknown: HeadColumns,
+) -> (State, Vec<Column>) {
+    let o = &segment.observations;
+    let mut kinematics = Kinematics::new(setting.tree);
+    kinematics.place(
+        setting.tree,
+        o.joint_position.get(..setting.tree.dof()).unwrap_or(&[]),
+    );
+    // The mass centre matters only where the vehicle drifts.
+    let moves = unknown.linear || head.P != Vector3::zeros();
+    let ten = (moves && setting.parameters.equations == Equations::Momentum)
+        .then(|| TenParameters::of_system(setting.parameters, &kinematics, x));
+    let centre = ten.as_ref().map(|t| [0, 1, 2].map(|k| t.mass_centre(k)));
+    let c_B = centre.as_ref().map_or_else(Vector3::zeros, |c| {
+        Vector3::new(c[0].value, c[1].value, c[2].value)
+    });
+    let p_cm = head.p_NoBo_N + head.R_NB * c_B;
+    let state = State {
+        R_NB: head.R_NB,
+        p_NoBo_N: head.p_NoBo_N,
+        P: head.P,
+        H: head.h_SScm_N + p_cm.cross(&head.P),
+    };
+    let mut columns = Vec::with_capacity(unknown.count() + x.len());
+    let basis = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let mut add = |at: Option<usize>, e: &Vector3, dH: Vector3| {
+        let mut column = Column::zeros();
+        if let Some(at) = at {
+            column.fixed_rows_mut::<3>(at).copy_from(e);
+        }
+        let sum = column.fixed_rows::<3>(9) + dH;
+        column.fixed_rows_mut::<3>(9).copy_from(&sum);
+        columns.push(column);
+    };
+    let (R, P) = (head.R_NB, head.P);
+    for e in basis.iter().filter(|_| unknown.attitude) {
+        add(Some(0), e, (R * e.cross(&c_B)).cross(&P));
+    }
+    for e in basis.iter().filter(|_| unknown.position) {
+        add(Some(3), e, e.cross(&P));
+    }
+    for e in basis.iter().filter(|_| unknown.linear) {
+        add(Some(6), e, p_cm.cross(e));
+    }
+    for e in basis.iter().filter(|_| unknown.angular) {
+        add(Some(9), e, Vector3::zeros());
+    }
+    for u in 0..x.len() {
+        let dc = centre.as_ref().map_or_else(Vector3::zeros, |c| {
+            Vector3::new(c[0].gradient[u], c[1].gradient[u], c[2].gradient[u])
+        });
+        add(None, &Vector3::zeros(), (R * dc).cross(&P));
+    }
+    (state, columns)
+}
+
+/// Collects the rows of one segment.
+struct Compare<'a> {
+    setting: &'a Setting<'a>,
+    segment: &'a Segment,
+    gyro: GyroErrors,
+    attitude_lag: f64,
+    head: usize,
+    qr: Option<BlockQr>,
+    rows: usize,
+    channels: Vec<ChannelResidual>,
+    six: Vec<Vector6>,
+    /// Predicted rates at the grid times, where a lag is unknown; empty otherwise.
+    rates: Vec<Vector3>,
+}
+
+/// What may be wrong with the gyro: it reads `(1 + turn) w(t - lag) + bias`.
+#[derive(Default)]
+struct GyroErrors {
+    bias: Vector3,
+    /// Scale errors on the diagonal, misalignment beside it.
+    turn: Matrix3,
+    lag: f64,
+}
+
+impl GyroErrors {
+    fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
+        let then = w - acceleration * self.lag;
+        then + self.turn * then + self.bias
+    }
+
+    /// Change of the reading with the rate and with one unknown.
+    fn change(
+        &self,
+        w: &Vector3,
+        acceleration: &Vector3,
+        dw: &Vector3,
+        unknown: Option<&UnknownKind>,
+    ) -> Vector3 {
+        let mut change = dw + self.turn * dw;
+        match unknown {
+            Some(UnknownKind::GyroBias(k)) => change[*k] += 1.0,
+            Some(UnknownKind::GyroScale(k)) => change[*k] += w[*k],
+            Some(UnknownKind::GyroMisalignment(k)) => change += axis(*k).cross(w),
+            Some(UnknownKind::GyroLag) => change -= acceleration + self.turn * acceleration,
+            _ => {}
+        }
+        change
+    }
+}
+
+fn axis(k: usize) -> Vector3 {
+    let mut e = Vector3::zeros();
+    e[k] = 1.0;
+    e
+}
+
+const GYRO: usize = 0;
+const ATTITUDE: usize = 1;
+const VELOCITY: usize = 2;
+const POSITION: usize = 3;
+
+impl<'a> Compare<'a> {
+    fn new(
+        setting: &'a Setting<'a>,
+        segment: &'a Segment,
+        x: &[f64],
+        unknown: HeadColumns,
+        with_sensitivities: bool,
+    ) -> Self {
+        let mut gyro = GyroErrors::default();
+        let mut attitude_lag = 0.0;
+        for (u, value) in setting.parameters.unknowns.iter().zip(x) {
+            match u.kind {
+                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
+                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
+                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
+                UnknownKind::GyroLag => gyro.lag = *value,
+                UnknownKind::AttitudeLag => attitude_lag = *value,
+                _ => {}
+            }
+        }
+        let channel = |name, unit| ChannelResidual {
+            name,
+            unit,
+            ..ChannelResidual::default()
+        };
+        let width = unknown.count() + x.len() + 1;
+        Self {
+            setting,
+            segment,
+            gyro,
+            attitude_lag,
+            head: unknown.count(),
+            qr: with_sensitivities.then(|| BlockQr::new(width)),
+            rows: 0,
+            channels: vec![
+                channel("gyro", "rad/s"),
+                channel("attitude", "rad"),
+                channel("velocity", "m/s"),
+                channel("position", "m"),
+            ],
+            six: Vec::with_capacity(width),
+            rates: Vec::new(),
+        }
+    }
+
+    /// Angular acceleration at grid time k from the predicted rates on both sides, rad/s2.
+    fn acceleration(&self, k: usize) -> Vector3 {
+        if self.rates.is_empty() {
+            return Vector3::zeros();
+        }
+        let t = &self.segment.observations.time_s;
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(self.rates.len() - 1));
+        if b > a {
+            (self.rates[b] - self.rates[a]) / (t[b] - t[a])
+        } else {
+            Vector3::zeros()
+        }
+    }
+
+    fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
+        let o = &self.segment.observations;
+        let measured = o.rate[k].is_some() || o.velocity[k].is_some();
+        let posed = o.attitude[k].is_some() || o.position[k].is_some();
+        if !measured && !posed {
+            return Some(());
+        }
+        let (instant, twists) = motion.velocity(state, k)?;
+        let twists = twists.to_vec();
+        if measured {
+            self.twist_rows(motion, state, &instant, &twists, k);
+        }
+        self.pose_rows(motion, state, k);
+        Some(())
+    }
+
+    /// Velocity and rate together: the noise of joints and wheels is common to both.
+    fn twist_rows(
+        &mut self,
+        motion: &mut Motion,
+        state: &State,
+        instant: &Instant,
+        twists: &[Vector6],
+        k: usize,
+    ) {
+        let o = &self.segment.observations;
+        let noise = self.setting.noise;
+        let R = matrix(&state.R_NB);
+        let arm = o.velocity_arm_B;
+        let v_S = instant.twist.v + instant.twist.w.cross(&arm);
+        let mut C = Matrix6::zeros();
+        // Velocity is compared in body axes: there its noise and that of the joints add plainly.
+        let velocity_B = R.transpose() * noise.velocity * R;
+        C.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
+        C.fixed_view_mut::<3, 3>(3, 3).copy_from(&noise.gyro);
+        for joint in 0..self.setting.tree.dof() {
+            if noise.joint_rate[joint] > 0.0 {
+                let g = at_sensor(&motion.input_gain(instant, joint), &arm);
+                C += g * g.transpose() * noise.joint_rate[joint];
+            }
+        }
+        for wheel in 0..self.setting.tree.rotors.len() {
+            if noise.wheel_speed[wheel] > 0.0 {
+                let g = at_sensor(&motion.wheel_gain(instant, wheel), &arm);
+                C += g * g.transpose() * noise.wheel_speed[wheel];
+            }
+        }
+        let residual_v = o.velocity[k].map(|v| R.transpose() * v - v_S);
+        let acceleration = self.acceleration(k);
+        let expected = self.gyro.reading(&instant.twist.w, &acceleration);
+        let residual_w = o.rate[k].map(|w| w - expected);
+        // A missing half is given a variance without information, and is not counted.
+        let blind = C.diagonal().max() * 1.0e12;
+        for (missing, at) in [(residual_v.is_none(), 0), (residual_w.is_none(), 3)] {
+            if missing {
+                C.fixed_view_mut::<3, 6>(at, 0).fill(0.0);
+                C.fixed_view_mut::<6, 3>(0, at).fill(0.0);
+                C.fixed_view_mut::<3, 3>(at, at)
+                    .copy_from(&(Matrix3::identity() * blind));
+            }
+        }
+        let Some(L) = Cholesky::new(C).map(|c| c.l()) else {
+            return;
+        };
+        let residual = Vector6::from_iterator(
+            residual_v
+                .unwrap_or_default()
+                .iter()
+                .chain(residual_w.unwrap_or_default().iter())
+                .copied(),
+        );
+        let white = L.solve_lower_triangular(&residual).unwrap_or(residual);
+        if self.qr.is_some() {
+            let turn = skew(&v_S);
+            self.six.clear();
+            for (j, (column, twist)) in motion.columns.iter().zip(twists).enumerate() {
+                let mut d = at_sensor(twist, &arm);
+                // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
+                let dphi: Vector3 = column.fixed_rows::<3>(0).into();
+                let sum = d.fixed_rows::<3>(0) - turn * dphi;
+                d.fixed_rows_mut::<3>(0).copy_from(&sum);
+                let unknown = j
+                    .checked_sub(self.head)
+                    .map(|u| &self.setting.parameters.unknowns[u].kind);
+                let dw: Vector3 = d.fixed_rows::<3>(3).into();
+                let seen = self
+                    .gyro
+                    .change(&instant.twist.w, &acceleration, &dw, unknown);
+                d.fixed_rows_mut::<3>(3).copy_from(&seen);
+                if residual_v.is_none() {
+                    d.fixed_rows_mut::<3>(0).fill(0.0);
+                }
+                if residual_w.is_none() {
+                    d.fixed_rows_mut::<3>(3).fill(0.0);
+                }
+                self.six.push(L.solve_lower_triangular(&d).unwrap_or(d));
+            }
+            self.six.push(white);
+            let loss = self.setting.loss;
+            let weights =
+                [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
+            let six = &self.six;
+            if let Some(qr) = &mut self.qr {
+                qr.push(6, |i, j| six[j][i] * weights[i / 3]);
+            }
+        }
+        if let Some(r) = residual_v {
+            self.note(VELOCITY, &r, white.fixed_rows::<3>(0).into());
+        }
+        if let Some(r) = residual_w {
+            self.note(GYRO, &r, white.fixed_rows::<3>(3).into());
+        }
+    }
+
+    fn pose_rows(&mut self, motion: &Motion, state: &State, k: usize) {
+        let o = &self.segment.observations;
+        let noise = self.setting.noise;
+        if let Some(measured) = o.attitude[k] {
+            let late = self.rates.get(k).copied().unwrap_or_default();
+            let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
+            let columns = &motion.columns;
+            let kinds = &self.setting.parameters.unknowns;
+            let head = self.head;
+            self.three(ATTITUDE, &noise.attitude, &residual, |j| {
+                let own: Vector3 = columns[j].fixed_rows::<3>(0).into();
+                match j.checked_sub(head).map(|u| &kinds[u].kind) {
+                    Some(UnknownKind::AttitudeLag) => own - late,
+                    _ => own,
+                }
+            });
+        }
+        if let Some(measured) = o.position[k] {
+            let R = matrix(&state.R_NB);
+            let arm = o.position_arm_B;
+            let residual = measured - state.p_NoBo_N - R * arm;
+            let columns = &motion.columns;
+            self.three(POSITION, &noise.position, &residual, |j| {
+                let dphi: Vector3 = columns[j].fixed_rows::<3>(0).into();
+                columns[j].fixed_rows::<3>(3) + R * dphi.cross(&arm)
+            });
+        }
+    }
+
+    /// Three rows with a covariance of their own; a sensor taken as exact is left out.
+    fn three(
+        &mut self,
+        channel: usize,
+        covariance: &Matrix3,
+        residual: &Vector3,
+        column: impl Fn(usize) -> Vector3,
+    ) {
+        let Some(L) = Cholesky::new(*covariance).map(|c| c.l()) else {
+            return;
+        };
+        let white = L.solve_lower_triangular(residual).unwrap_or(*residual);
+        let columns = self.head + self.setting.parameters.len();
+        if let Some(qr) = &mut self.qr {
+            let block: Vec<Vector3> = (0..columns)
+                .map(|j| {
+                    let d = column(j);
+                    L.solve_lower_triangular(&d).unwrap_or(d)
+                })
+                .collect();
+            let weight = self.setting.loss.weight(white.norm_squared()).sqrt();
+            qr.push(3, |i, j| weight * block.get(j).map_or(white[i], |d| d[i]));
+        }
+        self.note(channel, residual, white);
+    }
+
+    fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {
+        let c = &mut self.channels[channel];
+        c.square += residual.norm_squared();
+        c.white.push(white);
+        self.rows += 3;
+    }
+
+    fn finish(self) -> Option<Evaluated> {
+        let loss = self.setting.loss;
+        let (mut chi2, mut cost) = (0.0, 0.0);
+        for white in self.channels.iter().flat_map(|c| &c.white) {
+            let square = white.norm_squared();
+            chi2 += loss.weight(square) * square;
+            cost += loss.cost(square);
+        }
+        chi2.is_finite().then(|| Evaluated {
+            triangle: self.qr.map(BlockQr::finish),
+            chi2,
+            cost,
+            rows: self.rows,
+            channels: self
+                .channels
+                .into_iter()
+                .filter(|c| !c.white.is_empty())
+                .collect(),
+        })
+    }
+}
+
+/// A change of the base twist as seen by a velocity sensor at `arm`, and by the gyro.
+fn at_sensor(twist: &Vector6, arm: &Vector3) -> Vector6 {
+    let w: Vector3 = twist.fixed_rows::<3>(3).into();
+    let v: Vector3 = twist.fixed_rows::<3>(0) + w.cross(arm);
+    Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+}

@@ -1,0 +1,70 @@
+//! How much a reading far from its prediction counts.
+
+/// Squared length, three numbers in sigmas, at which Huber's loss turns from squares to lengths: one reading
+/// in twenty lies beyond by chance.
+const HUBER: f64 = 7.81;
+/// Degrees of freedom of Student's distribution.
+const STUDENT: f64 = 5.0;
+
+/// Loss of a whitened reading of three numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Loss {
+    /// Squares: maximum likelihood for Gaussian noise.
+    #[default]
+    Gaussian,
+    /// Huber 1964: squares up to a limit, lengths beyond.
+    Huber,
+    /// Student's t with five degrees of freedom (Lange, Little, Taylor 1989).
+    StudentT,
+}
+
+impl Loss {
+    /// The loss with this name: `gaussian`, `huber`, `student_t`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "gaussian" => Some(Self::Gaussian),
+            "huber" => Some(Self::Huber),
+            "student_t" => Some(Self::StudentT),
+            _ => None,
+        }
+    }
+
+    /// Loss of a reading with squared length `square`.
+    pub(crate) fn cost(self, square: f64) -> f64 {
+        match self {
+            Self::Gaussian => square,
+            Self::Huber if square <= HUBER => square,
+            Self::Huber => 2.0 * (HUBER * square).sqrt() - HUBER,
+            Self::StudentT => (STUDENT + 3.0) * (square / STUDENT).ln_1p(),
+        }
+    }
+
+    /// Weight of its rows in iteratively reweighted least squares: slope of the loss over the square.
+    pub(crate) fn weight(self, square: f64) -> f64 {
+        match self {
+            Self::Gaussian => 1.0,
+            Self::Huber if square <= HUBER => 1.0,
+            Self::Huber => (HUBER / square).sqrt(),
+            Self::StudentT => (STUDENT + 3.0) / (STUDENT + square),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_weight_is_the_slope_of_the_loss() {
+        for loss in [Loss::Gaussian, Loss::Huber, Loss::StudentT] {
+            for square in [0.1, 3.0, 7.0, 9.0, 100.0] {
+                let h = 1e-5;
+                let slope = (loss.cost(square + h) - loss.cost(square - h)) / (2.0 * h);
+                assert!(
+                    (slope - loss.weight(square)).abs() < 1e-7,
+                    "{loss:?} {square}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The question put to an estimator.
+
+use crate::parameters::{Equations, ParametersError};
+use crate::segment::{Noise, Segment};
+use crate::spectrum::NotFinite;
+use poinsot_dynamics::Tree;
+use poinsot_model::Model;
+
+/// The question: which numbers of this vehicle follow from these segments?
+#[derive(Clone, Copy)]
+pub struct Problem<'a> {
+    /// Vehicle with nominal numbers.
+    pub model: &'a Model,
+    /// Its kinematics.
+    pub tree: &'a Tree,
+    /// Data.
+    pub segments: &'a [Segment],
+    /// Declared noise.
+    pub noise: &'a Noise,
+    /// One-sigma accuracy in natural units that counts as identified (CONTRACT: 1.0).
+    pub relative_accuracy: f64,
+}
+
+/// Why a problem has no answer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ProblemError {
+    /// The question cannot be put.
+    #[error(transparent)]
+    Parameters(#[from] ParametersError),
+    /// The numbers overflow.
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
+    /// Fewer samples than any motion needs.
+    #[error("E0404 segment '{label}': {samples} samples are not enough; at least 2 are needed")]
+    TooFewSamples {
+        /// Segment.
+        label: String,
+        /// Samples found.
+        samples: usize,
+    },
+    /// The nominal vehicle cannot move.
+    #[error(
+        "E0405 the motion cannot be predicted from the nominal mass properties: the vehicle has no positive mass or inertia; check mass_kg and inertia_kg_m2 in the model"
+    )]
+    NoMotion,
+}
+
+impl Problem<'_> {
+    /// Whether velocity or position is measured in every segment.
+    pub(crate) fn sees_translation(&self) -> bool {
+        self.segments
+            .iter()
+            .all(|s| s.samples.translation.is_some())
+    }
+
+    /// The equations that the linear method can write.
+    pub(crate) fn linear_equations(&self) -> Equations {
+        if self.sees_translation() {
+            Equations::Momentum
+        } else {
+            Equations::Rotation
+        }
+    }
+
+    /// # Errors
+    /// A segment has fewer than two samples.
+    pub(crate) fn check_samples(&self) -> Result<(), ProblemError> {
+        match self.segments.iter().find(|s| s.samples.time_s.len() < 2) {
+            Some(s) => Err(ProblemError::TooFewSamples {
+                label: s.label.clone(),
+                samples: s.samples.time_s.len(),
+            }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The triangle of the shared unknowns, and a solved problem before it is put into words.
+
+use crate::block_qr::{BlockQr, Triangle};
+use crate::estimate::SegmentFit;
+use crate::parameters::Parameters;
+use crate::rows::StartMomentum;
+use crate::spectrum::Spectrum;
+use faer::Mat;
+use nalgebra::DMatrix;
+use poinsot_model::MomentumKnowledge;
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.
+pub(crate) struct Shared {
+    pub r: Mat<f64>,
+    /// Number of nuisances in front.
+    pub nuisances: usize,
+    /// Number of mass properties, spin inertias and thruster scales.
+    pub mass: usize,
+}
+
+impl Shared {
+    /// Puts the nuisances of a stacked triangle in front: what is left below is projected clear of them.
+    /// In [`Parameters`] they stand last.
+    pub fn new(parameters: &Parameters, stacked: &Triangle) -> Self {
+        let n = parameters.len();
+        let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
+        let (front, back): (Vec<usize>, Vec<usize>) = (0..n).partition(is_nuisance);
+        let order: Vec<usize> = front.iter().chain(&back).copied().chain([n]).collect();
+        let mut permuted = BlockQr::new(n + 1);
+        permuted.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
+        Self {
+            r: permuted.finish().r,
+            nuisances: front.len(),
+            mass: back.len(),
+        }
+    }
+
+    /// Triangle of the mass properties.
+    pub fn block(&self) -> Mat<f64> {
+        let b = self.nuisances;
+        Mat::from_fn(self.mass, self.mass, |i, j| self.r[(b + i, b + j)])
+    }
+
+    /// Right-hand side of the mass properties.
+    pub fn rhs(&self) -> Vec<f64> {
+        let n = self.nuisances + self.mass;
+        (self.nuisances..n).map(|i| self.r[(i, n)]).collect()
+    }
+
+    /// Squared length of what no unknown can reach.
+    pub fn unreachable(&self) -> f64 {
+        let n = self.nuisances + self.mass;
+        self.r[(n, n)].powi(2)
+    }
+
+    /// Nuisances that go with values of the mass properties.
+    pub fn nuisances_for(&self, mass: &[f64]) -> Vec<f64> {
+        head(&self.r, self.nuisances, mass).mean
+    }
+}
+
+/// The head of a triangle, `R_hh h + R_hx x = d`, solved for h.
+pub(crate) struct HeadSolution {
+    /// Values at x.
+    pub mean: Vec<f64>,
+    /// Slope over x, one row per component.
+    pub slope: Vec<Vec<f64>>,
+    /// Covariance given x.
+    pub covariance: DMatrix<f64>,
+}
+
+/// Solves the first `h` rows of a triangle whose columns are `[h | x | rhs]`. A component without any
+/// signal gets zero and an infinite variance.
+pub(crate) fn head(r: &Mat<f64>, h: usize, x: &[f64]) -> HeadSolution {
+    let n = x.len();
+    let largest = (0..h).fold(0.0_f64, |a, i| a.max(r[(i, i)].abs()));
+    let blind = |i: usize| r[(i, i)].abs() <= 1.0e-14 * largest;
+    let square = DMatrix::from_fn(h, h, |i, j| match (blind(i), i == j) {
+        (true, true) => f64::MIN_POSITIVE.sqrt(),
+        (true, false) => 0.0,
+        _ => r[(i, j)],
+    });
+    let inverse = square
+        .solve_upper_triangular(&DMatrix::identity(h, h))
+        .unwrap_or_else(|| DMatrix::zeros(h, h));
+    let clear = |i: usize, value: f64| if blind(i) { 0.0 } else { value };
+    let slope = -&inverse * DMatrix::from_fn(h, n, |i, j| clear(i, r[(i, h + j)]));
+    let constant = &inverse * DMatrix::from_fn(h, 1, |i, _| clear(i, r[(i, h + n)]));
+    let mean = (0..h)
+        .map(|i| {
+            constant[(i, 0)]
+                + x.iter()
+                    .enumerate()
+                    .map(|(j, v)| slope[(i, j)] * v)
+                    .sum::<f64>()
+        })
+        .collect();
+    HeadSolution {
+        mean,
+        slope: (0..h)
+            .map(|i| slope.row(i).iter().copied().collect())
+            .collect(),
+        covariance: &inverse * inverse.transpose(),
+    }
+}
+
+/// A vector with its gradient over the unknowns (three rows) and its own covariance given them.
+#[derive(Clone)]
+pub(crate) struct VectorQuantity {
+    pub value: Vector3,
+    pub gradient: [Vec<f64>; 3],
+    pub own: Matrix3,
+}
+
+impl VectorQuantity {
+    /// A vector that is known.
+    pub fn known(value: Vector3, unknowns: usize) -> Self {
+        Self {
+            value,
+            gradient: std::array::from_fn(|_| vec![0.0; unknowns]),
+            own: Matrix3::zeros(),
+        }
+    }
+
+    /// Components `from..from + 3` of a solved head.
+    pub fn of_head(solution: &HeadSolution, from: usize, value: Vector3) -> Self {
+        Self {
+            value,
+            gradient: std::array::from_fn(|k| solution.slope[from + k].clone()),
+            own: solution
+                .covariance
+                .fixed_view::<3, 3>(from, from)
+                .into_owned(),
+        }
+    }
+}
+
+/// Momentum at the start of a segment, in N: linear, and angular about the system's mass centre.
+pub(crate) struct StartOfSegment {
+    pub linear: VectorQuantity,
+    pub angular: VectorQuantity,
+    pub linear_given: MomentumKnowledge,
+    pub angular_given: MomentumKnowledge,
+    /// Whether any sensor sees translation.
+    pub translation: bool,
+}
+
+/// One segment reduced by the linear method: its momentum rows and what is left for the shared unknowns.
+pub(crate) struct Reduced {
+    /// Triangle of `[momentum | unknowns | rhs]`.
+    pub triangle: Triangle,
+    /// What was assumed of its momentum.
+    pub start: StartMomentum,
+}
+
+/// A solved problem.
+pub(crate) struct Solved {
+    pub method: &'static str,
+    pub parameters: Parameters,
+    pub shared: Shared,
+    /// Spectrum of the data and all declared priors: what the numbers rest on.
+    pub spectrum: Spectrum,
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
+    /// Values of all unknowns in the order of `parameters`.
+    pub x: Vec<f64>,
+    /// Residual sum of squares of the whitened rows and degrees of freedom.
+    pub residual: (f64, usize),
+    /// Whitened rows, momentum taken off.
+    pub rows: usize,
+    /// Share of the measured change of momentum that the model explains; `None` where all of it is
+    /// proportional to the unknowns.
+    pub explained: Option<f64>,
+    pub starts: Vec<StartOfSegment>,
+    pub fit: Vec<SegmentFit>,
+    /// Triangles of the linear method; empty for others.
+    pub reduced: Vec<Reduced>,
+    /// Iterations, and whether they settled.
+    pub iterations: usize,
+    pub settled: bool,
+    pub warnings: Vec<String>,
+    /// Whether the residual speaks against a rigid vehicle.
+    pub not_rigid: bool,
+    /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.
+    pub regressor_noise: Vec<f64>,
+}
+
+impl Solved {
+    /// What the data determine, priors of mass properties left out.
+    pub fn of_data(&self) -> &Spectrum {
+        self.data_alone.as_ref().unwrap_or(&self.spectrum)
+    }
+
+    /// Chi-square per degree of freedom.
+    pub fn chi2_per_dof(&self) -> f64 {
+        self.residual.0 / self.residual.1.max(1) as f64
+    }
+}

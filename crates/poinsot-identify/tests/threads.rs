@@ -1,0 +1,181 @@
+//! The same bits on any number of threads.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use poinsot_dynamics::{
+    Fourier, JointMotion, Plan, Prescribed, Start, StartVelocity, Tolerance, Tree,
+};
+use poinsot_identify::{
+    Estimate, Noise, Number, Observations, Problem, Samples, Segment, Translation, linear,
+    maximum_likelihood,
+};
+use poinsot_model::{Model, parse_model};
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+const VEHICLE: &str = r#"
+schema = "poinsot.model/1"
+name = "two bodies"
+
+[[body]]
+name = "bus"
+mass_kg = 30.0
+com_m = [0.1, -0.2, 0.3]
+inertia_kg_m2 = { xx = 9.0, yy = 11.0, zz = 8.0, xy = 0.5, xz = -0.7, yz = 0.4 }
+estimate = true
+
+[[body]]
+name = "arm"
+mass_kg = 14.0
+com_m = [0.3, 0.2, -0.1]
+inertia_kg_m2 = { xx = 2.0, yy = 3.0, zz = 2.5, xy = 0.2, xz = 0.1, yz = -0.3 }
+estimate = true
+
+[[joint]]
+name = "shoulder"
+type = "revolute"
+parent = "bus"
+child = "arm"
+origin_m = [0.4, 0.3, -0.2]
+axis = [0.36, 0.48, 0.8]
+
+[[sensor]]
+name = "gyro"
+type = "gyro"
+noise_rad_s = 1e-5
+"#;
+
+/// Numbers between -1 and 1 without a pattern.
+fn scatter(k: usize) -> f64 {
+    (12.9898 * (k as f64 + 1.0)).sin() * (78.233 * (k as f64 + 2.0)).cos()
+}
+
+/// A tumbling segment with errors of the size of the declared noise.
+fn segment(model: &Model, tree: &Tree, at: usize, rows: usize) -> Segment {
+    let mut plan = Plan::hold(model, &tree.coordinates);
+    plan.joints[0] = JointMotion::Fourier(Fourier {
+        offset: 0.2,
+        base_frequency_hz: 0.05,
+        sine: vec![0.5, -0.3 + 0.1 * at as f64],
+        cosine: vec![0.2, 0.4],
+    });
+    let start = Start {
+        R_NB: UnitQuaternion::from_euler_angles(0.3, -0.5, 0.2 + at as f64),
+        p_NoBo_N: Vector3::zeros(),
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::new(0.1, -0.05, 0.2),
+            w_NB_B: Vector3::new(0.2, 0.15, -0.1 - 0.1 * at as f64),
+        },
+    };
+    let times: Vec<f64> = (0..rows).map(|k| 0.02 * k as f64).collect();
+    let mut samples = Samples {
+        time_s: times.clone(),
+        ..Samples::default()
+    };
+    let mut motion = Translation::default();
+    let vehicle = Prescribed::new(model, &plan, Tolerance::default()).unwrap();
+    vehicle
+        .run(&start, &times, |s| {
+            let k = 10 * (samples.R_NB.len() + rows * at);
+            let error = |from: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(k + from + i));
+            samples.R_NB.push(s.R_NB);
+            samples.w_NB_B.push(s.w_NB_B + error(0));
+            motion.v_NBo_N.push(s.v_NBo_N + error(3));
+            motion.p_NoBo_N.push(s.p_NoBo_N + error(6));
+            samples.joint_position.extend(&s.q);
+            samples.joint_rate.extend(&s.rates);
+        })
+        .unwrap();
+    let observations = Observations {
+        time_s: times,
+        rate: samples.w_NB_B.iter().copied().map(Some).collect(),
+        attitude: samples.R_NB.iter().copied().map(Some).collect(),
+        velocity: motion.v_NBo_N.iter().copied().map(Some).collect(),
+        position: motion.p_NoBo_N.iter().copied().map(Some).collect(),
+        joint_position: samples.joint_position.clone(),
+        joint_rate: samples.joint_rate.clone(),
+        ..Observations::default()
+    };
+    samples.translation = Some(motion);
+    Segment {
+        label: format!("segment {at}"),
+        samples,
+        observations,
+        ..Segment::default()
+    }
+}
+
+/// Every number of an answer as its bits.
+fn bits(estimate: &Estimate) -> Vec<u64> {
+    let mut all: Vec<f64> = Vec::new();
+    let mut see = |n: &Number| all.extend([n.value, n.sigma].map(|x| x.unwrap_or(f64::NAN)));
+    for body in &estimate.bodies {
+        see(&body.mass);
+        body.com.iter().for_each(&mut see);
+        body.inertia.iter().for_each(&mut see);
+        body.barycentric.iter().for_each(&mut see);
+    }
+    for momentum in &estimate.momentum {
+        momentum.linear.iter().for_each(&mut see);
+        momentum.angular.iter().for_each(&mut see);
+    }
+    all.extend(estimate.covariance.iter().flatten());
+    all.extend(&estimate.identifiability.sigmas_natural);
+    for combination in &estimate.identifiability.determined {
+        all.extend([combination.value, combination.sigma]);
+        all.extend(combination.coefficients.iter().map(|c| c.1));
+    }
+    for fit in &estimate.fit {
+        all.push(fit.chi2_per_dof);
+        all.extend(fit.channels.iter().map(|c| c.rms));
+    }
+    all.into_iter().map(f64::to_bits).collect()
+}
+
+#[test]
+fn exact_the_same_bits_on_1_2_3_and_8_threads() {
+    let model = parse_model(VEHICLE, "vehicle.toml").unwrap();
+    let tree = Tree::new(&model);
+    // The linear rung works in chunks of 1024 samples; the fit segment by segment.
+    let segments: Vec<Segment> = [2600, 1100, 300]
+        .into_iter()
+        .enumerate()
+        .map(|(at, rows)| segment(&model, &tree, at, rows))
+        .collect();
+    let one = Matrix3::identity() * 1.0e-10;
+    let noise = Noise {
+        gyro: one,
+        attitude: one,
+        velocity: one,
+        position: one,
+        joint_position: vec![0.0],
+        joint_rate: vec![0.0],
+        wheel_speed: Vec::new(),
+        seen_gyro: 1.0,
+        seen_velocity: 1.0,
+        seen_joint_rate: 0.0,
+    };
+    let problem = Problem {
+        model: &model,
+        tree: &tree,
+        segments: &segments,
+        noise: &noise,
+        relative_accuracy: 1.0,
+    };
+    for (name, method) in [
+        ("linear", linear as fn(&Problem) -> _),
+        ("maximum_likelihood", maximum_likelihood),
+    ] {
+        let answers = [1, 2, 3, 8].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            let estimate = pool.install(|| method(&problem)).unwrap();
+            assert_eq!(estimate.identifiability.rank, 16, "{name}");
+            bits(&estimate)
+        });
+        assert!(answers[0].len() > 100);
+        for (threads, answer) in [1, 2, 3, 8].into_iter().zip(&answers) {
+            assert_eq!(*answer, answers[0], "{name} on {threads} threads");
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The weighed masses and the inertia from geometry: `truth.json`.
+
+use super::Fault;
+use nalgebra::Matrix3;
+use serde_json::Value;
+use std::path::Path;
+
+/// A body whose mass and inertia are known.
+pub struct Known {
+    /// Name, as that of its group of throws.
+    pub name: String,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Inertia about its mass centre in its own axes, kg m2.
+    pub I_cm: Matrix3<f64>,
+}
+
+/// The file.
+pub struct Truth {
+    /// Mass of the measuring box, kg.
+    pub box_mass: f64,
+    /// The homogeneous block that fixes the scale.
+    pub proof_body: Known,
+    /// The objects to be identified, the light one first.
+    pub objects: Vec<Known>,
+}
+
+/// Reads the file.
+pub fn read_truth(folder: &Path) -> Result<Truth, Fault> {
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
+    let objects = ["config_empty", "config_a"];
+    Ok(Truth {
+        box_mass: number(&file["device_mass_kg"])?,
+        proof_body: known("proof_body", &file["proof_body"])?,
+        objects: objects
+            .iter()
+            .map(|name| known(name, &file["objects"][*name]))
+            .collect::<Result<_, _>>()?,
+    })
+}
+
+fn known(name: &str, value: &Value) -> Result<Known, Fault> {
+    let mut I_cm = Matrix3::zeros();
+    for i in 0..3 {
+        for j in 0..3 {
+            I_cm[(i, j)] = number(&value["I_com_kgm2"][i][j])?;
+        }
+    }
+    Ok(Known {
+        name: name.to_owned(),
+        mass: number(&value["mass_kg"])?,
+        I_cm,
+    })
+}
+
+fn number(value: &Value) -> Result<f64, Fault> {
+    value
+        .as_f64()
+        .ok_or_else(|| format!("truth.json: a number is missing: {value}").into())
+}

@@ -1,0 +1,133 @@
+//! The plan of a case for a model, and what is wrong with it.
+
+use super::fault::{CaseFault, CaseText, did_you_mean};
+use super::file::{FiringFile, JointMotionFile, WheelMotionFile};
+use poinsot_dynamics::{NodeError, Plan, Tree};
+use poinsot_model::Model;
+use std::ops::Range;
+use toml::Spanned;
+
+/// Times and values.
+pub(super) type Nodes<'f> = (&'f Spanned<Vec<f64>>, &'f Spanned<Vec<f64>>);
+
+/// Collects the plan and what is wrong with it.
+pub(super) struct Planner<'c> {
+    pub text: &'c CaseText,
+    pub model: &'c Model,
+    pub faults: Vec<CaseFault>,
+}
+
+impl Planner<'_> {
+    pub fn refuse(
+        &mut self,
+        code: &'static str,
+        key: &str,
+        span: Range<usize>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
+        let fault = self.text.fault(code, key, span, problem, remedy);
+        self.faults.push(fault);
+    }
+
+    /// The plan of a case; joints without motion stay where the model locks them.
+    pub fn plan(
+        &mut self,
+        joints: &[JointMotionFile],
+        wheels: &[WheelMotionFile],
+        firings: &[FiringFile],
+        output: Range<usize>,
+    ) -> Plan {
+        let tree = Tree::new(self.model);
+        let mut plan = Plan::hold(self.model, &tree.coordinates);
+        let mut moved = vec![false; plan.joints.len()];
+        for (i, table) in joints.iter().enumerate() {
+            let key = format!("joint_motion[{i}]");
+            let Some(k) = self.joint(&tree, table, &key) else {
+                continue;
+            };
+            if std::mem::replace(&mut moved[k], true) {
+                self.twice(&format!("{key}.joint"), &table.joint);
+            }
+            let kind = self.model.joints[tree.coordinates[k]].kind;
+            if let Some(motion) = self.joint_motion(table, kind, &key) {
+                plan.joints[k] = motion;
+            }
+        }
+        let mut driven = vec![false; plan.wheels.len()];
+        for (i, table) in wheels.iter().enumerate() {
+            let key = format!("wheel_motion[{i}]");
+            let Some(k) = self.model.wheel(table.wheel.get_ref()) else {
+                let names = self.model.wheels.iter().map(|w| w.name.as_str());
+                let remedy = did_you_mean(table.wheel.get_ref(), names);
+                self.unknown("wheel", &format!("{key}.wheel"), &table.wheel, remedy);
+                continue;
+            };
+            if std::mem::replace(&mut driven[k], true) {
+                self.twice(&format!("{key}.wheel"), &table.wheel);
+            }
+            if let Some(motion) = self.wheel_motion(table, &key) {
+                plan.wheels[k] = motion;
+            }
+        }
+        for (wheel, driven) in self.model.wheels.iter().zip(driven) {
+            if !driven {
+                let problem = format!("nothing says how wheel \"{}\" turns", wheel.name);
+                let remedy =
+                    "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";
+                let fault =
+                    self.text
+                        .fault("E0504", "wheel_motion", output.clone(), problem, remedy);
+                self.faults.push(CaseFault {
+                    value: String::new(),
+                    ..fault
+                });
+            }
+        }
+        plan.firings = self.firings(firings);
+        plan
+    }
+
+    pub(super) fn unknown(
+        &mut self,
+        what: &str,
+        key: &str,
+        name: &Spanned<String>,
+        remedy: String,
+    ) {
+        let problem = format!("the model has no {what} of this name");
+        self.refuse("E0504", key, name.span(), problem, remedy);
+    }
+
+    fn twice(&mut self, key: &str, name: &Spanned<String>) {
+        let problem = "a second motion for the same thing";
+        self.refuse("E0504", key, name.span(), problem, "keep one of the two");
+    }
+
+    pub(super) fn checked<T>(
+        &mut self,
+        built: Result<T, NodeError>,
+        nodes: Nodes,
+        key: &str,
+    ) -> Option<T> {
+        let error = match built {
+            Ok(built) => return Some(built),
+            Err(error) => error,
+        };
+        let (code, key, span) = match error {
+            NodeError::Empty | NodeError::Length { .. } => {
+                ("E0506", key.to_owned(), nodes.1.span())
+            }
+            NodeError::NotFinite(_) => ("E0505", key.to_owned(), nodes.1.span()),
+            NodeError::NotIncreasing(_) => ("E0506", format!("{key}.time_s"), nodes.0.span()),
+        };
+        self.refuse(
+            code,
+            &key,
+            span,
+            error.to_string(),
+            "correct the nodes (counted from 0)",
+        );
+        None
+    }
+}

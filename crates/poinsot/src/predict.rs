@@ -1,0 +1,89 @@
+//! The verb `predict`: what a planned manoeuvre will tell, before it is flown.
+//!
+//! The case is simulated with perfect sensors, the readings' sensitivities are taken at the truth, and the
+//! declared noise turns them into the Cramer-Rao bound. No telemetry, no estimator.
+
+mod file;
+mod text;
+
+pub use file::prediction_json;
+pub use text::prediction_document;
+
+use crate::bind::bind;
+use crate::case::{Case, read_case};
+use crate::error::Error;
+use crate::simulate::{SimulateError, simulate_exact};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, Problem, cramer_rao};
+use poinsot_model::{Model, read_model};
+use std::path::Path;
+
+/// What a case will tell.
+pub struct Prediction {
+    /// The vehicle; its numbers are taken as the truth.
+    pub model: Model,
+    /// Path of the case.
+    pub case: String,
+    /// Duration of the manoeuvre, s.
+    pub duration_s: f64,
+    /// The bound: values are the truth, sigmas what the readings will leave.
+    pub bound: Estimate,
+    /// What was assumed.
+    pub assumptions: Vec<String>,
+}
+
+impl Prediction {
+    /// Exit code of the command.
+    pub fn exit_code(&self) -> u8 {
+        self.bound.status.exit_code()
+    }
+}
+
+/// Predicts the accuracy that a case will give.
+///
+/// # Errors
+/// Case or model are refused, the motion cannot be computed, or a sensor that is needed is missing.
+pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error> {
+    let case = read_case(case).map_err(SimulateError::from)?;
+    let model = read_model(&case.model)?;
+    predict_case(&case, model, relative_accuracy)
+}
+
+/// The same in memory.
+///
+/// # Errors
+/// As [`predict`].
+pub fn predict_case(
+    case: &Case,
+    model: Model,
+    relative_accuracy: f64,
+) -> Result<Prediction, Error> {
+    if !(relative_accuracy > 0.0 && relative_accuracy.is_finite()) {
+        return Err(Error::Usage {
+            option: "--relative-accuracy",
+            value: relative_accuracy.to_string(),
+            why: "a positive number is needed, for example 1.0".to_owned(),
+        });
+    }
+    let (table, _) = simulate_exact(case, &model)?;
+    let tree = Tree::new(&model);
+    let bound = bind(&model, &tree, &[table])?;
+    let estimate = cramer_rao(&Problem {
+        model: &model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy,
+    })?;
+    Ok(Prediction {
+        case: case.path().display().to_string(),
+        duration_s: case.duration_s,
+        bound: estimate,
+        assumptions: bound
+            .repairs
+            .iter()
+            .map(|r| r.trim_start_matches(": ").to_owned())
+            .collect(),
+        model,
+    })
+}

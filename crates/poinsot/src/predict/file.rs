@@ -1,0 +1,82 @@
+//! The machine-readable prediction, `poinsot.prediction/1`.
+
+use super::Prediction;
+use super::text::sentence;
+use crate::estimate_file::inertia_entries;
+use poinsot_identify::{BodyEstimate, Number, axis_name};
+use serde_json::{Map, Value, json};
+
+/// The prediction as JSON: truth, sigma and source of every number; null where it is not identifiable.
+pub fn prediction_json(prediction: &Prediction) -> Value {
+    let bound = &prediction.bound;
+    let bodies: Map<String, Value> = bound
+        .bodies
+        .iter()
+        .filter(|b| b.asked)
+        .map(|b| (b.name.clone(), body(b)))
+        .collect();
+    let nuisance: Map<String, Value> = bound
+        .nuisance
+        .iter()
+        .map(|n| {
+            (
+                n.name.clone(),
+                json!({ "sigma": n.number.sigma, "unit": n.unit }),
+            )
+        })
+        .collect();
+    let found = &bound.identifiability;
+    let coefficients = |list: &[(String, f64)]| -> Map<String, Value> {
+        list.iter().map(|(n, c)| (n.clone(), json!(c))).collect()
+    };
+    json!({
+        "schema": "poinsot.prediction/1",
+        "poinsot": env!("CARGO_PKG_VERSION"),
+        "case": prediction.case,
+        "model": prediction.model.name,
+        "duration_s": prediction.duration_s,
+        "status": bound.status.name(),
+        "in_words": sentence(prediction),
+        "bodies": bodies,
+        "nuisance": nuisance,
+        "covariance": {
+            "names": bound.covariance_names,
+            "units": bound.covariance_units,
+            "matrix": bound.covariance,
+        },
+        "identifiability": {
+            "parameters": found.parameters,
+            "rank": found.rank,
+            "structural_rank": found.structural_rank,
+            "sigmas_natural": found.sigmas_natural,
+            "identifiable": found.determined.iter().map(|c| json!({
+                "combination": c.text,
+                "coefficients": coefficients(&c.coefficients),
+                "unit": c.unit,
+                "value": c.value,
+                "sigma": c.sigma,
+            })).collect::<Vec<_>>(),
+            "not_identifiable": found.open.iter().map(|c| json!({
+                "combination": c.text,
+                "coefficients": coefficients(&c.coefficients),
+                "reason": c.reason,
+                "remedy": c.remedy,
+            })).collect::<Vec<_>>(),
+        },
+        "assumptions": prediction.assumptions,
+    })
+}
+
+fn body(b: &BodyEstimate) -> Value {
+    let com: Map<String, Value> = (0..3)
+        .map(|k| (axis_name(k).to_owned(), number(&b.com[k])))
+        .collect();
+    let inertia: Map<String, Value> = inertia_entries()
+        .map(|(k, name)| (name.to_owned(), number(&b.inertia[k])))
+        .collect();
+    json!({ "mass_kg": number(&b.mass), "com_m": com, "inertia_kg_m2": inertia })
+}
+
+fn number(n: &Number) -> Value {
+    json!({ "truth": n.nominal, "sigma": n.sigma, "source": n.source.name() })
+}

@@ -1,0 +1,369 @@
+//! Monte Carlo: one exact motion, many draws of the sensors' noise, one identification each.
+//!
+//! The random stream of a sensor is the number of the trial, so every trial can be repeated alone; trials
+//! run in parallel and are reduced in their order: the same bits on any number of threads.
+
+mod band;
+mod statistics;
+mod text;
+
+pub use band::Band;
+pub use statistics::{ParameterStatistics, Statistics, statistics};
+pub use text::statistics_document;
+
+use crate::bind::bind;
+use crate::case::Case;
+use crate::error::Error;
+use crate::simulate::{keep_measured, names, simulate_exact, stream};
+use nalgebra::{DMatrix, DVector};
+use poinsot_dynamics::{Instrument, Tree};
+use poinsot_identify::{
+    BodyEstimate, Estimate, Problem, Source, Status, axis_name, cramer_rao, linear,
+    maximum_likelihood, tensor_name,
+};
+use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_spatial::MassProperties;
+use poinsot_telemetry::Table;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// Elements of a tensor in the order of an estimate.
+const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
+
+/// Method under trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TrialMethod {
+    /// Linear least squares alone.
+    Linear,
+    /// Linear start, then maximum likelihood.
+    Auto,
+}
+
+/// An experiment to be repeated.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// What perfect sensors read, one table per segment.
+    pub exact: Vec<Table>,
+    /// The vehicle as the identification knows it: nominal numbers, what is unknown, sensors with noise.
+    pub model: Model,
+    /// The sensors as they really are: those of the model unless a study asks what a wrong declaration does.
+    pub sensors: Vec<Sensor>,
+    /// True mass properties, one per body.
+    pub truth: Vec<MassProperties>,
+    /// True bias of each sensor of the model in its own axes; `None`: zero, or drawn from its prior.
+    pub biases: Vec<Option<Vec<f64>>>,
+    /// Method.
+    pub method: TrialMethod,
+    /// Seed of all noise.
+    pub seed: u64,
+    /// Whether each trial draws where the steps of rounding sensors lie. Without it a motion that repeats
+    /// exactly is rounded alike every time, and scatter between experiments shows as bias.
+    pub draw_phase: bool,
+}
+
+/// One number of one trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialNumber {
+    /// Name, for example `base.mass`, `base.inertia_xx`, `gyro.bias_x`.
+    pub name: String,
+    /// Estimate less truth.
+    pub error: f64,
+    /// One sigma as stated.
+    pub sigma: f64,
+}
+
+/// What one trial gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Status of the estimate.
+    pub status: Status,
+    /// Iterations taken.
+    pub iterations: usize,
+    /// Chi-square per degree of freedom, mean over the segments.
+    pub chi2_per_dof: f64,
+    /// Chi-square per number of each kind of sensor, mean over the segments.
+    pub channels: Vec<(&'static str, f64)>,
+    /// Every number that the trial determined and whose truth is known.
+    pub numbers: Vec<TrialNumber>,
+    /// Normalised squared error of all determined mass properties together, and how many they are.
+    pub nees: Option<(f64, usize)>,
+}
+
+/// One trial. A failed one is data: it says why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Number.
+    pub number: u64,
+    /// What came of it.
+    pub outcome: Result<Answer, String>,
+}
+
+impl Study {
+    /// The experiment of a case, whose model holds the truth; `model` is what the identification knows.
+    ///
+    /// # Errors
+    /// The case does not fit the model or cannot be simulated.
+    pub fn of_case(case: &Case, truth: &Model, model: Model) -> Result<Self, Error> {
+        let (table, biases) = simulate_exact(case, truth)?;
+        Ok(Self {
+            exact: vec![table],
+            truth: truth.bodies.iter().map(|b| b.nominal).collect(),
+            sensors: model.sensors.clone(),
+            model,
+            biases,
+            method: TrialMethod::Auto,
+            seed: case.seed,
+            draw_phase: true,
+        })
+    }
+
+    /// The experiment behind noise-free tables.
+    pub fn of_tables(mut exact: Vec<Table>, truth: &Model, model: Model) -> Self {
+        for table in &mut exact {
+            keep_measured(&model, table);
+        }
+        Self {
+            exact,
+            truth: truth.bodies.iter().map(|b| b.nominal).collect(),
+            biases: vec![None; model.sensors.len()],
+            sensors: model.sensors.clone(),
+            model,
+            method: TrialMethod::Auto,
+            seed: 1,
+            draw_phase: true,
+        }
+    }
+
+    /// What the sensors of the model read in one trial, and the bias that each had.
+    pub fn draw(&self, trial: u64) -> (Vec<Table>, Vec<Vec<f64>>) {
+        let tree = Tree::new(&self.model);
+        let mut tables = self.exact.clone();
+        let mut biases = vec![Vec::new(); self.sensors.len()];
+        for (segment, table) in tables.iter_mut().enumerate() {
+            for (i, sensor) in self.sensors.iter().enumerate() {
+                // One bias for all segments: it belongs to the sensor, not to the record.
+                let given = match (segment, self.biases.get(i)) {
+                    (0, given) => given.and_then(|b| b.as_deref()),
+                    _ => biases.get(i).map(Vec::as_slice),
+                };
+                let own = stream(trial, (segment << 8) | i);
+                let mut instrument = Instrument::new(sensor, &tree, self.seed, own, given);
+                if self.draw_phase {
+                    instrument.draw_phase();
+                }
+                biases[i] = instrument.bias().to_vec();
+                let channels = names(&self.model, sensor.kind, &sensor.of);
+                disturb(table, &sensor.name, &channels, &mut instrument);
+            }
+        }
+        (tables, biases)
+    }
+
+    /// One trial.
+    pub fn trial(&self, number: u64) -> Trial {
+        let (tables, biases) = self.draw(number);
+        let outcome = self
+            .estimate(&self.model, &tables, self.method)
+            .map(|estimate| self.judge(&estimate, &biases))
+            .map_err(|error| error.to_string());
+        Trial { number, outcome }
+    }
+
+    /// Trials in the order of their numbers, in parallel.
+    pub fn run(&self, trials: Range<u64>) -> Vec<Trial> {
+        trials.into_par_iter().map(|n| self.trial(n)).collect()
+    }
+
+    /// The Cramer-Rao bound of the experiment at the truth.
+    ///
+    /// # Errors
+    /// The question cannot be asked.
+    pub fn bound(&self) -> Result<Estimate, Error> {
+        let model = self.true_model();
+        let tree = Tree::new(&model);
+        let bound = bind(&model, &tree, &self.exact)?;
+        Ok(cramer_rao(&Problem {
+            model: &model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: 1.0,
+        })?)
+    }
+
+    /// The model with the truth as its nominal numbers.
+    pub fn true_model(&self) -> Model {
+        let mut model = self.model.clone();
+        for (body, truth) in model.bodies.iter_mut().zip(&self.truth) {
+            body.nominal = *truth;
+        }
+        model
+    }
+
+    fn estimate(
+        &self,
+        model: &Model,
+        tables: &[Table],
+        method: TrialMethod,
+    ) -> Result<Estimate, Error> {
+        let tree = Tree::new(model);
+        let bound = bind(model, &tree, tables)?;
+        let problem = Problem {
+            model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: 1.0,
+        };
+        Ok(match method {
+            TrialMethod::Linear => linear(&problem)?,
+            TrialMethod::Auto => maximum_likelihood(&problem)?,
+        })
+    }
+
+    fn judge(&self, estimate: &Estimate, biases: &[Vec<f64>]) -> Answer {
+        let truth = self.true_numbers(biases);
+        let values = estimated_numbers(estimate);
+        let numbers: Vec<TrialNumber> = values
+            .iter()
+            .filter_map(|(name, value, sigma)| {
+                Some(TrialNumber {
+                    error: value - truth.get(name)?,
+                    sigma: *sigma,
+                    name: name.clone(),
+                })
+            })
+            .collect();
+        let segments = estimate.fit.len().max(1) as f64;
+        let mut channels: Vec<(&'static str, f64)> = Vec::new();
+        for channel in estimate.fit.iter().flat_map(|f| &f.channels) {
+            let share = channel.chi2_per_number.unwrap_or(f64::NAN) / segments;
+            match channels.iter_mut().find(|(name, _)| *name == channel.name) {
+                Some((_, sum)) => *sum += share,
+                None => channels.push((channel.name, share)),
+            }
+        }
+        Answer {
+            status: estimate.status,
+            iterations: estimate.iterations,
+            chi2_per_dof: estimate.fit.iter().map(|f| f.chi2_per_dof).sum::<f64>() / segments,
+            channels,
+            nees: nees(estimate, &numbers),
+            numbers,
+        }
+    }
+
+    /// The truth by the names of [`estimated_numbers`].
+    fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
+        let mut all = HashMap::new();
+        for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
+            let name = &body.name;
+            all.insert(format!("{name}.mass"), truth.mass);
+            for k in 0..3 {
+                all.insert(format!("{name}.com_{}", axis_name(k)), truth.p_BoBcm_B[k]);
+            }
+            for (k, at) in TENSOR.into_iter().enumerate() {
+                all.insert(
+                    format!("{name}.inertia_{}", tensor_name(k)),
+                    truth.I_BBcm_B[at],
+                );
+            }
+        }
+        for (sensor, bias) in self.sensors.iter().zip(biases) {
+            if sensor.kind == SensorKind::Gyro && bias.len() == 3 {
+                let bias_B = sensor.R_BS * nalgebra::Vector3::from_column_slice(bias);
+                for k in 0..3 {
+                    let name = format!("{}.bias_{}", sensor.name, axis_name(k));
+                    all.insert(name, bias_B[k]);
+                }
+            }
+        }
+        all
+    }
+}
+
+/// Puts the errors of a sensor on the channels that it reads; a channel that the table lacks has none.
+fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mut Instrument) {
+    let find = |table: &Table, name: &String| {
+        let own = |own: &str| {
+            table
+                .channels
+                .iter()
+                .position(|c| c.sensor == own && c.name == *name)
+        };
+        own(sensor).or_else(|| own(""))
+    };
+    let at: Vec<Option<usize>> = channels.iter().map(|name| find(table, name)).collect();
+    let samples = at.iter().flatten().map(|&k| table.channels[k].values.len());
+    let samples = samples.min().unwrap_or(0);
+    let mut exact = vec![0.0; at.len()];
+    let mut reading = Vec::with_capacity(at.len());
+    for k in 0..samples {
+        for (x, channel) in exact.iter_mut().zip(&at) {
+            *x = channel.map_or(0.0, |c| table.channels[c].values[k]);
+        }
+        instrument.disturb(&exact, &mut reading);
+        for (x, channel) in reading.iter().zip(&at) {
+            if let Some(c) = channel {
+                table.channels[*c].values[k] = *x;
+            }
+        }
+    }
+}
+
+/// Every number that data determine: name, value, sigma. Mass properties bear the names of the covariance.
+pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> {
+    let mut list = Vec::new();
+    for body in estimate.bodies.iter().filter(|b| b.asked) {
+        for (name, number) in numbers_of(body) {
+            if let (Source::Data, Some(value), Some(sigma)) =
+                (number.source, number.value, number.sigma)
+            {
+                list.push((format!("{}.{name}", body.name), value, sigma));
+            }
+        }
+    }
+    for item in &estimate.nuisance {
+        if let (Some(value), Some(sigma)) = (item.number.value, item.number.sigma) {
+            list.push((item.name.clone(), value, sigma));
+        }
+    }
+    list
+}
+
+/// Mass, mass centre and central inertia of a body with their names.
+pub(crate) fn numbers_of(
+    body: &BodyEstimate,
+) -> impl Iterator<Item = (String, &poinsot_identify::Number)> {
+    let mass = std::iter::once(("mass".to_owned(), &body.mass));
+    let com = (0..3).map(|k| (format!("com_{}", axis_name(k)), &body.com[k]));
+    let inertia = (0..6).map(|k| (format!("inertia_{}", tensor_name(k)), &body.inertia[k]));
+    mass.chain(com).chain(inertia)
+}
+
+/// `e^T C^-1 e` over the rows of the stated covariance; `None` where it is singular (numbers that hang
+/// together) or a truth is missing.
+fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
+    let names = &estimate.covariance_names;
+    let n = names.len();
+    if n == 0 {
+        return None;
+    }
+    let mut scaled = DVector::zeros(n);
+    let mut sigma = vec![1.0; n];
+    for (i, name) in names.iter().enumerate() {
+        let number = numbers.iter().find(|x| x.name == *name)?;
+        sigma[i] = estimate.covariance[i][i].sqrt();
+        scaled[i] = number.error / sigma[i];
+    }
+    let correlation = DMatrix::from_fn(n, n, |i, j| {
+        estimate.covariance[i][j] / (sigma[i] * sigma[j])
+    });
+    let l = correlation.cholesky()?.unpack();
+    if (0..n).any(|i| l[(i, i)] < 1.0e-6) {
+        return None;
+    }
+    let white = l.solve_lower_triangular(&scaled)?;
+    Some((white.norm_squared(), n))
+}

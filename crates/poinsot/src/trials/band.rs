@@ -1,0 +1,92 @@
+//! Where a statistic of many trials must lie if the stated uncertainty is right.
+
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
+
+/// Probability outside every band: 99.9 % bands.
+const OUTSIDE: f64 = 1.0e-3;
+/// Probability inside a stated 95 % interval.
+const STATED: f64 = 0.95;
+
+/// Both ends of a 99.9 % band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Band {
+    /// Whether a statistic lies inside.
+    pub fn holds(&self, x: f64) -> bool {
+        self.low <= x && x <= self.high
+    }
+
+    /// Of the mean of chi-square per degree of freedom over `numbers` squares of unit normals.
+    pub fn of_mean_square(numbers: u64) -> Self {
+        let whole = Self {
+            low: 0.0,
+            high: f64::INFINITY,
+        };
+        let n = numbers as f64;
+        ChiSquared::new(n).map_or(whole, |chi2| Self {
+            low: chi2.inverse_cdf(0.5 * OUTSIDE) / n,
+            high: chi2.inverse_cdf(1.0 - 0.5 * OUTSIDE) / n,
+        })
+    }
+
+    /// Of a root mean square over `numbers` unit normals.
+    pub fn of_rms(numbers: u64) -> Self {
+        let square = Self::of_mean_square(numbers);
+        Self {
+            low: square.low.sqrt(),
+            high: square.high.sqrt(),
+        }
+    }
+
+    /// Of the share of `numbers` 95 % intervals that hold the truth.
+    pub fn of_coverage(numbers: u64) -> Self {
+        let whole = Self {
+            low: 0.0,
+            high: 1.0,
+        };
+        let n = numbers as f64;
+        Binomial::new(STATED, numbers).map_or(whole, |binomial| Self {
+            low: binomial.inverse_cdf(0.5 * OUTSIDE) as f64 / n,
+            high: binomial.inverse_cdf(1.0 - 0.5 * OUTSIDE) as f64 / n,
+        })
+    }
+
+    /// Of the absolute mean of `numbers` unit normals.
+    pub fn of_bias(numbers: u64) -> Self {
+        Self {
+            low: 0.0,
+            high: quantile(1.0 - 0.5 * OUTSIDE) / (numbers as f64).sqrt(),
+        }
+    }
+}
+
+/// Sigmas each side of a 95 % interval.
+pub(super) fn sigmas_of_interval() -> f64 {
+    quantile(0.5 * (1.0 + STATED))
+}
+
+fn quantile(p: f64) -> f64 {
+    Normal::standard().inverse_cdf(p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_bands_are_those_of_tables() {
+        assert!((sigmas_of_interval() - 1.959964).abs() < 1.0e-6);
+        // Chi-square with 10 degrees of freedom: 0.05 % at 1.265, 99.95 % at 31.42.
+        let band = Band::of_mean_square(10);
+        assert!((band.low - 0.1265).abs() < 1.0e-4 && (band.high - 3.1420).abs() < 1.0e-4);
+        let coverage = Band::of_coverage(1000);
+        assert!(coverage.holds(0.93) && !coverage.holds(0.92) && !coverage.holds(0.98));
+        assert!((Band::of_bias(100).high - 0.32905).abs() < 1.0e-4);
+    }
+}

@@ -1,0 +1,110 @@
+//! Statistics of many trials as an engineer reads them in a terminal.
+
+use super::{Band, Statistics};
+use poinsot_report::{Document, Section, Table, significant};
+
+/// Failed trials listed; the rest is counted.
+const LISTED: usize = 10;
+
+/// The statistics as a document; an exclamation mark stands at what lies outside its 99.9 % band.
+pub fn statistics_document(title: &str, s: &Statistics) -> Document {
+    let faults = s.faults();
+    let word = if faults.is_empty() {
+        "every statistic inside its 99.9 % band".to_owned()
+    } else {
+        format!("{} statistics outside their 99.9 % bands", faults.len())
+    };
+    let mut document = Document::new(format!("{title}: {} trials, {word}", s.trials));
+    let mut table = Table::new(&[
+        "",
+        "bound (1 sigma)",
+        "stated/bound",
+        "RMSE/bound",
+        "|bias|/sigma",
+        "coverage %",
+        "trials",
+    ]);
+    for p in &s.parameters {
+        let (n, sigma) = (p.trials, p.sigma());
+        let marked = |text: String, x: f64, band: Band| {
+            if band.holds(x) {
+                text
+            } else {
+                format!("{text} !")
+            }
+        };
+        let (rmse, bias) = (p.rmse / sigma, p.bias.abs() / sigma);
+        table.push(vec![
+            p.name.clone(),
+            p.bound.map_or("open".to_owned(), |b| significant(b, 3)),
+            format!("{:.3}", p.stated / sigma),
+            marked(format!("{rmse:.3}"), rmse, Band::of_rms(n)),
+            marked(format!("{bias:.3}"), bias, Band::of_bias(n)),
+            marked(
+                format!("{:.1}", 100.0 * p.coverage),
+                p.coverage,
+                Band::of_coverage(n),
+            ),
+            n.to_string(),
+        ]);
+    }
+    let mut section = Section::table("each number against the Cramer-Rao bound", table);
+    let n = s.trials;
+    let (rms, bias, coverage) = (Band::of_rms(n), Band::of_bias(n), Band::of_coverage(n));
+    section.note = Some(format!(
+        "99.9 % bands for {n} trials: RMSE/bound {:.3} to {:.3}, |bias|/sigma below {:.3}, coverage {:.1} to {:.1} %; ! = outside",
+        rms.low,
+        rms.high,
+        bias.high,
+        100.0 * coverage.low,
+        100.0 * coverage.high
+    ));
+    document.push(section);
+    let mut lines = Vec::new();
+    if let Some((mean, dof)) = s.nees {
+        let band = Band::of_mean_square(dof);
+        lines.push(format!(
+            "NEES per degree of freedom {mean:.4}; band {:.4} to {:.4}{}",
+            band.low,
+            band.high,
+            if band.holds(mean) { "" } else { " !" }
+        ));
+    }
+    lines.push(format!(
+        "chi-square per degree of freedom {:.4}",
+        s.chi2_per_dof
+    ));
+    for (name, chi2) in &s.channels {
+        lines.push(format!("  {name} {chi2:.4}"));
+    }
+    lines.push(format!(
+        "iterations {:.1} in the mean, {} at most",
+        s.iterations.0, s.iterations.1
+    ));
+    for (status, count) in &s.statuses {
+        lines.push(format!("{count} trials {}", status.name()));
+    }
+    if let Some((name, gap)) = s.worst_prediction() {
+        lines.push(format!(
+            "predict agrees with the achieved spread within {:.1} % (worst: {name})",
+            100.0 * gap.abs()
+        ));
+    }
+    document.push(Section::list("all together", lines));
+    if !s.failed.is_empty() {
+        let mut lines: Vec<String> = s
+            .failed
+            .iter()
+            .take(LISTED)
+            .map(|(trial, why)| format!("trial {trial}: {why}"))
+            .collect();
+        if s.failed.len() > LISTED {
+            lines.push(format!("and {} more", s.failed.len() - LISTED));
+        }
+        document.push(Section::list(
+            &format!("{} failed trials", s.failed.len()),
+            lines,
+        ));
+    }
+    document
+}

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Keeps the numbers of README.md honest: fills in the output of the commands that it quotes.
+
+A line `<!-- output of: COMMAND -->` names a command; the block fenced by ```text after it is its standard
+output. `poinsot` in a command is the program built from this checkout; pipes work.
+
+    python3 scripts/readme.py                     run the commands, rewrite the blocks
+    python3 scripts/readme.py --check             fail if a block is not what its command prints
+    python3 scripts/readme.py --poinsot PATH      use a program that is already built
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+README = ROOT / "README.md"
+BLOCK = re.compile(r"<!-- output of: (?P<command>.+?) -->\n```text\n(?P<output>.*?)```\n", re.DOTALL)
+CARGO = "cargo run --quiet --locked --release -p poinsot-cli --"
+
+
+def output(command, program):
+    """Standard output of a command; trailing blanks and blank lines at the end are dropped."""
+    script = f'poinsot() {{ {program} "$@"; }}\n{command}'
+    done = subprocess.run(["bash", "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    if done.returncode > 1:
+        sys.exit(f"readme.py: exit code {done.returncode}: {command}")
+    lines = [line.rstrip() for line in done.stdout.rstrip().splitlines()]
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--poinsot", help="program to use; default: build it with cargo")
+    parser.add_argument("--check", action="store_true", help="compare instead of writing")
+    arguments = parser.parse_args()
+    program = os.path.abspath(arguments.poinsot) if arguments.poinsot else CARGO
+    stale = []
+
+    def fill(match):
+        command = match["command"]
+        fresh = output(command, program)
+        if fresh != match["output"]:
+            stale.append(command)
+        return f"<!-- output of: {command} -->\n```text\n{fresh}```\n"
+
+    written = README.read_text()
+    filled, blocks = BLOCK.subn(fill, written)
+    if blocks == 0:
+        sys.exit("readme.py: README.md quotes no output")
+    if arguments.check and stale:
+        sys.exit("README.md is out of date, run python3 scripts/readme.py:\n  " + "\n  ".join(stale))
+    if not arguments.check:
+        README.write_text(filled)
+    print(f"README.md: {blocks} outputs, {len(stale)} changed")
+
+
+if __name__ == "__main__":
+    main()
