@@ -1,5 +1,5 @@
 //! Ma, Dang and Pham 2008: both steps against closed forms, the paper, MuJoCo and statistics.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used, clippy::needless_range_loop)]
 
 #[allow(dead_code)]
 #[path = "../examples/ma2008_studies/setup.rs"]

@@ -35,15 +35,19 @@
 
 mod answer;
 mod arm;
+mod both;
 pub mod bounds;
+mod error;
 mod influence;
 mod lanes;
 pub mod printed;
 mod solve;
 mod trials;
+mod words;
 
-pub use answer::{Ma2008Error, Variant, identify};
+pub use answer::{Variant, identify};
 pub use arm::{Arm, Raw, Vehicle};
+pub use error::Ma2008Error;
 pub use influence::{Influence, Source as NoiseSource, influence};
 pub use solve::{Step, solve};
 pub use trials::{Results, Trials};
