@@ -242,7 +242,7 @@ fn rotation_body(
     finish(name, mass, com, inertia, barycentric)
 }
 
-fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
+pub(crate) fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
     let pi = nominal.parameters().to_array();
     let mut body = finish(
         name,

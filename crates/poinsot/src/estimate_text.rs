@@ -59,7 +59,11 @@ pub fn estimate_document(identified: &Identified) -> Document {
             table.push(vec![
                 item.name.clone(),
                 value,
-                significant(item.number.nominal, 6),
+                if item.number.nominal == 0.0 {
+                    String::new()
+                } else {
+                    significant(item.number.nominal, 6)
+                },
                 item.unit.to_owned(),
             ]);
         }

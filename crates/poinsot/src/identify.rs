@@ -3,7 +3,7 @@
 use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::{self, kim2010};
+use poinsot_identify::methods::{self, kim2010, ma2008};
 use poinsot_identify::{Estimate, Loss, Problem, Status, linear, maximum_likelihood_with};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
@@ -100,6 +100,7 @@ pub fn identify_tables(
     let mut estimate = match request.method.as_str() {
         "linear" => linear(&problem)?,
         "kim2010" => kim2010::identify(&problem, kim2010_variant(request)?)?,
+        "ma2008" => ma2008::identify(&problem, ma2008_variant(request))?,
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
             let mut estimate = maximum_likelihood_with(&problem, loss.unwrap_or_default())?;
@@ -129,6 +130,13 @@ pub fn identify_tables(
         repairs,
         ignored,
     })
+}
+
+fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
+    match request.variant.as_deref() {
+        Some("known-momentum") => ma2008::Variant::KnownMomentum,
+        _ => ma2008::Variant::UnknownMomentum,
+    }
 }
 
 fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
