@@ -113,7 +113,7 @@ pub(crate) struct Evaluated {
 /// body with positive mass and inertia.
 pub(crate) fn evaluate(
     setting: &Setting,
-    segment: &Segment,
+    (index, segment): (usize, &Segment),
     x: &[f64],
     head: &Head,
     unknown: HeadColumns,
@@ -133,7 +133,7 @@ pub(crate) fn evaluate(
     } else {
         Vec::new()
     };
-    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count());
+    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count(), index);
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     if has_lag(setting.parameters) {
         compare.rates = predicted_rates(&vehicle, segment, &state)?;
@@ -155,7 +155,7 @@ fn has_lag(parameters: &Parameters) -> bool {
 
 /// Predicted rates at all grid times: a lag needs what comes before and after.
 fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Vec<Vector3>> {
-    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
+    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, 0);
     let samples = segment.observations.time_s.len();
     let mut state = *start;
     let mut rates = Vec::with_capacity(samples);

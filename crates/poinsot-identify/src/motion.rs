@@ -6,7 +6,7 @@
 //! a false rate (`dp x P`), and what no data can show stays exactly unseen. A small change of the state is
 //! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
-use crate::parameters::{Parameters, UnknownKind};
+use crate::parameters::{Parameters, Rest, UnknownKind};
 use crate::segment::{Observations, Segment};
 use nalgebra::{Quaternion, SMatrix, SVector};
 use poinsot_dynamics::{
@@ -47,6 +47,8 @@ pub(crate) struct Vehicle<'a> {
     pub drag: Vector3,
     /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
     pub wheels_smooth: bool,
+    /// Errors of the readings of joints at rest.
+    pub rests: Vec<(Rest, f64)>,
 }
 
 impl<'a> Vehicle<'a> {
@@ -80,6 +82,15 @@ impl<'a> Vehicle<'a> {
             torque_B,
             drag,
             wheels_smooth: false,
+            rests: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .filter_map(|(u, value)| match u.kind {
+                    UnknownKind::RestingJoint(rest) => Some((rest, *value)),
+                    _ => None,
+                })
+                .collect(),
         }
     }
 
@@ -129,6 +140,9 @@ pub(crate) struct Motion<'a> {
     pub columns: Vec<Column>,
     /// Index in `columns` of the first unknown.
     head: usize,
+    /// Index of the segment, and grid time of the interval in hand.
+    segment: usize,
+    now: usize,
     buffer: Buffers,
 }
 
@@ -174,6 +188,7 @@ impl<'a> Motion<'a> {
         segment: &'a Segment,
         columns: Vec<Column>,
         head: usize,
+        index: usize,
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
@@ -194,6 +209,8 @@ impl<'a> Motion<'a> {
             },
             columns,
             head,
+            segment: index,
+            now: 0,
             vehicle,
         }
     }
@@ -203,7 +220,7 @@ impl<'a> Motion<'a> {
     /// `None` where the parameters have no positive mass or inertia there.
     pub fn velocity(&mut self, state: &State, k: usize) -> Option<(Instant, &[Vector6])> {
         let mut buffer = std::mem::take(&mut self.buffer);
-        fill_inputs(self.observations, self.vehicle, k, 0.0, &mut buffer);
+        self.inputs(k, 0.0, &mut buffer);
         let drive = Drive {
             q: &buffer.q,
             rates: &buffer.rates,
@@ -233,6 +250,21 @@ impl<'a> Motion<'a> {
         Some(now)
     }
 
+    /// Inputs within the interval after grid time k, with the errors of resting joints taken off.
+    fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
+        self.now = k;
+        fill_inputs(self.observations, self.vehicle, k, at, buffer);
+        for (rest, error) in &self.vehicle.rests {
+            if self.rests_now(rest) {
+                buffer.q[rest.joint] -= error;
+            }
+        }
+    }
+
+    fn rests_now(&self, rest: &Rest) -> bool {
+        rest.segment == self.segment && rest.span.0 <= self.now && self.now <= rest.span.1
+    }
+
     fn fastest(&mut self, state: &State, k: usize) -> Option<f64> {
         let columns = std::mem::take(&mut self.columns);
         let w = self.velocity(state, k).map(|(i, _)| i.twist.w.norm());
@@ -257,7 +289,7 @@ impl<'a> Motion<'a> {
         ];
         let mut failed = false;
         for (i, (at, share)) in nodes.into_iter().enumerate() {
-            fill_inputs(self.observations, self.vehicle, k, at, &mut buffer);
+            self.inputs(k, at, &mut buffer);
             let mut stage_state = *state;
             buffer.at.clone_from(&self.columns);
             if let Some(before) = i.checked_sub(1).and_then(|b| slopes[b]) {
@@ -386,6 +418,7 @@ impl<'a> Motion<'a> {
                 &mut self.wheel_columns,
             );
             self.twist_columns(state, &centre, &inverse_inertia, columns, twists);
+            self.resting_columns(drive, &twist, &centre, &inverse_inertia, twists);
         }
         Some(Instant {
             twist,
@@ -434,6 +467,44 @@ impl<'a> Motion<'a> {
                 };
                 *twist -= inverse_inertia * own;
             }
+        }
+    }
+
+    /// What the error of a resting joint does to the twist: the balance `Y pi - [l; h_cm + c x l]` at a joint
+    /// position a little further, momentum held.
+    fn resting_columns(
+        &mut self,
+        drive: &Drive,
+        twist: &Twist,
+        centre: &Centre,
+        inverse_inertia: &Matrix6,
+        twists: &mut [Vector6],
+    ) {
+        let v = self.vehicle;
+        for (u, kind) in v.kinds.iter().enumerate() {
+            let UnknownKind::RestingJoint(rest) = kind else {
+                continue;
+            };
+            if !self.rests_now(rest) {
+                continue;
+            }
+            let step = 1.0e-5;
+            let mut q = drive.q.to_vec();
+            let mut ends = [Vector6::zeros(); 2];
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                q[rest.joint] = drive.q[rest.joint] + sign * step;
+                self.still.place(v.tree, &q);
+                self.still
+                    .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
+                let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
+                let c = composite(&v.bodies, &self.still).p_BoScm_B();
+                *end = momentum(&v.bodies, &self.still);
+                let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
+                end.fixed_rows_mut::<3>(3).copy_from(&h);
+            }
+            // The true position is the reading less its error.
+            let slope = (ends[0] - ends[1]) / (2.0 * step);
+            twists[self.head + u] += inverse_inertia * slope;
         }
     }
 

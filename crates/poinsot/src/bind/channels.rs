@@ -2,7 +2,7 @@
 
 use super::{BindError, base_sensor};
 use poinsot_model::{JointKind, Model, SensorKind};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
 use std::collections::BTreeSet;
 
@@ -12,10 +12,10 @@ pub(super) struct Channels<'a> {
     pub label: &'a str,
 }
 
-/// The three channels of a vector sensor, with where it sits.
+/// The three channels of a vector sensor, with where it sits. Columns are in body or inertial axes
+/// (CONTRACT); a sensor's rotation only says in which axes it errs.
 pub(super) struct VectorChannels<'a> {
     pub axes: [&'a Channel; 3],
-    pub R_BS: Matrix3,
     pub p_BoS_B: Vector3,
 }
 
@@ -46,7 +46,6 @@ impl<'a> Channels<'a> {
         let axis = |k: &str| self.find(name, &format!("{prefix}_{k}"));
         Some(VectorChannels {
             axes: [axis("x")?, axis("y")?, axis("z")?],
-            R_BS: sensor.map_or_else(Matrix3::identity, |s| s.R_BS),
             p_BoS_B: sensor.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
         })
     }
