@@ -11,12 +11,14 @@ mod block_qr;
 mod bound;
 mod combination;
 mod diagnosis;
+mod double_double;
 mod estimate;
 mod fit;
 mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod levenberg_marquardt;
 mod likelihood;
 mod linear;
 mod loss;
@@ -27,6 +29,7 @@ mod parameters;
 mod prior;
 mod problem;
 mod quantity;
+mod refine;
 mod residual;
 mod rows;
 mod segment;
@@ -37,10 +40,12 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
+pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
@@ -48,5 +53,6 @@ pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
 pub use problem::{Problem, ProblemError};
+pub use refine::{Refined, refine, solve_triangle};
 pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

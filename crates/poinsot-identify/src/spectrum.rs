@@ -158,11 +158,20 @@ impl Spectrum {
         z
     }
 
-    /// Squared length of the right-hand side within reach of the identified directions.
-    pub fn reach(&self, rhs: &[f64]) -> f64 {
+    /// How much the step of [`Self::damped`] lowers the squared length of the right-hand side.
+    pub fn decrease(&self, rhs: &[f64], damping: f64) -> f64 {
         (0..self.rank)
-            .map(|k| self.left_along(rhs, k).powi(2))
+            .map(|k| {
+                let left = damping / (self.singular[k].powi(2) + damping);
+                self.left_along(rhs, k).powi(2) * (1.0 - left * left)
+            })
             .sum()
+    }
+
+    /// Smallest singular value of the identified directions; infinite where there is none.
+    pub fn weakest(&self) -> f64 {
+        let identified = self.singular.iter().take(self.rank);
+        identified.fold(f64::INFINITY, |a, b| a.min(*b))
     }
 
     fn left_along(&self, rhs: &[f64], k: usize) -> f64 {
