@@ -245,9 +245,14 @@ fn cli_exit_1_where_part_is_open_with_null_and_a_reason() {
         }
         assert!(inertia["nominal"][element].is_number());
     }
-    let open = file["identifiability"]["not_identifiable"].as_array().unwrap();
+    let open = file["identifiability"]["not_identifiable"]
+        .as_array()
+        .unwrap();
     assert_eq!(open.len(), 3);
-    assert!(open.iter().all(|o| !o["remedy"].as_str().unwrap().is_empty()));
+    assert!(
+        open.iter()
+            .all(|o| !o["remedy"].as_str().unwrap().is_empty())
+    );
 }
 
 #[test]
@@ -265,10 +270,16 @@ fn cli_exit_2_names_the_word_that_is_wrong() {
         stderr(&done)
     };
     let unknown = ask("kalman", &[]);
-    assert!(unknown.contains("--method") && unknown.contains("'kalman'"), "{unknown}");
+    assert!(
+        unknown.contains("--method") && unknown.contains("'kalman'"),
+        "{unknown}"
+    );
     assert!(unknown.contains("linear") && unknown.contains("maximum_likelihood"));
     let variant = ask("linear", &["--variant", "swarm"]);
-    assert!(variant.contains("--variant") && variant.contains("'swarm'"), "{variant}");
+    assert!(
+        variant.contains("--variant") && variant.contains("'swarm'"),
+        "{variant}"
+    );
     let accuracy = ask("linear", &["--relative-accuracy", "0"]);
     assert!(accuracy.contains("--relative-accuracy"), "{accuracy}");
     let flag = ask("linear", &["--no-such-flag"]);
@@ -282,7 +293,11 @@ fn cli_exit_2_for_files_that_are_not_there() {
     let model = example("stsat3/model.toml");
     let telemetry = example("stsat3/paper/telemetry.parquet");
     for (model, telemetry, missing) in [
-        ("no_such_model.toml", telemetry.as_str(), "no_such_model.toml"),
+        (
+            "no_such_model.toml",
+            telemetry.as_str(),
+            "no_such_model.toml",
+        ),
         (model.as_str(), "no_such_file.csv", "no_such_file.csv"),
     ] {
         let done = poinsot(identify(model, telemetry, &[]));
@@ -336,7 +351,10 @@ fn cli_quiet_prints_nothing() {
     let model = example("ma2008/model.toml");
     let telemetry = example("ma2008/traj2/telemetry.parquet");
     let done = poinsot(identify(&model, &telemetry, &["--quiet", "--out", &out]));
-    assert_eq!((code(&done), stdout(&done), stderr(&done)), (0, String::new(), String::new()));
+    assert_eq!(
+        (code(&done), stdout(&done), stderr(&done)),
+        (0, String::new(), String::new())
+    );
     assert!(folder.path().join("estimate.json").exists());
 }
 
@@ -349,7 +367,10 @@ fn cli_any_number_of_threads_prints_the_same_bytes() {
     );
     let printed = ["1", "3"].map(|threads| {
         let mut command = Command::cargo_bin("poinsot").unwrap();
-        let done = command.args(&list).env("RAYON_NUM_THREADS", threads).output();
+        let done = command
+            .args(&list)
+            .env("RAYON_NUM_THREADS", threads)
+            .output();
         done.unwrap().stdout
     });
     assert!(printed[0].len() > 1000);
@@ -380,7 +401,10 @@ fn cli_scalar_first_quaternions_are_refused_by_name() {
     });
     let message = satellite.refused(&file);
     assert!(message.starts_with("E0215"), "{message}");
-    assert!(message.contains("quaternion scalar first (wxyz)"), "{message}");
+    assert!(
+        message.contains("quaternion scalar first (wxyz)"),
+        "{message}"
+    );
     assert_eq!(message.lines().count(), 1);
 }
 
@@ -395,7 +419,10 @@ fn cli_degrees_are_refused_by_name() {
         }
     });
     let message = satellite.refused(&file);
-    assert!(message.starts_with("E0215") && message.contains("gyro in deg/s"), "{message}");
+    assert!(
+        message.starts_with("E0215") && message.contains("gyro in deg/s"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -408,8 +435,14 @@ fn cli_a_number_that_is_none_names_row_and_column() {
         }
     });
     let message = satellite.refused(&file);
-    assert!(message.starts_with("E0203") && message.contains("'fast'"), "{message}");
-    assert!(message.contains("omega_y") && message.contains("word.csv"), "{message}");
+    assert!(
+        message.starts_with("E0203") && message.contains("'fast'"),
+        "{message}"
+    );
+    assert!(
+        message.contains("omega_y") && message.contains("word.csv"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -441,7 +474,10 @@ axis = [0.0, 0.0, 1.0]
     let done = poinsot(["check", &model.display().to_string()]);
     assert_eq!(code(&done), 2, "{}", stdout(&done));
     let message = stderr(&done);
-    assert!(message.starts_with("E0117") && message.contains("boom"), "{message}");
+    assert!(
+        message.starts_with("E0117") && message.contains("boom"),
+        "{message}"
+    );
 }
 
 fn files_below(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {

@@ -31,7 +31,9 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         (judge, bodies)
     };
     let (judge, bodies) = answered(false);
-    let impossible = bodies.iter().any(|b| unphysical(b, chi2 > MISFIT || unexplained));
+    let impossible = bodies
+        .iter()
+        .any(|b| unphysical(b, chi2 > MISFIT || unexplained));
     let rejected = (chi2 > REJECT && unexplained) || not_rigid || impossible;
     // What is rejected, and what did not settle, gets no numbers.
     let (judge, bodies) = if rejected || !solved.settled {

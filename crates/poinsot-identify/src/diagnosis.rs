@@ -172,7 +172,10 @@ fn score(
     let scale: Vec<f64> = columns
         .clone()
         .map(|j| {
-            let size = (0..r.nrows()).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
+            let size = (0..r.nrows())
+                .map(|i| r[(i, j)].powi(2))
+                .sum::<f64>()
+                .sqrt();
             if size > 0.0 { 1.0 / size } else { 0.0 }
         })
         .collect();
@@ -184,7 +187,10 @@ fn score(
                 .sum()
         } else if j < spectrum.rank + nuisances {
             r[(i, mass + j - spectrum.rank)]
-        } else if let Some(k) = j.checked_sub(spectrum.rank + nuisances).filter(|k| *k < own) {
+        } else if let Some(k) = j
+            .checked_sub(spectrum.rank + nuisances)
+            .filter(|k| *k < own)
+        {
             r[(i, columns.start + k)] * scale[k]
         } else {
             r[(i, last)]
@@ -216,7 +222,9 @@ fn score(
             .zip(values.iter().zip(&scale))
             .map(|(u, (v, s))| {
                 let unit = if u.unit == "1" { "" } else { u.unit };
-                format!("{} = {:.3e} {unit}", u.name, v * s).trim().to_owned()
+                format!("{} = {:.3e} {unit}", u.name, v * s)
+                    .trim()
+                    .to_owned()
             })
             .collect(),
     }
@@ -225,7 +233,13 @@ fn score(
 /// Everything that may be wrong and was not already unknown.
 fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let model = experiment.problem.model;
-    let has = |kind: &UnknownKind| experiment.parameters.unknowns.iter().any(|u| u.kind == *kind);
+    let has = |kind: &UnknownKind| {
+        experiment
+            .parameters
+            .unknowns
+            .iter()
+            .any(|u| u.kind == *kind)
+    };
     let gyro = model
         .sensors_of(SensorKind::Gyro)
         .next()
@@ -241,17 +255,26 @@ fn candidates(experiment: &Experiment) -> Vec<Candidate> {
         nominal: 0.0,
         natural: 1.0,
     };
-    let triple = |name: &str, make: fn(usize) -> UnknownKind, prefix: &str, unit: &'static str| {
-        Candidate {
+    let triple =
+        |name: &str, make: fn(usize) -> UnknownKind, prefix: &str, unit: &'static str| Candidate {
             name: name.to_owned(),
             unknowns: (0..3)
                 .map(|k| unknown(make(k), format!("{prefix}_{}", axis_name(k)), unit))
                 .collect(),
-        }
-    };
+        };
     let mut list = vec![
-        triple("a bias of the gyro", UnknownKind::GyroBias, &format!("{gyro}.bias"), "rad/s"),
-        triple("a scale error of the gyro", UnknownKind::GyroScale, &format!("{gyro}.scale"), "1"),
+        triple(
+            "a bias of the gyro",
+            UnknownKind::GyroBias,
+            &format!("{gyro}.bias"),
+            "rad/s",
+        ),
+        triple(
+            "a scale error of the gyro",
+            UnknownKind::GyroScale,
+            &format!("{gyro}.scale"),
+            "1",
+        ),
         triple(
             "a misalignment of the gyro",
             UnknownKind::GyroMisalignment,
@@ -271,7 +294,11 @@ fn candidates(experiment: &Experiment) -> Vec<Candidate> {
         },
         Candidate {
             name: "a lag of the attitude".to_owned(),
-            unknowns: vec![unknown(UnknownKind::AttitudeLag, format!("{tracker}.lag"), "s")],
+            unknowns: vec![unknown(
+                UnknownKind::AttitudeLag,
+                format!("{tracker}.lag"),
+                "s",
+            )],
         },
     ];
     for (k, wheel) in model.wheels.iter().enumerate() {
@@ -380,7 +407,9 @@ mod tests {
         // A linear congruential sequence is white enough for a periodogram.
         let mut state = 1_u64;
         let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state >> 33) as f64 / 2_f64.powi(31) - 0.5
         };
         let times: Vec<f64> = (0..1000).map(|k| 0.1 * k as f64).collect();

@@ -176,7 +176,9 @@ fn promised_decrease(
         })
         .sum();
     let n = shared.nuisances + shared.mass;
-    let biases: f64 = (0..shared.nuisances).map(|i| shared.r[(i, n)].powi(2)).sum();
+    let biases: f64 = (0..shared.nuisances)
+        .map(|i| shared.r[(i, n)].powi(2))
+        .sum();
     heads + biases + spectrum.reach(&shared.rhs())
 }
 

@@ -5,8 +5,8 @@
 //! estimator: this module knows none.
 
 use crate::block_qr::{BlockQr, Triangle};
-use crate::loss::Loss;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
+use crate::loss::Loss;
 use crate::motion::Vehicle;
 use crate::parameters::Parameters;
 use crate::prior;
@@ -75,16 +75,21 @@ impl<'a> Experiment<'a> {
         }
     }
 
-    /// All segments at a point; `None` where the vehicle cannot move as predicted.
-    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
-        let setting = Setting {
+    /// What stays the same over all evaluations.
+    pub fn setting(&self) -> Setting<'_> {
+        Setting {
             tree: self.problem.tree,
             thrusters: &self.problem.model.thrusters,
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
             loss: self.loss,
-        };
+        }
+    }
+
+    /// All segments at a point; `None` where the vehicle cannot move as predicted.
+    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        let setting = self.setting();
         self.problem
             .segments
             .par_iter()
@@ -122,13 +127,13 @@ impl<'a> Experiment<'a> {
             }
         }
         let mut priors = prior::calibration(self.problem, self.parameters, &at.x).rows;
-        if with_design
-            && let Some(design) = prior::design(self.problem, self.parameters, &at.x)
-        {
+        if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
             priors.extend(design.rows);
         }
         for row in &priors {
-            stacked.push(1, |_, j| row.gradient.get(j).copied().unwrap_or(row.residual));
+            stacked.push(1, |_, j| {
+                row.gradient.get(j).copied().unwrap_or(row.residual)
+            });
         }
         stacked.finish()
     }

@@ -94,7 +94,9 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
     let all = |phase: f64| (0..samples).map(|k| Some(wave(k, phase))).collect();
     let dof = tree.dof();
     let joint = |k: usize, j: usize| 0.3 * (0.2 * k as f64 * (1.0 + j as f64)).sin();
-    let joint_position: Vec<f64> = (0..samples).flat_map(|k| (0..dof).map(move |j| joint(k, j))).collect();
+    let joint_position: Vec<f64> = (0..samples)
+        .flat_map(|k| (0..dof).map(move |j| joint(k, j)))
+        .collect();
     let joint_rate: Vec<f64> = (0..samples)
         .flat_map(|k| {
             (0..dof).map(move |j| {
@@ -187,8 +189,11 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
     let h = experiment.unknown[0].count();
     let last = triangle.r.ncols() - 1;
     // R^T d of the triangle is J^T r of the rows.
-    let by_rows =
-        |j: usize| -> f64 { (0..=j).map(|i| triangle.r[(i, j)] * triangle.r[(i, last)]).sum() };
+    let by_rows = |j: usize| -> f64 {
+        (0..=j)
+            .map(|i| triangle.r[(i, j)] * triangle.r[(i, last)])
+            .sum()
+    };
     let chi2 = |p: &Point| experiment.evaluate(p, false).unwrap()[0].chi2;
     let mut out = Vec::new();
     for j in 0..last {
@@ -210,9 +215,10 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
             }
             chi2(&p)
         });
-        let name = j
-            .checked_sub(h)
-            .map_or_else(|| format!("head {j}"), |u| parameters.unknowns[u].name.clone());
+        let name = j.checked_sub(h).map_or_else(
+            || format!("head {j}"),
+            |u| parameters.unknowns[u].name.clone(),
+        );
         let by_differences = -(ends[0] - ends[1]) / (4.0 * step);
         out.push((name, by_rows(j), by_differences));
     }

@@ -23,6 +23,7 @@ mod loss;
 mod maximum_likelihood;
 mod motion;
 mod parameters;
+mod prediction;
 mod prior;
 mod problem;
 mod quantity;
@@ -45,6 +46,10 @@ pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
+};
+pub use prediction::{
+    HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
+    maximum_likelihood_predicted,
 };
 pub use problem::{Problem, ProblemError};
 pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};

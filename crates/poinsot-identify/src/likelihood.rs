@@ -167,7 +167,7 @@ fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Optio
 }
 
 /// State at the first grid time and its change with every unknown.
-fn start(
+pub(crate) fn start(
     setting: &Setting,
     segment: &Segment,
     x: &[f64],
@@ -245,7 +245,7 @@ struct Compare<'a> {
 
 /// What may be wrong with the gyro: it reads `(1 + turn) w(t - lag) + bias`.
 #[derive(Default)]
-struct GyroErrors {
+pub(crate) struct GyroErrors {
     bias: Vector3,
     /// Scale errors on the diagonal, misalignment beside it.
     turn: Matrix3,
@@ -253,7 +253,31 @@ struct GyroErrors {
 }
 
 impl GyroErrors {
-    fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
+    /// The errors of the gyro, and how late the attitude reads.
+    pub fn of(parameters: &Parameters, x: &[f64]) -> (Self, f64) {
+        let mut gyro = Self::default();
+        let mut attitude_lag = 0.0;
+        for (u, value) in parameters.unknowns.iter().zip(x) {
+            match u.kind {
+                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
+                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
+                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
+                UnknownKind::GyroLag => gyro.lag = *value,
+                UnknownKind::AttitudeLag => attitude_lag = *value,
+                _ => {}
+            }
+        }
+        (gyro, attitude_lag)
+    }
+
+    /// The rate that a reading stands for, its lag left aside.
+    pub fn corrected(&self, reading: &Vector3) -> Vector3 {
+        let map = Matrix3::identity() + self.turn;
+        let clear = reading - self.bias;
+        map.lu().solve(&clear).unwrap_or(clear)
+    }
+
+    pub fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
         let then = w - acceleration * self.lag;
         then + self.turn * then + self.bias
     }
@@ -297,18 +321,7 @@ impl<'a> Compare<'a> {
         unknown: HeadColumns,
         with_sensitivities: bool,
     ) -> Self {
-        let mut gyro = GyroErrors::default();
-        let mut attitude_lag = 0.0;
-        for (u, value) in setting.parameters.unknowns.iter().zip(x) {
-            match u.kind {
-                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
-                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
-                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
-                UnknownKind::GyroLag => gyro.lag = *value,
-                UnknownKind::AttitudeLag => attitude_lag = *value,
-                _ => {}
-            }
-        }
+        let (gyro, attitude_lag) = GyroErrors::of(setting.parameters, x);
         let channel = |name, unit| ChannelResidual {
             name,
             unit,
@@ -447,7 +460,8 @@ impl<'a> Compare<'a> {
             }
             self.six.push(white);
             let loss = self.setting.loss;
-            let weights = [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
+            let weights =
+                [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
             let six = &self.six;
             if let Some(qr) = &mut self.qr {
                 qr.push(6, |i, j| six[j][i] * weights[i / 3]);

@@ -60,7 +60,10 @@ mod tests {
             for square in [0.1, 3.0, 7.0, 9.0, 100.0] {
                 let h = 1e-5;
                 let slope = (loss.cost(square + h) - loss.cost(square - h)) / (2.0 * h);
-                assert!((slope - loss.weight(square)).abs() < 1e-7, "{loss:?} {square}");
+                assert!(
+                    (slope - loss.weight(square)).abs() < 1e-7,
+                    "{loss:?} {square}"
+                );
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::answer;
 use crate::diagnosis::{Diagnosis, diagnose};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
-use crate::information::Experiment;
+use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -36,11 +36,12 @@ pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
 /// # Errors
 /// As [`maximum_likelihood`].
 pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate, ProblemError> {
-    let solved = solve(problem, loss)?;
+    let (solved, _) = solve(problem, loss)?;
     Ok(answer::write(problem, &solved))
 }
 
-fn solve(problem: &Problem, loss: Loss) -> Result<Solved, ProblemError> {
+/// The solved problem, and the value of all unknowns where the fit ended.
+pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solved) => (solved.parameters.clone(), Some(solved)),
@@ -60,7 +61,8 @@ fn solve(problem: &Problem, loss: Loss) -> Result<Solved, ProblemError> {
         None => (!proportional(problem)).then_some(1.0),
     };
     let found = diagnose(&experiment, &fitted);
-    Ok(conclude(&experiment, fitted, explained, found))
+    let at = fitted.at.clone();
+    Ok((conclude(&experiment, fitted, explained, found), at))
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.

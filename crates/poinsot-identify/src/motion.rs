@@ -88,7 +88,9 @@ impl<'a> Vehicle<'a> {
         let size = w.norm();
         let mut change = Vector3::zeros();
         if self.drag != Vector3::zeros() && size > 0.0 {
-            change -= self.drag.component_mul(&(dw * size + w * (w.dot(dw) / size)));
+            change -= self
+                .drag
+                .component_mul(&(dw * size + w * (w.dot(dw) / size)));
         }
         match unknown {
             Some(UnknownKind::DisturbanceTorque(k)) => change[*k] += 1.0,

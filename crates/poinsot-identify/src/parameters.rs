@@ -332,8 +332,20 @@ impl Parameters {
         }
         let around = &model.environment;
         let torque = UnknownKind::DisturbanceTorque;
-        self.add_axes(around.disturbance_torque, torque, "environment", "torque", "N m");
-        self.add_axes(around.drag_torque, UnknownKind::DragTorque, "environment", "drag", "kg m2");
+        self.add_axes(
+            around.disturbance_torque,
+            torque,
+            "environment",
+            "torque",
+            "N m",
+        );
+        self.add_axes(
+            around.drag_torque,
+            UnknownKind::DragTorque,
+            "environment",
+            "drag",
+            "kg m2",
+        );
     }
 
     fn add_axes(

@@ -222,7 +222,10 @@ mod tests {
             ends[0][k] += 1e-5;
             ends[1][k] -= 1e-5;
             let slope = (at(&ends[0]).chi2 - at(&ends[1]).chi2) / 2e-5;
-            assert!((2.0 * from_rows - slope).abs() < 1e-5 * (1.0 + slope.abs()), "{k}");
+            assert!(
+                (2.0 * from_rows - slope).abs() < 1e-5 * (1.0 + slope.abs()),
+                "{k}"
+            );
         }
     }
 }

@@ -187,12 +187,7 @@ fn write_environment(out: &mut String, model: &Model) {
         environment.disturbance_torque,
         "sigma_N_m",
     );
-    nuisance(
-        out,
-        "drag_torque",
-        environment.drag_torque,
-        "sigma_kg_m2",
-    );
+    nuisance(out, "drag_torque", environment.drag_torque, "sigma_kg_m2");
 }
 
 fn write_telemetry(out: &mut String, model: &Model) {

@@ -52,7 +52,11 @@ fn paper_moving_joints_with_a_scale_show_10_and_7_and_4() {
         let pushed = with_thrusters(tree(seed, joints));
         let flights = [moving(&pushed, seed), moving(&pushed, seed + 50)];
         let answer = identified(&pushed, &flights, "linear");
-        check(&format!("{joints} thrusters"), &answer, moving_count(joints));
+        check(
+            &format!("{joints} thrusters"),
+            &answer,
+            moving_count(joints),
+        );
     }
 }
 
@@ -63,7 +67,11 @@ fn paper_without_a_scale_one_fewer() {
         let model = tree(seed, joints);
         let flights = [moving(&model, seed), moving(&model, seed + 50)];
         let answer = identified(&model, &flights, "linear");
-        check(&format!("{joints} drifting"), &answer, moving_count(joints) - 1);
+        check(
+            &format!("{joints} drifting"),
+            &answer,
+            moving_count(joints) - 1,
+        );
     }
 }
 
@@ -126,7 +134,11 @@ fn paper_zero_momentum_hides_the_scale_too() {
             ..f
         });
         let answer = identified(&model, &still, "linear");
-        check(&format!("{joints} at rest"), &answer, moving_count(joints) - 1);
+        check(
+            &format!("{joints} at rest"),
+            &answer,
+            moving_count(joints) - 1,
+        );
     }
 }
 

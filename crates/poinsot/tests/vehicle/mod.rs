@@ -422,7 +422,9 @@ pub fn noisy(mut table: Table, seed: u64, sigma: f64) -> Table {
         "omega_x", "omega_y", "omega_z", "r_x", "r_y", "r_z", "v_x", "v_y", "v_z",
     ] {
         if let Some(c) = table.channels.iter_mut().find(|c| c.name == name) {
-            c.values.iter_mut().for_each(|x| *x += sigma * dice.normal());
+            c.values
+                .iter_mut()
+                .for_each(|x| *x += sigma * dice.normal());
         }
     }
     let rows = channel(&mut table, "q_x").values.len();
