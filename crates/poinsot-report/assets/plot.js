@@ -11,7 +11,8 @@
   };
   const roundStep = raw => {
     const power = 10 ** Math.floor(Math.log10(raw));
-    return ([1, 2, 5].find(f => raw <= f * power) || 10) * power;
+    const f = raw / power;
+    return (f < 1.5 ? 1 : f < 3.5 ? 2 : f < 7.5 ? 5 : 10) * power;
   };
   const digits = n => String(n).replace(/[-0-9]/g, c => c === "-" ? "\u207b" : "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[c]);
   const write = (value, step) => {
@@ -104,7 +105,7 @@
         make("path", { d: `M${x} ${top}v${h}` }, g);
         make("text", { x, y: top + h + 14 }, g).textContent = text;
       });
-      this.ticks("y", this.y, h / 36, (s, text, g) => {
+      this.ticks("y", this.y, Math.max(3, h / 30), (s, text, g) => {
         const y = top + (1 - s) * h;
         make("path", { d: `M${left} ${y}h${w}` }, g);
         make("text", { x: left - 6, y: y + 3.5 }, g).textContent = text;
@@ -114,7 +115,7 @@
       const g = this.svg.querySelector(".ticks." + name);
       g.replaceChildren();
       const log = this.log && name === "y";
-      let step = roundStep((range[1] - range[0]) / Math.max(2, wanted));
+      let step = roundStep((range[1] - range[0]) / wanted);
       if (log) step = Math.max(1, Math.round(step));
       for (let k = Math.ceil(range[0] / step); k <= range[1] / step; k++)
         put((k * step - range[0]) / (range[1] - range[0]), log ? "10" + digits(k * step) : write(k * step, step), g);

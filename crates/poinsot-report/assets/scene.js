@@ -24,7 +24,7 @@
     constructor(figure) {
       this.data = JSON.parse(figure.querySelector(".scene-data").textContent);
       this.meshes = this.data.ellipsoids.map(e => ({ e, lines: mesh(e) }));
-      this.yaw = -0.9; this.pitch = 0.42; this.zoom = 1; this.frame = 0; this.space = false;
+      this.yaw = -0.9; this.pitch = 0.42; this.zoom = 1; this.frame = 0; this.space = !!(this.data.rolling && this.data.rolling.from_space);
       const stage = figure.querySelector(".stage");
       this.canvas = document.createElement("canvas");
       this.canvas.tabIndex = 0;
@@ -63,7 +63,7 @@
       this.data.spots.forEach(s => take(s.at));
       this.centre = this.data.rolling ? [0, 0, 0] : low.map((v, k) => (v + high[k]) / 2);
       this.extent = Math.max(...low.map((v, k) => high[k] - v)) / 2 || 1;
-      this.radius = this.data.rolling ? this.extent / 0.36 : Math.hypot(...low.map((v, k) => high[k] - v)) / 0.82 || 1;
+      this.radius = this.data.rolling ? this.extent / 0.36 : Math.hypot(...low.map((v, k) => high[k] - v)) / 1.15 || 1;
     }
     controls(figure, stage) {
       const bar = document.createElement("div");
@@ -72,7 +72,8 @@
       const roll = this.data.rolling;
       if (roll && roll.time_s.length) {
         const play = button("play", () => this.play(play));
-        button("seen from space", b => { this.space = !this.space; b.textContent = this.space ? "seen from the body" : "seen from space"; this.draw(); });
+        const other = () => this.space ? "see from the body" : "see from space";
+        button(other(), b => { this.space = !this.space; b.textContent = other(); this.draw(); });
         this.slider = document.createElement("input");
         Object.assign(this.slider, { type: "range", min: 0, max: roll.time_s.length - 1, value: 0 });
         this.slider.setAttribute("aria-label", "time");
@@ -131,24 +132,28 @@
         g.globalAlpha = alpha; g.lineWidth = width; g.setLineDash(dash); g.stroke();
         g.globalAlpha = 1; g.setLineDash([]);
       };
+      // The part of a line before or behind the centre; one point more so that nothing is torn.
+      const side = (points, front, centre = [0, 0, 0]) => {
+        const seen = p => p && (dot(add(p, centre, -1), towards) >= 0) === front;
+        return points.map((p, i) => seen(p) || seen(points[i - 1]) ? p : null);
+      };
       for (const { e, lines } of this.meshes) {
         g.strokeStyle = colour("c" + e.colour);
         const centre = body(e.centre);
         for (const raw of lines) {
           const points = raw.map(body);
           for (const front of [false, true]) {
-            const kept = points.map((p, i) => {
-              const seen = j => dot(add(points[j], centre, -1), towards) >= 0;
-              return seen(i) === front || (i > 0 && seen(i - 1) === front) ? p : null;
-            });
-            line(kept, (front ? 0.9 : 0.25) * (e.faint ? 0.5 : 1), 0.9, e.faint ? [2, 3] : []);
+            line(side(points, front, centre), (front ? 0.9 : 0.25) * (e.faint ? 0.5 : 1), 0.9, e.faint ? [2, 3] : []);
           }
         }
       }
       if (roll && roll.pole[k]) this.plane(roll, k, body, flat, line, colour);
       for (const curve of this.data.curves) {
         g.strokeStyle = colour("c" + curve.colour);
-        line(curve.points.map(p => p && body(p)), curve.faint ? 0.35 : 1, curve.faint ? 1 : 2, curve.dashed ? [5, 4] : []);
+        const points = curve.points.map(p => p && body(p)), dash = curve.dashed ? [5, 4] : [];
+        const alpha = curve.faint ? 0.35 : 1, width = curve.faint ? 1 : 2;
+        if (!roll) { line(points, alpha, width, dash); continue; }
+        for (const front of [false, true]) line(side(points, front), front ? alpha : 0.35 * alpha, width, dash);
       }
       for (const a of this.data.arrows) {
         g.strokeStyle = colour("c" + a.colour);
@@ -159,7 +164,7 @@
         const at = flat(body(s.at));
         g.fillStyle = colour("c" + s.colour);
         g.beginPath(); g.arc(...at, 4, 0, 7); g.fill();
-        this.word(s.label, at, colour("ink"));
+        this.word(s.label, [at[0], at[1] + 18], colour("ink"));
       }
       if (roll && roll.pole[k]) {
         g.fillStyle = colour("c1");

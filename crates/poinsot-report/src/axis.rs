@@ -14,12 +14,17 @@ pub(crate) fn ticks(from: f64, to: f64, wanted: usize) -> Vec<f64> {
         .collect()
 }
 
-/// 1, 2 or 5 times a power of ten, not below `raw`.
+/// 1, 2 or 5 times a power of ten, the nearest to `raw`.
 fn round_step(raw: f64) -> f64 {
     let power = 10.0_f64.powf(raw.log10().floor());
     let factor = raw / power;
-    let round = [1.0, 2.0, 5.0, 10.0].into_iter().find(|r| factor <= *r);
-    round.unwrap_or(10.0) * power
+    let round = match factor {
+        f if f < 1.5 => 1.0,
+        f if f < 3.5 => 2.0,
+        f if f < 7.5 => 5.0,
+        _ => 10.0,
+    };
+    round * power
 }
 
 /// Tick as text with the decimals that its step needs.
@@ -39,7 +44,7 @@ pub(crate) fn tick_text(tick: f64, all: &[f64]) -> String {
 
 /// Power of ten, a multiple of three, that brings numbers of this size near one.
 pub(crate) fn exponent(size: f64) -> i32 {
-    if !(size > 0.0 && size.is_finite()) || (0.1..1.0e4).contains(&size) {
+    if !(size > 0.0 && size.is_finite()) || (0.01..1.0e4).contains(&size) {
         return 0;
     }
     3 * (size.log10() / 3.0).floor() as i32

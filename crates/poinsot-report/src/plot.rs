@@ -286,7 +286,7 @@ impl Plot {
             );
         }
         out.push_str("</g><g class=\"ticks y\">");
-        let mut up = ticks(frame.y[0], frame.y[1], (h / 36.0).max(2.0) as usize);
+        let mut up = ticks(frame.y[0], frame.y[1], (h / 30.0).max(3.0) as usize);
         if self.log {
             up.retain(|t| t.fract().abs() < 1.0e-9);
         }

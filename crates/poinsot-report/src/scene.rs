@@ -84,8 +84,8 @@ pub struct Rolling {
     pub normal: Vec<Point>,
     /// What the plane is called.
     pub plane: String,
-    /// What the trace of the pole in space is called.
-    pub trace: String,
+    /// Shown first as seen from space, where the plane lies still.
+    pub from_space: bool,
 }
 
 /// A picture in space.
@@ -117,7 +117,10 @@ impl Scene {
         let data = island(self)?;
         let title = escape(&self.title);
         let mut out = format!("<figure class=\"scene\"><figcaption><b>{title}</b>");
-        let named = self.ellipsoids.iter().map(|e| (&e.name, e.colour, "line"));
+        let named = self
+            .ellipsoids
+            .iter()
+            .map(|e| (&e.name, e.colour, if e.faint { "dashed" } else { "line" }));
         let curves = self.curves.iter().map(|c| {
             let kind = if c.dashed { "dashed" } else { "line" };
             (&c.name, c.colour, kind)
@@ -178,12 +181,20 @@ impl Scene {
         for c in &self.curves {
             let dashed = if c.dashed { " dashed" } else { "" };
             let faint = if c.faint { " faint" } else { "" };
-            let d = view.path(&c.points);
-            let _ = write!(
-                out,
-                "<path class=\"curve{dashed}{faint} c{}\" d=\"{d}\"/>",
-                c.colour
-            );
+            let colour = c.colour;
+            let mut draw = |d: &str, back: &str| {
+                let _ = write!(
+                    out,
+                    "<path class=\"curve{dashed}{faint}{back} c{colour}\" d=\"{d}\"/>"
+                );
+            };
+            if self.rolling.is_some() {
+                let (front, back) = view.split(&c.points, &[0.0; 3]);
+                draw(&back, " back");
+                draw(&front, "");
+            } else {
+                draw(&view.path(&c.points), "");
+            }
         }
         for a in &self.arrows {
             let (from, to) = (view.text(&a.from), view.text(&a.to));
@@ -205,7 +216,7 @@ impl Scene {
         for s in &self.spots {
             let [x, y] = view.place(&s.at);
             let word = escape(&s.label);
-            let (c, right, low) = (s.colour, x + 7.0, y + 4.0);
+            let (c, right, low) = (s.colour, x + 7.0, y + 14.0);
             let _ = write!(
                 out,
                 "<circle class=\"spot c{c}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/><text x=\"{right:.1}\" y=\"{low:.1}\">{word}</text>"
@@ -309,7 +320,7 @@ impl View {
         } else {
             2.0
         };
-        view.scale = 0.82 * HEIGHT / round;
+        view.scale = 1.15 * HEIGHT / round;
         if scene.rolling.is_some() {
             view.scale = 0.36 * HEIGHT / scene.extent();
         }
@@ -345,16 +356,19 @@ impl View {
     }
 
     /// The parts before and behind the centre.
-    fn split(&self, line: &[Point], centre: &Point) -> (String, String) {
+    fn split(&self, line: &[Option<Point>], centre: &Point) -> (String, String) {
         let (mut front, mut back) = (String::new(), String::new());
         for pair in line.windows(2) {
-            let middle = [0, 1, 2].map(|k| (pair[0][k] + pair[1][k]) / 2.0 - centre[k]);
+            let [Some(from), Some(to)] = pair else {
+                continue;
+            };
+            let middle = [0, 1, 2].map(|k| (from[k] + to[k]) / 2.0 - centre[k]);
             let side = if dot(&middle, &self.towards) >= 0.0 {
                 &mut front
             } else {
                 &mut back
             };
-            let (a, b) = (self.text(&pair[0]), self.text(&pair[1]));
+            let (a, b) = (self.text(from), self.text(to));
             if side.ends_with(&a) {
                 let _ = write!(side, "L{b}");
             } else {
@@ -366,10 +380,10 @@ impl View {
 }
 
 /// Meridians and parallels.
-fn mesh(e: &Ellipsoid) -> Vec<Vec<Point>> {
+fn mesh(e: &Ellipsoid) -> Vec<Vec<Option<Point>>> {
     let at = |lat: f64, lon: f64| {
         let s = [lat.cos() * lon.cos(), lat.cos() * lon.sin(), lat.sin()];
-        [0, 1, 2].map(|k| e.centre[k] + (0..3).map(|a| s[a] * e.axes[a][k]).sum::<f64>())
+        Some([0, 1, 2].map(|k| e.centre[k] + (0..3).map(|a| s[a] * e.axes[a][k]).sum::<f64>()))
     };
     let turn = |i: usize, n: usize| TAU * i as f64 / n as f64;
     let meridians = (0..6).map(|m| (0..=48).map(|i| at(turn(i, 48), turn(m, 12))).collect());

@@ -82,7 +82,7 @@ fn figures(segment_at: usize, segment: &Segment) -> Html {
         all.push(plot.html());
         let mut plot = residuals(m, &group);
         plot.title = "angular momentum, measured less predicted".to_owned();
-        plot.y.label = "h, difference".to_owned();
+        plot.y.label = "difference".to_owned();
         all.push(plot.html());
     }
     Html::join(&all)
@@ -91,9 +91,9 @@ fn figures(segment_at: usize, segment: &Segment) -> Html {
 fn thinned(c: &Channel) -> String {
     let step = c.samples.div_ceil(c.time_s.len().max(1));
     if step > 1 {
-        format!("One of every {step} samples is drawn; statistics use all.")
+        format!("Points measured (one of every {step} drawn; statistics use all), lines predicted.")
     } else {
-        String::new()
+        "Points measured, lines predicted.".to_owned()
     }
 }
 
@@ -121,13 +121,12 @@ fn curves(c: &Channel, group: &str) -> Plot {
     let mut series = Vec::new();
     for (k, name) in c.components.iter().enumerate() {
         if let (Some(m), Some(p)) = (c.measured.get(k), c.predicted.get(k)) {
-            let measured = format!("{name} measured");
-            series.push(Series::new(&measured, Mark::Dots, k, &c.time_s, m));
-            series.push(Series::new("predicted", Mark::Line, k, &c.time_s, p));
+            series.push(Series::new("", Mark::Dots, k, &c.time_s, m));
+            series.push(Series::new(name, Mark::Line, k, &c.time_s, p));
         }
     }
     Plot {
-        title: format!("{}: {}", c.name, quantity(&c.name)),
+        title: quantity(&c.name).to_owned(),
         x: Axis::new("time", "s"),
         y: Axis::new(symbol(&c.name), &c.unit),
         series,

@@ -92,7 +92,7 @@ fn spectrum(answer: &Answer) -> Plot {
     Plot {
         title: "spectrum: one sigma of each independent direction".to_owned(),
         x: Axis::new("direction, best first", ""),
-        y: Axis::new("one sigma relative to the natural scale (m, m L, m L²)", ""),
+        y: Axis::new("one sigma / natural scale", ""),
         log: true,
         series,
         levels,
@@ -100,7 +100,7 @@ fn spectrum(answer: &Answer) -> Plot {
         note: if unbounded > 0 {
             format!("{unbounded} more directions have no bound at all and are not drawn.")
         } else {
-            String::new()
+            "Natural scale: m, m L and m L² of each body, L its radius of gyration.".to_owned()
         },
         ..Plot::default()
     }

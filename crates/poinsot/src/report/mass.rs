@@ -41,9 +41,14 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .iter()
         .enumerate()
         .map(|(k, m)| {
-            let mut rows = axes(&m.linear_N_s, "P", "N s");
+            let unseen = (0..3).all(|k| m.linear_N_s.number(k).source.is_none());
+            let mut rows = if unseen {
+                Vec::new()
+            } else {
+                axes(&m.linear_N_s, "P", "N s")
+            };
             rows.extend(axes(&m.angular_N_m_s, "h", "N m s"));
-            context! { label => e.fit.get(k).map(|f| f.segment.clone()).unwrap_or_default(), rows }
+            context! { label => e.fit.get(k).map(|f| f.segment.clone()).unwrap_or_default(), rows, unseen }
         })
         .collect();
     let body = render(

@@ -26,7 +26,7 @@ pub(super) fn minus(text: &str) -> String {
 /// Value with the decimals its sigma deserves.
 pub(super) fn value(value: Option<f64>, sigma: Option<f64>) -> String {
     match value {
-        Some(_) => minus(&number_with_sigma(value, sigma).0),
+        Some(_) => unsigned_zero(minus(&number_with_sigma(value, sigma).0)),
         None => "not identifiable".to_owned(),
     }
 }
@@ -83,7 +83,28 @@ pub(super) fn percent(difference: f64, reference: f64) -> String {
     }
 }
 
-/// A number as given.
+/// A number as given, without the zeros that say nothing.
 pub(super) fn plain(x: f64) -> String {
-    minus(&significant(x, 7))
+    trimmed(significant(x, 9))
+}
+
+/// A number to five figures.
+pub(super) fn short(x: f64) -> String {
+    trimmed(significant(x, 5))
+}
+
+fn trimmed(text: String) -> String {
+    let short = match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => text.as_str(),
+    };
+    minus(short)
+}
+
+/// A rounded number that shows only zeros has no sign.
+fn unsigned_zero(text: String) -> String {
+    if text.chars().any(|c| c.is_ascii_digit() && c != '0') {
+        return text;
+    }
+    text.replace('\u{2212}', "")
 }

@@ -27,7 +27,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let whole = e.system.first().filter(|_| bodies.len() > 1);
     let chosen = match whole {
         Some(body) => Some((
-            "whole vehicle, joints as at the first sample",
+            "the whole vehicle, joints as at the first sample",
             body,
             answer.truth.system(),
         )),
@@ -181,7 +181,7 @@ fn scene(
     }
     for (k, label) in ["x", "y", "z"].into_iter().enumerate() {
         let mut to = [0.0; 3];
-        to[k] = 1.35;
+        to[k] = 1.5;
         scene.arrows.push(Arrow {
             from: [0.0; 3],
             to,
@@ -212,7 +212,13 @@ fn band(
         return String::new();
     }
     let wider = if widest < 0.03 {
-        10.0_f64.powf((0.08 / widest).log10().floor())
+        let wanted = 0.08 / widest;
+        let power = 10.0_f64.powf(wanted.log10().floor());
+        [5.0, 2.0, 1.0]
+            .into_iter()
+            .map(|f| f * power)
+            .find(|w| *w <= wanted)
+            .unwrap_or(power)
     } else {
         1.0
     };
@@ -371,11 +377,11 @@ impl Poles {
                 "tangent plane, normal I ω"
             }
             .to_owned(),
-            trace: "herpolhode".to_owned(),
+            from_space: free,
         });
         if free {
             "The body moves freely: its inertia ellipsoid rolls without slip on the invariable plane, and the polhode is \
-             where it meets the momentum ellipsoid."
+             where it meets the momentum ellipsoid; seen from space the pole draws the herpolhode on the plane."
                 .to_owned()
         } else {
             "Wheels, joints or thrusters drive the body: the plane follows I ω and is not invariable; the pole wanders over \

@@ -2,7 +2,7 @@
 
 use super::Answer;
 use super::data::{Pointer, Row, Segment, Vehicle};
-use super::numbers::plain;
+use super::numbers::short;
 use super::tensor::equivalent_ellipsoid;
 use minijinja::{Value, context};
 use poinsot_report::{
@@ -23,9 +23,9 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             let i = b.inertia_kg_m2;
             context! {
                 name => b.name,
-                mass => plain(b.mass_kg),
-                com => b.com_m.map(plain).join(", "),
-                inertia => [i[0], i[2], i[5]].map(plain).join(", "),
+                mass => short(b.mass_kg),
+                com => b.com_m.map(short).join(", "),
+                inertia => [i[0], i[2], i[5]].map(short).join(", "),
                 role => if b.estimated { "estimated" } else { "known" },
             }
         })
@@ -214,7 +214,21 @@ fn scene(v: &Vehicle) -> Scene {
         if j.kind != "fixed" {
             let reach = place(&j.axis) * (0.15 * size);
             scene.arrows.push(arrow(&j.origin_m, &(-reach), "", 3));
-            scene.arrows.push(arrow(&j.origin_m, &reach, &j.name, 3));
+            // Joints in one place share a word.
+            let here = |o: &&super::data::DrawnJoint| o.origin_m == j.origin_m;
+            let first = v.joints.iter().find(here).is_some_and(|o| o.name == j.name);
+            let names: Vec<&str> = v
+                .joints
+                .iter()
+                .filter(here)
+                .map(|o| o.name.as_str())
+                .collect();
+            let label = if first {
+                names.join(", ")
+            } else {
+                String::new()
+            };
+            scene.arrows.push(arrow(&j.origin_m, &reach, &label, 3));
         }
     }
     let pointers = |list: &[Pointer], colour, reach: f64, scene: &mut Scene| {

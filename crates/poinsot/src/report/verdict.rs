@@ -1,7 +1,7 @@
 //! Section 1: the answer in one paragraph.
 
 use super::Answer;
-use super::numbers::NINETY_FIVE;
+use super::numbers::{NINETY_FIVE, plain};
 use minijinja::context;
 use poinsot_report::{PageError, Part, render, significant};
 
@@ -41,7 +41,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             combinations => format!("{} of {}", e.identifiability.rank, e.identifiability.parameters),
             samples,
             segments => e.fit.len(),
-            span => significant(span, 4),
+            span => plain((span * 10.0).round() / 10.0),
             chi2 => significant(chi2, 3),
             trustworthy => e.covariance_trustworthy,
             warnings => e.warnings.len(),
