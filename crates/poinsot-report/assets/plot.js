@@ -105,7 +105,7 @@
         make("path", { d: `M${x} ${top}v${h}` }, g);
         make("text", { x, y: top + h + 14 }, g).textContent = text;
       });
-      this.ticks("y", this.y, Math.max(3, h / 30), (s, text, g) => {
+      this.ticks("y", this.y, Math.max(3, h / 36), (s, text, g) => {
         const y = top + (1 - s) * h;
         make("path", { d: `M${left} ${y}h${w}` }, g);
         make("text", { x: left - 6, y: y + 3.5 }, g).textContent = text;
@@ -116,7 +116,7 @@
       g.replaceChildren();
       const log = this.log && name === "y";
       let step = roundStep((range[1] - range[0]) / wanted);
-      if (log) step = Math.max(1, Math.round(step));
+      if (log || (name === "x" && this.svg.dataset.whole === "1")) step = Math.max(1, Math.round(step));
       for (let k = Math.ceil(range[0] / step); k <= range[1] / step; k++)
         put((k * step - range[0]) / (range[1] - range[0]), log ? "10" + digits(k * step) : write(k * step, step), g);
     }

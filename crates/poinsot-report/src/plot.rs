@@ -58,6 +58,8 @@ pub struct Plot {
     pub y: Axis,
     /// Logarithmic vertical axis.
     pub log: bool,
+    /// Whether the horizontal axis counts things.
+    pub whole: bool,
     /// Whether zero belongs to the picture.
     pub from_zero: bool,
     /// Series.
@@ -225,10 +227,11 @@ impl Plot {
         let _ = write!(
             out,
             "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" tabindex=\"0\" aria-label=\"{}\" \
-             data-group=\"{}\" data-log=\"{}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" data-box=\"{LEFT} {TOP} {w} {h}\">",
+             data-group=\"{}\" data-log=\"{}\" data-whole=\"{}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" data-box=\"{LEFT} {TOP} {w} {h}\">",
             escape(&self.title),
             escape(&self.group),
             u8::from(self.log),
+            u8::from(self.whole),
             frame.x[0],
             frame.x[1],
             frame.y[0],
@@ -275,7 +278,10 @@ impl Plot {
 
     fn draw_ticks(&self, frame: &Frame, w: f64, h: f64, out: &mut String) {
         let floor = TOP + h + 14.0;
-        let along = ticks(frame.x[0], frame.x[1], if self.half { 5 } else { 9 });
+        let mut along = ticks(frame.x[0], frame.x[1], if self.half { 5 } else { 9 });
+        if self.whole {
+            along.retain(|t| t.fract() == 0.0);
+        }
         out.push_str("<g class=\"ticks x\">");
         for t in &along {
             let x = LEFT + w * frame.field_x(*t) / FIELD;
@@ -286,7 +292,7 @@ impl Plot {
             );
         }
         out.push_str("</g><g class=\"ticks y\">");
-        let mut up = ticks(frame.y[0], frame.y[1], (h / 30.0).max(3.0) as usize);
+        let mut up = ticks(frame.y[0], frame.y[1], (h / 36.0).max(3.0) as usize);
         if self.log {
             up.retain(|t| t.fract().abs() < 1.0e-9);
         }

@@ -14,7 +14,7 @@ const REACH: f64 = 4.0;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let rows: Vec<Value> = e.fit.iter().flat_map(|f| rows(f)).collect();
+    let rows: Vec<Value> = e.fit.iter().flat_map(rows).collect();
     let segments: Vec<Value> = answer
         .data
         .segments
@@ -44,6 +44,12 @@ fn rows(fit: &Fit) -> Vec<Value> {
         .enumerate()
         .map(|(k, (name, c))| {
             let white = c.whiteness_p;
+            let word = match (white, c.chi2_per_number) {
+                (_, Some(chi2)) if chi2 < 0.01 => ("far below the noise", ""),
+                (Some(p), _) if p < 0.001 => ("correlated in time", "fair"),
+                (Some(_), _) => ("white", "good"),
+                (None, _) => ("", ""),
+            };
             context! {
                 segment => if k == 0 { fit.segment.as_str() } else { "" },
                 samples => (k == 0).then_some(fit.samples),
@@ -52,8 +58,8 @@ fn rows(fit: &Fit) -> Vec<Value> {
                 rms => show(c.rms, 3),
                 per_number => show(c.chi2_per_number, 4),
                 white => white.map(|p| format!("{p:.2}")),
-                word => white.map(|p| if p < 0.001 { "correlated in time" } else { "white" }),
-                tone => white.map(|p| if p < 0.001 { "fair" } else { "good" }),
+                word => word.0,
+                tone => word.1,
             }
         })
         .collect()
@@ -216,6 +222,7 @@ fn correlation(c: &Channel) -> Plot {
     Plot {
         title: format!("{} residual, autocorrelation", c.name),
         x: Axis::new("lag", "samples"),
+        whole: true,
         y: Axis::new("correlation", ""),
         series,
         levels: vec![(edge, "95 % if white".to_owned()), (-edge, String::new())],

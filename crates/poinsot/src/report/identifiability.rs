@@ -15,7 +15,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .iter()
         .take(LISTED)
         .map(|c| {
-            context! { text => c.combination, value => value(c.value, c.sigma), half => plus_minus(c.sigma), unit => c.unit }
+            context! { text => c.combination, value => value(c.value, c.sigma), half => plus_minus(c.sigma), unit => c.unit.replace("m2", "m²") }
         })
         .collect();
     // One reason often holds for several directions: said once.
@@ -94,6 +94,7 @@ fn spectrum(answer: &Answer) -> Plot {
         x: Axis::new("direction, best first", ""),
         y: Axis::new("one sigma / natural scale", ""),
         log: true,
+        whole: true,
         series,
         levels,
         height: 260.0,

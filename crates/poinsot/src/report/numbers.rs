@@ -8,16 +8,11 @@ pub(super) const NINETY_FIVE: f64 = 1.959964;
 /// The minus sign of print.
 pub(super) fn minus(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    let mut before = 'e';
+    let mut before = ' ';
     for c in text.chars() {
-        // An exponent or a leading sign, not a dash inside a word.
-        out.push(
-            if c == '-' && !before.is_alphabetic() || c == '-' && out.is_empty() {
-                '\u{2212}'
-            } else {
-                c
-            },
-        );
+        // A sign, not the sign of an exponent.
+        let sign = c == '-' && (out.is_empty() || !before.is_alphabetic());
+        out.push(if sign { '\u{2212}' } else { c });
         before = c;
     }
     out

@@ -385,7 +385,7 @@ impl Poles {
                 .to_owned()
         } else {
             "Wheels, joints or thrusters drive the body: the plane follows I ω and is not invariable; the pole wanders over \
-             the ellipsoid. Directions that the pole never visits are those that the data see least. No pole is drawn where \
+             the ellipsoid. Directions that the pole never visits tend to be those that the data see least. No pole is drawn where \
              the body is nearly at rest."
                 .to_owned()
         }
