@@ -26,6 +26,8 @@ pub enum Verb {
     ///
     /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
     Predict(Predict),
+    /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
+    Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
     Inspect(Inspect),
     /// Check a model file and say what it describes.
@@ -59,6 +61,9 @@ pub struct Identify {
     /// Folder for estimate.json; made if it is not there.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Also write DIR/report.html, the answer as a page.
+    #[arg(long, requires = "out")]
+    pub report: bool,
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
@@ -100,6 +105,17 @@ pub struct Predict {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// Folder with estimate.json and report_data.json, as `identify --out` writes them.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `inspect`.

@@ -79,9 +79,9 @@ impl<'a> Experiment<'a> {
         }
     }
 
-    /// All segments at a point; `None` where the vehicle cannot move as predicted.
-    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
-        let setting = Setting {
+    /// What stays the same over all evaluations.
+    pub fn setting(&self) -> Setting<'_> {
+        Setting {
             tree: self.problem.tree,
             thrusters: &self.problem.model.thrusters,
             parameters: self.parameters,
@@ -89,7 +89,12 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
-        };
+        }
+    }
+
+    /// All segments at a point; `None` where the vehicle cannot move as predicted.
+    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        let setting = self.setting();
         self.problem
             .segments
             .par_iter()

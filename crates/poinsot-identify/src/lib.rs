@@ -26,6 +26,7 @@ mod maximum_likelihood;
 pub mod methods;
 mod motion;
 mod parameters;
+mod prediction;
 mod prior;
 mod problem;
 mod quantity;
@@ -51,6 +52,10 @@ pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
+};
+pub use prediction::{
+    HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
+    maximum_likelihood_predicted,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};

@@ -169,7 +169,7 @@ fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Optio
 }
 
 /// State at the first grid time and its change with every unknown.
-fn start(head: &Head, unknown: HeadColumns, unknowns: usize) -> (State, Vec<Column>) {
+pub(crate) fn start(head: &Head, unknown: HeadColumns, unknowns: usize) -> (State, Vec<Column>) {
     let state = State {
         R_NB: head.R_NB,
         p_NoBo_N: head.p_NoBo_N,
@@ -211,7 +211,7 @@ struct Compare<'a> {
 
 /// What may be wrong with the gyro: it reads `(1 + turn) w(t - lag) + bias`.
 #[derive(Default)]
-struct GyroErrors {
+pub(crate) struct GyroErrors {
     bias: Vector3,
     /// Scale errors on the diagonal, misalignment beside it.
     turn: Matrix3,
@@ -219,7 +219,31 @@ struct GyroErrors {
 }
 
 impl GyroErrors {
-    fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
+    /// The errors of the gyro, and how late the attitude reads.
+    pub fn of(parameters: &Parameters, x: &[f64]) -> (Self, f64) {
+        let mut gyro = Self::default();
+        let mut attitude_lag = 0.0;
+        for (u, value) in parameters.unknowns.iter().zip(x) {
+            match u.kind {
+                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
+                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
+                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
+                UnknownKind::GyroLag => gyro.lag = *value,
+                UnknownKind::AttitudeLag => attitude_lag = *value,
+                _ => {}
+            }
+        }
+        (gyro, attitude_lag)
+    }
+
+    /// The rate that a reading stands for, its lag left aside.
+    pub fn corrected(&self, reading: &Vector3) -> Vector3 {
+        let map = Matrix3::identity() + self.turn;
+        let clear = reading - self.bias;
+        map.lu().solve(&clear).unwrap_or(clear)
+    }
+
+    pub fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
         let then = w - acceleration * self.lag;
         then + self.turn * then + self.bias
     }
@@ -263,18 +287,7 @@ impl<'a> Compare<'a> {
         unknown: HeadColumns,
         with_sensitivities: bool,
     ) -> Self {
-        let mut gyro = GyroErrors::default();
-        let mut attitude_lag = 0.0;
-        for (u, value) in setting.parameters.unknowns.iter().zip(x) {
-            match u.kind {
-                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
-                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
-                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
-                UnknownKind::GyroLag => gyro.lag = *value,
-                UnknownKind::AttitudeLag => attitude_lag = *value,
-                _ => {}
-            }
-        }
+        let (gyro, attitude_lag) = GyroErrors::of(setting.parameters, x);
         let channel = |name, unit| ChannelResidual {
             name,
             unit,

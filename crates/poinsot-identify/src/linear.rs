@@ -253,6 +253,7 @@ fn conclude(
         warnings: Vec::new(),
         not_rigid: false,
         assumptions: Vec::new(),
+        wheels_smooth: false,
         regressor_noise: block_noise,
     };
     solved.settle();

@@ -9,7 +9,7 @@ use crate::answer;
 use crate::diagnosis::{Diagnosis, diagnose};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
-use crate::information::Experiment;
+use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -36,11 +36,12 @@ pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
 /// # Errors
 /// As [`maximum_likelihood`].
 pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate, ProblemError> {
-    let solved = solve(problem, loss)?;
+    let (solved, _) = solve(problem, loss)?;
     Ok(answer::write(problem, &solved))
 }
 
-fn solve(problem: &Problem, loss: Loss) -> Result<Solved, ProblemError> {
+/// The solved problem, and the value of all unknowns where the fit ended.
+pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solved) => (solved.parameters.clone(), Some(solved)),
@@ -81,9 +82,11 @@ fn solve(problem: &Problem, loss: Loss) -> Result<Solved, ProblemError> {
         None => (!proportional(problem)).then_some(1.0),
     };
     let found = diagnose(&experiment, &fitted);
+    let at = fitted.at.clone();
     let mut solved = conclude(&experiment, fitted, explained, found);
     solved.assumptions = assumptions;
-    Ok(solved)
+    solved.wheels_smooth = experiment.wheels_smooth;
+    Ok((solved, at))
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
@@ -177,6 +180,7 @@ pub(crate) fn conclude(
         warnings: found.findings,
         not_rigid: found.not_rigid,
         assumptions: Vec::new(),
+        wheels_smooth: false,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

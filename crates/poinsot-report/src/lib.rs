@@ -1,8 +1,19 @@
-//! Document, section, table: numbers laid out for a reader. Knows numbers, not spacecraft.
+//! Document, section, table, plot, page: numbers laid out for a reader. Knows numbers, not spacecraft.
 
+mod axis;
 mod document;
+mod error;
 mod figures;
+mod markup;
+mod page;
+mod plot;
+mod scene;
 mod text;
 
 pub use document::{Content, Document, Section, Table};
+pub use error::PageError;
 pub use figures::{number_with_sigma, significant};
+pub use markup::{Html, escape, island, render};
+pub use page::{Page, Part};
+pub use plot::{Axis, Mark, Plot, Series};
+pub use scene::{Arrow, Curve, Ellipsoid, Point, Rolling, Scene, Spot};

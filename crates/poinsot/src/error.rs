@@ -42,6 +42,14 @@ pub enum Error {
         /// What is wrong and what to do.
         why: String,
     },
+    /// The files of a report.
+    #[error("E0601 {}: no report can be made of this: {why}", path.display())]
+    Report {
+        /// File or folder.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        why: String,
+    },
     /// The operating system.
     #[error("E0002 {}: {what}: {source}", path.display())]
     Io {

@@ -4,7 +4,9 @@ use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010, ma2008};
-use poinsot_identify::{Estimate, Loss, Problem, Status, linear, maximum_likelihood_with};
+use poinsot_identify::{
+    Estimate, Loss, Prediction, Problem, Status, linear_predicted, maximum_likelihood_predicted,
+};
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
@@ -17,6 +19,9 @@ pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
+
+/// Most points of a curve kept for the report, and of the curves of all segments together.
+const CURVE_POINTS: (usize, usize) = (1500, 3000);
 
 /// The question.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +50,9 @@ pub struct Identified {
     pub model: Model,
     /// The estimate.
     pub estimate: Estimate,
+    /// What the estimate predicts beside what was measured, one per segment; empty where the vehicle
+    /// cannot move as estimated.
+    pub predictions: Vec<Prediction>,
     /// Files of each segment.
     pub inputs: Vec<Vec<Source>>,
     /// Assumptions and repairs.
@@ -97,15 +105,24 @@ pub fn identify_tables(
         noise: &bound.noise,
         relative_accuracy: request.relative_accuracy,
     };
-    let mut estimate = match request.method.as_str() {
-        "linear" => linear(&problem)?,
-        "kim2010" => kim2010::identify(&problem, kim2010_variant(request)?)?,
-        "ma2008" => ma2008::identify(&problem, ma2008_variant(request))?,
+    let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
+    let (mut estimate, predictions) = match request.method.as_str() {
+        "linear" => linear_predicted(&problem, points)?,
+        "kim2010" => (
+            kim2010::identify(&problem, kim2010_variant(request)?)?,
+            Vec::new(),
+        ),
+        "ma2008" => (
+            ma2008::identify(&problem, ma2008_variant(request))?,
+            Vec::new(),
+        ),
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
-            let mut estimate = maximum_likelihood_with(&problem, loss.unwrap_or_default())?;
+            let loss = loss.unwrap_or_default();
+            let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
+            let (mut estimate, predictions) = maximum_likelihood_predicted(&problem, loss, points)?;
             estimate.variant.clone_from(&request.variant);
-            estimate
+            (estimate, predictions)
         }
     };
     if bound.dropped > ALLOWED_LOSS {
@@ -126,6 +143,7 @@ pub fn identify_tables(
     Ok(Identified {
         model,
         estimate,
+        predictions,
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,

@@ -9,6 +9,7 @@ mod estimate_text;
 pub mod identify;
 mod output;
 pub mod predict;
+pub mod report;
 pub mod simulate;
 pub mod trials;
 
@@ -17,3 +18,4 @@ pub use estimate_file::estimate_json;
 pub use estimate_text::estimate_document;
 pub use identify::{Identified, IdentifyRequest, identify, identify_tables, segment_files};
 pub use output::{write_estimate, write_file};
+pub use report::{write_report, write_report_data};

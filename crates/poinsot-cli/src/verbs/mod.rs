@@ -4,6 +4,7 @@ pub mod check;
 pub mod identify;
 pub mod inspect;
 pub mod predict;
+pub mod report;
 pub mod schema;
 pub mod simulate;
 

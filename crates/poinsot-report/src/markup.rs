@@ -1,0 +1,112 @@
+//! Text from files into HTML: everything is escaped unless this program made it.
+
+use crate::error::PageError;
+use minijinja::{AutoEscape, Environment, Value};
+use serde::Serialize;
+
+/// HTML that this program made, safe to place in a page.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Html(pub(crate) String);
+
+impl Html {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// For a template: placed as it is.
+    pub fn value(&self) -> Value {
+        Value::from_safe_string(self.0.clone())
+    }
+
+    /// Side by side.
+    pub fn pair(parts: &[Self]) -> Self {
+        Self(format!("<div class=\"pair\">{}</div>", Self::join(parts).0))
+    }
+
+    /// One after the other.
+    pub fn join(parts: &[Self]) -> Self {
+        Self(parts.iter().map(Self::as_str).collect())
+    }
+}
+
+/// Renders a template; every value but [`Html`] is escaped.
+///
+/// # Errors
+/// The template or its context is faulty.
+pub fn render(name: &str, template: &str, context: impl Serialize) -> Result<Html, PageError> {
+    let fault = |source| PageError::Template {
+        name: name.to_owned(),
+        source,
+    };
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.set_trim_blocks(true);
+    environment.set_lstrip_blocks(true);
+    environment
+        .render_named_str(name, template, context)
+        .map(Html)
+        .map_err(fault)
+}
+
+/// Text for element content and quoted attributes. Control characters, which could turn the reading
+/// direction or break the page, become a visible mark.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c if c.is_control() => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// JSON for a `<script type="application/json">`: nothing in it can end the element.
+///
+/// # Errors
+/// The value has no JSON form.
+pub fn island(value: &impl Serialize) -> Result<String, PageError> {
+    let text = serde_json::to_string(value)?;
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+                out.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
+            c => out.push(c),
+        }
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_island_cannot_be_left() {
+        let text = island(&"</script><!--\u{2028}&").unwrap();
+        assert_eq!(text, r#""\u003c/script\u003e\u003c!--\u2028\u0026""#);
+        let back: String = serde_json::from_str(&text).unwrap();
+        assert_eq!(back, "</script><!--\u{2028}&");
+    }
+
+    #[test]
+    fn unit_templates_escape_all_but_own_markup() {
+        let own = render(
+            "own",
+            "<b>{{ x }}</b>",
+            minijinja::context! { x => "<i>'\"" },
+        )
+        .unwrap();
+        assert_eq!(own.as_str(), "<b>&lt;i&gt;&#x27;&quot;</b>");
+        let page = render("page", "{{ a }}", minijinja::context! { a => own.value() }).unwrap();
+        assert_eq!(page, own);
+    }
+}

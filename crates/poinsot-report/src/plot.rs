@@ -1,0 +1,379 @@
+//! A plot as inline SVG: complete on paper; `plot.js` adds zoom and read-out on screen.
+
+use crate::axis::{exponent, superscript, tick_text, ticks, unit_text};
+use crate::markup::{Html, escape};
+use std::fmt::Write;
+
+const WIDTH: f64 = 860.0;
+const LEFT: f64 = 76.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 8.0;
+const BOTTOM: f64 = 40.0;
+/// Side of the square onto which data are mapped; zooming moves a window over it.
+const FIELD: f64 = 1000.0;
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// Points joined.
+    Line,
+    /// Points joined, dashed.
+    Dashed,
+    /// Points alone.
+    Dots,
+    /// Bars from the floor of the plot, one unit wide times the spacing.
+    Bars,
+}
+
+/// One series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name in the legend; empty for none.
+    pub name: String,
+    /// Mark.
+    pub mark: Mark,
+    /// Colour, 0 to 7.
+    pub colour: usize,
+    /// Points; one that is not finite breaks the line.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// What an axis shows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Axis {
+    /// Quantity.
+    pub label: String,
+    /// Unit; `1` or empty for none.
+    pub unit: String,
+}
+
+/// A plot.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Plot {
+    /// Title.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Logarithmic vertical axis.
+    pub log: bool,
+    /// Whether the horizontal axis counts things.
+    pub whole: bool,
+    /// Whether zero belongs to the picture.
+    pub from_zero: bool,
+    /// Series.
+    pub series: Vec<Series>,
+    /// Horizontal lines across, with a word each.
+    pub levels: Vec<(f64, String)>,
+    /// Plots of one group share their horizontal zoom; empty for none.
+    pub group: String,
+    /// Height, px.
+    pub height: f64,
+    /// Half as wide as others.
+    pub half: bool,
+    /// A remark under the plot.
+    pub note: String,
+}
+
+impl Axis {
+    /// Quantity and unit.
+    pub fn new(label: &str, unit: &str) -> Self {
+        Self {
+            label: label.to_owned(),
+            unit: unit.to_owned(),
+        }
+    }
+}
+
+impl Series {
+    /// A series from columns.
+    pub fn new(name: &str, mark: Mark, colour: usize, x: &[f64], y: &[f64]) -> Self {
+        Self {
+            name: name.to_owned(),
+            mark,
+            colour: colour % 8,
+            points: x.iter().copied().zip(y.iter().copied()).collect(),
+        }
+    }
+}
+
+/// The data range and how it maps onto the field.
+struct Frame {
+    x: [f64; 2],
+    y: [f64; 2],
+    scale: f64,
+    log: bool,
+    exponent: i32,
+}
+
+impl Frame {
+    fn new(plot: &Plot) -> Option<Self> {
+        let all = plot.series.iter().flat_map(|s| &s.points);
+        let finite = all.filter(|p| p.0.is_finite() && p.1.is_finite());
+        let raised = |y: f64| if plot.log { y.log10() } else { y };
+        let mut x = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut y = x;
+        for p in finite.filter(|p| !plot.log || p.1 > 0.0) {
+            x = [x[0].min(p.0), x[1].max(p.0)];
+            y = [y[0].min(raised(p.1)), y[1].max(raised(p.1))];
+        }
+        for level in plot
+            .levels
+            .iter()
+            .map(|l| raised(l.0))
+            .filter(|l| l.is_finite())
+        {
+            y = [y[0].min(level), y[1].max(level)];
+        }
+        if plot.from_zero {
+            y = [y[0].min(0.0), y[1].max(0.0)];
+        }
+        if !(x[0] <= x[1] && y[0] <= y[1]) {
+            return None;
+        }
+        let exponent = if plot.log {
+            0
+        } else {
+            exponent(y[0].abs().max(y[1].abs()))
+        };
+        let scale = 10.0_f64.powi(-exponent);
+        let bars = plot.series.iter().any(|s| s.mark == Mark::Bars);
+        let margin = if plot.log { 0.08 } else { 0.05 };
+        let pad = |r: [f64; 2], share: f64| {
+            let span = (r[1] - r[0])
+                .max(1.0e-9 * r[0].abs().max(r[1].abs()))
+                .max(1.0e-300);
+            [r[0] - share * span, r[1] + share * span]
+        };
+        let mut padded = pad([y[0] * scale, y[1] * scale], margin);
+        if plot.from_zero && y[0] == 0.0 {
+            padded[0] = 0.0;
+        }
+        let count = plot
+            .series
+            .iter()
+            .map(|s| s.points.len())
+            .max()
+            .unwrap_or(1);
+        let side = if bars {
+            0.5 / (count.max(2) - 1) as f64
+        } else {
+            0.0
+        };
+        Some(Self {
+            x: if x[0] < x[1] {
+                pad(x, side)
+            } else {
+                [x[0] - 0.5, x[1] + 0.5]
+            },
+            y: padded,
+            scale,
+            log: plot.log,
+            exponent,
+        })
+    }
+
+    fn field_x(&self, x: f64) -> f64 {
+        FIELD * (x - self.x[0]) / (self.x[1] - self.x[0])
+    }
+
+    fn field_y(&self, y: f64) -> f64 {
+        let y = if self.log { y.log10() } else { y * self.scale };
+        FIELD * (self.y[1] - y) / (self.y[1] - self.y[0])
+    }
+}
+
+impl Plot {
+    /// The plot as a figure; a word instead where there is nothing to draw.
+    pub fn html(&self) -> Html {
+        let width = if self.half { WIDTH / 2.0 } else { WIDTH };
+        let height = if self.height > 0.0 {
+            self.height
+        } else {
+            220.0
+        };
+        let mut out = String::new();
+        let class = if self.half { "plot half" } else { "plot" };
+        let _ = write!(
+            out,
+            "<figure class=\"{class}\"><figcaption><b>{}</b>",
+            escape(&self.title)
+        );
+        for s in self.series.iter().filter(|s| !s.name.is_empty()) {
+            let key = match s.mark {
+                Mark::Line => "line",
+                Mark::Dashed => "dashed",
+                Mark::Dots => "dots",
+                Mark::Bars => "bars",
+            };
+            let name = escape(&s.name);
+            let _ = write!(out, "<span class=\"key {key} c{}\">{name}</span>", s.colour);
+        }
+        out.push_str("</figcaption>");
+        match Frame::new(self) {
+            Some(frame) => self.draw(&frame, width, height, &mut out),
+            None => out.push_str("<p class=\"empty\">nothing to draw</p>"),
+        }
+        if !self.note.is_empty() {
+            let _ = write!(out, "<p class=\"note\">{}</p>", escape(&self.note));
+        }
+        out.push_str("</figure>");
+        Html(out)
+    }
+
+    fn draw(&self, frame: &Frame, width: f64, height: f64, out: &mut String) {
+        let (w, h) = (width - LEFT - RIGHT, height - TOP - BOTTOM);
+        let _ = write!(
+            out,
+            "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" tabindex=\"0\" aria-label=\"{}\" \
+             data-group=\"{}\" data-log=\"{}\" data-whole=\"{}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" data-box=\"{LEFT} {TOP} {w} {h}\">",
+            escape(&self.title),
+            escape(&self.group),
+            u8::from(self.log),
+            u8::from(self.whole),
+            frame.x[0],
+            frame.x[1],
+            frame.y[0],
+            frame.y[1],
+        );
+        self.draw_ticks(frame, w, h, out);
+        let _ = write!(
+            out,
+            "<svg class=\"field\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {FIELD} {FIELD}\" preserveAspectRatio=\"none\">"
+        );
+        for (level, _) in &self.levels {
+            let y = frame.field_y(*level);
+            let _ = write!(out, "<path class=\"level\" d=\"M0 {y:.2}H{FIELD}\"/>");
+        }
+        for s in &self.series {
+            draw_series(frame, s, out);
+        }
+        out.push_str("</svg>");
+        for (level, word) in self.levels.iter().filter(|l| !l.1.is_empty()) {
+            let y = TOP + h * frame.field_y(*level) / FIELD - 3.0;
+            let x = width - RIGHT - 4.0;
+            let word = escape(word);
+            let _ = write!(
+                out,
+                "<text class=\"level-word\" x=\"{x}\" y=\"{y:.1}\">{word}</text>"
+            );
+        }
+        let _ = write!(
+            out,
+            "<rect class=\"frame\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\"/>"
+        );
+        let label = |axis: &Axis, exponent| match unit_text(&axis.unit, exponent) {
+            unit if unit.is_empty() => escape(&axis.label),
+            unit => format!("{} [{}]", escape(&axis.label), escape(&unit)),
+        };
+        let (x, y) = (label(&self.x, 0), label(&self.y, frame.exponent));
+        let (middle, floor, half) = (LEFT + w / 2.0, height - 6.0, TOP + h / 2.0);
+        let _ = write!(
+            out,
+            "<text class=\"axis\" x=\"{middle}\" y=\"{floor}\">{x}</text>\
+             <text class=\"axis\" transform=\"translate(13 {half}) rotate(-90)\">{y}</text></svg>"
+        );
+    }
+
+    fn draw_ticks(&self, frame: &Frame, w: f64, h: f64, out: &mut String) {
+        let floor = TOP + h + 14.0;
+        let mut along = ticks(frame.x[0], frame.x[1], if self.half { 5 } else { 9 });
+        if self.whole {
+            along.retain(|t| t.fract() == 0.0);
+        }
+        out.push_str("<g class=\"ticks x\">");
+        for t in &along {
+            let x = LEFT + w * frame.field_x(*t) / FIELD;
+            let text = tick_text(*t, &along);
+            let _ = write!(
+                out,
+                "<path d=\"M{x:.1} {TOP}v{h}\"/><text x=\"{x:.1}\" y=\"{floor}\">{text}</text>"
+            );
+        }
+        out.push_str("</g><g class=\"ticks y\">");
+        let mut up = ticks(frame.y[0], frame.y[1], (h / 36.0).max(3.0) as usize);
+        if self.log {
+            up.retain(|t| t.fract().abs() < 1.0e-9);
+        }
+        for t in &up {
+            let y = TOP + h * (frame.y[1] - t) / (frame.y[1] - frame.y[0]);
+            let text = if self.log {
+                format!("10{}", superscript(t.round() as i32))
+            } else {
+                tick_text(*t, &up)
+            };
+            let (edge, low) = (LEFT - 6.0, y + 3.5);
+            let _ = write!(
+                out,
+                "<path d=\"M{LEFT} {y:.1}h{w}\"/><text x=\"{edge}\" y=\"{low:.1}\">{text}</text>"
+            );
+        }
+        out.push_str("</g>");
+    }
+}
+
+fn draw_series(frame: &Frame, series: &Series, out: &mut String) {
+    let class = match series.mark {
+        Mark::Line => "line",
+        Mark::Dashed => "line dashed",
+        Mark::Dots => "dots",
+        Mark::Bars => "bars",
+    };
+    let _ = write!(out, "<path class=\"{class} c{}\" d=\"", series.colour);
+    let mut broken = true;
+    let half = 0.42 * FIELD / series.points.len().max(1) as f64;
+    for (x, y) in &series.points {
+        let (px, py) = (frame.field_x(*x), frame.field_y(*y));
+        if !(px.is_finite() && py.is_finite()) {
+            broken = true;
+            continue;
+        }
+        let _ = match series.mark {
+            Mark::Dots => write!(out, "M{px:.2} {py:.2}h0"),
+            Mark::Bars => {
+                let (left, wide) = (px - half, 2.0 * half);
+                write!(out, "M{left:.2} {FIELD}V{py:.2}h{wide:.2}V{FIELD}z")
+            }
+            _ if broken => write!(out, "M{px:.2} {py:.2}"),
+            _ => write!(out, "L{px:.2} {py:.2}"),
+        };
+        broken = false;
+    }
+    out.push_str("\"/>");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_axes_carry_units_and_powers() {
+        let plot = Plot {
+            title: "rate".to_owned(),
+            x: Axis::new("time", "s"),
+            y: Axis::new("omega", "rad/s"),
+            series: vec![Series::new(
+                "a<b",
+                Mark::Line,
+                0,
+                &[0.0, 1.0],
+                &[0.0, 2.0e-5],
+            )],
+            ..Plot::default()
+        };
+        let html = plot.html();
+        assert!(html.as_str().contains("omega [10⁻⁶ rad/s]"));
+        assert!(html.as_str().contains("time [s]"));
+        assert!(html.as_str().contains("a&lt;b"));
+    }
+
+    #[test]
+    fn unit_nothing_finite_is_said() {
+        let plot = Plot {
+            series: vec![Series::new("", Mark::Line, 0, &[f64::NAN], &[1.0])],
+            ..Plot::default()
+        };
+        assert!(plot.html().as_str().contains("nothing to draw"));
+    }
+}

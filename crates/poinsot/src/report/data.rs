@@ -1,0 +1,374 @@
+//! What a report needs beside `estimate.json`: curves, the vehicle as drawn, truth, the command line.
+
+use crate::identify::Identified;
+use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_identify::{BodyEstimate, Number, PredictedChannel, Prediction};
+use poinsot_model::JointKind;
+use poinsot_spatial::Matrix3;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+/// The name of the format.
+pub const REPORT_SCHEMA: &str = "poinsot.report_data/1";
+
+/// The file `report_data.json`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ReportData {
+    /// Format.
+    pub schema: String,
+    /// Version of the program that wrote it.
+    pub poinsot: String,
+    /// The command line.
+    pub command: Vec<String>,
+    /// SHA-256 of the input files, as in `estimate.json`: the two files belong together.
+    pub inputs: Vec<String>,
+    /// The vehicle at the first sample.
+    pub vehicle: Vehicle,
+    /// Curves, one per segment.
+    pub segments: Vec<Segment>,
+    /// Content of a `truth.json` beside the telemetry.
+    pub truth: Option<Value>,
+}
+
+/// The vehicle as drawn, all in base axes from the base origin, m.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Vehicle {
+    /// Bodies.
+    pub bodies: Vec<DrawnBody>,
+    /// Joints.
+    pub joints: Vec<DrawnJoint>,
+    /// Wheels: name, place, unit axis.
+    pub wheels: Vec<Pointer>,
+    /// Thrusters: name, place, unit direction of the force.
+    pub thrusters: Vec<Pointer>,
+    /// Sensors in words.
+    pub sensors: Vec<DrawnSensor>,
+}
+
+/// A body with the best numbers known of it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct DrawnBody {
+    /// Name.
+    pub name: String,
+    /// Origin.
+    pub origin_m: [f64; 3],
+    /// Rows of the rotation from body to base axes.
+    pub rotation: [[f64; 3]; 3],
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Mass centre from the body's origin in body axes, m.
+    pub com_m: [f64; 3],
+    /// Central inertia in body axes: xx, xy, yy, xz, yz, zz, kg m2.
+    pub inertia_kg_m2: [f64; 6],
+    /// Whether it was estimated.
+    pub estimated: bool,
+}
+
+/// A joint.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct DrawnJoint {
+    /// Name.
+    pub name: String,
+    /// Kind.
+    pub kind: String,
+    /// Parent body.
+    pub parent: String,
+    /// Child body.
+    pub child: String,
+    /// Place.
+    pub origin_m: [f64; 3],
+    /// Unit axis.
+    pub axis: [f64; 3],
+}
+
+/// A named place with a direction.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Pointer {
+    /// Name.
+    pub name: String,
+    /// Body.
+    pub body: String,
+    /// Place.
+    pub at_m: [f64; 3],
+    /// Unit vector.
+    pub direction: [f64; 3],
+}
+
+/// A sensor with its declared noise.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct DrawnSensor {
+    /// Name.
+    pub name: String,
+    /// Kind.
+    pub kind: String,
+    /// Body.
+    pub body: String,
+    /// One sigma of the first axis, SI.
+    pub sigma: Option<f64>,
+    /// Least significant bit, SI; zero where not quantised.
+    pub quantisation: f64,
+}
+
+/// One segment.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Segment {
+    /// Name.
+    pub label: String,
+    /// Sensors.
+    pub channels: Vec<Channel>,
+    /// Angular momentum about the mass centre.
+    pub momentum: Channel,
+    /// Times of the motion, s.
+    pub time_s: Vec<f64>,
+    /// Angular velocity of the base, rad/s.
+    pub omega_rad_s: Vec<[f64; 3]>,
+    /// Attitude, scalar last.
+    pub q_xyzw: Vec<[f64; 4]>,
+    /// Joints: name, unit, positions.
+    pub joints: Vec<Row>,
+    /// Wheels: name, unit, speeds.
+    pub wheels: Vec<Row>,
+    /// Firings: thruster, start s, end s, force N.
+    pub firings: Vec<(String, f64, f64, f64)>,
+}
+
+/// A named row of numbers at the times of the motion.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Row {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Values.
+    pub values: Vec<f64>,
+}
+
+/// One kind of sensor: see [`PredictedChannel`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub struct Channel {
+    pub name: String,
+    pub unit: String,
+    pub residual_unit: String,
+    pub components: Vec<String>,
+    pub samples: usize,
+    pub time_s: Vec<f64>,
+    pub measured: Vec<Vec<f64>>,
+    pub predicted: Vec<Vec<f64>>,
+    pub residual: Vec<Vec<f64>>,
+    pub histogram: Vec<Vec<u64>>,
+    pub autocorrelation: Vec<Vec<f64>>,
+}
+
+/// Most firings kept of a segment.
+const FIRINGS: usize = 2000;
+
+/// What a report needs of an answer beside `estimate.json`.
+pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
+    ReportData {
+        schema: REPORT_SCHEMA.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        command: command.to_vec(),
+        inputs: identified
+            .inputs
+            .iter()
+            .flatten()
+            .map(|f| f.sha256.clone())
+            .collect(),
+        vehicle: vehicle(identified),
+        segments: identified
+            .predictions
+            .iter()
+            .map(|p| segment(identified, p))
+            .collect(),
+        truth: truth(identified),
+    }
+}
+
+/// A `truth.json` of a simulation beside the first telemetry file.
+fn truth(identified: &Identified) -> Option<Value> {
+    let first = identified.inputs.first()?.first()?;
+    let path = Path::new(&first.path).parent()?.join("truth.json");
+    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    (value["schema"] == "poinsot.truth/1")
+        .then(|| serde_json::json!({ "bodies": value["bodies"], "system": value["system"] }))
+}
+
+fn vehicle(identified: &Identified) -> Vehicle {
+    let model = &identified.model;
+    let tree = Tree::new(model);
+    let mut kinematics = Kinematics::new(&tree);
+    let predicted = identified.predictions.first().map(|p| {
+        let first = p
+            .joint_position
+            .iter()
+            .filter_map(|row| row.first().copied());
+        first.collect::<Vec<f64>>()
+    });
+    let position = match &identified.estimate.system {
+        Some((_, position)) => Some(position.clone()),
+        None => predicted,
+    };
+    if let Some(q) = position.filter(|q| q.len() == tree.dof()) {
+        kinematics.place(&tree, &q);
+    }
+    let name = |body: usize| {
+        model
+            .bodies
+            .get(body)
+            .map(|b| b.name.clone())
+            .unwrap_or_default()
+    };
+    let point = |body: usize, p: &poinsot_spatial::Vector3| -> [f64; 3] {
+        (kinematics.p[body] + kinematics.R[body] * p).into()
+    };
+    let turned =
+        |body: usize, a: &poinsot_spatial::Vector3| -> [f64; 3] { (kinematics.R[body] * a).into() };
+    Vehicle {
+        bodies: identified
+            .estimate
+            .bodies
+            .iter()
+            .enumerate()
+            .map(|(at, b)| drawn_body(b, kinematics.p[at].into(), &kinematics.R[at]))
+            .collect(),
+        joints: model
+            .joints
+            .iter()
+            .map(|j| DrawnJoint {
+                name: j.name.clone(),
+                kind: match j.kind {
+                    JointKind::Revolute => "revolute",
+                    JointKind::Prismatic => "prismatic",
+                    JointKind::Fixed => "fixed",
+                }
+                .to_owned(),
+                parent: name(j.parent),
+                child: name(j.child),
+                origin_m: kinematics.p[j.child].into(),
+                axis: turned(j.child, &j.axis_C),
+            })
+            .collect(),
+        wheels: model
+            .wheels
+            .iter()
+            .map(|w| Pointer {
+                name: w.name.clone(),
+                body: name(w.body),
+                at_m: point(w.body, &poinsot_spatial::Vector3::zeros()),
+                direction: turned(w.body, &w.axis_B),
+            })
+            .collect(),
+        thrusters: model
+            .thrusters
+            .iter()
+            .map(|t| Pointer {
+                name: t.name.clone(),
+                body: name(t.body),
+                at_m: point(t.body, &t.p_BoT_B),
+                direction: turned(t.body, &t.direction_B),
+            })
+            .collect(),
+        sensors: model
+            .sensors
+            .iter()
+            .map(|s| DrawnSensor {
+                name: s.name.clone(),
+                kind: s.kind.word().to_owned(),
+                body: name(s.body),
+                sigma: s.noise_covariance.map(|c| c[(0, 0)].sqrt()),
+                quantisation: s.quantisation,
+            })
+            .collect(),
+    }
+}
+
+fn drawn_body(b: &BodyEstimate, origin_m: [f64; 3], R: &Matrix3) -> DrawnBody {
+    let best = |n: &Number| n.value.unwrap_or(n.nominal);
+    DrawnBody {
+        name: b.name.clone(),
+        origin_m,
+        rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| R[(i, j)])),
+        mass_kg: best(&b.mass),
+        com_m: [0, 1, 2].map(|k| best(&b.com[k])),
+        inertia_kg_m2: std::array::from_fn(|k| best(&b.inertia[k])),
+        estimated: b.asked,
+    }
+}
+
+fn segment(identified: &Identified, p: &Prediction) -> Segment {
+    let model = &identified.model;
+    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
+    Segment {
+        label: p.label.clone(),
+        channels: p
+            .channels
+            .iter()
+            .filter(|c| c.samples > 0)
+            .map(channel)
+            .collect(),
+        momentum: channel(&p.momentum),
+        time_s: rounded(&p.motion.time_s),
+        omega_rad_s: p.motion.w_NB_B.iter().map(|w| w.map(round)).collect(),
+        q_xyzw: p.motion.q_NB_xyzw.iter().map(|q| q.map(round)).collect(),
+        joints: moving
+            .zip(&p.joint_position)
+            .map(|(j, values)| Row {
+                name: j.name.clone(),
+                unit: if j.kind == JointKind::Prismatic {
+                    "m"
+                } else {
+                    "rad"
+                }
+                .to_owned(),
+                values: rounded(values),
+            })
+            .collect(),
+        wheels: model
+            .wheels
+            .iter()
+            .zip(&p.wheel_speed)
+            .map(|(w, values)| Row {
+                name: w.name.clone(),
+                unit: "rad/s".to_owned(),
+                values: rounded(values),
+            })
+            .collect(),
+        firings: p
+            .firings
+            .iter()
+            .take(FIRINGS)
+            .filter_map(|f| {
+                let thruster = model.thrusters.get(f.thruster)?;
+                Some((thruster.name.clone(), f.start_s, f.end_s, f.force))
+            })
+            .collect(),
+    }
+}
+
+fn channel(c: &PredictedChannel) -> Channel {
+    let rows = |all: &[Vec<f64>]| all.iter().map(|row| rounded(row)).collect();
+    Channel {
+        name: c.name.to_owned(),
+        unit: c.unit.to_owned(),
+        residual_unit: c.residual_unit.to_owned(),
+        components: c.components.iter().map(|s| (*s).to_owned()).collect(),
+        samples: c.samples,
+        time_s: rounded(&c.time_s),
+        measured: rows(&c.measured),
+        predicted: rows(&c.predicted),
+        residual: rows(&c.residual),
+        histogram: c.histogram.clone(),
+        autocorrelation: rows(&c.autocorrelation),
+    }
+}
+
+fn rounded(row: &[f64]) -> Vec<f64> {
+    row.iter().copied().map(round).collect()
+}
+
+/// Nine figures: enough for the eye, a third of the bytes.
+fn round(x: f64) -> f64 {
+    format!("{x:.8e}").parse().unwrap_or(x)
+}

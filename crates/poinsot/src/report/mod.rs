@@ -1,0 +1,135 @@
+//! The answer as a page: `estimate.json` and `report_data.json` become one HTML file. One file and one
+//! template per section.
+
+mod data;
+mod estimate;
+mod fit;
+mod identifiability;
+mod mass;
+mod numbers;
+mod provenance;
+mod rolling;
+mod tensor;
+mod truth;
+mod vehicle;
+mod verdict;
+
+pub use data::{REPORT_SCHEMA, ReportData, report_data};
+
+use crate::error::Error;
+use crate::identify::Identified;
+use crate::output::write_file;
+use estimate::EstimateFile;
+use poinsot_report::{Page, PageError, Part};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use truth::Truth;
+
+/// What every section sees.
+pub(crate) struct Answer {
+    pub estimate: EstimateFile,
+    pub data: ReportData,
+    pub truth: Truth,
+}
+
+/// Writes `report_data.json` into a folder: what `report` needs beside `estimate.json`.
+///
+/// # Errors
+/// The disk refuses.
+pub fn write_report_data(
+    folder: &Path,
+    identified: &Identified,
+    command: &[String],
+) -> Result<PathBuf, Error> {
+    let path = folder.join("report_data.json");
+    let text = serde_json::to_string(&report_data(identified, command)).map_err(|e| Error::Io {
+        path: path.clone(),
+        what: "the curves cannot be written as JSON",
+        source: e.into(),
+    })?;
+    write_file(&path, format!("{text}\n").as_bytes())?;
+    Ok(path)
+}
+
+/// Writes `report.html` from the files of `identify` in a folder. Returns its path.
+///
+/// # Errors
+/// A file is missing, of another format, or of another run.
+pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
+    let estimate: Value = read(&folder.join("estimate.json"))?;
+    let data: ReportData = read(&folder.join("report_data.json"))?;
+    let page = report_html(&estimate, data).map_err(|why| Error::Report {
+        path: folder.to_owned(),
+        why,
+    })?;
+    let path = folder.join("report.html");
+    write_file(&path, page.as_bytes())?;
+    Ok(path)
+}
+
+fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
+    let bytes = std::fs::read(path).map_err(|source| Error::Io {
+        path: path.to_owned(),
+        what: "cannot be read; `poinsot identify --out DIR` writes it",
+        source,
+    })?;
+    serde_json::from_slice(&bytes).map_err(|e| Error::Report {
+        path: path.to_owned(),
+        why: format!("{e}; write it anew with `poinsot identify`"),
+    })
+}
+
+/// The page as text.
+///
+/// # Errors
+/// The documents have another format or do not belong together; in words.
+pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String> {
+    let estimate = <EstimateFile as serde::Deserialize>::deserialize(estimate)
+        .map_err(|e| format!("estimate.json: {e}"))?;
+    for (found, wanted) in [
+        (&estimate.schema, "poinsot.estimate/1"),
+        (&data.schema, REPORT_SCHEMA),
+    ] {
+        if found != wanted {
+            return Err(format!("schema '{found}' is not {wanted}"));
+        }
+    }
+    if !estimate.inputs.iter().map(|i| &i.sha256).eq(&data.inputs) {
+        let why = "estimate.json and report_data.json come from different runs; run identify again";
+        return Err(why.to_owned());
+    }
+    let truth = Truth::new(data.truth.as_ref());
+    let answer = Answer {
+        estimate,
+        data,
+        truth,
+    };
+    page(&answer).map_err(|e| e.to_string())
+}
+
+fn page(answer: &Answer) -> Result<String, PageError> {
+    let e = &answer.estimate;
+    let parts: Vec<Part> = vec![
+        verdict::part(answer)?,
+        mass::part(answer)?,
+        rolling::part(answer)?,
+        identifiability::part(answer)?,
+        fit::part(answer)?,
+        vehicle::part(answer)?,
+        provenance::part(answer)?,
+    ];
+    Page {
+        title: format!("Mass properties of {}", e.model),
+        subtitle: format!(
+            "identified from telemetry; method {}; poinsot {}",
+            e.method(),
+            e.poinsot
+        ),
+        footer: "Inertia is given as tensor elements (I xy = −∫ x y dm) about the body's mass centre in body axes. \
+                 Intervals hold the true value in 95 of 100 cases where the declared noise and the rigid model hold. \
+                 This file is complete in itself and loads nothing."
+            .to_owned(),
+        parts,
+    }
+    .html()
+}

@@ -1,0 +1,64 @@
+//! Section 7: repairs, warnings, and where everything comes from.
+
+use super::Answer;
+use minijinja::{Value, context};
+use poinsot_report::{PageError, Part, render, significant};
+
+pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
+    let e = &answer.estimate;
+    let inputs: Vec<Value> = e
+        .inputs
+        .iter()
+        .map(|i| {
+            let span = i.time_s.map(|[a, b]| format!("{} … {}", significant(a, 6), significant(b, 6)));
+            context! { path => i.path, sha256 => i.sha256, segment => i.segment, span, rows => i.rows }
+        })
+        .collect();
+    let body = render(
+        "provenance.html",
+        include_str!("templates/provenance.html"),
+        context! {
+            warnings => e.warnings,
+            repairs => e.repairs,
+            ignored => e.ignored_columns,
+            inputs,
+            command => command(&answer.data.command),
+            written_by => e.poinsot,
+            method => e.method(),
+            iterations => e.iterations,
+            truth => answer.truth.is_known(),
+        },
+    )?;
+    Ok(Part {
+        id: "provenance",
+        title: "Warnings, repairs, provenance",
+        body,
+    })
+}
+
+/// The command line with quotes where a shell needs them.
+fn command(words: &[String]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+@%".contains(c);
+    words
+        .iter()
+        .map(|w| {
+            if !w.is_empty() && w.chars().all(plain) {
+                w.clone()
+            } else {
+                format!("'{}'", w.replace('\'', "'\\''"))
+            }
+        })
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_command_can_be_pasted() {
+        let words = ["poinsot", "a b", "it's"].map(str::to_owned);
+        assert_eq!(command(&words), r"poinsot 'a b' 'it'\''s'");
+    }
+}
