@@ -89,13 +89,16 @@ fn row(x: &[f64; 6]) -> String {
     x.map(|x| format!("{x:9.4}")).join("")
 }
 
+/// Answer, chi-square and order of one reading of the column.
+type Tried = ([f64; 6], f64, [(usize, usize); 6]);
+
 /// The column "Considering pre-estimate" in every order in which the six products can be found: chi-square
 /// of its three printed products at 350 s and 1 Hz, on 3.
 fn orders(slew: &Slew) -> Result<(), Failure> {
     let all = trials::sums(slew, 10, &[350])?;
     let sums = all.first().ok_or("no trials")?;
     let one = sums.first().ok_or("no trials")?;
-    let mut tried: Vec<([f64; 6], f64, [(usize, usize); 6])> = Vec::new();
+    let mut tried: Vec<Tried> = Vec::new();
     let mut count = 0;
     let mut order = VISITED;
     permutations(&mut order, 0, &mut |order| {
