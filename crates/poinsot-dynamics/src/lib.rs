@@ -6,6 +6,7 @@
 #![allow(non_snake_case)]
 
 mod acceleration;
+mod attitude_control;
 mod integrate;
 mod joint_motion;
 mod kinematics;
@@ -13,6 +14,7 @@ mod momentum;
 mod piecewise;
 mod plan;
 mod prescribed;
+mod reaction_wheel;
 mod regressor;
 mod sensors;
 mod stage;
@@ -21,6 +23,9 @@ mod tree;
 mod wheel_motion;
 
 pub use acceleration::Accelerations;
+pub use attitude_control::{
+    AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
+};
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
@@ -31,6 +36,7 @@ pub use momentum::{
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};
+pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
 pub use sensors::{Instrument, vector_reading};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};

@@ -54,6 +54,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         variant: None,
         status,
         iterations: solved.iterations,
+        assumptions: solved.assumptions.clone(),
         warnings: warnings(solved, chi2, rejected, impossible, &bodies, &nuisance),
         bodies,
         system,
@@ -65,6 +66,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         identifiability,
         fit: solved.fit.clone(),
         covariance_trustworthy: chi2 <= MISFIT && !rejected && solved.settled,
+        method_report: None,
     }
 }
 

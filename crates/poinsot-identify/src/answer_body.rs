@@ -242,7 +242,7 @@ fn rotation_body(
     finish(name, mass, com, inertia, barycentric)
 }
 
-fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
+pub(crate) fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
     let pi = nominal.parameters().to_array();
     let mut body = finish(
         name,
@@ -255,7 +255,7 @@ fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
     body
 }
 
-fn finish(
+pub(crate) fn finish(
     name: String,
     mass: Number,
     com: [Number; 3],

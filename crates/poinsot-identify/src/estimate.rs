@@ -228,6 +228,15 @@ pub struct ChannelFit {
     pub whiteness_p: Option<f64>,
 }
 
+/// Numbers of a published method in its own terms, beside the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodReport {
+    /// What they are and what they are not.
+    pub note: String,
+    /// The numbers.
+    pub numbers: Vec<NamedNumber>,
+}
+
 /// The answer to one question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
@@ -262,4 +271,8 @@ pub struct Estimate {
     pub covariance_trustworthy: bool,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// What the method assumed of its inputs.
+    pub assumptions: Vec<String>,
+    /// A published method's own numbers.
+    pub method_report: Option<MethodReport>,
 }

@@ -1,10 +1,13 @@
-//! Levenberg-Marquardt on the triangle of the shared unknowns.
+//! The momentum-state fit: Levenberg-Marquardt on the triangle of the shared unknowns.
 //!
 //! Pose, momentum and biases are eliminated by the order of the columns, so each step is decided in the
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
 //! not move.
 
 use crate::information::{Experiment, Point};
+use crate::levenberg_marquardt::{
+    End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
+};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use crate::solved::{Shared, Solved, head};
@@ -16,6 +19,10 @@ use poinsot_spatial::Vector3;
 pub(crate) const ITERATIONS: usize = 60;
 /// Settled when the next step would lower chi-square by less than this: steps of a ten-thousandth of a sigma.
 const SETTLED: f64 = 1.0e-8;
+/// Share of chi-square by which two evaluations may differ.
+const ROUND_OFF: f64 = 1.0e-12;
+/// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
+const NEGLIGIBLE: f64 = 1.0e-4;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
 pub(crate) fn fit(
@@ -24,7 +31,9 @@ pub(crate) fn fit(
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let (at, evaluated) = starting_point(experiment, linear)?;
-    iterate(experiment, at, evaluated, limit)
+    let here = linearised(experiment, &at, evaluated)?;
+    let minimum = levenberg_marquardt(experiment, at, here, limit);
+    fitted(experiment, minimum)
 }
 
 /// The better of linear solution and nominal numbers.
@@ -59,98 +68,94 @@ pub(crate) struct Fitted {
     pub settled: bool,
 }
 
-/// Levenberg-Marquardt (Levenberg 1944, Marquardt 1963). The damping is added to the squared singular
-/// values in natural units: it holds back weak directions first.
-fn iterate(
-    experiment: &Experiment,
-    mut at: Point,
-    mut evaluated: Vec<Evaluated>,
-    limit: usize,
-) -> Result<Fitted, ProblemError> {
-    let mut damping = 0.0;
-    let mut iterations = 0;
-    loop {
-        let stacked = experiment.stack(&at, &evaluated, true);
-        let shared = Shared::new(experiment.parameters, &stacked);
-        let spectrum = experiment.spectrum(&shared)?;
-        let now = experiment.chi2(&at, &evaluated).unwrap_or(f64::INFINITY);
-        let promised = promised_decrease(experiment, &evaluated, &shared, &spectrum);
-        if promised < SETTLED || iterations == limit {
-            return finish(
-                experiment,
-                promised < SETTLED,
-                at,
-                evaluated,
-                shared,
-                spectrum,
-                iterations,
-            );
-        }
-        iterations += 1;
-        let weakest = spectrum.singular[..spectrum.rank]
-            .iter()
-            .fold(f64::INFINITY, |a, b| a.min(*b));
-        let mut accepted = None;
-        for _ in 0..30 {
-            let step = spectrum.damped(&shared.rhs(), damping);
-            let candidate = moved(experiment, &at, &evaluated, &shared, &spectrum, &step);
-            let better = experiment
-                .evaluate(&candidate, false)
-                .and_then(|e| experiment.chi2(&candidate, &e))
-                .is_some_and(|chi2| chi2 <= now * (1.0 + 1.0e-12) + 1.0e-12);
-            if better {
-                accepted = Some(candidate);
-                break;
-            }
-            damping = f64::max(8.0 * damping, weakest * weakest);
-        }
-        damping /= 8.0;
-        if damping < 1.0e-3 * weakest * weakest {
-            damping = 0.0;
-        }
-        let next = accepted.and_then(|point| experiment.evaluate(&point, true).map(|e| (point, e)));
-        match next {
-            Some((point, e)) => (at, evaluated) = (point, e),
-            // No step lowers chi-square: this is the minimum to round-off.
-            None => {
-                return finish(
-                    experiment,
-                    promised < 1.0e-4 * now.max(1.0),
-                    at,
-                    evaluated,
-                    shared,
-                    spectrum,
-                    iterations,
-                );
-            }
+/// All segments at a point, the triangle of the shared unknowns, and its spectrum.
+pub(crate) struct Local {
+    evaluated: Vec<Evaluated>,
+    shared: Shared,
+    spectrum: Spectrum,
+}
+
+impl LeastSquares for Experiment<'_> {
+    type Point = Point;
+    type Rows = Local;
+
+    fn cost(&self, at: &Point) -> Option<f64> {
+        let evaluated = self.evaluate(at, false)?;
+        self.chi2(at, &evaluated)
+    }
+
+    fn linearise(&self, at: &Point) -> Option<Linearised<Local>> {
+        let evaluated = self.evaluate(at, true)?;
+        linearised(self, at, evaluated).ok()
+    }
+
+    fn settled(&self, _: &Point, here: &Linearised<Local>) -> bool {
+        here.promised < SETTLED
+    }
+
+    fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
+        let local = &here.rows;
+        let step = local.spectrum.damped(&local.shared.rhs(), damping);
+        Step {
+            to: moved(self, at, local, &step),
+            promised: promised_decrease(self, local, damping),
+            bend: 0.0,
         }
     }
 }
 
-fn finish(
+fn linearised(
     experiment: &Experiment,
-    settled: bool,
-    at: Point,
+    at: &Point,
     evaluated: Vec<Evaluated>,
-    shared: Shared,
-    spectrum: Spectrum,
-    iterations: usize,
-) -> Result<Fitted, ProblemError> {
+) -> Result<Linearised<Local>, ProblemError> {
+    let stacked = experiment.stack(at, &evaluated, true);
+    let shared = Shared::new(experiment.parameters, &stacked);
+    let spectrum = experiment.spectrum(&shared, &evaluated)?;
+    let cost = experiment
+        .chi2(at, &evaluated)
+        .ok_or(ProblemError::NoMotion)?;
+    let local = Local {
+        evaluated,
+        shared,
+        spectrum,
+    };
+    Ok(Linearised {
+        cost,
+        round_off: ROUND_OFF * (1.0 + cost),
+        promised: promised_decrease(experiment, &local, 0.0),
+        weakest: local.spectrum.weakest(),
+        rows: local,
+    })
+}
+
+fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fitted, ProblemError> {
+    let Minimum {
+        at,
+        here,
+        iterations,
+        end,
+    } = minimum;
+    let local = here.rows;
     let data_alone = if experiment.has_design_prior() {
-        let stacked = experiment.stack(&at, &evaluated, false);
+        let stacked = experiment.stack(&at, &local.evaluated, false);
         let own = Shared::new(experiment.parameters, &stacked);
-        Some(experiment.spectrum(&own)?)
+        Some(experiment.spectrum(&own, &local.evaluated)?)
     } else {
         None
     };
     Ok(Fitted {
         at,
-        evaluated,
-        shared,
-        spectrum,
+        evaluated: local.evaluated,
+        shared: local.shared,
+        spectrum: local.spectrum,
         data_alone,
         iterations,
-        settled,
+        settled: match end {
+            End::Settled => true,
+            End::NoLowerCost | End::RoundOff => here.promised < NEGLIGIBLE * here.cost.max(1.0),
+            End::IterationLimit => false,
+        },
     })
 }
 
@@ -159,14 +164,11 @@ pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
     evaluated.iter().map(|e| e.chi2).sum()
 }
 
-/// How much the linear model says a full step lowers chi-square.
-fn promised_decrease(
-    experiment: &Experiment,
-    evaluated: &[Evaluated],
-    shared: &Shared,
-    spectrum: &Spectrum,
-) -> f64 {
-    let heads: f64 = evaluated
+/// How much the linear model says a damped step lowers chi-square; only mass properties are damped.
+fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f64 {
+    let shared = &local.shared;
+    let heads: f64 = local
+        .evaluated
         .iter()
         .zip(&experiment.unknown)
         .filter_map(|(e, unknown)| e.triangle.as_ref().map(|t| (t, unknown.count())))
@@ -179,28 +181,21 @@ fn promised_decrease(
     let biases: f64 = (0..shared.nuisances)
         .map(|i| shared.r[(i, n)].powi(2))
         .sum();
-    heads + biases + spectrum.reach(&shared.rhs())
+    heads + biases + local.spectrum.decrease(&shared.rhs(), damping)
 }
 
 /// The point after a step of the mass properties: biases and heads follow.
-fn moved(
-    experiment: &Experiment,
-    at: &Point,
-    evaluated: &[Evaluated],
-    shared: &Shared,
-    spectrum: &Spectrum,
-    step: &[f64],
-) -> Point {
+fn moved(experiment: &Experiment, at: &Point, local: &Local, step: &[f64]) -> Point {
     let mut dx: Vec<f64> = step
         .iter()
-        .zip(&spectrum.natural)
+        .zip(&local.spectrum.natural)
         .map(|(z, unit)| z * unit)
         .collect();
-    dx.extend(shared.nuisances_for(&dx));
+    dx.extend(local.shared.nuisances_for(&dx));
     let heads = at
         .heads
         .iter()
-        .zip(evaluated)
+        .zip(&local.evaluated)
         .zip(&experiment.unknown)
         .map(|((old, one), unknown)| {
             let Some(triangle) = &one.triangle else {

@@ -28,6 +28,8 @@ pub(crate) struct Experiment<'a> {
     pub unknown: Vec<HeadColumns>,
     pub sight: Sight,
     pub loss: Loss,
+    /// Whether wheel speeds run smoothly between the readings.
+    pub wheels_smooth: bool,
 }
 
 /// A value of all unknowns: the shared ones and the start of every segment.
@@ -60,6 +62,7 @@ impl<'a> Experiment<'a> {
                 .collect(),
             sight,
             loss: Loss::Gaussian,
+            wheels_smooth: false,
         }
     }
 
@@ -72,6 +75,7 @@ impl<'a> Experiment<'a> {
             unknown: self.unknown.clone(),
             sight: self.sight,
             loss: self.loss,
+            wheels_smooth: self.wheels_smooth,
         }
     }
 
@@ -84,6 +88,7 @@ impl<'a> Experiment<'a> {
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
             loss: self.loss,
+            wheels_smooth: self.wheels_smooth,
         }
     }
 
@@ -93,6 +98,7 @@ impl<'a> Experiment<'a> {
         self.problem
             .segments
             .par_iter()
+            .enumerate()
             .zip(&at.heads)
             .zip(&self.unknown)
             .map(|((segment, head), unknown)| {
@@ -139,7 +145,11 @@ impl<'a> Experiment<'a> {
     }
 
     /// Spectrum of the shared unknowns.
-    pub fn spectrum(&self, shared: &Shared) -> Result<Spectrum, NotFinite> {
+    pub fn spectrum(
+        &self,
+        shared: &Shared,
+        evaluated: &[Evaluated],
+    ) -> Result<Spectrum, NotFinite> {
         let m = shared.mass;
         let natural: Vec<f64> = self.parameters.unknowns[..m]
             .iter()
@@ -149,8 +159,26 @@ impl<'a> Experiment<'a> {
             &shared.block(),
             &natural,
             &vec![0.0; m * m],
+            self.longest_column(evaluated),
             self.problem.relative_accuracy,
         )
+    }
+
+    /// Length of the longest column of a mass property before projection, natural units.
+    fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
+        let unknowns = &self.parameters.unknowns;
+        let mass = unknowns.iter().filter(|u| !u.kind.is_nuisance());
+        mass.enumerate()
+            .map(|(j, unknown)| {
+                let square: f64 = evaluated
+                    .iter()
+                    .zip(&self.unknown)
+                    .filter_map(|(e, head)| e.triangle.as_ref().map(|t| (t, head.count())))
+                    .map(|(t, h)| (0..=h + j).map(|i| t.r[(i, h + j)].powi(2)).sum::<f64>())
+                    .sum();
+                square.sqrt() * unknown.natural
+            })
+            .fold(0.0, f64::max)
     }
 
     /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.

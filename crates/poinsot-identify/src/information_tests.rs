@@ -1,7 +1,7 @@
 //! Sensitivities of every kind of unknown against differences of chi-square.
 
 use crate::information::{Experiment, Point};
-use crate::parameters::{Equations, Parameters};
+use crate::parameters::{Equations, Parameters, Rest, Unknown, UnknownKind};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -174,7 +174,19 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
         noise: &noise,
         relative_accuracy: 1.0,
     };
-    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    parameters.unknowns.push(Unknown {
+        kind: UnknownKind::RestingJoint(Rest {
+            segment: 0,
+            joint: 0,
+            // After the firing: what the rest changes of the thrust on a link is left out.
+            span: (6, 8),
+        }),
+        name: "rest".to_owned(),
+        unit: "rad",
+        nominal: 0.0,
+        natural: 1.0,
+    });
     let experiment = Experiment::new(&problem, &parameters);
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {

@@ -11,22 +11,26 @@ mod block_qr;
 mod bound;
 mod combination;
 mod diagnosis;
+mod double_double;
 mod estimate;
 mod fit;
 mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod levenberg_marquardt;
 mod likelihood;
 mod linear;
 mod loss;
 mod maximum_likelihood;
+pub mod methods;
 mod motion;
 mod parameters;
 mod prediction;
 mod prior;
 mod problem;
 mod quantity;
+mod refine;
 mod residual;
 mod rows;
 mod segment;
@@ -37,10 +41,12 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
+pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
@@ -52,5 +58,6 @@ pub use prediction::{
     maximum_likelihood_predicted,
 };
 pub use problem::{Problem, ProblemError};
+pub use refine::{Refined, refine, solve_triangle};
 pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

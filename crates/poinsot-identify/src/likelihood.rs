@@ -3,11 +3,10 @@
 use crate::block_qr::{BlockQr, Triangle};
 use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, Vehicle, matrix, small_turn};
-use crate::parameters::{Equations, Parameters, UnknownKind};
-use crate::quantity::TenParameters;
+use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Noise, Segment};
 use nalgebra::{Cholesky, Matrix6};
-use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
 
@@ -86,6 +85,8 @@ pub(crate) struct Setting<'a> {
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
     pub loss: Loss,
+    /// Whether wheel speeds run smoothly between the readings.
+    pub wheels_smooth: bool,
 }
 
 /// One kind of sensor in one segment: whitened residuals, three axes a sample.
@@ -112,26 +113,27 @@ pub(crate) struct Evaluated {
 /// body with positive mass and inertia.
 pub(crate) fn evaluate(
     setting: &Setting,
-    segment: &Segment,
+    (index, segment): (usize, &Segment),
     x: &[f64],
     head: &Head,
     unknown: HeadColumns,
     with_sensitivities: bool,
 ) -> Option<Evaluated> {
-    let vehicle = Vehicle::new(
+    let mut vehicle = Vehicle::new(
         setting.tree,
         setting.thrusters,
         setting.parameters,
         setting.nominal_spin,
         x,
     );
-    let (mut state, columns) = start(setting, segment, x, head, unknown);
+    vehicle.wheels_smooth = setting.wheels_smooth;
+    let (mut state, columns) = start(head, unknown, x.len());
     let columns = if with_sensitivities {
         columns
     } else {
         Vec::new()
     };
-    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count());
+    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count(), index);
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     if has_lag(setting.parameters) {
         compare.rates = predicted_rates(&vehicle, segment, &state)?;
@@ -153,7 +155,7 @@ fn has_lag(parameters: &Parameters) -> bool {
 
 /// Predicted rates at all grid times: a lag needs what comes before and after.
 fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Vec<Vector3>> {
-    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
+    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, 0);
     let samples = segment.observations.time_s.len();
     let mut state = *start;
     let mut rates = Vec::with_capacity(samples);
@@ -167,64 +169,28 @@ fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Optio
 }
 
 /// State at the first grid time and its change with every unknown.
-pub(crate) fn start(
-    setting: &Setting,
-    segment: &Segment,
-    x: &[f64],
-    head: &Head,
-    unknown: HeadColumns,
-) -> (State, Vec<Column>) {
-    let o = &segment.observations;
-    let mut kinematics = Kinematics::new(setting.tree);
-    kinematics.place(
-        setting.tree,
-        o.joint_position.get(..setting.tree.dof()).unwrap_or(&[]),
-    );
-    // The mass centre matters only where the vehicle drifts.
-    let moves = unknown.linear || head.P != Vector3::zeros();
-    let ten = (moves && setting.parameters.equations == Equations::Momentum)
-        .then(|| TenParameters::of_system(setting.parameters, &kinematics, x));
-    let centre = ten.as_ref().map(|t| [0, 1, 2].map(|k| t.mass_centre(k)));
-    let c_B = centre.as_ref().map_or_else(Vector3::zeros, |c| {
-        Vector3::new(c[0].value, c[1].value, c[2].value)
-    });
-    let p_cm = head.p_NoBo_N + head.R_NB * c_B;
+pub(crate) fn start(head: &Head, unknown: HeadColumns, unknowns: usize) -> (State, Vec<Column>) {
     let state = State {
         R_NB: head.R_NB,
         p_NoBo_N: head.p_NoBo_N,
         P: head.P,
-        H: head.h_SScm_N + p_cm.cross(&head.P),
+        h_SScm_N: head.h_SScm_N,
     };
-    let mut columns = Vec::with_capacity(unknown.count() + x.len());
-    let basis = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let mut add = |at: Option<usize>, e: &Vector3, dH: Vector3| {
-        let mut column = Column::zeros();
-        if let Some(at) = at {
-            column.fixed_rows_mut::<3>(at).copy_from(e);
+    let mut columns = Vec::with_capacity(unknown.count() + unknowns);
+    let parts = [
+        unknown.attitude,
+        unknown.position,
+        unknown.linear,
+        unknown.angular,
+    ];
+    for (part, _) in parts.iter().enumerate().filter(|(_, wanted)| **wanted) {
+        for k in 0..3 {
+            let mut column = Column::zeros();
+            column[3 * part + k] = 1.0;
+            columns.push(column);
         }
-        let sum = column.fixed_rows::<3>(9) + dH;
-        column.fixed_rows_mut::<3>(9).copy_from(&sum);
-        columns.push(column);
-    };
-    let (R, P) = (head.R_NB, head.P);
-    for e in basis.iter().filter(|_| unknown.attitude) {
-        add(Some(0), e, (R * e.cross(&c_B)).cross(&P));
     }
-    for e in basis.iter().filter(|_| unknown.position) {
-        add(Some(3), e, e.cross(&P));
-    }
-    for e in basis.iter().filter(|_| unknown.linear) {
-        add(Some(6), e, p_cm.cross(e));
-    }
-    for e in basis.iter().filter(|_| unknown.angular) {
-        add(Some(9), e, Vector3::zeros());
-    }
-    for u in 0..x.len() {
-        let dc = centre.as_ref().map_or_else(Vector3::zeros, |c| {
-            Vector3::new(c[0].gradient[u], c[1].gradient[u], c[2].gradient[u])
-        });
-        add(None, &Vector3::zeros(), (R * dc).cross(&P));
-    }
+    columns.resize(unknown.count() + unknowns, Column::zeros());
     (state, columns)
 }
 

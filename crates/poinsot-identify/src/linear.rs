@@ -232,7 +232,9 @@ fn conclude(
     let block_noise: Vec<f64> = (0..m)
         .flat_map(|i| (0..m).map(move |j| noise[i * n + j]))
         .collect();
-    let spectrum = Spectrum::new(&block, &natural, &block_noise, problem.relative_accuracy)?;
+    let size = longest_column(&parameters, &reduced);
+    let accuracy = problem.relative_accuracy;
+    let spectrum = Spectrum::new(&block, &natural, &block_noise, size, accuracy)?;
     let mut solved = Solved {
         method: "linear",
         x: parameters.nominal_vector(),
@@ -250,6 +252,8 @@ fn conclude(
         settled: true,
         warnings: Vec::new(),
         not_rigid: false,
+        assumptions: Vec::new(),
+        wheels_smooth: false,
         regressor_noise: block_noise,
     };
     solved.settle();
@@ -257,6 +261,28 @@ fn conclude(
     solved.starts = starts;
     solved.fit = fit;
     Ok(solved)
+}
+
+/// Length of the longest column of a mass property before momentum is projected out, natural units.
+fn longest_column(parameters: &Parameters, reduced: &[Reduced]) -> f64 {
+    parameters
+        .unknowns
+        .iter()
+        .enumerate()
+        .filter(|(_, unknown)| !unknown.kind.is_nuisance())
+        .map(|(j, unknown)| {
+            let square: f64 = reduced
+                .iter()
+                .map(|one| {
+                    let at = one.start.columns() + j;
+                    (0..=at)
+                        .map(|i| one.triangle.r[(i, at)].powi(2))
+                        .sum::<f64>()
+                })
+                .sum();
+            square.sqrt() * unknown.natural
+        })
+        .fold(0.0, f64::max)
 }
 
 impl Solved {

@@ -53,16 +53,40 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
         }
         Err(other) => return Err(other),
     };
+    let mut parameters = parameters;
+    parameters.add_resting_joints(problem.segments, problem.noise);
+    let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = loss;
-    let fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+    let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+    let mut assumptions = Vec::new();
+    if !problem.model.wheels.is_empty() {
+        // Between readings a wheel may run straight (torque held) or smoothly: the data decide.
+        experiment.wheels_smooth = true;
+        let smooth = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+        let cost = |experiment: &Experiment, f: &Fitted| {
+            experiment
+                .chi2(&f.at, &f.evaluated)
+                .unwrap_or(f64::INFINITY)
+        };
+        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+            fitted = smooth;
+            assumptions.push("wheel speeds taken as smooth between readings".to_owned());
+        } else {
+            experiment.wheels_smooth = false;
+            assumptions.push("wheel torques taken as held between readings".to_owned());
+        }
+    }
     let explained = match &linear {
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
     let found = diagnose(&experiment, &fitted);
     let at = fitted.at.clone();
-    Ok((conclude(&experiment, fitted, explained, found), at))
+    let mut solved = conclude(&experiment, fitted, explained, found);
+    solved.assumptions = assumptions;
+    solved.wheels_smooth = experiment.wheels_smooth;
+    Ok((solved, at))
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
@@ -75,6 +99,15 @@ pub(crate) fn proportional(problem: &Problem) -> bool {
     let known_wheel = model.wheels.iter().any(|w| !w.estimate);
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     !known_body && !known_wheel && !fires
+}
+
+/// A linear solution with the unknowns that only the fit has, at their nominal values.
+fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
+    let known = solved.x.len();
+    let further = parameters.unknowns[known..].iter().map(|u| u.nominal);
+    solved.x.extend(further);
+    solved.parameters = parameters.clone();
+    solved
 }
 
 pub(crate) fn conclude(
@@ -146,6 +179,8 @@ pub(crate) fn conclude(
         settled: fitted.settled,
         warnings: found.findings,
         not_rigid: found.not_rigid,
+        assumptions: Vec::new(),
+        wheels_smooth: false,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

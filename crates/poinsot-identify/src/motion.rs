@@ -1,15 +1,17 @@
 //! The pose-momentum equation with its forward sensitivities, on measured joint and wheel motion.
 //!
-//! State: attitude R_NB, position p_NoBo, momentum P and H about the inertial origin. Velocity follows from
-//! momentum, `V = H(q)^-1 (X(R, p) [P; H] - c - c_w)` (DESIGN section 2). A small change of the state is
-//! `[dphi_B, dp_N, dP_N, dH_N]` with `R -> R exp([dphi]x)`.
+//! State: attitude R_NB, position p_NoBo, linear momentum P, and angular momentum h **about the system's mass
+//! centre**, all momenta in N. Velocity follows from momentum, `V = H(q)^-1 (X [P; h] - c - c_w)` (DESIGN
+//! section 2); about the mass centre the position does not enter, so its integration error cannot turn into
+//! a false rate (`dp x P`), and what no data can show stays exactly unseen. A small change of the state is
+//! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
-use crate::parameters::{Parameters, UnknownKind};
+use crate::parameters::{Parameters, Rest, UnknownKind};
 use crate::segment::{Observations, Segment};
 use nalgebra::{Quaternion, SMatrix, SVector};
 use poinsot_dynamics::{
-    Kinematics, Tree, Twist, composite, momentum, momentum_regressor, shift_to_body,
-    twist_from_momentum, wheel_momentum, wheel_regressor,
+    Kinematics, Tree, Twist, composite, momentum, momentum_regressor, twist_from_momentum,
+    wheel_momentum, wheel_regressor,
 };
 use poinsot_model::Thruster;
 use poinsot_spatial::{
@@ -25,7 +27,7 @@ pub(crate) struct State {
     pub R_NB: UnitQuaternion,
     pub p_NoBo_N: Vector3,
     pub P: Vector3,
-    pub H: Vector3,
+    pub h_SScm_N: Vector3,
 }
 
 /// The vehicle at one value of the unknowns.
@@ -43,6 +45,10 @@ pub(crate) struct Vehicle<'a> {
     pub torque_B: Vector3,
     /// Coefficients of the drag torque `-c |w| w`, kg m2.
     pub drag: Vector3,
+    /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
+    pub wheels_smooth: bool,
+    /// Errors of the readings of joints at rest.
+    pub rests: Vec<(Rest, f64)>,
 }
 
 impl<'a> Vehicle<'a> {
@@ -75,6 +81,16 @@ impl<'a> Vehicle<'a> {
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
             torque_B,
             drag,
+            wheels_smooth: false,
+            rests: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .filter_map(|(u, value)| match u.kind {
+                    UnknownKind::RestingJoint(rest) => Some((rest, *value)),
+                    _ => None,
+                })
+                .collect(),
         }
     }
 
@@ -124,6 +140,9 @@ pub(crate) struct Motion<'a> {
     pub columns: Vec<Column>,
     /// Index in `columns` of the first unknown.
     head: usize,
+    /// Index of the segment, and grid time of the interval in hand.
+    segment: usize,
+    now: usize,
     buffer: Buffers,
 }
 
@@ -141,6 +160,16 @@ struct Buffers {
 pub(crate) struct Instant {
     pub twist: Twist,
     pub inverse_inertia: Matrix6,
+    centre: Centre,
+}
+
+/// The system's mass centre at an instant, with the momentum in B.
+#[derive(Clone, Copy)]
+struct Centre {
+    c: Vector3,
+    l: Vector3,
+    h_cm: Vector3,
+    mass: f64,
 }
 
 /// Derivative of the state.
@@ -149,7 +178,7 @@ struct Slope {
     R: Quaternion<f64>,
     p: Vector3,
     P: Vector3,
-    H: Vector3,
+    h: Vector3,
 }
 
 impl<'a> Motion<'a> {
@@ -159,6 +188,7 @@ impl<'a> Motion<'a> {
         segment: &'a Segment,
         columns: Vec<Column>,
         head: usize,
+        index: usize,
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
@@ -179,6 +209,8 @@ impl<'a> Motion<'a> {
             },
             columns,
             head,
+            segment: index,
+            now: 0,
             vehicle,
         }
     }
@@ -188,7 +220,7 @@ impl<'a> Motion<'a> {
     /// `None` where the parameters have no positive mass or inertia there.
     pub fn velocity(&mut self, state: &State, k: usize) -> Option<(Instant, &[Vector6])> {
         let mut buffer = std::mem::take(&mut self.buffer);
-        fill_inputs(self.observations, self.vehicle.tree, k, 0.0, &mut buffer);
+        self.inputs(k, 0.0, &mut buffer);
         let drive = Drive {
             q: &buffer.q,
             rates: &buffer.rates,
@@ -203,12 +235,12 @@ impl<'a> Motion<'a> {
     }
 
     /// Carries state and sensitivities from grid time k to k + 1: classical Runge-Kutta of fourth order in
-    /// steps that turn no more than a tenth of a radian.
+    /// steps that turn no more than a fiftieth of a radian.
     pub fn advance(&mut self, state: &State, k: usize) -> Option<State> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
         let rate = self.fastest(state, k)?;
-        let steps = (h * rate / 0.1).ceil().clamp(1.0, 1.0e4) as usize;
+        let steps = (h * rate / 0.02).ceil().clamp(1.0, 1.0e4) as usize;
         let mut now = *state;
         for i in 0..steps {
             let from = i as f64 / steps as f64;
@@ -216,6 +248,21 @@ impl<'a> Motion<'a> {
             now = self.step(&now, k, from, to, h)?;
         }
         Some(now)
+    }
+
+    /// Inputs within the interval after grid time k, with the errors of resting joints taken off.
+    fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
+        self.now = k;
+        fill_inputs(self.observations, self.vehicle, k, at, buffer);
+        for (rest, error) in &self.vehicle.rests {
+            if self.rests_now(rest) {
+                buffer.q[rest.joint] -= error;
+            }
+        }
+    }
+
+    fn rests_now(&self, rest: &Rest) -> bool {
+        rest.segment == self.segment && rest.span.0 <= self.now && self.now <= rest.span.1
     }
 
     fn fastest(&mut self, state: &State, k: usize) -> Option<f64> {
@@ -242,7 +289,7 @@ impl<'a> Motion<'a> {
         ];
         let mut failed = false;
         for (i, (at, share)) in nodes.into_iter().enumerate() {
-            fill_inputs(self.observations, self.vehicle.tree, k, at, &mut buffer);
+            self.inputs(k, at, &mut buffer);
             let mut stage_state = *state;
             buffer.at.clone_from(&self.columns);
             if let Some(before) = i.checked_sub(1).and_then(|b| slopes[b]) {
@@ -269,7 +316,7 @@ impl<'a> Motion<'a> {
                 R: (a.R + (b.R + c.R) * 2.0 + d.R) / 6.0,
                 p: (a.p + (b.p + c.p) * 2.0 + d.p) / 6.0,
                 P: (a.P + (b.P + c.P) * 2.0 + d.P) / 6.0,
-                H: (a.H + (b.H + c.H) * 2.0 + d.H) / 6.0,
+                h: (a.h + (b.h + c.h) * 2.0 + d.h) / 6.0,
             };
             self.buffer = buffer;
             return Some(moved(state, &sum, dt));
@@ -296,7 +343,7 @@ impl<'a> Motion<'a> {
         };
         let instant = self.solve(state, &drive, &columns, &mut twists);
         let slope = instant.map(|instant| {
-            let forces = self.forces(state, &drive);
+            let forces = self.forces(&drive, &instant.centre);
             self.column_slopes(
                 state,
                 &instant,
@@ -309,12 +356,13 @@ impl<'a> Motion<'a> {
             Slope {
                 R: state.R_NB.quaternion() * Quaternion::from_imag(w) * 0.5,
                 p: state.R_NB * v,
-                P: forces.iter().map(|f| f.F_N).sum(),
-                H: forces
-                    .iter()
-                    .map(|f| f.arm_N.cross(&f.F_N))
-                    .sum::<Vector3>()
-                    + state.R_NB * self.vehicle.torque(&w),
+                P: forces.iter().map(|f| state.R_NB * f.F_B).sum(),
+                h: state.R_NB
+                    * (forces
+                        .iter()
+                        .map(|f| f.arm_B.cross(&f.F_B))
+                        .sum::<Vector3>()
+                        + self.vehicle.torque(&w)),
             }
         });
         buffer.at = columns;
@@ -341,7 +389,10 @@ impl<'a> Motion<'a> {
         if whole.mass.is_nan() || whole.mass <= 0.0 {
             return None;
         }
-        let (l, h) = shift_to_body(&state.R_NB, &state.p_NoBo_N, &state.P, &state.H);
+        let inverse = state.R_NB.inverse();
+        let (l, h_cm) = (inverse * state.P, inverse * state.h_SScm_N);
+        let c = whole.p_BoScm_B();
+        let h = h_cm + c.cross(&l);
         let twist = twist_from_momentum(
             &whole,
             &l,
@@ -350,6 +401,12 @@ impl<'a> Motion<'a> {
             &(joints.fixed_rows::<3>(3) + wheels),
         )?;
         let inverse_inertia = whole.locked_inertia().cholesky()?.inverse();
+        let centre = Centre {
+            c,
+            l,
+            h_cm,
+            mass: whole.mass,
+        };
         if !columns.is_empty() {
             self.kinematics
                 .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
@@ -360,34 +417,34 @@ impl<'a> Motion<'a> {
                 drive.wheels,
                 &mut self.wheel_columns,
             );
-            self.twist_columns(state, &l, &h, &inverse_inertia, columns, twists);
+            self.twist_columns(state, &centre, &inverse_inertia, columns, twists);
+            self.resting_columns(drive, &twist, &centre, &inverse_inertia, twists);
         }
         Some(Instant {
             twist,
             inverse_inertia,
+            centre,
         })
     }
 
     fn twist_columns(
         &self,
         state: &State,
-        l: &Vector3,
-        h: &Vector3,
+        centre: &Centre,
         inverse_inertia: &Matrix6,
         columns: &[Column],
         twists: &mut [Vector6],
     ) {
-        let R = *state.R_NB.to_rotation_matrix().matrix();
-        let Rt = R.transpose();
-        // X as a map from the 12 changes of the state to [dl; dh].
+        let Rt = matrix(&state.R_NB).transpose();
+        let arm = skew(&centre.c);
+        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
         let mut X = SMatrix::<f64, 6, 12>::zeros();
-        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&skew(l));
-        X.fixed_view_mut::<3, 3>(3, 0).copy_from(&skew(h));
-        X.fixed_view_mut::<3, 3>(3, 3)
-            .copy_from(&(Rt * skew(&state.P)));
+        let turned = skew(&centre.l);
+        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
+        X.fixed_view_mut::<3, 3>(3, 0)
+            .copy_from(&(skew(&centre.h_cm) + arm * turned));
         X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
-        X.fixed_view_mut::<3, 3>(3, 6)
-            .copy_from(&(-Rt * skew(&state.p_NoBo_N)));
+        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
         X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
         let map = inverse_inertia * X;
         for (j, (column, twist)) in columns.iter().zip(twists.iter_mut()).enumerate() {
@@ -402,6 +459,9 @@ impl<'a> Motion<'a> {
                         for (at, slope) in &self.vehicle.slopes[u] {
                             sum += Vector6::from(self.regressor[*at]) * *slope;
                         }
+                        let moved = self.mass_centre_change(u, centre).cross(&centre.l);
+                        let angular = sum.fixed_rows::<3>(3) - moved;
+                        sum.fixed_rows_mut::<3>(3).copy_from(&angular);
                         sum
                     }
                 };
@@ -410,7 +470,61 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn forces(&self, state: &State, drive: &Drive) -> Vec<Force> {
+    /// What the error of a resting joint does to the twist: the balance `Y pi - [l; h_cm + c x l]` at a joint
+    /// position a little further, momentum held.
+    fn resting_columns(
+        &mut self,
+        drive: &Drive,
+        twist: &Twist,
+        centre: &Centre,
+        inverse_inertia: &Matrix6,
+        twists: &mut [Vector6],
+    ) {
+        let v = self.vehicle;
+        for (u, kind) in v.kinds.iter().enumerate() {
+            let UnknownKind::RestingJoint(rest) = kind else {
+                continue;
+            };
+            if !self.rests_now(rest) {
+                continue;
+            }
+            let step = 1.0e-5;
+            let mut q = drive.q.to_vec();
+            let mut ends = [Vector6::zeros(); 2];
+            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+                q[rest.joint] = drive.q[rest.joint] + sign * step;
+                self.still.place(v.tree, &q);
+                self.still
+                    .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
+                let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
+                let c = composite(&v.bodies, &self.still).p_BoScm_B();
+                *end = momentum(&v.bodies, &self.still);
+                let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
+                end.fixed_rows_mut::<3>(3).copy_from(&h);
+            }
+            // The true position is the reading less its error.
+            let slope = (ends[0] - ends[1]) / (2.0 * step);
+            twists[self.head + u] += inverse_inertia * slope;
+        }
+    }
+
+    /// Change of the system's mass centre in B with one unknown: `d(mc)/m - c dm/m`.
+    fn mass_centre_change(&self, unknown: usize, centre: &Centre) -> Vector3 {
+        let mut change = Vector3::zeros();
+        for &(at, slope) in &self.vehicle.slopes[unknown] {
+            let (body, k) = (at / 10, at % 10);
+            let step = match k {
+                0 => self.kinematics.p[body] - centre.c,
+                1..=3 => self.kinematics.R[body].column(k - 1).into_owned(),
+                _ => continue,
+            };
+            change += step * (slope / centre.mass);
+        }
+        change
+    }
+
+    /// Thrusters with their arms from the system's mass centre.
+    fn forces(&self, drive: &Drive, centre: &Centre) -> Vec<Force> {
         drive
             .thrust
             .iter()
@@ -418,15 +532,12 @@ impl<'a> Motion<'a> {
                 let thruster = &self.vehicle.thrusters[at];
                 let R_BT = &self.kinematics.R[thruster.body];
                 let unit_B = R_BT * thruster.direction_B * declared;
-                let F_B = unit_B * self.vehicle.thrust_factor[at];
-                let arm_B = self.kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
+                let p_BoT_B = self.kinematics.p[thruster.body] + R_BT * thruster.p_BoT_B;
                 Force {
                     thruster: at,
-                    F_B,
-                    F_N: state.R_NB * F_B,
-                    per_scale_N: state.R_NB * unit_B,
-                    arm_B,
-                    arm_N: state.p_NoBo_N + state.R_NB * arm_B,
+                    F_B: unit_B * self.vehicle.thrust_factor[at],
+                    per_scale_B: unit_B,
+                    arm_B: p_BoT_B - centre.c,
                 }
             })
             .collect()
@@ -453,24 +564,25 @@ impl<'a> Motion<'a> {
             slope
                 .fixed_rows_mut::<3>(3)
                 .copy_from(&(slide * dphi + R * dv));
-            let (mut dP, mut dH) = (Vector3::zeros(), Vector3::zeros());
-            let unknown = j.checked_sub(self.head).map(|u| &self.vehicle.kinds[u]);
-            let scaled = match unknown {
-                Some(UnknownKind::ThrusterScale(at)) => Some(*at),
-                _ => None,
-            };
-            let change = self.vehicle.torque_change(&w, &dw, unknown);
-            dH += R * (dphi.cross(&torque) + change);
+            let unknown = j.checked_sub(self.head);
+            let kind = unknown.map(|u| &self.vehicle.kinds[u]);
+            let change = self.vehicle.torque_change(&w, &dw, kind);
+            let mut dF = Vector3::zeros();
+            let mut dT = dphi.cross(&torque) + change;
             for force in forces {
-                let dp: Vector3 = column.fixed_rows::<3>(3).into();
-                let mut dF = R * dphi.cross(&force.F_B);
-                if scaled == Some(force.thruster) {
-                    dF += force.per_scale_N;
+                dF += dphi.cross(&force.F_B);
+                dT += dphi.cross(&force.arm_B.cross(&force.F_B));
+                if let Some(u) = unknown {
+                    dT -= self
+                        .mass_centre_change(u, &instant.centre)
+                        .cross(&force.F_B);
                 }
-                let darm = dp + R * dphi.cross(&force.arm_B);
-                dP += dF;
-                dH += darm.cross(&force.F_N) + force.arm_N.cross(&dF);
+                if kind == Some(&UnknownKind::ThrusterScale(force.thruster)) {
+                    dF += force.per_scale_B;
+                    dT += force.arm_B.cross(&force.per_scale_B);
+                }
             }
+            let (dP, dH) = (R * dF, R * dT);
             slope.fixed_rows_mut::<3>(6).copy_from(&dP);
             slope.fixed_rows_mut::<3>(9).copy_from(&dH);
         }
@@ -497,14 +609,12 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// One thruster at one instant.
+/// One thruster at one instant, in B; the arm is from the system's mass centre.
 struct Force {
     thruster: usize,
     F_B: Vector3,
-    F_N: Vector3,
-    per_scale_N: Vector3,
+    per_scale_B: Vector3,
     arm_B: Vector3,
-    arm_N: Vector3,
 }
 
 fn moved(state: &State, slope: &Slope, dt: f64) -> State {
@@ -512,13 +622,14 @@ fn moved(state: &State, slope: &Slope, dt: f64) -> State {
         R_NB: UnitQuaternion::from_quaternion(state.R_NB.quaternion() + slope.R * dt),
         p_NoBo_N: state.p_NoBo_N + slope.p * dt,
         P: state.P + slope.P * dt,
-        H: state.H + slope.H * dt,
+        h_SScm_N: state.h_SScm_N + slope.h * dt,
     }
 }
 
 /// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
-/// wheels on the straight line (a motor torque held over the interval).
-fn fill_inputs(o: &Observations, tree: &Tree, k: usize, at: f64, buffer: &mut Buffers) {
+/// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
+fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+    let tree = vehicle.tree;
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
     if at == 0.0 {
         buffer
@@ -549,6 +660,31 @@ fn fill_inputs(o: &Observations, tree: &Tree, k: usize, at: f64, buffer: &mut Bu
             o.wheel_speed[(k + 1) * wheels + j],
         );
         buffer.wheels[j] = a + at * (b - a);
+        if vehicle.wheels_smooth {
+            let (left, right) = (
+                wheel_slope(o, wheels, j, k),
+                wheel_slope(o, wheels, j, k + 1),
+            );
+            let (d0, d1) = (left * h - (b - a), right * h - (b - a));
+            buffer.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
+        }
+    }
+}
+
+/// Slope of a wheel's speed at grid time i, rad/s2: that of the parabola through its neighbours, of the
+/// straight line at the ends.
+fn wheel_slope(o: &Observations, wheels: usize, wheel: usize, i: usize) -> f64 {
+    let speed = |i: usize| o.wheel_speed[i * wheels + wheel];
+    let secant = |i: usize| (speed(i + 1) - speed(i)) / (o.time_s[i + 1] - o.time_s[i]);
+    let last = o.time_s.len() - 1;
+    match i {
+        0 => secant(0),
+        i if i == last => secant(last - 1),
+        i => {
+            let left = o.time_s[i] - o.time_s[i - 1];
+            let right = o.time_s[i + 1] - o.time_s[i];
+            (secant(i - 1) * right + secant(i) * left) / (left + right)
+        }
     }
 }
 

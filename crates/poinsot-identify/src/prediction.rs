@@ -90,7 +90,8 @@ pub fn maximum_likelihood_predicted(
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
     let (solved, at) = solve(problem, loss)?;
-    let experiment = Experiment::new(problem, &solved.parameters);
+    let mut experiment = Experiment::new(problem, &solved.parameters);
+    experiment.wheels_smooth = solved.wheels_smooth;
     let predictions = predict(&experiment, &at, points);
     Ok((answer::write(problem, &solved), predictions))
 }
@@ -146,15 +147,16 @@ fn segment(
     let problem = experiment.problem;
     let segment = &problem.segments[at];
     let setting = experiment.setting();
-    let vehicle = Vehicle::new(
+    let mut vehicle = Vehicle::new(
         problem.tree,
         &problem.model.thrusters,
         experiment.parameters,
         &experiment.nominal_spin,
         x,
     );
-    let (mut state, _) = start(&setting, segment, x, head, experiment.unknown[at]);
-    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
+    vehicle.wheels_smooth = setting.wheels_smooth;
+    let (mut state, _) = start(head, experiment.unknown[at], x.len());
+    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {

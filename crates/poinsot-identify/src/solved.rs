@@ -180,6 +180,10 @@ pub(crate) struct Solved {
     pub iterations: usize,
     pub settled: bool,
     pub warnings: Vec<String>,
+    /// Whether wheel speeds were taken as smooth between readings.
+    pub wheels_smooth: bool,
+    /// What was assumed of the inputs.
+    pub assumptions: Vec<String>,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

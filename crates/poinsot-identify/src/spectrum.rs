@@ -40,7 +40,8 @@ pub struct NotFinite;
 impl Spectrum {
     /// Decomposes the triangle `R` (n x n, whitened) for the natural units given.
     ///
-    /// `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
+    /// `size` is the length of the longest column, natural units, before anything was projected out: it sets
+    /// the round-off. `regressor_noise` is `E[dA^T dA]` of the unknowns, row by row, in their own units.
     ///
     /// # Errors
     /// The triangle holds NaN or infinity.
@@ -48,6 +49,7 @@ impl Spectrum {
         R: &Mat<f64>,
         natural: &[f64],
         regressor_noise: &[f64],
+        size: f64,
         relative_accuracy: f64,
     ) -> Result<Self, NotFinite> {
         let n = natural.len();
@@ -64,7 +66,8 @@ impl Spectrum {
         let noise: Vec<f64> = (0..n)
             .map(|k| quadratic(&noise_z, &directions, k))
             .collect();
-        let round_off = 32.0 * n as f64 * f64::EPSILON * singular.first().copied().unwrap_or(0.0);
+        let round_off =
+            32.0 * n as f64 * f64::EPSILON * size.max(singular.first().copied().unwrap_or(0.0));
         let structural_rank = singular.iter().filter(|s| **s > round_off).count();
         let identified = |k: &usize| {
             let square = singular[*k] * singular[*k];
@@ -155,11 +158,20 @@ impl Spectrum {
         z
     }
 
-    /// Squared length of the right-hand side within reach of the identified directions.
-    pub fn reach(&self, rhs: &[f64]) -> f64 {
+    /// How much the step of [`Self::damped`] lowers the squared length of the right-hand side.
+    pub fn decrease(&self, rhs: &[f64], damping: f64) -> f64 {
         (0..self.rank)
-            .map(|k| self.left_along(rhs, k).powi(2))
+            .map(|k| {
+                let left = damping / (self.singular[k].powi(2) + damping);
+                self.left_along(rhs, k).powi(2) * (1.0 - left * left)
+            })
             .sum()
+    }
+
+    /// Smallest singular value of the identified directions; infinite where there is none.
+    pub fn weakest(&self) -> f64 {
+        let identified = self.singular.iter().take(self.rank);
+        identified.fold(f64::INFINITY, |a, b| a.min(*b))
     }
 
     fn left_along(&self, rhs: &[f64], k: usize) -> f64 {

@@ -135,7 +135,7 @@ fn exact_the_same_bits_on_1_2_3_and_8_threads() {
     let model = parse_model(VEHICLE, "vehicle.toml").unwrap();
     let tree = Tree::new(&model);
     // The linear rung works in chunks of 1024 samples; the fit segment by segment.
-    let segments: Vec<Segment> = [5000, 1500, 300]
+    let segments: Vec<Segment> = [2600, 1100, 300]
         .into_iter()
         .enumerate()
         .map(|(at, rows)| segment(&model, &tree, at, rows))

@@ -409,7 +409,7 @@ fn unit_remarkable_models_are_noted() {
     assert_eq!(
         accepted(&text).notes,
         [
-            "line 6: body[0].inertia_kg_m2 (body \"base\"): the radius of gyration is 20 m; are mass in kg and inertia in kg m2?",
+            "line 6: body[0].inertia_kg_m2 (body \"base\"): the radius of gyration is 24.4949 m; are mass in kg and inertia in kg m2?",
             "line 13: body[1].prior.mass_kg (body \"panel\"): the prior has no effect: the number is not estimated",
             "line 19: body[2].estimate (body \"payload\"): the body is rigidly connected with \"base\", which is unknown too: only their sum can be identified",
             "line 26: joint[0].axis (joint \"jp\"): the axis of a fixed joint has no effect",

@@ -2,6 +2,8 @@
 
 use crate::bind::BindError;
 use poinsot_identify::ProblemError;
+use poinsot_identify::methods::kim2010::Kim2010ProblemError;
+use poinsot_identify::methods::ma2008::Ma2008Error;
 use poinsot_model::ModelError;
 use poinsot_telemetry::TelemetryError;
 use std::path::PathBuf;
@@ -24,6 +26,12 @@ pub enum Error {
     /// The question itself.
     #[error(transparent)]
     Problem(#[from] ProblemError),
+    /// The method of Kim, Choi and Oh.
+    #[error(transparent)]
+    Kim2010(#[from] Kim2010ProblemError),
+    /// The method of Ma, Dang and Pham.
+    #[error(transparent)]
+    Ma2008(#[from] Ma2008Error),
     /// A word on the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {

@@ -49,6 +49,16 @@ pub fn estimate_json(identified: &Identified) -> Value {
             }))).collect::<Map<String, Value>>(),
         })).collect::<Vec<_>>(),
         "covariance_trustworthy": e.covariance_trustworthy,
+        "method_report": e.method_report.as_ref().map(|r| json!({
+            "note": r.note,
+            "numbers": r.numbers.iter().map(|n| json!({
+                "name": n.name,
+                "unit": n.unit,
+                "value": n.number.value,
+                "sigma": n.number.sigma,
+                "nominal": n.number.nominal,
+            })).collect::<Vec<_>>(),
+        })),
         "repairs": identified.repairs,
         "ignored_columns": identified.ignored,
         "warnings": e.warnings,

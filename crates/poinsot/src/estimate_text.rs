@@ -52,6 +52,25 @@ pub fn estimate_document(identified: &Identified) -> Document {
             document.push(Section::list("warnings", e.warnings.clone()));
         }
     }
+    if let Some(report) = &e.method_report {
+        let mut table = Table::new(&["", "value", "nominal", "unit"]);
+        for item in &report.numbers {
+            let (value, _) = number_with_sigma(item.number.value, item.number.sigma);
+            table.push(vec![
+                item.name.clone(),
+                value,
+                if item.number.nominal == 0.0 {
+                    String::new()
+                } else {
+                    significant(item.number.nominal, 6)
+                },
+                item.unit.to_owned(),
+            ]);
+        }
+        let mut section = Section::table(&format!("what the method {} prints", e.method), table);
+        section.note = Some(report.note.clone());
+        document.push(section);
+    }
     document.push(fit(identified));
     if !identified.repairs.is_empty() {
         document.push(Section::list(

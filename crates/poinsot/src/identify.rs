@@ -3,6 +3,7 @@
 use crate::bind::{bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
+use poinsot_identify::methods::{self, kim2010, ma2008};
 use poinsot_identify::{
     Estimate, Loss, Prediction, Problem, Status, linear_predicted, maximum_likelihood_predicted,
 };
@@ -107,10 +108,17 @@ pub fn identify_tables(
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match request.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
+        "kim2010" => (
+            kim2010::identify(&problem, kim2010_variant(request)?)?,
+            Vec::new(),
+        ),
+        "ma2008" => (
+            ma2008::identify(&problem, ma2008_variant(request))?,
+            Vec::new(),
+        ),
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
             let loss = loss.unwrap_or_default();
-            let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
             let (mut estimate, predictions) = maximum_likelihood_predicted(&problem, loss, points)?;
             estimate.variant.clone_from(&request.variant);
             (estimate, predictions)
@@ -127,6 +135,7 @@ pub fn identify_tables(
     }
     let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
     repairs.extend(bound.repairs);
+    repairs.extend(estimate.assumptions.iter().cloned());
     let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
     ignored.sort();
     ignored.dedup();
@@ -140,31 +149,34 @@ pub fn identify_tables(
     })
 }
 
+fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
+    match request.variant.as_deref() {
+        Some("known-momentum") => ma2008::Variant::KnownMomentum,
+        _ => ma2008::Variant::UnknownMomentum,
+    }
+}
+
 fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
-    if !METHODS.contains(&request.method.as_str()) {
+    let name = request.method.as_str();
+    let published = methods::published(name);
+    if !METHODS.contains(&name) && published.is_none() {
+        let mut names = METHODS.to_vec();
+        names.extend(methods::PUBLISHED.iter().map(|p| p.name));
         return Err(Error::Usage {
             option: "--method",
             value: request.method.clone(),
-            why: format!("known methods: {}", METHODS.join(", ")),
+            why: format!("known methods: {}", names.join(", ")),
         });
     }
-    if let Some(variant) = &request.variant {
-        let known: &[&str] = match request.method.as_str() {
-            "linear" => &[],
-            _ => &LOSSES,
-        };
-        if !known.contains(&variant.as_str()) {
-            let why = if known.is_empty() {
-                format!("method {} has no variants; leave it out", request.method)
-            } else {
-                format!("variants of {}: {}", request.method, known.join(", "))
-            };
-            return Err(Error::Usage {
-                option: "--variant",
-                value: variant.clone(),
-                why,
-            });
-        }
+    let known: &[&str] = match (published, name) {
+        (Some(published), _) => published.variants,
+        (None, "linear") => &[],
+        (None, _) => &LOSSES,
+    };
+    if let Some(variant) = &request.variant
+        && !known.contains(&variant.as_str())
+    {
+        return Err(variant_error(request, known));
     }
     if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
@@ -174,6 +186,24 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         });
     }
     Ok(())
+}
+
+fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
+    let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
+    kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
+}
+
+fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {
+    let why = if known.is_empty() {
+        format!("method {} has no variants; leave it out", request.method)
+    } else {
+        format!("variants of {}: {}", request.method, known.join(", "))
+    };
+    Error::Usage {
+        option: "--variant",
+        value: request.variant.clone().unwrap_or_default(),
+        why,
+    }
 }
 
 /// Options for reading telemetry that a model asks for.

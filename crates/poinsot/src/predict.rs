@@ -65,9 +65,9 @@ pub fn predict_case(
             why: "a positive number is needed, for example 1.0".to_owned(),
         });
     }
-    let (table, _) = simulate_exact(case, &model)?;
+    let exact = simulate_exact(case, &model)?;
     let tree = Tree::new(&model);
-    let bound = bind(&model, &tree, &[table])?;
+    let bound = bind(&model, &tree, &[exact.table])?;
     let estimate = cramer_rao(&Problem {
         model: &model,
         tree: &tree,

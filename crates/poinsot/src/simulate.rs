@@ -4,7 +4,7 @@ mod record;
 mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
-use poinsot_dynamics::{MotionError, MotionSample, Prescribed};
+use poinsot_dynamics::{ControlError, ControlledVehicle, MotionSample, Prescribed, Tree, WheelUse};
 use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
@@ -36,7 +36,7 @@ pub enum SimulateError {
         /// The case file.
         file: PathBuf,
         /// Why.
-        error: MotionError,
+        error: ControlError,
     },
     /// The telemetry cannot be written.
     #[error(transparent)]
@@ -146,22 +146,35 @@ pub fn simulate_case(case: &Case, model: &Model) -> Result<Simulation, SimulateE
 /// As [`simulate_case`].
 pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulation, SimulateError> {
     let scenario = case.bind(model)?;
-    let (recorder, first) = record(case, model, &scenario, trial)?;
-    let truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
+    let Recorded {
+        recorder,
+        first,
+        used,
+    } = record(case, model, &scenario, trial)?;
+    let mut truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
+    if let Some(object) = truth.as_object_mut().filter(|_| !used.is_empty()) {
+        object.insert("wheel_use".to_owned(), wheel_use(model, &used));
+    }
     Ok(Simulation {
         table: recorder.table(&scenario),
         truth,
     })
 }
 
+/// The readings of perfect sensors.
+#[derive(Debug, Clone)]
+pub struct Exact {
+    /// Only what some sensor measures, and the motion of joints, wheels and thrusters.
+    pub table: Table,
+    /// Bias that the case gives each sensor of the model; it is not in the table.
+    pub biases: Vec<Option<Vec<f64>>>,
+}
+
 /// What perfect sensors read, each at its own times and place, and the biases that the case gives them.
 ///
 /// # Errors
 /// As [`simulate_case`].
-pub fn simulate_exact(
-    case: &Case,
-    model: &Model,
-) -> Result<(Table, Vec<Option<Vec<f64>>>), SimulateError> {
+pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
     let mut perfect = model.clone();
     for sensor in &mut perfect.sensors {
         sensor.noise_covariance = None;
@@ -170,10 +183,10 @@ pub fn simulate_exact(
     }
     let mut scenario = case.bind(model)?;
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
-    let (recorder, _) = record(case, &perfect, &scenario, 0)?;
-    let mut table = recorder.table(&scenario);
+    let recorded = record(case, &perfect, &scenario, 0)?;
+    let mut table = recorded.recorder.table(&scenario);
     keep_measured(model, &mut table);
-    Ok((table, biases))
+    Ok(Exact { table, biases })
 }
 
 /// Leaves out what no sensor of the model measures: a simulation knows the whole motion, an experiment does
@@ -187,28 +200,65 @@ pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     table.channels.retain(|c| !blind.contains(&c.name));
 }
 
+/// A run: what was read, the first instant, and how far a controller used the wheels.
+struct Recorded {
+    recorder: Recorder,
+    first: Option<MotionSample>,
+    used: Vec<WheelUse>,
+}
+
 fn record(
     case: &Case,
     model: &Model,
     scenario: &Scenario,
     trial: u64,
-) -> Result<(Recorder, Option<MotionSample>), SimulateError> {
+) -> Result<Recorded, SimulateError> {
     let motion = |error| SimulateError::Motion {
         file: case.path().to_owned(),
         error,
     };
-    let vehicle = Prescribed::new(model, &scenario.plan, case.tolerance).map_err(motion)?;
-    let mut recorder = Recorder::new(model, scenario, vehicle.tree(), case.seed, trial);
+    let tree = Tree::new(model);
+    let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
-    vehicle
-        .run(&scenario.start, &scenario.times, |sample| {
-            if first.is_none() {
-                first = Some(sample.clone());
-            }
-            recorder.take(sample);
+    let take = |sample: &MotionSample| {
+        if first.is_none() {
+            first = Some(sample.clone());
+        }
+        recorder.take(sample);
+    };
+    let (start, times) = (&scenario.start, &scenario.times);
+    let mut used = Vec::new();
+    match &scenario.control {
+        None => Prescribed::new(model, &scenario.plan, case.tolerance)
+            .and_then(|vehicle| vehicle.run(start, times, take))
+            .map_err(|e| motion(e.into()))?,
+        Some(c) => {
+            used = ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
+                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, take))
+                .map_err(motion)?;
+        }
+    }
+    Ok(Recorded {
+        recorder,
+        first,
+        used,
+    })
+}
+
+/// How far the controller used each wheel, and whether a limit cut its commands.
+fn wheel_use(model: &Model, used: &[WheelUse]) -> serde_json::Value {
+    let wheels = model.wheels.iter().zip(used);
+    wheels
+        .map(|(wheel, used)| {
+            let numbers = serde_json::json!({
+                "largest_speed_rad_s": used.speed,
+                "largest_torque_N_m": used.torque,
+                "saturated": used.limited,
+            });
+            (wheel.name.clone(), numbers)
         })
-        .map_err(motion)?;
-    Ok((recorder, first))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
 }
 
 /// One random stream per sensor and trial.

@@ -14,7 +14,7 @@ pub use text::statistics_document;
 use crate::bind::bind;
 use crate::case::Case;
 use crate::error::Error;
-use crate::simulate::{keep_measured, names, simulate_exact, stream};
+use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_identify::{
@@ -105,7 +105,7 @@ impl Study {
     /// # Errors
     /// The case does not fit the model or cannot be simulated.
     pub fn of_case(case: &Case, truth: &Model, model: Model) -> Result<Self, Error> {
-        let (table, biases) = simulate_exact(case, truth)?;
+        let Exact { table, biases } = simulate_exact(case, truth)?;
         Ok(Self {
             exact: vec![table],
             truth: truth.bodies.iter().map(|b| b.nominal).collect(),

@@ -3,13 +3,15 @@
 //!     cargo run --release -p poinsot --example campaign -- --trials 1000 [--setup NAME] [--method linear]
 //!
 //! Further words find out what does harm: `--perfect SENSOR` takes the errors of a sensor away but not its declared
-//! noise; `--noise SENSOR=FACTOR` makes a sensor that much worse, as declared; `--fixed-phase` rounds alike in every
-//! trial; `--stride N` keeps every N-th sample.
+//! noise; `--white SENSOR` replaces its rounding by white noise of the same variance, `--offset SENSOR` by a constant
+//! error of that variance; `--noise SENSOR=FACTOR` makes a sensor that much worse, as declared; `--fixed-phase` rounds
+//! alike in every trial; `--stride N` keeps every N-th sample.
 
 mod setups;
 
 use poinsot::trials::{Study, TrialMethod, statistics, statistics_document};
-use poinsot_model::Sensor;
+use poinsot_model::{Nuisance, Sensor};
+use poinsot_spatial::Matrix3;
 use std::error::Error;
 use std::time::Instant;
 
@@ -20,6 +22,8 @@ struct Options {
     stride: usize,
     fixed_phase: bool,
     perfect: Vec<String>,
+    white: Vec<String>,
+    offset: Vec<String>,
     noise: Vec<(String, f64)>,
 }
 
@@ -66,6 +70,16 @@ fn change_sensors(study: &mut Study, options: &Options) {
             sensor.quantisation = 0.0;
             sensor.noise_covariance = None;
         }
+        if options.white.contains(&sensor.name) {
+            let step = sensor.quantisation * sensor.quantisation / 12.0;
+            let own = sensor.noise_covariance.unwrap_or_default();
+            sensor.noise_covariance = Some(own + Matrix3::identity() * step);
+            sensor.quantisation = 0.0;
+        }
+        if options.offset.contains(&sensor.name) {
+            sensor.bias = Nuisance::Prior(sensor.quantisation / 12.0_f64.sqrt());
+            sensor.quantisation = 0.0;
+        }
     }
 }
 
@@ -77,6 +91,8 @@ fn options() -> Result<Options, Box<dyn Error>> {
         stride: 1,
         fixed_phase: false,
         perfect: Vec::new(),
+        white: Vec::new(),
+        offset: Vec::new(),
         noise: Vec::new(),
     };
     let mut words = std::env::args().skip(1);
@@ -97,13 +113,15 @@ fn options() -> Result<Options, Box<dyn Error>> {
             ("--method", "auto") => options.method = TrialMethod::Auto,
             ("--method", "linear") => options.method = TrialMethod::Linear,
             ("--perfect", _) => options.perfect.push(value),
+            ("--white", _) => options.white.push(value),
+            ("--offset", _) => options.offset.push(value),
             ("--noise", pair) => {
                 let (name, factor) = pair.split_once('=').ok_or("--noise SENSOR=FACTOR")?;
                 options.noise.push((name.to_owned(), factor.parse()?));
             }
             _ => {
                 return Err(format!(
-                    "{word} {value}: known are --trials N, --setup NAME, --method auto|linear, --stride N, --fixed-phase, --perfect SENSOR, --noise SENSOR=FACTOR"
+                    "{word} {value}: known are --trials N, --setup NAME, --method auto|linear, --stride N, --fixed-phase, --perfect SENSOR, --white SENSOR, --offset SENSOR, --noise SENSOR=FACTOR"
                 )
                 .into());
             }

@@ -92,8 +92,8 @@ fn tug(name: &'static str, stride: usize) -> Result<Setup, Error> {
 }
 
 fn of_record(model: &str, truth: &str, record: &str, stride: usize) -> Result<Study, Error> {
-    let model = read_model(&examples().join(model))?;
-    let truth = read_model(&examples().join(truth))?;
+    let model = read_model(examples().join(model))?;
+    let truth = read_model(examples().join(truth))?;
     let options = read_options(&model, &model.telemetry, false, false);
     let exact = thinned(read(&[examples().join(record)], &options)?, stride);
     let biases = gyro_biases(&model);

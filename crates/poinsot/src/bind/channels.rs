@@ -2,7 +2,7 @@
 
 use super::{BindError, base_sensor};
 use poinsot_model::{JointKind, Model, SensorKind};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
 use std::collections::BTreeSet;
 
@@ -12,10 +12,10 @@ pub(super) struct Channels<'a> {
     pub label: &'a str,
 }
 
-/// The three channels of a vector sensor, with where it sits.
+/// The three channels of a vector sensor, with where it sits. Columns are in body or inertial axes
+/// (CONTRACT); a sensor's rotation only says in which axes it errs.
 pub(super) struct VectorChannels<'a> {
     pub axes: [&'a Channel; 3],
-    pub R_BS: Matrix3,
     pub p_BoS_B: Vector3,
 }
 
@@ -46,7 +46,6 @@ impl<'a> Channels<'a> {
         let axis = |k: &str| self.find(name, &format!("{prefix}_{k}"));
         Some(VectorChannels {
             axes: [axis("x")?, axis("y")?, axis("z")?],
-            R_BS: sensor.map_or_else(Matrix3::identity, |s| s.R_BS),
             p_BoS_B: sensor.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
         })
     }
@@ -67,14 +66,18 @@ impl<'a> Channels<'a> {
     }
 }
 
-/// Names of all channels that a model can use.
+/// Names of all channels that a model can use; translation only where the model has a sensor for it.
 pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
-    let mut wanted: BTreeSet<String> = [
-        "q_x", "q_y", "q_z", "q_w", "omega_x", "omega_y", "omega_z", "r_x", "r_y", "r_z", "v_x",
-        "v_y", "v_z",
-    ]
-    .map(str::to_owned)
-    .into();
+    let mut wanted: BTreeSet<String> =
+        ["q_x", "q_y", "q_z", "q_w", "omega_x", "omega_y", "omega_z"]
+            .map(str::to_owned)
+            .into();
+    // Translation counts only where a sensor declares how well it is known.
+    for (kind, prefix) in [(SensorKind::Position, "r"), (SensorKind::Velocity, "v")] {
+        if model.sensors_of(kind).next().is_some() {
+            wanted.extend(["x", "y", "z"].map(|k| format!("{prefix}_{k}")));
+        }
+    }
     for joint in &model.joints {
         let (position, rate) = joint_columns(&joint.name, joint.kind);
         wanted.insert(position);

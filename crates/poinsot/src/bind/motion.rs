@@ -35,10 +35,7 @@ pub(super) fn align(
     times: &[f64],
     repairs: &mut Vec<String>,
 ) -> Result<Aligned, BindError> {
-    let rate: Vec<Option<Vector3<f64>>> = vectors(&gyro.axes.map(|c| resample(c, times, None)))
-        .into_iter()
-        .map(|w| w.map(|w| gyro.R_BS * w))
-        .collect();
+    let rate = vectors(&gyro.axes.map(|c| resample(c, times, None)));
     let attitude = attitude(model, channels, gyro, times, &rate, repairs);
     let translation = translation(model, channels, times, &rate, &attitude, repairs)?;
     let mut joint_position = Vec::new();
@@ -138,17 +135,10 @@ fn attitude(
     let name = sensor.map(|s| s.name.as_str());
     let part = |k: &str| channels.find(name, &format!("q_{k}"));
     if let (Some(x), Some(y), Some(z), Some(w)) = (part("x"), part("y"), part("z"), part("w")) {
-        // A turned gyro's channels are not body rates: interpolate without them.
-        let rates = (gyro.R_BS == nalgebra::Matrix3::identity()).then_some(gyro.axes);
-        let R_SB = sensor.map_or_else(UnitQuaternion::identity, |s| {
-            UnitQuaternion::from_matrix(&s.R_BS).inverse()
-        });
-        return resample_attitude([x, y, z, w], rates, times, None)
+        return resample_attitude([x, y, z, w], Some(gyro.axes), times, None)
             .into_iter()
             .map(|q| {
-                q.map(|[x, y, z, w]| {
-                    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)) * R_SB
-                })
+                q.map(|[x, y, z, w]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
             })
             .collect();
     }

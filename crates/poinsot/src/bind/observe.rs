@@ -51,17 +51,14 @@ pub(super) fn observe(
             .collect()
     };
     let dof = tree.dof();
-    let body_rate = |list: Vec<Option<Vector3<f64>>>, g: &VectorChannels| {
-        list.into_iter().map(|w| w.map(|w| g.R_BS * w)).collect()
-    };
     let origin = first_position(&position, samples);
     Observations {
         rate: gyro
             .as_ref()
-            .map(|g| body_rate(own(&g.axes, &time_s), g))
+            .map(|g| own(&g.axes, &time_s))
             .unwrap_or_else(|| vec![None; time_s.len()]),
         attitude: attitude
-            .map(|a| attitudes(model, &a, &time_s))
+            .map(|a| attitudes(&a, &time_s))
             .unwrap_or_else(|| vec![None; time_s.len()]),
         velocity: velocity
             .as_ref()
@@ -130,20 +127,12 @@ fn attitude_channels<'a>(model: &Model, channels: &Channels<'a>) -> Option<[&'a 
     Some([part("x")?, part("y")?, part("z")?, part("w")?])
 }
 
-fn attitudes(
-    model: &Model,
-    parts: &[&Channel; 4],
-    grid: &[f64],
-) -> Vec<Option<UnitQuaternion<f64>>> {
-    let R_SB = super::base_sensor(model, SensorKind::Attitude)
-        .map_or_else(UnitQuaternion::identity, |s| {
-            UnitQuaternion::from_matrix(&s.R_BS).inverse()
-        });
+fn attitudes(parts: &[&Channel; 4], grid: &[f64]) -> Vec<Option<UnitQuaternion<f64>>> {
     let [x, y, z, w] = parts.map(|c| own_values(c, grid));
     (0..grid.len())
         .map(|k| {
             let q = Quaternion::new(w[k]?, x[k]?, y[k]?, z[k]?);
-            Some(UnitQuaternion::from_quaternion(q) * R_SB)
+            Some(UnitQuaternion::from_quaternion(q))
         })
         .collect()
 }

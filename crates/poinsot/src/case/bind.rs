@@ -1,5 +1,6 @@
 //! A case with a model: names become indices, and the first instant a start.
 
+use super::control::Control;
 use super::file::InitialFile;
 use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
@@ -15,10 +16,14 @@ use toml::Spanned;
 pub struct Scenario {
     /// Motion of joints and wheels, firings.
     pub plan: Plan,
+    /// Attitude feedback that drives the wheels instead of the plan.
+    pub control: Option<Control>,
     /// Pose and motion at time zero.
     pub start: Start,
     /// Times of the rows, s.
     pub times: Vec<f64>,
+    /// Whether channels that no sensor reads are left out.
+    pub sensors_only: bool,
     /// One per sensor of the model.
     pub sensors: Vec<SensorOutput>,
 }
@@ -36,7 +41,16 @@ impl Case {
         };
         let file = &self.file;
         let output = file.output.span();
-        let plan = planner.plan(&file.joint_motion, &file.wheel_motion, &file.firing, output);
+        let (control, plan) = match planner.control(file) {
+            Some((control, plan)) => (Some(control), plan),
+            None => {
+                let wheels = &file.wheel_motion;
+                (
+                    None,
+                    planner.plan(&file.joint_motion, wheels, &file.firing, output),
+                )
+            }
+        };
         let start = start(&mut planner, &file.initial);
         let sensors = sensor_outputs(&mut planner, file.output.get_ref());
         if !planner.faults.is_empty() {
@@ -44,8 +58,10 @@ impl Case {
         }
         Ok(Scenario {
             plan,
+            control,
             start,
             times: self.times(),
+            sensors_only: file.output.get_ref().sensors_only,
             sensors,
         })
     }

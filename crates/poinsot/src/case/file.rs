@@ -21,7 +21,7 @@ pub(crate) struct CaseFile {
     #[serde(default)]
     pub firing: Vec<FiringFile>,
     pub joint_torque: Option<Spanned<IgnoredAny>>,
-    pub control: Option<Spanned<IgnoredAny>>,
+    pub control: Option<Spanned<ControlFile>>,
     pub integration: Option<IntegrationFile>,
     pub output: Spanned<OutputFile>,
 }
@@ -82,6 +82,44 @@ pub(crate) struct FiringFile {
     pub force_N: Spanned<f64>,
 }
 
+/// Attitude feedback by wheels.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ControlFile {
+    /// On the vector part of the error quaternion.
+    pub proportional_N_m: Option<Spanned<[[f64; 3]; 3]>>,
+    pub derivative_N_m_s: Option<Spanned<[[f64; 3]; 3]>>,
+    pub natural_frequency_rad_s: Option<Spanned<f64>>,
+    pub damping_ratio: Option<Spanned<f64>>,
+    /// Time over which a command is held; continuous without it.
+    pub period_s: Option<Spanned<f64>>,
+    pub drive: Option<Spanned<String>>,
+    #[serde(default)]
+    pub target: Vec<ControlTargetFile>,
+    #[serde(default)]
+    pub wheel: Vec<ControlWheelFile>,
+}
+
+/// Attitude to reach from a time on.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ControlTargetFile {
+    pub time_s: Spanned<f64>,
+    pub q_xyzw: Spanned<[f64; 4]>,
+}
+
+/// Start, limits and friction of one wheel under control.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ControlWheelFile {
+    pub wheel: Spanned<String>,
+    pub initial_speed_rad_s: Option<f64>,
+    pub max_torque_N_m: Option<f64>,
+    pub max_speed_rad_s: Option<f64>,
+    pub viscous_N_m_s: Option<f64>,
+    pub coulomb_N_m: Option<f64>,
+}
+
 /// How hard the integrator works.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -98,6 +136,9 @@ pub(crate) struct OutputFile {
     pub format: Format,
     #[serde(default)]
     pub seed: u64,
+    /// Leave out the channels that no sensor of the model reads (they are exact).
+    #[serde(default)]
+    pub sensors_only: bool,
     #[serde(default)]
     pub sensor: Vec<SensorOutputFile>,
 }

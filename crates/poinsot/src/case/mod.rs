@@ -5,6 +5,7 @@
 
 mod actuators;
 mod bind;
+mod control;
 mod fault;
 mod file;
 mod joints;
@@ -12,6 +13,7 @@ mod planner;
 mod sensor_output;
 
 pub use bind::Scenario;
+pub use control::Control;
 pub use fault::{CASE_CODES, CaseError, CaseFault};
 pub use file::Format;
 pub use sensor_output::SensorOutput;
@@ -161,10 +163,6 @@ fn later_work(text: &CaseText, file: &CaseFile, faults: &mut Vec<CaseFault>) {
     if let Some(x) = &file.joint_torque {
         let remedy = "prescribe the motion with [[joint_motion]]";
         not_yet("joint_torque", x.span(), remedy);
-    }
-    if let Some(x) = &file.control {
-        let remedy = "prescribe wheel speeds or torques with [[wheel_motion]]";
-        not_yet("control", x.span(), remedy);
     }
 }
 

@@ -19,6 +19,12 @@ pub fn prediction_document(prediction: &Prediction) -> Document {
     for body in bound.bodies.iter().filter(|b| b.asked && tells(b)) {
         document.push(body_section(body));
     }
+    if let Some((whole, _)) = whole(prediction) {
+        let mut section = body_section(whole);
+        section.title =
+            "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
+        document.push(section);
+    }
     if !bound.nuisance.is_empty() {
         let mut table = Table::new(&["", "1 sigma", "unit"]);
         for item in &bound.nuisance {
@@ -68,6 +74,9 @@ pub(super) fn sentence(prediction: &Prediction) -> String {
         .map(|b| b.name.as_str())
         .collect();
     if !silent.is_empty() {
+        if let Some((whole, _)) = whole(prediction) {
+            told.push(of_body(whole));
+        }
         told.push(format!(
             "no single number of {} is identifiable",
             silent.join(", ")
@@ -82,6 +91,12 @@ pub(super) fn sentence(prediction: &Prediction) -> String {
         found.parameters,
         told.join("; ")
     )
+}
+
+/// The vehicle as one body, where it has more than one and any of its numbers will be determined.
+fn whole(prediction: &Prediction) -> Option<&(BodyEstimate, Vec<f64>)> {
+    let whole = prediction.bound.system.as_ref();
+    whole.filter(|(b, _)| prediction.bound.bodies.len() > 1 && tells(b))
 }
 
 /// Whether any single number of a body will be determined.

@@ -57,7 +57,7 @@ impl Recorder {
         }
         let measured: HashSet<String> = groups.iter().flat_map(|g| g.names.clone()).collect();
         for (names, read) in exact_channels(model, tree) {
-            if !names.iter().all(|name| measured.contains(name)) {
+            if !scenario.sensors_only && !names.iter().all(|name| measured.contains(name)) {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
         }

@@ -1,0 +1,79 @@
+//! The increments of option 2 exactly as printed, (14)-(17) and (21)-(24): for comparison only.
+//!
+//! They subtract velocities of different samples without turning them to common axes, so they hold only
+//! while the base does not turn, or where `rho_S = 0` and `I_S` is a multiple of the unit tensor. They
+//! also take the joints as stopped.
+
+use super::{Reading, Step, TwoStep, solve, tensor_regressor};
+use nalgebra::SMatrix;
+use poinsot_spatial::{Matrix3, Vector3, parallel_axis, skew};
+
+/// In which axes the printed vectors are read; the paper does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PrintedAxes {
+    /// All in body axes.
+    Body,
+    /// All in N: right where `rho_S = 0` and `I_S` is a multiple of the unit tensor.
+    Inertial,
+}
+
+/// One sample in the axes asked for.
+struct Turned {
+    v: Vector3,
+    w: Vector3,
+    rho_R: Vector3,
+    I_R: Matrix3,
+}
+
+fn turned(s: &Reading, axes: PrintedAxes) -> Turned {
+    let R = match axes {
+        PrintedAxes::Body => Matrix3::identity(),
+        PrintedAxes::Inertial => s.R_NB,
+    };
+    Turned {
+        v: R * s.v_NBo_B,
+        w: R * s.w_NB_B,
+        rho_R: R * s.arm.rho_R,
+        I_R: R * s.arm.I_R * R.transpose(),
+    }
+}
+
+/// Option 2 of both steps with the increments as printed, on one segment; `None` without a sample.
+pub fn two_step_printed(segment: &[Reading], axes: PrintedAxes) -> Option<TwoStep> {
+    let arm_mass = segment.first()?.arm.mass;
+    let samples: Vec<Turned> = segment.iter().map(|s| turned(s, axes)).collect();
+    let first = samples.first()?;
+    // (17): A_k = [dv + dw x rho_Rk + w_0 x drho_R, [dw]x], b_k = -dv.
+    let linear_rows = |s: &Turned| {
+        let (dv, dw) = (s.v - first.v, s.w - first.w);
+        let a = dv + dw.cross(&s.rho_R) + first.w.cross(&(s.rho_R - first.rho_R));
+        let mut T = SMatrix::<f64, 3, 5>::zeros();
+        T.set_column(0, &a);
+        T.fixed_columns_mut::<3>(1).copy_from(&skew(&dw));
+        T.set_column(4, &dv);
+        T
+    };
+    let rows: Vec<_> = samples.iter().skip(1).map(linear_rows).collect();
+    let linear: Step<4> = solve::<4, 5>(&rows);
+    let mut answer = TwoStep {
+        linear,
+        angular: None,
+        arm_mass,
+    };
+    // (24) with T_k the parallel-axis tensor of a unit mass at rho_S - rho_Rk.
+    let (m_S, rho_S) = (answer.mass(), answer.rho_S());
+    let mu = m_S * arm_mass / (m_S + arm_mass);
+    let locked = |s: &Turned| -> Matrix3 { s.I_R + parallel_axis(mu, &(rho_S - s.rho_R)) };
+    let angular_rows = |s: &Turned| {
+        let dw = s.w - first.w;
+        let c = -locked(s) * dw - (locked(s) - locked(first)) * first.w;
+        let mut T = SMatrix::<f64, 3, 7>::zeros();
+        T.fixed_columns_mut::<6>(0)
+            .copy_from(&tensor_regressor(&dw));
+        T.set_column(6, &-c);
+        T
+    };
+    let rows: Vec<_> = samples.iter().skip(1).map(angular_rows).collect();
+    answer.angular = Some(solve::<6, 7>(&rows));
+    Some(answer)
+}

@@ -1,0 +1,98 @@
+//! Unweighted least squares of one step, with what its matrix determines.
+//!
+//! Householder QR in blocks, then the singular values of the triangle with columns in natural units;
+//! the normal equations, which would square the condition number, are not formed.
+
+use crate::block_qr::BlockQr;
+use faer::Mat;
+use nalgebra::{SMatrix, SVector};
+
+/// The least-squares solution of `T (x, 1) = 0`, `T = [A | -b]`.
+#[derive(Debug, Clone)]
+pub struct Step<const N: usize> {
+    /// Solution; along directions that are not determined it does not move from zero.
+    pub x: SVector<f64, N>,
+    /// Singular values of `A` as it stands, descending.
+    pub singular: [f64; N],
+    /// How many of them exceed round-off.
+    pub structural_rank: usize,
+    /// `||A x - b||^2`.
+    pub residual: f64,
+    /// `||b||^2`.
+    pub rhs: f64,
+    /// Equations.
+    pub rows: usize,
+    /// Triangle of `A` and the right-hand side it goes with.
+    pub triangle: SMatrix<f64, N, N>,
+    /// `Q^T b`.
+    pub rotated: SVector<f64, N>,
+}
+
+/// Solves one step; `W = N + 1`.
+pub fn solve<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> Step<N> {
+    const { assert!(W == N + 1) }
+    let mut qr = BlockQr::new(W);
+    for block in rows {
+        qr.push(3, |i, j| block[(i, j)]);
+    }
+    let r = qr.finish().r;
+    let triangle = SMatrix::<f64, N, N>::from_fn(|i, j| r[(i, j)]);
+    let rhs = SVector::<f64, N>::from_fn(|i, _| -r[(i, N)]);
+    let unit = [1.0; N];
+    let Some((singular, V, U)) = decompose(&triangle, &unit) else {
+        return Step {
+            x: SVector::zeros(),
+            singular: [f64::NAN; N],
+            structural_rank: 0,
+            residual: f64::NAN,
+            rhs: f64::NAN,
+            rows: 3 * rows.len(),
+            triangle,
+            rotated: rhs,
+        };
+    };
+    let round_off = 32.0 * N as f64 * f64::EPSILON * singular[0];
+    let structural_rank = singular
+        .iter()
+        .filter(|s| **s > round_off.max(f64::MIN_POSITIVE))
+        .count();
+    let mut x = SVector::<f64, N>::zeros();
+    if structural_rank == N {
+        // The triangle itself is the accurate way where nothing is lost.
+        x = triangle.solve_upper_triangular(&rhs).unwrap_or(x);
+    } else {
+        for (k, s) in singular.iter().enumerate().take(structural_rank) {
+            x += V.column(k) * (U.column(k).dot(&rhs) / s);
+        }
+    }
+    let residual = (triangle * x - rhs).norm_squared() + r[(N, N)] * r[(N, N)];
+    Step {
+        x,
+        singular,
+        structural_rank,
+        residual,
+        rhs: rhs.norm_squared() + r[(N, N)] * r[(N, N)],
+        rows: 3 * rows.len(),
+        triangle,
+        rotated: rhs,
+    }
+}
+
+type Decomposed<const N: usize> = ([f64; N], SMatrix<f64, N, N>, SMatrix<f64, N, N>);
+
+/// Singular values, right and left directions of a triangle with columns scaled; `None` where it holds
+/// NaN or infinity.
+pub(super) fn decompose<const N: usize>(
+    triangle: &SMatrix<f64, N, N>,
+    natural: &[f64; N],
+) -> Option<Decomposed<N>> {
+    if triangle.iter().any(|t| !t.is_finite()) {
+        return None;
+    }
+    let scaled = Mat::from_fn(N, N, |i, j| triangle[(i, j)] * natural[j]);
+    let svd = scaled.svd().ok()?;
+    let singular = std::array::from_fn(|k| svd.S()[k]);
+    let V = SMatrix::from_fn(|i, j| svd.V()[(i, j)]);
+    let U = SMatrix::from_fn(|i, j| svd.U()[(i, j)]);
+    Some((singular, V, U))
+}

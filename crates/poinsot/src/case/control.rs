@@ -1,0 +1,200 @@
+//! `[control]`: attitude feedback by the wheels of the base.
+
+use super::fault::did_you_mean;
+use super::file::{CaseFile, ControlFile, ControlWheelFile};
+use super::planner::Planner;
+use nalgebra::Quaternion;
+use poinsot_dynamics::{AttitudeControl, Plan, Target, Tree, WheelDrive, WheelLimits, composite};
+use poinsot_dynamics::{Kinematics, WheelMotion};
+use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
+use std::ops::Range;
+use toml::Spanned;
+
+/// A controller with the wheels that serve it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Control {
+    /// The law.
+    pub law: AttitudeControl,
+    /// One per wheel of the model.
+    pub limits: Vec<WheelLimits>,
+    /// Speed of each wheel at the start, rad/s.
+    pub wheel_speed: Vec<f64>,
+}
+
+impl Planner<'_> {
+    /// The controller of a case; the plan then holds joints locked and no motion of wheels.
+    pub fn control(&mut self, file: &CaseFile) -> Option<(Control, Plan)> {
+        let given = file.control.as_ref()?;
+        let also = [
+            ("joint_motion", !file.joint_motion.is_empty(), "E0508"),
+            ("firing", !file.firing.is_empty(), "E0508"),
+            ("wheel_motion", !file.wheel_motion.is_empty(), "E0507"),
+        ];
+        for (key, _, code) in also.into_iter().filter(|(_, is_there, _)| *is_there) {
+            let (problem, remedy) = match code {
+                "E0507" => (
+                    "the controller already drives the wheels",
+                    "take either [control] or the [[wheel_motion]] tables out",
+                ),
+                _ => (
+                    "the simulation does not do this yet beside [control]: joints are locked and thrusters off",
+                    "take it out, or prescribe wheel speeds with [[wheel_motion]]",
+                ),
+            };
+            self.refuse(code, key, given.span(), problem, remedy);
+        }
+        let control = self.read_control(given.get_ref(), given.span());
+        let tree = Tree::new(self.model);
+        let mut plan = Plan::hold(self.model, &tree.coordinates);
+        for (motion, speed) in plan.wheels.iter_mut().zip(&control.wheel_speed) {
+            *motion = WheelMotion::constant(*speed);
+        }
+        Some((control, plan))
+    }
+
+    fn read_control(&mut self, file: &ControlFile, span: Range<usize>) -> Control {
+        let (proportional, derivative) = self.gains(file, span);
+        let drive = match file
+            .drive
+            .as_ref()
+            .map(|d| (d.get_ref().as_str(), d.span()))
+        {
+            None | Some(("torque", _)) => WheelDrive::Torque,
+            Some(("acceleration", _)) => WheelDrive::Acceleration,
+            Some((_, span)) => {
+                let remedy = "use \"torque\" (of the motors) or \"acceleration\" (of the wheels)";
+                self.refuse("E0507", "control.drive", span, "no such drive", remedy);
+                WheelDrive::Torque
+            }
+        };
+        if let Some(period) = &file.period_s
+            && !(period.get_ref().is_finite() && *period.get_ref() > 0.0)
+        {
+            let remedy =
+                "give the time between two commands, or leave it out for a continuous controller";
+            self.refuse(
+                "E0505",
+                "control.period_s",
+                period.span(),
+                "must be positive",
+                remedy,
+            );
+        }
+        let mut targets: Vec<Target> = Vec::new();
+        for (i, target) in file.target.iter().enumerate() {
+            let key = |name: &str| format!("control.target[{i}].{name}");
+            let time = *target.time_s.get_ref();
+            if !time.is_finite() || targets.last().is_some_and(|last| last.time >= time) {
+                let problem = "the times of the targets must increase";
+                self.refuse(
+                    "E0506",
+                    &key("time_s"),
+                    target.time_s.span(),
+                    problem,
+                    "sort them",
+                );
+            }
+            let [x, y, z, w] = *target.q_xyzw.get_ref();
+            let q = Quaternion::new(w, x, y, z);
+            if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
+                let problem = format!("norm {} is not 1", q.norm());
+                let remedy = "give a unit quaternion, scalar last, body to inertial";
+                self.refuse(
+                    "E0505",
+                    &key("q_xyzw"),
+                    target.q_xyzw.span(),
+                    problem,
+                    remedy,
+                );
+                continue;
+            }
+            let R_NB = UnitQuaternion::new_normalize(q);
+            targets.push(Target { time, R_NB });
+        }
+        let wheels = self.model.wheels.len();
+        let mut limits = vec![WheelLimits::default(); wheels];
+        let mut wheel_speed = vec![0.0; wheels];
+        for (i, table) in file.wheel.iter().enumerate() {
+            let Some(k) = self.model.wheel(table.wheel.get_ref()) else {
+                let names = self.model.wheels.iter().map(|w| w.name.as_str());
+                let remedy = did_you_mean(table.wheel.get_ref(), names);
+                self.unknown(
+                    "wheel",
+                    &format!("control.wheel[{i}].wheel"),
+                    &table.wheel,
+                    remedy,
+                );
+                continue;
+            };
+            limits[k] = limits_of(table);
+            wheel_speed[k] = table.initial_speed_rad_s.unwrap_or(0.0);
+            if !limits[k].is_valid() || !wheel_speed[k].is_finite() {
+                let problem = "limits must be positive, friction not negative, all finite";
+                let key = format!("control.wheel[{i}]");
+                self.refuse("E0505", &key, table.wheel.span(), problem, "correct it");
+            }
+        }
+        Control {
+            law: AttitudeControl {
+                proportional,
+                derivative,
+                targets,
+                period: file.period_s.as_ref().map(|p| *p.get_ref()),
+                drive,
+            },
+            limits,
+            wheel_speed,
+        }
+    }
+
+    /// Gains as given, or those of Table 1 of Kim, Choi, Oh 2010: `2 wn^2 I` and `2 zeta wn I` with the
+    /// inertia of the model.
+    fn gains(&mut self, file: &ControlFile, span: Range<usize>) -> (Matrix3, Matrix3) {
+        let finite =
+            |x: &Option<Spanned<f64>>| x.as_ref().map(|x| *x.get_ref()).filter(|x| *x > 0.0);
+        let matrix = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
+        match (
+            &file.proportional_N_m,
+            &file.derivative_N_m_s,
+            finite(&file.natural_frequency_rad_s),
+            finite(&file.damping_ratio),
+        ) {
+            (Some(p), Some(d), None, None) => (matrix(p.get_ref()), matrix(d.get_ref())),
+            (None, None, Some(wn), Some(zeta)) => {
+                let I = self.locked_inertia();
+                (I * (2.0 * wn * wn), I * (2.0 * zeta * wn))
+            }
+            _ => {
+                let problem = "the controller needs two gains";
+                let remedy = "give proportional_N_m and derivative_N_m_s (3 x 3), or a positive natural_frequency_rad_s and damping_ratio";
+                self.refuse("E0507", "control", span, problem, remedy);
+                (Matrix3::zeros(), Matrix3::zeros())
+            }
+        }
+    }
+
+    /// Inertia of the vehicle about its mass centre, joints and wheels locked.
+    fn locked_inertia(&self) -> Matrix3 {
+        let tree = Tree::new(self.model);
+        let joints = tree
+            .coordinates
+            .iter()
+            .filter_map(|k| self.model.joints.get(*k));
+        let locked: Vec<f64> = joints.map(|j| j.locked_at).collect();
+        let mut kinematics = Kinematics::new(&tree);
+        kinematics.place(&tree, &locked);
+        let bodies = self.model.bodies.iter();
+        let parameters: Vec<InertialParameters> = bodies.map(|b| b.nominal.parameters()).collect();
+        composite(&parameters, &kinematics).I_SScm_B()
+    }
+}
+
+fn limits_of(table: &ControlWheelFile) -> WheelLimits {
+    let none = WheelLimits::default();
+    WheelLimits {
+        torque: table.max_torque_N_m.unwrap_or(none.torque),
+        speed: table.max_speed_rad_s.unwrap_or(none.speed),
+        viscous: table.viscous_N_m_s.unwrap_or(none.viscous),
+        coulomb: table.coulomb_N_m.unwrap_or(none.coulomb),
+    }
+}

@@ -1,0 +1,88 @@
+//! The spacecraft of Kim, Choi and Oh with one slew and with three, from their case files.
+#![allow(non_snake_case, clippy::unwrap_used)]
+
+use poinsot::case::{parse_case, read_case};
+use poinsot::simulate::simulate_case;
+use poinsot::{IdentifyRequest, identify_tables};
+use poinsot_identify::{Estimate, Status};
+use poinsot_model::read_model;
+use poinsot_telemetry::Table;
+use std::path::{Path, PathBuf};
+
+/// xx, xy, yy, xz, yz, zz: the order of an answer.
+const TRUE: [f64; 6] = [13.916, 0.085, 16.954, 0.133, 0.5896, 19.894];
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+/// Gyro, attitude and wheel speeds, as the sensors of the model read them or exact.
+fn fly(name: &str, noisy: bool) -> Table {
+    let path = examples().join("cases").join(name);
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    let mut model = read_model(read_case(&path).unwrap().model).unwrap();
+    if !noisy {
+        model.sensors.clear();
+        text = text.replace("sensors_only = true", "sensors_only = false");
+    }
+    let case = parse_case(&path, text).unwrap();
+    let mut table = simulate_case(&case, &model).unwrap().table;
+    table.channels.retain(|c| {
+        let kept = ["q_", "omega_", "wheel"];
+        kept.iter().any(|k| c.name.starts_with(k))
+    });
+    table
+}
+
+fn identify(table: Table, method: &str) -> Estimate {
+    let model = read_model(examples().join("stsat3/model.toml")).unwrap();
+    let request = IdentifyRequest {
+        model: PathBuf::new(),
+        segments: Vec::new(),
+        map: None,
+        method: method.to_owned(),
+        variant: None,
+        relative_accuracy: 1.0,
+        strict: false,
+        recover: false,
+    };
+    identify_tables(model, vec![table], &request)
+        .unwrap()
+        .estimate
+}
+
+#[test]
+fn paper_one_slew_shows_three_of_six() {
+    let estimate = identify(fly("stsat3_kim2010.toml", false), "linear");
+    assert_eq!(estimate.identifiability.rank, 3);
+    assert_eq!(estimate.status, Status::Partial);
+    let estimate = identify(fly("stsat3_kim2010.toml", true), "kim2010");
+    assert_eq!(estimate.identifiability.rank, 3);
+    assert!(estimate.bodies[0].inertia.iter().all(|n| n.value.is_none()));
+    assert_eq!(estimate.method_report.unwrap().numbers.len(), 6);
+}
+
+#[test]
+fn exact_three_slews_show_every_entry() {
+    let estimate = identify(fly("stsat3_three_slews.toml", false), "linear");
+    assert_eq!(estimate.status, Status::Converged);
+    for (found, wanted) in estimate.bodies[0].inertia.iter().zip(TRUE) {
+        let error = (found.value.unwrap() - wanted).abs() / wanted;
+        assert!(error < 1e-10, "{wanted}: {error:e}");
+    }
+}
+
+/// From the noisy sensors: moments to 0.002 %, products to 0.002 % of a moment, each within its sigma.
+#[test]
+fn stat_three_slews_from_noisy_sensors() {
+    let estimate = identify(fly("stsat3_three_slews.toml", true), "maximum_likelihood");
+    assert_eq!(estimate.status, Status::Converged);
+    for (found, wanted) in estimate.bodies[0].inertia.iter().zip(TRUE) {
+        let (value, sigma) = (found.value.unwrap(), found.sigma.unwrap());
+        assert!(
+            (value - wanted).abs() < 4.0 * sigma,
+            "{wanted}: {value} {sigma}"
+        );
+        assert!(sigma < 1e-4, "{wanted}: {sigma}");
+    }
+}
