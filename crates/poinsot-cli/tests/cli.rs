@@ -120,8 +120,9 @@ fn cli_exit_0_and_the_file_where_all_is_determined() {
     assert_eq!(code(&done), 0, "{}", stderr(&done));
     assert!(stdout(&done).contains("base"));
     assert!(stderr(&done).contains("estimate.json"));
+    // The result and what a report needs beside it; nothing half-written.
     let names: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
-    assert_eq!(names.len(), 1);
+    assert_eq!(names.len(), 2);
     let text = std::fs::read_to_string(out.join("estimate.json")).unwrap();
     let file: Value = serde_json::from_str(&text).unwrap();
     check_layout(&file);

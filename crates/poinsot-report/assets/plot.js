@@ -121,5 +121,5 @@
         put((k * step - range[0]) / (range[1] - range[0]), log ? "10" + digits(k * step) : write(k * step, step), g);
     }
   }
-  for (const svg of document.querySelectorAll("svg.chart")) charts.push(new Chart(svg));
+  for (const svg of document.querySelectorAll("svg.chart:not(.fixed)")) charts.push(new Chart(svg));
 })();

@@ -21,6 +21,8 @@ pub enum Mark {
     Dashed,
     /// Points alone.
     Dots,
+    /// Points alone, large.
+    Points,
     /// Bars from the floor of the plot, one unit wide times the spacing.
     Bars,
 }
@@ -60,6 +62,8 @@ pub struct Plot {
     pub log: bool,
     /// Whether the horizontal axis counts things.
     pub whole: bool,
+    /// Words at 1, 2, 3 ... instead of numbers on the horizontal axis; such a plot does not zoom.
+    pub names: Vec<String>,
     /// Whether zero belongs to the picture.
     pub from_zero: bool,
     /// Series.
@@ -156,7 +160,9 @@ impl Frame {
             .map(|s| s.points.len())
             .max()
             .unwrap_or(1);
-        let side = if bars {
+        let side = if !plot.names.is_empty() {
+            0.5 / (plot.names.len().max(2) - 1) as f64
+        } else if bars {
             0.5 / (count.max(2) - 1) as f64
         } else {
             0.0
@@ -204,7 +210,7 @@ impl Plot {
             let key = match s.mark {
                 Mark::Line => "line",
                 Mark::Dashed => "dashed",
-                Mark::Dots => "dots",
+                Mark::Dots | Mark::Points => "dots",
                 Mark::Bars => "bars",
             };
             let name = escape(&s.name);
@@ -226,8 +232,13 @@ impl Plot {
         let (w, h) = (width - LEFT - RIGHT, height - TOP - BOTTOM);
         let _ = write!(
             out,
-            "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" tabindex=\"0\" aria-label=\"{}\" \
+            "<svg class=\"{}\" viewBox=\"0 0 {width} {height}\" role=\"img\" tabindex=\"0\" aria-label=\"{}\" \
              data-group=\"{}\" data-log=\"{}\" data-whole=\"{}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" data-box=\"{LEFT} {TOP} {w} {h}\">",
+            if self.names.is_empty() {
+                "chart"
+            } else {
+                "chart fixed"
+            },
             escape(&self.title),
             escape(&self.group),
             u8::from(self.log),
@@ -251,7 +262,12 @@ impl Plot {
         }
         out.push_str("</svg>");
         for (level, word) in self.levels.iter().filter(|l| !l.1.is_empty()) {
-            let y = TOP + h * frame.field_y(*level) / FIELD - 3.0;
+            let line = TOP + h * frame.field_y(*level) / FIELD;
+            let y = if line < TOP + 14.0 {
+                line + 11.0
+            } else {
+                line - 3.0
+            };
             let x = width - RIGHT - 4.0;
             let word = escape(word);
             let _ = write!(
@@ -269,10 +285,15 @@ impl Plot {
         };
         let (x, y) = (label(&self.x, 0), label(&self.y, frame.exponent));
         let (middle, floor, half) = (LEFT + w / 2.0, height - 6.0, TOP + h / 2.0);
+        if !x.is_empty() {
+            let _ = write!(
+                out,
+                "<text class=\"axis\" x=\"{middle}\" y=\"{floor}\">{x}</text>"
+            );
+        }
         let _ = write!(
             out,
-            "<text class=\"axis\" x=\"{middle}\" y=\"{floor}\">{x}</text>\
-             <text class=\"axis\" transform=\"translate(13 {half}) rotate(-90)\">{y}</text></svg>"
+            "<text class=\"axis\" transform=\"translate(13 {half}) rotate(-90)\">{y}</text></svg>"
         );
     }
 
@@ -283,9 +304,15 @@ impl Plot {
             along.retain(|t| t.fract() == 0.0);
         }
         out.push_str("<g class=\"ticks x\">");
-        for t in &along {
+        if !self.names.is_empty() {
+            along = (1..=self.names.len()).map(|k| k as f64).collect();
+        }
+        for (k, t) in along.iter().enumerate() {
             let x = LEFT + w * frame.field_x(*t) / FIELD;
-            let text = tick_text(*t, &along);
+            let text = match self.names.get(k) {
+                Some(name) => escape(name),
+                None => tick_text(*t, &along),
+            };
             let _ = write!(
                 out,
                 "<path d=\"M{x:.1} {TOP}v{h}\"/><text x=\"{x:.1}\" y=\"{floor}\">{text}</text>"
@@ -318,6 +345,7 @@ fn draw_series(frame: &Frame, series: &Series, out: &mut String) {
         Mark::Line => "line",
         Mark::Dashed => "line dashed",
         Mark::Dots => "dots",
+        Mark::Points => "dots large",
         Mark::Bars => "bars",
     };
     let _ = write!(out, "<path class=\"{class} c{}\" d=\"", series.colour);
@@ -330,7 +358,7 @@ fn draw_series(frame: &Frame, series: &Series, out: &mut String) {
             continue;
         }
         let _ = match series.mark {
-            Mark::Dots => write!(out, "M{px:.2} {py:.2}h0"),
+            Mark::Dots | Mark::Points => write!(out, "M{px:.2} {py:.2}h0"),
             Mark::Bars => {
                 let (left, wide) = (px - half, 2.0 * half);
                 write!(out, "M{left:.2} {FIELD}V{py:.2}h{wide:.2}V{FIELD}z")

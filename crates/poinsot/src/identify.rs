@@ -119,7 +119,6 @@ pub fn identify_tables(
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
             let loss = loss.unwrap_or_default();
-            let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
             let (mut estimate, predictions) = maximum_likelihood_predicted(&problem, loss, points)?;
             estimate.variant.clone_from(&request.variant);
             (estimate, predictions)

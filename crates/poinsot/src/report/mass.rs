@@ -2,9 +2,9 @@
 
 use super::Answer;
 use super::estimate::{Body, Number};
-use super::numbers::{in_sigmas, interval, percent, plain, plus_minus, value};
+use super::numbers::{NINETY_FIVE, in_sigmas, interval, percent, plain, plus_minus, value};
 use minijinja::{Value, context};
-use poinsot_report::{PageError, Part, render};
+use poinsot_report::{Axis, Html, Mark, PageError, Part, Plot, Series, render};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
@@ -70,7 +70,39 @@ fn table(name: &str, body: &Body, truth: [Option<f64>; 10]) -> Value {
         .zip(truth)
         .map(|((what, unit, n), t)| row(what, unit, n, t))
         .collect();
-    context! { name, rows, impossible => body.physically_consistent == Some(false), truth => truth.iter().any(Option::is_some) }
+    let figure = against_truth(body, truth).map(|f| f.value());
+    context! { name, rows, figure, impossible => body.physically_consistent == Some(false), truth => truth.iter().any(Option::is_some) }
+}
+
+/// Every interval about its truth, in its own sigma; `None` where no truth is known.
+fn against_truth(body: &Body, truth: [Option<f64>; 10]) -> Option<Html> {
+    let mut names = Vec::new();
+    let (mut x, mut z, mut bar_x, mut bar_z) = (vec![], vec![], vec![], vec![]);
+    for ((name, _, n), t) in body.numbers().into_iter().zip(truth) {
+        if let (Some(v), Some(s), Some(t)) = (n.value, n.sigma.filter(|s| *s > 0.0), t) {
+            names.push(name);
+            let (at, error) = (names.len() as f64, (v - t) / s);
+            x.push(at);
+            z.push(error);
+            bar_x.extend([at, at, f64::NAN]);
+            bar_z.extend([error - NINETY_FIVE, error + NINETY_FIVE, f64::NAN]);
+        }
+    }
+    (!names.is_empty()).then(|| {
+        Plot {
+            title: "estimate against truth".to_owned(),
+            y: Axis::new("error", "sigma"),
+            names,
+            series: vec![
+                Series::new("95 % interval", Mark::Line, 0, &bar_x, &bar_z),
+                Series::new("estimate", Mark::Points, 1, &x, &z),
+            ],
+            levels: vec![(0.0, "truth".to_owned())],
+            height: 170.0,
+            ..Plot::default()
+        }
+        .html()
+    })
 }
 
 fn row(name: &str, unit: &str, n: &Number, truth: Option<f64>) -> Value {

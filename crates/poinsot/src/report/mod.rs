@@ -68,10 +68,16 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
 }
 
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io {
-        path: path.to_owned(),
-        what: "cannot be read; `poinsot identify --out DIR` writes it",
-        source,
+    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
+        std::io::ErrorKind::NotFound => Error::Report {
+            path: path.to_owned(),
+            why: "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
+        },
+        _ => Error::Io {
+            path: path.to_owned(),
+            what: "cannot be read",
+            source,
+        },
     })?;
     serde_json::from_slice(&bytes).map_err(|e| Error::Report {
         path: path.to_owned(),

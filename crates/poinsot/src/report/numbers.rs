@@ -55,6 +55,8 @@ pub(super) fn in_sigmas(difference: f64, sigma: Option<f64>) -> String {
     match sigma {
         Some(s) if s > 0.0 => {
             let z = difference / s;
+            // Rounded to zero it has no sign.
+            let z = if z.abs() < 0.05 { 0.0 } else { z };
             if z.abs() < 1000.0 {
                 minus(&format!("{z:+.1}"))
             } else {

@@ -121,7 +121,9 @@ fn worst(answer: &Answer) -> Option<(String, f64)> {
     let mut worst: Option<(String, f64)> = None;
     for (name, body) in bodies.iter().filter(|b| b.1.asked()) {
         let numbers = body.numbers();
-        let inertia = numbers[4..].iter().filter_map(|n| n.2.value.map(f64::abs));
+        let inertia = numbers[4..]
+            .iter()
+            .map(|n| n.2.nominal.abs().max(n.2.value.map_or(0.0, f64::abs)));
         let largest = inertia.fold(0.0, f64::max);
         let mass = body.mass_kg.value.unwrap_or(body.mass_kg.nominal).abs();
         let gyration = (1.5 * largest / mass.max(f64::MIN_POSITIVE)).sqrt();
