@@ -250,6 +250,12 @@ impl<'a> Motion<'a> {
         Some(now)
     }
 
+    /// Joint positions, joint rates and wheel speeds that the last evaluation of the velocity used.
+    pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
+        let b = &self.buffer;
+        (&b.q, &b.rates, &b.wheels)
+    }
+
     /// Inputs within the interval after grid time k, with the errors of resting joints taken off.
     fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
         self.now = k;

@@ -161,7 +161,7 @@ fn segment(
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
         let twist = motion.velocity(&state, k)?.0.twist;
-        recorder.sample(&vehicle, &state, (twist.v, twist.w), k);
+        recorder.sample((&vehicle, motion.used()), &state, (twist.v, twist.w), k);
         if k + 1 < samples {
             state = motion.advance(&state, k)?;
         }
@@ -188,6 +188,9 @@ impl Sieve {
         (self.seen - 1).is_multiple_of(self.stride)
     }
 }
+
+/// Joint positions, joint rates and wheel speeds at an instant.
+type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64]);
 
 struct Recorder<'a> {
     segment: &'a Segment,
@@ -245,7 +248,13 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn sample(&mut self, vehicle: &Vehicle, state: &State, (v, w): (Vector3, Vector3), k: usize) {
+    fn sample(
+        &mut self,
+        (vehicle, inputs): (&Vehicle, Inputs),
+        state: &State,
+        (v, w): (Vector3, Vector3),
+        k: usize,
+    ) {
         let o = &self.segment.observations;
         let t = o.time_s[k];
         let acceleration = match self.before.replace((t, w)) {
@@ -265,7 +274,7 @@ impl<'a> Recorder<'a> {
                 &three(&expected),
                 &(measured - expected),
             );
-            self.momentum_point(vehicle, state, (&measured, &w), k);
+            self.momentum_point((vehicle, inputs), state, (&measured, &w), k);
         }
         let all = &mut self.prediction.channels;
         if let Some(measured) = o.attitude[k].filter(|_| self.sieves[ATTITUDE].keeps()) {
@@ -315,19 +324,15 @@ impl<'a> Recorder<'a> {
     /// Angular momentum about the mass centre does not feel the velocity of the base.
     fn momentum_point(
         &mut self,
-        vehicle: &Vehicle,
+        (vehicle, (q, rates, speed)): (&Vehicle, Inputs),
         state: &State,
         (measured, predicted): (&Vector3, &Vector3),
         k: usize,
     ) {
-        let o = &self.segment.observations;
-        let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
         let kinematics = self
             .kinematics
             .get_or_insert_with(|| Kinematics::new(vehicle.tree));
-        kinematics.place(vehicle.tree, &o.joint_position[k * dof..(k + 1) * dof]);
-        let rates = &o.joint_rate[k * dof..(k + 1) * dof];
-        let speed = &o.wheel_speed[k * wheels..(k + 1) * wheels];
+        kinematics.place(vehicle.tree, q);
         let mut about_centre = |w: &Vector3| {
             kinematics.set_velocities(vehicle.tree, &Vector3::zeros(), w, rates);
             let lh = momentum(&vehicle.bodies, kinematics);
@@ -338,7 +343,7 @@ impl<'a> Recorder<'a> {
         };
         let own = about_centre(&self.gyro.corrected(measured));
         let expected = about_centre(predicted);
-        let t = o.time_s[k];
+        let t = self.segment.observations.time_s[k];
         let p = &mut self.prediction.momentum;
         p.push(t, &three(&own), &three(&expected), &(own - expected));
         p.samples += 1;
