@@ -30,30 +30,41 @@ pub(crate) fn fit(
     linear: Option<&Solved>,
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
-    let (at, evaluated) = starting_point(experiment, linear)?;
-    let here = linearised(experiment, &at, evaluated)?;
-    let minimum = levenberg_marquardt(experiment, at, here, limit);
-    fitted(experiment, minimum)
+    let mut best: Option<Fitted> = None;
+    for (at, evaluated) in starting_points(experiment, linear) {
+        let here = linearised(experiment, &at, evaluated)?;
+        let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
+        let settled = found.settled;
+        best = best.filter(|b| b.settled || !settled).or(Some(found));
+        // A start far off can leave the iteration among directions that come and go: try the other.
+        if settled || limit < ITERATIONS {
+            break;
+        }
+    }
+    best.ok_or(ProblemError::NoMotion)
 }
 
-/// The better of linear solution and nominal numbers.
-fn starting_point(
+/// The linear solution and the nominal numbers, the better one first.
+fn starting_points(
     experiment: &Experiment,
     linear: Option<&Solved>,
-) -> Result<(Point, Vec<Evaluated>), ProblemError> {
+) -> Vec<(Point, Vec<Evaluated>)> {
     let points = linear
         .map(|solved| experiment.point(solved))
         .into_iter()
         .chain([experiment.nominal_point()]);
-    points
+    let mut found: Vec<(f64, Point, Vec<Evaluated>)> = points
         .filter_map(|point| {
             let evaluated = experiment.evaluate(&point, true)?;
             let chi2 = experiment.chi2(&point, &evaluated)?;
             Some((chi2, point, evaluated))
         })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found
+        .into_iter()
         .map(|(_, point, evaluated)| (point, evaluated))
-        .ok_or(ProblemError::NoMotion)
+        .collect()
 }
 
 /// Where the iteration ended.
