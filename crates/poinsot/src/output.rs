@@ -35,8 +35,15 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         move |source| Error::Io { path, what, source }
     };
     std::fs::create_dir_all(folder).map_err(io("its folder cannot be made"))?;
-    let mut file = tempfile::Builder::new()
-        .prefix(".poinsot-")
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".poinsot-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any other new file: the process's umask decides.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder
         .tempfile_in(folder)
         .map_err(io("cannot be written"))?;
     file.write_all(bytes)
