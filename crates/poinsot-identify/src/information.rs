@@ -7,13 +7,13 @@
 use crate::block_qr::{BlockQr, Triangle};
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
-use crate::motion::Vehicle;
 use crate::parameters::Parameters;
 use crate::prior;
 use crate::problem::Problem;
 use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
 use crate::spectrum::{NotFinite, Spectrum};
+use crate::vehicle::Vehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::MomentumKnowledge;

@@ -36,6 +36,7 @@ mod rows;
 mod segment;
 mod solved;
 mod spectrum;
+mod vehicle;
 mod words;
 
 pub use block_qr::{BlockQr, Triangle};

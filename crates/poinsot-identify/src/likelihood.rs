@@ -2,9 +2,10 @@
 
 use crate::block_qr::{BlockQr, Triangle};
 use crate::loss::Loss;
-use crate::motion::{Column, Instant, Motion, State, Vehicle, matrix, small_turn};
+use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Noise, Segment};
+use crate::vehicle::Vehicle;
 use nalgebra::{Cholesky, Matrix6};
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};

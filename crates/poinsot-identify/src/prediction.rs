@@ -9,10 +9,11 @@ use crate::likelihood::{ChannelResidual, GyroErrors, Head, start};
 use crate::linear::{linear, solve_linear};
 use crate::loss::Loss;
 use crate::maximum_likelihood::solve;
-use crate::motion::{Motion, State, Vehicle, small_turn};
+use crate::motion::{Motion, State, small_turn};
 use crate::parameters::Parameters;
 use crate::problem::{Problem, ProblemError};
 use crate::segment::{Firing, Segment};
+use crate::vehicle::Vehicle;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
