@@ -41,6 +41,12 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     let mut solved = solve_linear(problem)?;
     let parameters = solved.parameters.clone();
     let experiment = Experiment::new(problem, &parameters);
+    if experiment.has_design_prior() {
+        solved.warnings.push(
+            "linear method: the declared priors are not used; maximum likelihood uses them"
+                .to_owned(),
+        );
+    }
     // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
     if let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
         restrict(problem, &mut solved, &fitted.spectrum)?;

@@ -154,7 +154,8 @@ fn nuisance(e: &Estimate) -> Map<String, Value> {
         .collect()
 }
 
-fn identifiability(i: &Identifiability) -> Value {
+/// What the data determine and leave open, as in the result file.
+pub(crate) fn identifiability(i: &Identifiability) -> Value {
     let coefficients = |list: &[(String, f64)]| -> Map<String, Value> {
         list.iter()
             .map(|(name, c)| (name.clone(), json!(c)))

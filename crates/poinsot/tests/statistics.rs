@@ -44,7 +44,8 @@ fn stat_ma_trajectory_1_with_white_encoder_errors_is_consistent_and_reaches_the_
 }
 
 #[test]
-#[ignore = "not reached: a joint at rest keeps the rounding error of its encoder, which is taken as white"]
+// A joint at rest keeps its rounding error: an unknown of the fit. What is left, 1.2 sigma in the moments, shows only
+// from 300 trials on (DESIGN section 10).
 fn stat_ma_trajectory_1_with_rounded_encoders_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("ma_traj1", 1), 100);
 }

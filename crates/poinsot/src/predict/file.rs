@@ -2,6 +2,7 @@
 
 use super::Prediction;
 use super::text::sentence;
+use crate::estimate_file::identifiability;
 use crate::estimate_file::inertia_entries;
 use poinsot_identify::{BodyEstimate, Number, axis_name};
 use serde_json::{Map, Value, json};
@@ -26,9 +27,6 @@ pub fn prediction_json(prediction: &Prediction) -> Value {
         })
         .collect();
     let found = &bound.identifiability;
-    let coefficients = |list: &[(String, f64)]| -> Map<String, Value> {
-        list.iter().map(|(n, c)| (n.clone(), json!(c))).collect()
-    };
     json!({
         "schema": "poinsot.prediction/1",
         "poinsot": env!("CARGO_PKG_VERSION"),
@@ -44,25 +42,7 @@ pub fn prediction_json(prediction: &Prediction) -> Value {
             "units": bound.covariance_units,
             "matrix": bound.covariance,
         },
-        "identifiability": {
-            "parameters": found.parameters,
-            "rank": found.rank,
-            "structural_rank": found.structural_rank,
-            "sigmas_natural": found.sigmas_natural,
-            "identifiable": found.determined.iter().map(|c| json!({
-                "combination": c.text,
-                "coefficients": coefficients(&c.coefficients),
-                "unit": c.unit,
-                "value": c.value,
-                "sigma": c.sigma,
-            })).collect::<Vec<_>>(),
-            "not_identifiable": found.open.iter().map(|c| json!({
-                "combination": c.text,
-                "coefficients": coefficients(&c.coefficients),
-                "reason": c.reason,
-                "remedy": c.remedy,
-            })).collect::<Vec<_>>(),
-        },
+        "identifiability": identifiability(found),
         "assumptions": prediction.assumptions,
     })
 }
