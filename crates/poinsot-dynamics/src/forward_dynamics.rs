@@ -346,8 +346,7 @@ impl Node {
     /// A joint that is free to follow `u`, what the force along it exceeds the bias by.
     #[inline]
     fn free(&mut self, k: usize, D: f64, size: f64, u: f64) -> Result<(), Singular> {
-        // Negated, so that NaN is refused too.
-        if !(D > ROUND_OFF * size) {
+        if !resists(D, size) {
             return Err(Singular::Joint(k));
         }
         self.D_inverse = 1.0 / D;
@@ -442,10 +441,16 @@ impl Node {
         let y = -W.times(&self.F);
         let alpha = J.solve(&(-self.N - self.C.tr_mul(&y)))?;
         let smallest = J.xx.min(J.yy).min(J.zz);
-        if !(smallest > ROUND_OFF * size) {
+        if !resists(smallest, size) {
             return None;
         }
         let a = y - X[0] * alpha.x - X[1] * alpha.y - X[2] * alpha.z;
         Some((a, alpha))
     }
+}
+
+/// Whether an inertia is more than round-off beside another; never for NaN.
+#[inline]
+fn resists(inertia: f64, size: f64) -> bool {
+    inertia > ROUND_OFF * size.abs()
 }

@@ -7,6 +7,8 @@
 
 mod acceleration;
 mod attitude_control;
+mod dop853;
+mod dop853_table;
 mod driven;
 mod driven_stage;
 mod forward_dynamics;
@@ -33,6 +35,7 @@ pub use acceleration::Accelerations;
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
 };
+pub use dop853::DormandPrince8;
 pub use driven::{Driven, DrivenPlan, Integrator};
 pub use driven_stage::DrivenSample;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
