@@ -11,6 +11,7 @@ mod dop853;
 mod dop853_table;
 mod driven;
 mod driven_stage;
+mod energy;
 mod forward_dynamics;
 mod integrate;
 mod inverse_dynamics;
@@ -40,6 +41,7 @@ pub use attitude_control::{
 pub use dop853::DormandPrince8;
 pub use driven::{Driven, DrivenPlan, Integrator};
 pub use driven_stage::DrivenSample;
+pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};
