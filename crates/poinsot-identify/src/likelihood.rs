@@ -10,6 +10,7 @@ use crate::segment::{Noise, Segment};
 use crate::vehicle::Vehicle;
 use nalgebra::{Cholesky, Matrix6};
 use point_rows::PointCompare;
+pub(crate) use point_rows::perfect;
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
