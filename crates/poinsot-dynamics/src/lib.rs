@@ -21,6 +21,7 @@ mod momentum;
 mod piecewise;
 mod plan;
 mod prescribed;
+mod rate_regressor;
 mod reaction_wheel;
 mod regressor;
 mod runge_kutta;
@@ -51,6 +52,7 @@ pub use momentum::{
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};
+pub use rate_regressor::{momentum_rate_column, wheel_rate};
 pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
 pub use runge_kutta::RungeKutta4;
