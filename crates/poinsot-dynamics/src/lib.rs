@@ -14,9 +14,11 @@ mod driven_stage;
 mod forward_dynamics;
 mod integrate;
 mod inverse_dynamics;
+mod jacobian;
 mod joint_drive;
 mod joint_motion;
 mod kinematics;
+mod mass_matrix;
 mod momentum;
 mod piecewise;
 mod plan;
@@ -42,9 +44,11 @@ pub use driven_stage::DrivenSample;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};
+pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
 pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
+pub use mass_matrix::MassMatrix;
 pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
