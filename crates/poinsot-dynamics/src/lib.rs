@@ -7,7 +7,12 @@
 
 mod acceleration;
 mod attitude_control;
+mod driven;
+mod driven_stage;
+mod forward_dynamics;
 mod integrate;
+mod inverse_dynamics;
+mod joint_drive;
 mod joint_motion;
 mod kinematics;
 mod momentum;
@@ -16,8 +21,10 @@ mod plan;
 mod prescribed;
 mod reaction_wheel;
 mod regressor;
+mod runge_kutta;
 mod sensors;
 mod stage;
+mod symmetric;
 mod thrust;
 mod tree;
 mod wheel_motion;
@@ -26,7 +33,12 @@ pub use acceleration::Accelerations;
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
 };
+pub use driven::{Driven, DrivenPlan, Integrator};
+pub use driven_stage::DrivenSample;
+pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
+pub use inverse_dynamics::{InverseDynamics, Wrench};
+pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
 pub use momentum::{
@@ -38,6 +50,7 @@ pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};
 pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
+pub use runge_kutta::RungeKutta4;
 pub use sensors::{Instrument, vector_reading};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
