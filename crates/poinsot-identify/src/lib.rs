@@ -10,6 +10,7 @@ mod answer_momentum;
 mod block_qr;
 mod bound;
 mod combination;
+mod completion;
 mod diagnosis;
 mod double_double;
 mod estimate;
@@ -42,6 +43,7 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
+pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
 pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,

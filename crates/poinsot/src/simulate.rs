@@ -4,11 +4,14 @@ mod record;
 mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
-use poinsot_dynamics::{ControlError, ControlledVehicle, MotionSample, Prescribed, Tree, WheelUse};
-use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
+use poinsot_dynamics::{
+    ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
+    JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
+};
+use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
-pub(crate) use record::names;
+pub(crate) use record::{joint_channels, names};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +33,17 @@ pub enum SimulateError {
     /// The model file was refused.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A driven joint that nothing resists: the mass matrix is singular.
+    #[error(
+        "E0509 {}: joint \"{joint}\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+        file.display()
+    )]
+    Singular {
+        /// The case file.
+        file: PathBuf,
+        /// Name of the joint.
+        joint: String,
+    },
     /// The motion cannot be computed.
     #[error("E0509 {}: {error}", file.display())]
     Motion {
@@ -57,7 +71,7 @@ impl SimulateError {
         match self {
             Self::Case(e) => e.environment,
             Self::Model(e) => e.environment,
-            Self::Motion { .. } => false,
+            Self::Motion { .. } | Self::Singular { .. } => false,
             Self::Telemetry(e) => e.is_environment(),
             Self::Write { .. } => true,
         }
@@ -186,6 +200,13 @@ pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError
     let recorded = record(case, &perfect, &scenario, 0)?;
     let mut table = recorded.recorder.table(&scenario);
     keep_measured(model, &mut table);
+    // What torques and springs do is not commanded: only a sensor can tell.
+    for joint in free_joints(model, &scenario) {
+        if !is_read(model, joint) {
+            let own = joint_channels(joint);
+            table.channels.retain(|c| !own.contains(&c.name));
+        }
+    }
     Ok(Exact { table, biases })
 }
 
@@ -220,21 +241,30 @@ fn record(
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
-    let take = |sample: &MotionSample| {
+    let mut take = |sample: &MotionSample, motor: &[f64]| {
         if first.is_none() {
             first = Some(sample.clone());
         }
-        recorder.take(sample);
+        recorder.take(sample, motor);
     };
     let (start, times) = (&scenario.start, &scenario.times);
     let mut used = Vec::new();
-    match &scenario.control {
-        None => Prescribed::new(model, &scenario.plan, case.tolerance)
-            .and_then(|vehicle| vehicle.run(start, times, take))
+    match (&scenario.control, &scenario.driven) {
+        (None, None) => Prescribed::new(model, &scenario.plan, case.tolerance)
+            .and_then(|vehicle| vehicle.run(start, times, |s| take(s, &[])))
             .map_err(|e| motion(e.into()))?,
-        Some(c) => {
+        (None, Some(plan)) => free_to_move(model, plan, case.path())
+            .map(|()| Driven::new(model, plan))?
+            .and_then(|vehicle| {
+                let integrator = Integrator::DormandPrince5(case.tolerance);
+                vehicle.run(start, times, integrator, |s| {
+                    take(&s.motion, &s.motor_force)
+                })
+            })
+            .map_err(|e| motion(e.into()))?,
+        (Some(c), _) => {
             used = ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
-                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, take))
+                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, |s| take(s, &[])))
                 .map_err(motion)?;
         }
     }
@@ -243,6 +273,64 @@ fn record(
         first,
         used,
     })
+}
+
+/// Refuses a driven joint that carries nothing which resists it, by name.
+pub(crate) fn free_to_move(
+    model: &Model,
+    plan: &DrivenPlan,
+    file: &Path,
+) -> Result<(), SimulateError> {
+    let tree = Tree::new(model);
+    let position = |drive: &JointDrive| match drive {
+        JointDrive::Force {
+            initial_position, ..
+        } => *initial_position,
+        JointDrive::Motion(motion) => motion.at(0.0, 0.0).value,
+    };
+    let q: Vec<f64> = plan.joints.iter().map(position).collect();
+    let input = |drive: &JointDrive| match drive {
+        JointDrive::Force { .. } => JointInput::Force(0.0),
+        JointDrive::Motion(_) => JointInput::Acceleration(0.0),
+    };
+    let inputs: Vec<JointInput> = plan.joints.iter().map(input).collect();
+    let bodies = model.bodies.iter();
+    let parameters: Vec<_> = bodies.map(|b| b.nominal.parameters()).collect();
+    let mut kinematics = Kinematics::new(&tree);
+    kinematics.place(&tree, &q);
+    let mut dynamics = ForwardDynamics::new(&tree);
+    dynamics.set_bodies(&tree, &parameters, &kinematics);
+    let rates = vec![0.0; q.len()];
+    match dynamics.solve(&tree, &kinematics, &rates, &inputs, &mut rates.clone()) {
+        Err(Singular::Joint(k)) => {
+            let joint = tree.coordinates.get(k).and_then(|k| model.joints.get(*k));
+            Err(SimulateError::Singular {
+                file: file.to_owned(),
+                joint: joint.map_or_else(String::new, |j| j.name.clone()),
+            })
+        }
+        // A base without inertia is refused where the motion begins.
+        Ok(()) | Err(Singular::Base) => Ok(()),
+    }
+}
+
+/// Joints of the model that torques or springs move in a case, in its order.
+pub(crate) fn free_joints<'m>(model: &'m Model, scenario: &Scenario) -> Vec<&'m Joint> {
+    let tree = Tree::new(model);
+    let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
+    tree.coordinates
+        .iter()
+        .zip(drives)
+        .filter(|(_, drive)| matches!(drive, JointDrive::Force { .. }))
+        .filter_map(|(k, _)| model.joints.get(*k))
+        .collect()
+}
+
+/// Whether a position sensor of the model reads this joint.
+pub(crate) fn is_read(model: &Model, joint: &Joint) -> bool {
+    let at = model.joint(&joint.name);
+    let mut sensors = model.sensors_of(SensorKind::JointPosition);
+    at.is_some_and(|at| sensors.any(|s| s.of.contains(&at)))
 }
 
 /// How far the controller used each wheel, and whether a limit cut its commands.
