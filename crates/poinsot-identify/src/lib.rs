@@ -15,6 +15,7 @@ mod diagnosis;
 mod double_double;
 mod estimate;
 mod fit;
+mod held_back;
 mod impulse;
 mod information;
 #[cfg(test)]
@@ -49,6 +50,7 @@ pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use held_back::{HeldBack, held_back};
 pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;

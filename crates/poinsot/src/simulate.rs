@@ -9,6 +9,7 @@ use poinsot_dynamics::{
     JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
 };
 use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
+use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
 pub(crate) use record::{joint_channels, names};
@@ -189,12 +190,7 @@ pub struct Exact {
 /// # Errors
 /// As [`simulate_case`].
 pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
-    let mut perfect = model.clone();
-    for sensor in &mut perfect.sensors {
-        sensor.noise_covariance = None;
-        sensor.quantisation = 0.0;
-        sensor.bias = Nuisance::Known;
-    }
+    let perfect = without_errors(model);
     let mut scenario = case.bind(model)?;
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
     let recorded = record(case, &perfect, &scenario, 0)?;
@@ -221,6 +217,37 @@ pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     table.channels.retain(|c| !blind.contains(&c.name));
 }
 
+/// What perfect sensors read of a vehicle with other mass properties than the model's, at the times of the
+/// scenario, with every other channel of the exact motion.
+pub(crate) fn perfect_table(
+    case: &Case,
+    model: &Model,
+    bodies: &[InertialParameters],
+    mut scenario: Scenario,
+) -> Result<Table, SimulateError> {
+    let perfect = without_errors(model);
+    scenario.sensors_only = false;
+    for sensor in &mut scenario.sensors {
+        (sensor.every, sensor.bias) = (1, None);
+    }
+    let tree = Tree::new(&perfect);
+    let mut recorder = Recorder::new(&perfect, &scenario, &tree, 0, 0);
+    let take = |sample: &MotionSample, motor: &[f64]| recorder.take(sample, motor);
+    run(case, &perfect, Some(bodies), &scenario, take)?;
+    Ok(recorder.table(&scenario))
+}
+
+/// The model with sensors that do not err.
+fn without_errors(model: &Model) -> Model {
+    let mut perfect = model.clone();
+    for sensor in &mut perfect.sensors {
+        sensor.noise_covariance = None;
+        sensor.quantisation = 0.0;
+        sensor.bias = Nuisance::Known;
+    }
+    perfect
+}
+
 /// A run: what was read, the first instant, and how far a controller used the wheels.
 struct Recorded {
     recorder: Recorder,
@@ -234,10 +261,6 @@ fn record(
     scenario: &Scenario,
     trial: u64,
 ) -> Result<Recorded, SimulateError> {
-    let motion = |error| SimulateError::Motion {
-        file: case.path().to_owned(),
-        error,
-    };
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
@@ -247,27 +270,7 @@ fn record(
         }
         recorder.take(sample, motor);
     };
-    let (start, times) = (&scenario.start, &scenario.times);
-    let mut used = Vec::new();
-    match (&scenario.control, &scenario.driven) {
-        (None, None) => Prescribed::new(model, &scenario.plan, case.tolerance)
-            .and_then(|vehicle| vehicle.run(start, times, |s| take(s, &[])))
-            .map_err(|e| motion(e.into()))?,
-        (None, Some(plan)) => free_to_move(model, plan, case.path())
-            .map(|()| Driven::new(model, plan))?
-            .and_then(|vehicle| {
-                let integrator = Integrator::DormandPrince5(case.tolerance);
-                vehicle.run(start, times, integrator, |s| {
-                    take(&s.motion, &s.motor_force)
-                })
-            })
-            .map_err(|e| motion(e.into()))?,
-        (Some(c), _) => {
-            used = ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
-                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, |s| take(s, &[])))
-                .map_err(motion)?;
-        }
-    }
+    let used = run(case, model, None, scenario, &mut take)?;
     Ok(Recorded {
         recorder,
         first,
@@ -275,9 +278,63 @@ fn record(
     })
 }
 
-/// Refuses a driven joint that carries nothing which resists it, by name.
-pub(crate) fn free_to_move(
+/// Moves the vehicle through the times of the scenario and hands over every sample with the torques of the
+/// joint motors, where they are known. `bodies` replace the model's mass properties; no controller then.
+pub(crate) fn run(
+    case: &Case,
     model: &Model,
+    bodies: Option<&[InertialParameters]>,
+    scenario: &Scenario,
+    mut take: impl FnMut(&MotionSample, &[f64]),
+) -> Result<Vec<WheelUse>, SimulateError> {
+    let motion = |error| SimulateError::Motion {
+        file: case.path().to_owned(),
+        error,
+    };
+    let (start, times) = (&scenario.start, &scenario.times);
+    let whole;
+    let driven = match (&scenario.driven, bodies) {
+        (None, Some(_)) => {
+            let joints = scenario.plan.joints.iter();
+            whole = DrivenPlan {
+                joints: joints.cloned().map(JointDrive::Motion).collect(),
+                wheels: scenario.plan.wheels.clone(),
+                firings: scenario.plan.firings.clone(),
+            };
+            Some(&whole)
+        }
+        (driven, _) => driven.as_ref(),
+    };
+    match (&scenario.control, driven) {
+        (None, None) => Prescribed::new(model, &scenario.plan, case.tolerance)
+            .and_then(|vehicle| vehicle.run(start, times, |s| take(s, &[])))
+            .map_err(|e| motion(e.into()))?,
+        (None, Some(plan)) => {
+            let nominal = || model.bodies.iter().map(|b| b.nominal.parameters());
+            let bodies = bodies.map_or_else(|| nominal().collect(), <[_]>::to_vec);
+            free_to_move(model, &bodies, plan, case.path())?;
+            let integrator = Integrator::DormandPrince5(case.tolerance);
+            Driven::with_parameters(model, bodies, plan)
+                .and_then(|vehicle| {
+                    vehicle.run(start, times, integrator, |s| {
+                        take(&s.motion, &s.motor_force)
+                    })
+                })
+                .map_err(|e| motion(e.into()))?;
+        }
+        (Some(c), _) => {
+            return ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
+                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, |s| take(s, &[])))
+                .map_err(motion);
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Refuses a driven joint that carries nothing which resists it, by name.
+fn free_to_move(
+    model: &Model,
+    parameters: &[InertialParameters],
     plan: &DrivenPlan,
     file: &Path,
 ) -> Result<(), SimulateError> {
@@ -294,12 +351,10 @@ pub(crate) fn free_to_move(
         JointDrive::Motion(_) => JointInput::Acceleration(0.0),
     };
     let inputs: Vec<JointInput> = plan.joints.iter().map(input).collect();
-    let bodies = model.bodies.iter();
-    let parameters: Vec<_> = bodies.map(|b| b.nominal.parameters()).collect();
     let mut kinematics = Kinematics::new(&tree);
     kinematics.place(&tree, &q);
     let mut dynamics = ForwardDynamics::new(&tree);
-    dynamics.set_bodies(&tree, &parameters, &kinematics);
+    dynamics.set_bodies(&tree, parameters, &kinematics);
     let rates = vec![0.0; q.len()];
     match dynamics.solve(&tree, &kinematics, &rates, &inputs, &mut rates.clone()) {
         Err(Singular::Joint(k)) => {
