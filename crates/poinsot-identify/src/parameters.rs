@@ -197,6 +197,24 @@ impl Parameters {
         Ok(parameters)
     }
 
+    /// No mass property unknown: the bodies are as given, what remains are the nuisances that the model declares.
+    pub fn without_mass(model: &Model, tree: &Tree, bodies: &[InertialParameters]) -> Self {
+        let properties: Vec<MassProperties> = model.bodies.iter().map(|b| b.nominal).collect();
+        let mut parameters = Self {
+            equations: Equations::Momentum,
+            unknowns: Vec::new(),
+            mass_unknowns: 0,
+            known: bodies.to_vec(),
+            natural: natural_units(tree, &properties, bodies),
+            nominal: bodies.to_vec(),
+            body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
+            estimate: vec![EstimateSet::default(); model.bodies.len()],
+            nominal_properties: properties,
+        };
+        parameters.add_nuisances(model);
+        parameters
+    }
+
     fn push(
         &mut self,
         kind: UnknownKind,

@@ -32,6 +32,9 @@ pub enum Error {
     /// The method of Ma, Dang and Pham.
     #[error(transparent)]
     Ma2008(#[from] Ma2008Error),
+    /// A validation.
+    #[error(transparent)]
+    Validate(#[from] crate::validate::ValidateError),
     /// A word on the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {
