@@ -7,7 +7,7 @@
 //! (Hausman 1978), which holds what the swarm misses, too.
 
 use super::error::Xu2017Error;
-use super::sequence::{Found, Part, Solver, StepReport, sequence};
+use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::words::{notes, warnings};
 use super::{Kind, Variant};
 use crate::answer_body::finish;
@@ -34,7 +34,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
     estimate.method = "xu2017".to_owned();
     estimate.variant = Some(variant.name().to_owned());
     estimate.assumptions.extend(found.notes.iter().cloned());
-    let withheld = found.steps.iter().any(StepReport::excluded);
+    let withheld = !found.steps.iter().all(StepReport::arrived);
     let values = values(problem, &found);
     replace(problem, &mut estimate, &found, &values, withheld);
     estimate.warnings.extend(warnings(problem, &found));
@@ -82,7 +82,7 @@ fn values(problem: &Problem, found: &Found) -> HashMap<String, f64> {
     all
 }
 
-/// The method's numbers where the certificate stands; none where the search range excluded the answer.
+/// The method's numbers where the certificate stands; none where a swarm did not arrive.
 fn replace(
     problem: &Problem,
     estimate: &mut Estimate,
@@ -191,7 +191,7 @@ fn numbers(step: &StepReport) -> Vec<NamedNumber> {
         },
     };
     let of = match step.part {
-        Part::Single => "cost (37)",
+        Searched::Single => "cost (37)",
         _ => "cost (52)",
     };
     let mut list = vec![

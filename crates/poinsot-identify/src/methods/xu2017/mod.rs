@@ -43,11 +43,12 @@ mod words;
 
 pub use error::Xu2017Error;
 pub use identify::identify;
-pub use sequence::{Found, Order, Part, Solver, StepReport, sequence};
+pub use least_squares::Answer;
+pub use sequence::{Found, Order, Searched, Solver, StepReport, sequence};
 pub use single_body::{
-    Form, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
+    Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
 };
-pub use swarm::{Objective, Particle, Swarm, fly};
+use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
 use nalgebra::SMatrix;

@@ -4,8 +4,7 @@ use super::error::Xu2017Error;
 use super::least_squares::{Answer, Rows, answer, shown};
 use super::roles::{Roles, joint_name, roles};
 use super::single_body::{
-    Form, Part as Asked, Push, Single, SingleObjective, SingleRow, accelerations, momenta,
-    solve_single,
+    Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
 };
 use super::swarm::{Flight, Objective, Particle, Range, Swarm, fly};
 use super::two_body::{
@@ -26,7 +25,7 @@ const MOTIONS: usize = 40;
 /// Sigmas that count as rest.
 const REST: f64 = 5.0;
 /// A swarm whose cost stays above this share of its first best has not arrived.
-const ARRIVED: f64 = 1.0e-4;
+const ARRIVED: f64 = 1.0e-6;
 
 /// Joints from the base to the tip, or back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +60,7 @@ impl Default for Solver {
 
 /// What a step works on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum Searched {
     /// The locked robot.
     Single,
     /// The base side of a joint coordinate.
@@ -76,7 +75,7 @@ pub enum Part {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepReport {
     /// What was searched.
-    pub part: Part,
+    pub part: Searched,
     /// In words.
     pub name: String,
     /// Result: mass, mass centre and central inertia in its own frame.
@@ -94,14 +93,11 @@ pub struct StepReport {
 }
 
 impl StepReport {
-    /// Whether the swarm stands on a bound of its range and misses what the data say: the range excludes the
-    /// answer.
+    /// Whether the swarm stands on a bound of its range and misses what the data say, which lies outside.
     pub fn excluded(&self) -> bool {
-        let stuck = self
-            .flight
-            .as_ref()
-            .is_some_and(|f| !f.0.on_bound.is_empty());
-        stuck && !self.arrived()
+        let stuck =
+            |f: &(Flight, Range)| !f.0.on_bound.is_empty() && !f.1.holds(&particle(&self.linear));
+        self.flight.as_ref().is_some_and(stuck) && !self.arrived()
     }
 
     /// Whether the swarm's cost came down to that of the linear solution.
@@ -209,7 +205,7 @@ impl Work<'_> {
                 Form::Momentum => self.impulses(s),
             })
             .collect();
-        if self.roles.part == Asked::All && rows.iter().flatten().any(|r| r.D.is_none()) {
+        if self.roles.part == Part::All && rows.iter().flatten().any(|r| r.D.is_none()) {
             self.found.notes.push(
                 "translation is not seen: the mass stays at its nominal value, which no number of the answer rests on".to_owned(),
             );
@@ -219,18 +215,18 @@ impl Work<'_> {
         let all: Vec<SingleRow> = rows.into_iter().flatten().collect();
         let objective = SingleObjective::new(&all);
         let mut range = self.range(&nominal);
-        if self.roles.part == Asked::Inertia || all.iter().any(|r| r.D.is_none()) {
+        if self.roles.part == Part::Inertia || all.iter().any(|r| r.D.is_none()) {
             let x = particle(&nominal);
             let fixed: &[usize] = match self.roles.part {
-                Asked::Inertia => &[0, 7, 8, 9],
-                Asked::All => &[0],
+                Part::Inertia => &[0, 7, 8, 9],
+                Part::All => &[0],
             };
             for &d in fixed {
                 (range.low[d], range.high[d]) = (x[d], x[d]);
             }
         }
         let name = "equivalent single body".to_owned();
-        let found = self.finish(Part::Single, name, linear, &objective, range)?;
+        let found = self.finish(Searched::Single, name, linear, &objective, range)?;
         self.found.total = Some(found.parameters());
         self.found.form = Some(form);
         Ok(())
@@ -323,11 +319,11 @@ impl Work<'_> {
         let (R, p) = (self.normal.R[child], self.normal.p[child]);
         let outer = if inner_known {
             let compose = |x: &InertialParameters| [inner, *x];
-            let part = Part::Outer(joint);
+            let part = Searched::Outer(joint);
             self.two_body(part, &readings, &compose, &outer, None)?
         } else {
             let compose = |x: &InertialParameters| [*x, outer];
-            let part = Part::Inner(joint);
+            let part = Searched::Inner(joint);
             let inner = self.two_body(part, &readings, &compose, &inner, None)?;
             self.found.total = Some(sum(&inner, &transported(&outer, &R, &p), 1.0));
             return Ok(outer);
@@ -351,7 +347,7 @@ impl Work<'_> {
             Order::Outward => {
                 let nominal = self.composite(0, |b| !self.carries(child, b));
                 let compose = |x: &InertialParameters| [*x, rest(x)];
-                let part = Part::Inner(joint);
+                let part = Searched::Inner(joint);
                 let inner = self.two_body(part, &readings, &compose, &nominal, Some(total.mass))?;
                 Ok(rest(&inner))
             }
@@ -359,7 +355,7 @@ impl Work<'_> {
                 let nominal = self.composite(child, |b| self.carries(child, b));
                 let compose =
                     |x: &InertialParameters| [sum(&total, &transported(x, &R, &p), -1.0), *x];
-                let part = Part::Outer(joint);
+                let part = Searched::Outer(joint);
                 self.two_body(part, &readings, &compose, &nominal, Some(total.mass))
             }
         }
@@ -383,7 +379,7 @@ impl Work<'_> {
         }
         let compose = |x: &InertialParameters| [InertialParameters::ZERO, *x];
         let nominal = self.found.bodies[body];
-        let part = Part::Body(body);
+        let part = Searched::Body(body);
         self.found.bodies[body] = self.two_body(part, &readings, &compose, &nominal, None)?;
         Ok(())
     }
@@ -391,7 +387,7 @@ impl Work<'_> {
     /// Solves (49) for one side, by the swarm or linearly. Readings per segment.
     fn two_body(
         &mut self,
-        part: Part,
+        part: Searched,
         readings: &[(usize, Vec<TwoBodyReading>)],
         compose: &dyn Fn(&InertialParameters) -> [InertialParameters; 2],
         nominal: &InertialParameters,
@@ -439,11 +435,11 @@ impl Work<'_> {
     /// Directions that some motion of the joint shows: three of ten are hidden for a revolute one.
     fn seen(
         &self,
-        part: Part,
+        part: Searched,
         compose: &dyn Fn(&InertialParameters) -> [InertialParameters; 2],
         natural: &[f64; 10],
     ) -> Option<faer::Mat<f64>> {
-        let (Part::Inner(joint) | Part::Outer(joint)) = part else {
+        let (Searched::Inner(joint) | Searched::Outer(joint)) = part else {
             return None;
         };
         let child = self.child(joint);
@@ -482,7 +478,7 @@ impl Work<'_> {
     /// The linear solution, or the swarm's beside it.
     fn finish(
         &mut self,
-        part: Part,
+        part: Searched,
         name: String,
         linear: Answer<MassProperties>,
         objective: &dyn Objective,
@@ -660,12 +656,12 @@ impl Work<'_> {
         (0..self.roles.unknown.len()).all(|b| !among(b) || !self.roles.unknown[b])
     }
 
-    fn rest_mass(&self, part: Part) -> f64 {
+    fn rest_mass(&self, part: Searched) -> f64 {
         let takes = |b: usize| match part {
-            Part::Single => false,
-            Part::Inner(j) => self.carries(self.child(j), b),
-            Part::Outer(j) => !self.carries(self.child(j), b),
-            Part::Body(body) => b != body,
+            Searched::Single => false,
+            Searched::Inner(j) => self.carries(self.child(j), b),
+            Searched::Outer(j) => !self.carries(self.child(j), b),
+            Searched::Body(body) => b != body,
         };
         self.composite(0, takes).mass
     }
@@ -721,13 +717,13 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn words(&self, part: Part) -> String {
+    fn words(&self, part: Searched) -> String {
         let joint = |j| joint_name(self.problem, j);
         match part {
-            Part::Single => "equivalent single body".to_owned(),
-            Part::Inner(j) => format!("base side of {}", joint(j)),
-            Part::Outer(j) => format!("tip side of {}", joint(j)),
-            Part::Body(b) => self.problem.model.bodies[b].name.clone(),
+            Searched::Single => "equivalent single body".to_owned(),
+            Searched::Inner(j) => format!("base side of {}", joint(j)),
+            Searched::Outer(j) => format!("tip side of {}", joint(j)),
+            Searched::Body(b) => self.problem.model.bodies[b].name.clone(),
         }
     }
 }

@@ -47,8 +47,8 @@ impl Default for Swarm {
     fn default() -> Self {
         Self {
             particles: 50,
-            iterations: 3000,
-            weight: [0.9, 0.4],
+            iterations: 4000,
+            weight: [0.8, 0.6],
             attraction: [1.49445, 1.49445],
             patience: 400,
             seed: 0,
@@ -76,6 +76,11 @@ impl Range {
 
     fn width(&self, d: usize) -> f64 {
         self.high[d] - self.low[d]
+    }
+
+    /// Whether a position lies inside.
+    pub fn holds(&self, x: &Particle) -> bool {
+        (0..10).all(|d| x[d] >= self.low[d] && x[d] <= self.high[d])
     }
 
     /// Coordinates that lie on a bound of the range.

@@ -4,7 +4,7 @@ use super::identify::COORDINATES;
 use super::roles::{joint_name, roles};
 use super::sequence::{Found, StepReport};
 use super::single_body::Form;
-use super::{Order, Part, Variant};
+use super::{Order, Searched, Variant};
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use poinsot_dynamics::Kinematics;
@@ -52,7 +52,7 @@ fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
     let Ok(roles) = roles(problem) else {
         return Vec::new();
     };
-    let Some(step) = found.steps.iter().find(|s| s.part == Part::Single) else {
+    let Some(step) = found.steps.iter().find(|s| s.part == Searched::Single) else {
         return Vec::new();
     };
     let model = problem.model;
@@ -148,10 +148,15 @@ fn search(step: &StepReport) -> Option<String> {
     }
     if !step.arrived() {
         return Some(format!(
-            "{}: the swarm stopped at a cost of {:.1e} after {} iterations; the linear solution of the same equations leaves {:.1e}",
+            "{}: the swarm stopped at a cost of {:.1e} after {} iterations{}; the linear solution of the same equations leaves {:.1e}: its numbers are withheld; use --variant linear",
             step.name,
             flight.cost,
             flight.history.len() - 1,
+            if touched.is_empty() {
+                ""
+            } else {
+                ", caught on a bound of its range"
+            },
             step.cost_linear
         ));
     }
