@@ -171,7 +171,9 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
                     body: 1,
                     p_BoS_B: Vector3::new(0.3, 0.1, -0.1),
                     covariance: Matrix3::identity() * 1.0e-2,
-                    readings: (1..samples).map(|k| reading(k - 1, k, wave(k, 4.0))).collect(),
+                    readings: (1..samples)
+                        .map(|k| reading(k - 1, k, wave(k, 4.0)))
+                        .collect(),
                 },
             ],
             joint_position,

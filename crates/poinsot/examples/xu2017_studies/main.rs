@@ -1,36 +1,59 @@
-//! tuning
+//! The studies of Xu, Hu, Zhang and Liang 2017: tables, figures, uses, sensitivity.
+//!
+//! `cargo run --release -p poinsot --example xu2017_studies -- STUDY [OUT_DIR]`
 #![allow(non_snake_case, missing_docs, clippy::expect_used)]
+
+mod figures;
+#[allow(dead_code)]
+mod null;
+mod printed;
+#[allow(dead_code)]
 mod setup;
-use poinsot_identify::methods::xu2017::*;
-fn main() {
-    let a: Vec<f64> = std::env::args()
-        .skip(1)
-        .filter_map(|s| s.parse().ok())
-        .collect();
-    let d = setup::data(&setup::ALL);
-    let mut solver = Solver {
-        kind: Kind::Swarm,
-        ..Solver::default()
+#[allow(dead_code)]
+mod studies;
+#[allow(dead_code)]
+#[path = "../kim2010_studies/svg.rs"]
+mod svg;
+mod tables;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+const USAGE: &str =
+    "xu2017_studies STUDY [OUT_DIR]\n  STUDY: tables | figures | uses | target | sensitivity | all";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let (study, out) = match words.as_slice() {
+        [study] => (*study, Path::new(".")),
+        [study, out] => (*study, Path::new(*out)),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
     };
-    solver.swarm.weight = [a[0], a[1]];
-    solver.swarm.attraction = [a[2], a[3]];
-    solver.swarm.iterations = a[4] as usize;
-    solver.share = a[5];
-    let t = std::time::Instant::now();
-    for order in [Order::Outward, Order::Inward] {
-        for seed in 0..a[6] as u64 {
-            solver.swarm.seed = seed;
-            let f = sequence(&d.problem(), order, &solver).expect("ok");
-            let line: Vec<String> = f
-                .steps
-                .iter()
-                .map(|s| {
-                    let (fl, _) = s.flight.as_ref().unwrap();
-                    format!("{:.0e}/{}/{}", fl.cost, fl.on_bound.len(), fl.history.len())
-                })
-                .collect();
-            println!("{}", line.join("  "));
+    if let Err(e) = std::fs::create_dir_all(out) {
+        eprintln!("{}: {e}", out.display());
+        return ExitCode::from(3);
+    }
+    match study {
+        "tables" => tables::run(tables::SEEDS),
+        "figures" => figures::run(out),
+        "uses" => studies::uses(),
+        "target" => studies::target(),
+        "sensitivity" => studies::sensitivity(),
+        "all" => {
+            tables::run(tables::SEEDS);
+            figures::run(out);
+            studies::uses();
+            studies::target();
+            studies::sensitivity();
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
         }
     }
-    println!("{:?}", t.elapsed());
+    ExitCode::SUCCESS
 }

@@ -92,3 +92,29 @@ pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
         I_BBcm_B: c.I_SScm_B(),
     }
 }
+
+/// The example's model with the true numbers as nominal ones, every body unknown.
+pub fn all_unknown(example: &Model) -> Model {
+    let mut model = example.clone();
+    for (body, pi) in model.bodies.iter_mut().zip(truth()) {
+        body.nominal = pi.mass_properties().unwrap_or(MassProperties::ZERO);
+    }
+    model
+}
+
+/// Every n-th sample.
+pub fn thinned(mut tables: Vec<Table>, every: usize) -> Vec<Table> {
+    for channel in tables.iter_mut().flat_map(|t| &mut t.channels) {
+        channel.time_s = channel.time_s.iter().copied().step_by(every).collect();
+        channel.values = channel.values.iter().copied().step_by(every).collect();
+    }
+    tables
+}
+
+/// The value below which a share of the list lies.
+pub fn fraction(list: &[f64], share: f64) -> f64 {
+    let mut sorted = list.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = share * (sorted.len().max(1) - 1) as f64;
+    sorted.get(at.round() as usize).copied().unwrap_or(f64::NAN)
+}
