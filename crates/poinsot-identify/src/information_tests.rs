@@ -171,7 +171,9 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
                     body: 1,
                     p_BoS_B: Vector3::new(0.3, 0.1, -0.1),
                     covariance: Matrix3::identity() * 1.0e-2,
-                    readings: (1..samples).map(|k| reading(k - 1, k, wave(k, 4.0))).collect(),
+                    readings: (1..samples)
+                        .map(|k| reading(k - 1, k, wave(k, 4.0)))
+                        .collect(),
                 },
             ],
             joint_position,
@@ -180,6 +182,7 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
                 .map(|k| 20.0 + 3.0 * k as f64)
                 .collect(),
         },
+        accelerations: None,
         firings: vec![Firing {
             thruster: 0,
             start_s: 0.4,

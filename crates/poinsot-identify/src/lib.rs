@@ -20,6 +20,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
 mod linear;
@@ -66,5 +67,5 @@ pub use prediction::{
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

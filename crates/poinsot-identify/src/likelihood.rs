@@ -9,11 +9,11 @@ use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Noise, Segment};
 use crate::vehicle::Vehicle;
 use nalgebra::{Cholesky, Matrix6};
-use point_rows::PointCompare;
-pub(crate) use point_rows::perfect;
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
+use point_rows::PointCompare;
+pub(crate) use point_rows::perfect;
 
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 #[derive(Debug, Clone, Copy, PartialEq)]

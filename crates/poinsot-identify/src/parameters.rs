@@ -457,11 +457,7 @@ impl Parameters {
                 }
             }
             let fault = Fault::Lag;
-            self.add_lag(
-                of.lag,
-                UnknownKind::Instrument { sensor, fault },
-                &of.name,
-            );
+            self.add_lag(of.lag, UnknownKind::Instrument { sensor, fault }, &of.name);
         }
     }
 

@@ -16,9 +16,9 @@ use crate::parameters::Parameters;
 use crate::problem::{Problem, ProblemError};
 use crate::segment::{Firing, Segment};
 use crate::vehicle::Vehicle;
-use points::PointCurves;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_spatial::{UnitQuaternion, Vector3};
+use points::PointCurves;
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;

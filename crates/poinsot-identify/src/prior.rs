@@ -1,7 +1,7 @@
 //! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
 
-use crate::point_sensor::Fault;
 use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::point_sensor::Fault;
 use crate::problem::Problem;
 use crate::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};

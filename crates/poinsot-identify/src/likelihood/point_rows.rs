@@ -3,7 +3,9 @@
 use super::{ACCELEROMETER, Compare, INCREMENT};
 use crate::motion::{Instant, Motion, Point, State, matrix};
 use crate::parameters::{Parameters, UnknownKind};
-use crate::point_sensor::{Fault, InstrumentErrors, PointKind, PointReading, PointReadings, fault_of};
+use crate::point_sensor::{
+    Fault, InstrumentErrors, PointKind, PointReading, PointReadings, fault_of,
+};
 use crate::segment::Segment;
 use crate::vehicle::{Vehicle, parabola_slope};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -179,13 +181,20 @@ impl Compare<'_> {
         let residual = reading.value - errors.reading(&force.value, &rate);
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
         self.three(ACCELEROMETER, &covariance, &residual, |j| {
-            let fault = j.checked_sub(head).and_then(|u| fault_of(&kinds[u].kind, p.sensor));
+            let fault = j
+                .checked_sub(head)
+                .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
             let own = force.columns.get(j).copied().unwrap_or_default();
             errors.change(&force.value, &rate, &own, fault)
         });
     }
 
-    fn increment_rows(&mut self, now: &Velocity, (i, p): (usize, &PointReadings), reading: &PointReading) {
+    fn increment_rows(
+        &mut self,
+        now: &Velocity,
+        (i, p): (usize, &PointReadings),
+        reading: &PointReading,
+    ) {
         let one = &self.points.all[i];
         let Some(began) = one.began.as_ref().filter(|v| v.at == reading.from) else {
             return;
@@ -204,7 +213,9 @@ impl Compare<'_> {
             .collect();
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
         self.three(INCREMENT, &covariance, &residual, |j| {
-            let fault = j.checked_sub(head).and_then(|u| fault_of(&kinds[u].kind, p.sensor));
+            let fault = j
+                .checked_sub(head)
+                .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
             let own = columns.get(j).copied().unwrap_or_default();
             errors.change(&increment, &rate, &own, fault)
         });

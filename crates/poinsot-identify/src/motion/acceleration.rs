@@ -116,7 +116,11 @@ impl Motion<'_> {
 
     /// The velocity of a point in N, in base axes, with its change per column (a turn of the base included:
     /// `R (v)` moves by `R (dphi x v)`).
-    pub fn point_velocity_columns(&mut self, twist: &Twist, point: &Point) -> (Vector3, Vec<Vector3>) {
+    pub fn point_velocity_columns(
+        &mut self,
+        twist: &Twist,
+        point: &Point,
+    ) -> (Vector3, Vec<Vector3>) {
         let (velocity, r) = self.point_velocity(twist, point);
         let mut columns: Vec<Vector3> = self
             .columns
@@ -390,7 +394,8 @@ impl Motion<'_> {
                 &there.wheels,
                 &there.wheel_rates,
             );
-            balance += (stack(&force, &torque) - self.thrust_at(&moving.kinematics, &there)) * weight;
+            balance +=
+                (stack(&force, &torque) - self.thrust_at(&moving.kinematics, &there)) * weight;
             for ((body, p), own) in points.iter().zip(&mut own) {
                 *own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
             }
@@ -448,10 +453,22 @@ fn joint_acceleration(o: &Observations, dof: usize, joint: usize, k: usize) -> f
     let (h2, u2, w2) = row(k + 1);
     // Each side gives u = a + b h + c h^2 + e h^3 and w = 2 a + 3 b h + 4 c h^2 + 5 e h^3.
     let system = nalgebra::Matrix4::new(
-        1.0, h1, h1 * h1, h1.powi(3),
-        2.0, 3.0 * h1, 4.0 * h1 * h1, 5.0 * h1.powi(3),
-        1.0, h2, h2 * h2, h2.powi(3),
-        2.0, 3.0 * h2, 4.0 * h2 * h2, 5.0 * h2.powi(3),
+        1.0,
+        h1,
+        h1 * h1,
+        h1.powi(3),
+        2.0,
+        3.0 * h1,
+        4.0 * h1 * h1,
+        5.0 * h1.powi(3),
+        1.0,
+        h2,
+        h2 * h2,
+        h2.powi(3),
+        2.0,
+        3.0 * h2,
+        4.0 * h2 * h2,
+        5.0 * h2.powi(3),
     );
     let scale = 0.5 * (h2 - h1);
     let columns = nalgebra::Matrix4::from_diagonal(&nalgebra::Vector4::new(
