@@ -7,10 +7,12 @@
 
 mod acceleration;
 mod attitude_control;
+mod gravity_gradient;
 mod integrate;
 mod joint_motion;
 mod kinematics;
 mod momentum;
+mod orbit;
 mod piecewise;
 mod plan;
 mod prescribed;
@@ -27,6 +29,7 @@ pub use acceleration::Accelerations;
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
 };
+pub use gravity_gradient::gravity_gradient_torque;
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
@@ -34,6 +37,7 @@ pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
 };
+pub use orbit::orbit_state;
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};

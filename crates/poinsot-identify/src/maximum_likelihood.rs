@@ -46,7 +46,9 @@ pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate
 pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
-        Ok(solved) if solved.parameters.equations == Equations::Rotation && problem.sees_points() => {
+        Ok(solved)
+            if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
+        {
             // The linear method sees rotation alone; an accelerometer sees the mass centre too.
             let parameters = problem.likelihood_parameters()?;
             let lifted = lifted(solved, &parameters);
