@@ -368,6 +368,9 @@ fn unknown(model: &Model) -> Vec<String> {
     for thruster in &model.thrusters {
         add(&thruster.name, "scale", thruster.scale);
     }
+    for wheel in &model.wheels {
+        add(&wheel.name, "misalignment", wheel.misalignment);
+    }
     for sensor in &model.sensors {
         add(&sensor.name, "bias", sensor.bias);
         add(&sensor.name, "scale", sensor.scale);
@@ -378,6 +381,11 @@ fn unknown(model: &Model) -> Vec<String> {
         "environment",
         "disturbance torque",
         model.environment.disturbance_torque,
+    );
+    add(
+        "environment",
+        "disturbance torque in inertial axes",
+        model.environment.disturbance_torque_inertial,
     );
     add("environment", "drag torque", model.environment.drag_torque);
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
