@@ -42,6 +42,9 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
+pub use diagnosis::{
+    ChannelDiagnosis, Diagnostics, Fault, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
+};
 pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,

@@ -499,7 +499,12 @@ impl<'a> Motion<'a> {
                     dT += force.arm_B.cross(&force.per_scale_B);
                 }
             }
-            let (dP, dH) = (R * dF, R * dT);
+            let (mut dP, mut dH) = (R * dF, R * dT);
+            match kind {
+                Some(UnknownKind::InertialTorque(k)) => dH[*k] += 1.0,
+                Some(UnknownKind::InertialForce(k)) => dP[*k] += 1.0,
+                _ => {}
+            }
             slope.fixed_rows_mut::<3>(6).copy_from(&dP);
             slope.fixed_rows_mut::<3>(9).copy_from(&dH);
         }

@@ -50,6 +50,10 @@ pub enum UnknownKind {
     DisturbanceTorque(usize),
     /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
     DragTorque(usize),
+    /// Component in N of a constant torque about the mass centre, N m: momentum that drifts. Only tested for.
+    InertialTorque(usize),
+    /// Component in N of a constant force, N. Only tested for.
+    InertialForce(usize),
     /// Error of a joint's reading while it rests, rad or m: rounding that stays as long as the joint does.
     RestingJoint(Rest),
 }
@@ -77,6 +81,8 @@ impl UnknownKind {
                 | Self::AttitudeLag
                 | Self::DisturbanceTorque(_)
                 | Self::DragTorque(_)
+                | Self::InertialTorque(_)
+                | Self::InertialForce(_)
                 | Self::RestingJoint(_)
         )
     }
