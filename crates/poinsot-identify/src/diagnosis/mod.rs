@@ -9,6 +9,7 @@ mod candidates;
 mod channels;
 mod drift;
 mod findings;
+mod gross;
 mod line;
 mod projected;
 mod suspects;
@@ -70,6 +71,9 @@ pub(crate) fn diagnose(
                 out.drift.extend(drift::drift(label, &candidates, &alone, per_number));
             }
         }
+    }
+    if let Some(mistake) = gross::gross(experiment, fitted, excess, per_number) {
+        out.suspects.insert(0, mistake);
     }
     if misfit {
         out.lines = line::spectral_lines(experiment, fitted);
