@@ -7,7 +7,9 @@
 
 mod xu_arm;
 
-use poinsot_dynamics::{Kinematics, Tree, composite, momentum, momentum_regressor};
+use poinsot_dynamics::{
+    ForwardDynamics, JointInput, Kinematics, Tree, composite, momentum, momentum_regressor,
+};
 use poinsot_spatial::{InertialParameters, Vector6};
 use std::hint::black_box;
 use std::time::Instant;
@@ -60,6 +62,17 @@ fn main() {
         kinematics.place(&tree, &s.q);
         kinematics.set_velocities(&tree, &s.v, &s.w, &s.rates);
         black_box(momentum(&parameters, &kinematics));
+    });
+    let mut dynamics = ForwardDynamics::new(&tree);
+    let mut found = [0.0; 6];
+    let inputs = [1.0, -0.8, 0.6, 0.1, -0.05, 0.02].map(JointInput::Force);
+    measure("forward_dynamics", || {
+        let s = black_box(&states[next()]);
+        kinematics.place(&tree, &s.q);
+        kinematics.set_velocities(&tree, &s.v, &s.w, &s.rates);
+        dynamics.set_bodies(&tree, &parameters, &kinematics);
+        let _ = dynamics.solve(&tree, &kinematics, &s.rates, &inputs, &mut found);
+        black_box(&mut found);
     });
     measure("composite", || {
         let s = black_box(&states[next()]);

@@ -26,6 +26,7 @@ mod maximum_likelihood;
 pub mod methods;
 mod motion;
 mod parameters;
+mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
@@ -57,6 +58,7 @@ pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
+pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted,

@@ -1,5 +1,6 @@
 //! One stretch of telemetry, aligned on the gyro's times: what the linear rung needs.
 
+use crate::point_sensor::PointReadings;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of one segment at common times. All arrays have one entry per time unless said otherwise.
@@ -63,6 +64,8 @@ pub struct Observations {
     pub velocity_arm_B: Vector3,
     /// Place of the position sensor from the base origin, in B, m.
     pub position_arm_B: Vector3,
+    /// Accelerometers and velocity increments.
+    pub points: Vec<PointReadings>,
     /// Joint positions, rad or m; one row of `dof` per time.
     pub joint_position: Vec<f64>,
     /// Joint rates, rad/s or m/s; one row of `dof` per time.

@@ -6,6 +6,7 @@ mod channels;
 mod motion;
 mod noise;
 mod observe;
+mod points;
 mod thrust;
 
 pub use channels::wanted_channels;
@@ -89,6 +90,7 @@ pub struct Bound {
 /// A channel or a noise that is needed is missing.
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
     refuse_unsupported(model)?;
+    points::check_points(model, tables)?;
     let mut repairs = Vec::new();
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
@@ -111,11 +113,11 @@ fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
     let elsewhere = model
         .sensors
         .iter()
-        .find(|s| s.body != 0 && !s.kind.is_scalar());
+        .find(|s| s.body != 0 && !s.kind.is_scalar() && points::point_kind(s.kind).is_none());
     if let Some(sensor) = elsewhere {
         return Err(BindError::Unsupported {
             what: format!(
-                "sensor '{}' sits on body '{}'; the linear method uses sensors of the base '{}' only: move it or leave it out",
+                "sensor '{}' sits on body '{}'; of links only accelerometers and velocity increments are used, all else is read on the base '{}': move it or leave it out",
                 sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
             ),
         });
