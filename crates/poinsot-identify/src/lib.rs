@@ -10,6 +10,7 @@ mod answer_momentum;
 mod block_qr;
 mod bound;
 mod combination;
+mod deviance;
 mod diagnosis;
 mod double_double;
 mod estimate;
@@ -44,7 +45,7 @@ pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use diagnosis::{
-    ChannelDiagnosis, Diagnostics, Fault, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
 };
 pub use double_double::DoubleDouble;
 pub use estimate::{

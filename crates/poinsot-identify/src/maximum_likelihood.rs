@@ -6,7 +6,7 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
-use crate::diagnosis::{Diagnostics, Fault, diagnose, whiteness};
+use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::information::{Experiment, Point};
@@ -56,6 +56,7 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     };
     let mut parameters = parameters;
     parameters.add_resting_joints(problem.segments, problem.noise);
+    parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = loss;
@@ -213,7 +214,7 @@ pub(crate) fn conclude(
         iterations: fitted.iterations,
         settled: fitted.settled,
         warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
-        not_rigid: found.findings.iter().any(|f| f.fault == Fault::NotRigid),
+        not_rigid: found.findings.iter().any(|f| f.fault == FaultKind::NotRigid),
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,

@@ -1,6 +1,6 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
-use crate::parameters::{Parameters, Rest, UnknownKind};
+use crate::parameters::{Gust, Parameters, Rest, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
@@ -27,6 +27,8 @@ pub(crate) struct Vehicle<'a> {
     pub wheels_smooth: bool,
     /// Whether each joint's readings are noisy; empty where all are exact.
     pub noisy_joints: Vec<bool>,
+    /// Random torques.
+    pub gusts: Vec<(Gust, f64)>,
     /// Errors of the readings of joints at rest.
     pub rests: Vec<(Rest, f64)>,
 }
@@ -66,6 +68,15 @@ impl<'a> Vehicle<'a> {
             drag,
             wheels_smooth: false,
             noisy_joints: Vec::new(),
+            gusts: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .filter_map(|(u, value)| match u.kind {
+                    UnknownKind::RandomTorque(gust) => Some((gust, *value)),
+                    _ => None,
+                })
+                .collect(),
             rests: parameters
                 .unknowns
                 .iter()

@@ -13,6 +13,7 @@ const SIGNIFICANT: f64 = 1.0e-4;
 pub(crate) struct DiagnosticsFile {
     chi2: Option<f64>,
     dof: usize,
+    deviance: Option<f64>,
     excess_sigmas: Option<f64>,
     channels: BTreeMap<String, ChannelFile>,
     momentum_drift: Vec<DriftFile>,
@@ -90,6 +91,7 @@ impl DiagnosticsFile {
         Self {
             chi2: finite(d.chi2),
             dof: d.dof,
+            deviance: finite(d.deviance),
             excess_sigmas: finite(d.excess_sigmas),
             channels: d.channels.iter().map(channel).collect(),
             momentum_drift: d.drift.iter().map(drift).collect(),

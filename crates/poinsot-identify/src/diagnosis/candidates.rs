@@ -1,6 +1,6 @@
 //! Everything that may be wrong and was not unknown: each candidate is a group of unknowns.
 
-use super::types::Fault;
+use super::types::FaultKind;
 use crate::information::Experiment;
 use crate::likelihood::Sight;
 use crate::parameters::{Unknown, UnknownKind, axis_name};
@@ -10,7 +10,7 @@ use poinsot_model::SensorKind;
 pub(super) struct Candidate {
     /// What it would be called.
     pub name: String,
-    pub fault: Fault,
+    pub fault: FaultKind,
     pub unknowns: Vec<Unknown>,
 }
 
@@ -60,17 +60,17 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
     vec![
         new(
             "a bias of the gyro",
-            Fault::GyroBias,
+            FaultKind::GyroBias,
             triple(UnknownKind::GyroBias, &format!("{gyro}.bias"), "rad/s"),
         ),
         new(
             "a scale error of the gyro",
-            Fault::GyroScale,
+            FaultKind::GyroScale,
             triple(UnknownKind::GyroScale, &format!("{gyro}.scale"), "1"),
         ),
         new(
             "a misalignment of the gyro",
-            Fault::GyroMisalignment,
+            FaultKind::GyroMisalignment,
             triple(
                 UnknownKind::GyroMisalignment,
                 &format!("{gyro}.misalignment"),
@@ -79,12 +79,12 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
         ),
         new(
             "a lag of the gyro",
-            Fault::Lag,
+            FaultKind::Lag,
             vec![unknown(UnknownKind::GyroLag, format!("{gyro}.lag"), "s")],
         ),
         new(
             "a lag of the attitude",
-            Fault::Lag,
+            FaultKind::Lag,
             vec![unknown(
                 UnknownKind::AttitudeLag,
                 format!("{tracker}.lag"),
@@ -101,22 +101,22 @@ fn of_surroundings() -> Vec<Candidate> {
     vec![
         Candidate {
             name: "a constant torque of the surroundings".to_owned(),
-            fault: Fault::Torque,
+            fault: FaultKind::Torque,
             unknowns: triple(UnknownKind::DisturbanceTorque, "environment.torque", "N m"),
         },
         Candidate {
             name: "drag".to_owned(),
-            fault: Fault::Drag,
+            fault: FaultKind::Drag,
             unknowns: triple(UnknownKind::DragTorque, "environment.drag", "kg m2"),
         },
         Candidate {
             name: "a drift of the angular momentum".to_owned(),
-            fault: Fault::MomentumDrift,
+            fault: FaultKind::MomentumDrift,
             unknowns: drift,
         },
         Candidate {
             name: "a drift of the linear momentum".to_owned(),
-            fault: Fault::MomentumDrift,
+            fault: FaultKind::MomentumDrift,
             unknowns: force,
         },
     ]
@@ -134,7 +134,7 @@ fn of_actuators(experiment: &Experiment) -> Vec<Candidate> {
         (spin.nominal, spin.natural) = (wheel.spin_inertia, wheel.spin_inertia);
         list.push(Candidate {
             name: format!("another spin inertia of {}", wheel.name),
-            fault: Fault::WheelScale,
+            fault: FaultKind::WheelScale,
             unknowns: vec![spin],
         });
     }
@@ -142,7 +142,7 @@ fn of_actuators(experiment: &Experiment) -> Vec<Candidate> {
         let name = format!("{}.scale", thruster.name);
         list.push(Candidate {
             name: format!("another thrust of {}", thruster.name),
-            fault: Fault::Thrust,
+            fault: FaultKind::Thrust,
             unknowns: vec![unknown(UnknownKind::ThrusterScale(k), name, "1")],
         });
     }

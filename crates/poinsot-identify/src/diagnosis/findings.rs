@@ -1,7 +1,7 @@
 //! What the evidence means, in words, the most important first.
 
 use super::EXCESS;
-use super::types::{ChannelDiagnosis, Diagnostics, Fault, Finding};
+use super::types::{ChannelDiagnosis, Diagnostics, FaultKind, Finding};
 
 /// Share of outliers worth a word.
 const OUTLIER_SHARE: f64 = 1.0e-3;
@@ -18,7 +18,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
         if let Some(text) = outliers(channel) {
             let numbers = 3.0 * channel.readings as f64;
             let over = (channel.chi2_per_number - channel.typical_chi2_per_number.max(1.0)) * numbers;
-            list.push((over / excess, finding(Fault::Outliers, text)));
+            list.push((over / excess, finding(FaultKind::Outliers, text)));
         }
     }
     if let Some(best) = d.suspects.first() {
@@ -40,7 +40,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
                 line.frequency_hz,
                 100.0 * line.share
             );
-            list.push((CAUSE, finding(Fault::NotRigid, text)));
+            list.push((CAUSE, finding(FaultKind::NotRigid, text)));
         }
     }
     if misfit {
@@ -52,14 +52,14 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
                 "chi-square lies {:.0} standard deviations above what the declared noise allows, and no known fault explains it",
                 d.excess_sigmas
             );
-            list.push((0.0, finding(Fault::Unexplained, text)));
+            list.push((0.0, finding(FaultKind::Unexplained, text)));
         }
     }
     list.sort_by(|a, b| b.0.total_cmp(&a.0));
     list.into_iter().map(|(_, f)| f).collect()
 }
 
-fn finding(fault: Fault, text: String) -> Finding {
+fn finding(fault: FaultKind, text: String) -> Finding {
     Finding { fault, text }
 }
 
@@ -94,7 +94,7 @@ fn too_large(c: &ChannelDiagnosis, excess: f64, caused: bool) -> Option<(f64, Fi
         true => (
             share,
             finding(
-                Fault::NoiseUnderstated,
+                FaultKind::NoiseUnderstated,
                 format!(
                     "the noise of the {} is {:.2} times the declared one: the residual is white, so it is the declaration that is wrong",
                     c.name,
@@ -105,7 +105,7 @@ fn too_large(c: &ChannelDiagnosis, excess: f64, caused: bool) -> Option<(f64, Fi
         false => (
             0.0,
             finding(
-                Fault::Unexplained,
+                FaultKind::Unexplained,
                 format!(
                     "residual of the {} is {:.2} times its declared noise{}",
                     c.name,

@@ -1,7 +1,7 @@
 //! Gross mistakes: a sign, a unit. They put the fit so far off that no score of first order means anything, so
 //! each is tried by a fit of its own from the nominal numbers.
 
-use super::types::{Fault, Suspect};
+use super::types::{FaultKind, Suspect};
 use crate::fit::{Fitted, fit_from};
 use crate::information::Experiment;
 
@@ -67,8 +67,8 @@ fn cost(experiment: &Experiment, group: &[usize], factor: f64) -> Option<f64> {
 
 fn named(owner: &str, factor: f64, what: &str, decrease: f64, excess: f64) -> Suspect {
     let (fault, name) = match what {
-        "sign" => (Fault::WheelSign, format!("a wrong sign of {owner}")),
-        _ => (Fault::Units, format!("a wrong unit of {owner} ({what})")),
+        "sign" => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
+        _ => (FaultKind::Units, format!("a wrong unit of {owner} ({what})")),
     };
     Suspect {
         name,

@@ -17,7 +17,7 @@ mod types;
 
 pub(crate) use channels::whiteness;
 pub use types::{
-    ChannelDiagnosis, Diagnostics, Fault, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
 };
 
 use crate::block_qr::{BlockQr, Triangle};
@@ -46,6 +46,7 @@ pub(crate) fn diagnose(
     let mut out = Diagnostics {
         chi2,
         dof,
+        deviance: crate::deviance::deviance(experiment, fitted),
         excess_sigmas: excess / (2.0 * dof.max(1) as f64).sqrt(),
         channels: channels::channels(fitted),
         ..Diagnostics::default()

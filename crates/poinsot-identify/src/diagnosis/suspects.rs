@@ -2,7 +2,7 @@
 
 use super::candidates::Candidate;
 use super::projected::Projected;
-use super::types::{Fault, Suspect};
+use super::types::{FaultKind, Suspect};
 use crate::fit::{Fitted, fit_from};
 use crate::information::{Experiment, Point};
 use crate::parameters::UnknownKind;
@@ -119,24 +119,24 @@ fn name(experiment: &Experiment, suspect: &mut Suspect) {
     let model = experiment.problem.model;
     let near = |value: f64, wanted: f64| (value / wanted - 1.0).abs() < 0.2;
     match suspect.fault {
-        Fault::WheelScale => {
+        FaultKind::WheelScale => {
             let Some((owner, value, _)) = suspect.values.first() else { return };
             let wheel = model.wheels.iter().find(|w| *owner == format!("{}.spin_inertia", w.name));
             let Some(wheel) = wheel else { return };
             let ratio = value / wheel.spin_inertia;
             if near(ratio, -1.0) {
-                suspect.fault = Fault::WheelSign;
+                suspect.fault = FaultKind::WheelSign;
                 suspect.name = format!("a wrong sign of {}", wheel.name);
             } else if let Some((_, what)) = MISTAKEN.iter().find(|(f, _)| near(ratio, *f)) {
-                suspect.fault = Fault::Units;
+                suspect.fault = FaultKind::Units;
                 suspect.name = format!("a wrong unit of {} ({what})", wheel.name);
             }
         }
-        Fault::GyroScale => {
+        FaultKind::GyroScale => {
             for (factor, what) in MISTAKEN {
                 // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
                 if suspect.values.iter().all(|(_, s, _)| near(1.0 + s, 1.0 / factor)) {
-                    suspect.fault = Fault::Units;
+                    suspect.fault = FaultKind::Units;
                     suspect.name = format!("a wrong unit of the gyro ({what})");
                 }
             }

@@ -7,6 +7,9 @@ pub struct Diagnostics {
     pub chi2: f64,
     /// Readings less fitted numbers.
     pub dof: usize,
+    /// `-2 ln` of the restricted likelihood of the readings, up to a constant that no declaration of noise
+    /// changes: of two declarations the better has the lower one.
+    pub deviance: f64,
     /// How far chi-square lies above its expectation, in its own standard deviations.
     pub excess_sigmas: f64,
     /// One entry per kind of sensor, all segments together.
@@ -90,7 +93,7 @@ pub struct Suspect {
     /// Name, value, unit of its numbers.
     pub values: Vec<(String, f64, &'static str)>,
     /// What it is.
-    pub fault: Fault,
+    pub fault: FaultKind,
 }
 
 /// A line in the spectrum of a segment's gyro residual.
@@ -108,14 +111,14 @@ pub struct SpectralLine {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// What it is.
-    pub fault: Fault,
+    pub fault: FaultKind,
     /// In words, with the evidence.
     pub text: String,
 }
 
 /// Kinds of faults that the diagnosis can name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub enum FaultKind {
     /// Bias of the gyro.
     GyroBias,
     /// Scale error of the gyro.
@@ -148,7 +151,7 @@ pub enum Fault {
     Unexplained,
 }
 
-impl Fault {
+impl FaultKind {
     /// Name in the result file.
     pub fn name(self) -> &'static str {
         match self {

@@ -8,7 +8,8 @@ impl Motion<'_> {
     /// Torque of the surroundings about the system's mass centre, in B, N m.
     pub(super) fn surroundings(&self, state: &State, w: &Vector3, centre: &Centre) -> Vector3 {
         let _ = centre;
-        self.vehicle.torque(w) + state.R_NB.inverse() * self.vehicle.torque_N
+        let gust = self.gusts.get(self.now).copied().unwrap_or_default();
+        self.vehicle.torque(w) + state.R_NB.inverse() * (self.vehicle.torque_N + gust)
     }
 
     /// Its change with a turn `dphi` of the base, its rate `(w, dw)`, and one unknown.
@@ -24,7 +25,8 @@ impl Motion<'_> {
         let _ = centre;
         let kind = unknown.map(|u| &v.kinds[u]);
         let to_base = state.R_NB.inverse();
-        let inertial = to_base * v.torque_N;
+        let gust = self.gusts.get(self.now).copied().unwrap_or_default();
+        let inertial = to_base * (v.torque_N + gust);
         let mut change = v.torque_change(w, dw, kind) + inertial.cross(dphi);
         if let Some(UnknownKind::InertialTorque(k)) = kind {
             let mut e = Vector3::zeros();

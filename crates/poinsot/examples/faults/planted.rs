@@ -5,7 +5,7 @@ use poinsot::bind::bind;
 use poinsot::case::read_case;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Fault, Problem, maximum_likelihood};
+use poinsot_identify::{FaultKind, Problem, maximum_likelihood};
 use poinsot_model::{SensorKind, read_model};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, check_conventions};
@@ -70,16 +70,16 @@ impl Planted {
     }
 
     /// What the diagnosis should call it.
-    pub fn fault(self) -> Option<Fault> {
+    pub fn fault(self) -> Option<FaultKind> {
         match self {
             Self::Nothing => None,
-            Self::GyroScale => Some(Fault::GyroScale),
-            Self::WheelSign => Some(Fault::WheelSign),
-            Self::GyroLag | Self::TrackerLag => Some(Fault::Lag),
-            Self::GyroInDegrees | Self::WheelsInDegrees => Some(Fault::Units),
-            Self::Noise => Some(Fault::NoiseUnderstated),
-            Self::Thruster => Some(Fault::Thrust),
-            Self::Outliers => Some(Fault::Outliers),
+            Self::GyroScale => Some(FaultKind::GyroScale),
+            Self::WheelSign => Some(FaultKind::WheelSign),
+            Self::GyroLag | Self::TrackerLag => Some(FaultKind::Lag),
+            Self::GyroInDegrees | Self::WheelsInDegrees => Some(FaultKind::Units),
+            Self::Noise => Some(FaultKind::NoiseUnderstated),
+            Self::Thruster => Some(FaultKind::Thrust),
+            Self::Outliers => Some(FaultKind::Outliers),
         }
     }
 
@@ -242,7 +242,7 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, S
         if let Err(refusal) = check_conventions(table) {
             let text = refusal.to_string();
             // The check names the reading that fits best.
-            let name = if text.contains("deg/s") { Fault::Units.name() } else { "conventions" };
+            let name = if text.contains("deg/s") { FaultKind::Units.name() } else { "conventions" };
             return Ok(vec![(name.to_owned(), text)]);
         }
     }
