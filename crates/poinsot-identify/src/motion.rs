@@ -12,7 +12,7 @@ mod surroundings;
 
 pub(crate) use acceleration::Point;
 
-use crate::parameters::{Rest, UnknownKind};
+use crate::parameters::{Gust, Rest, UnknownKind};
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval};
 use inputs::{InputChange, OutsideChange};
@@ -60,6 +60,8 @@ pub(crate) struct Motion<'a> {
     pub columns: Vec<Column>,
     /// Index in `columns` of the first unknown.
     head: usize,
+    /// Random torque in the interval after each grid time, N, N m; empty where there is none.
+    gusts: Vec<Vector3>,
     /// Index of the segment, and grid time of the interval in hand.
     segment: usize,
     now: usize,
@@ -141,6 +143,7 @@ impl<'a> Motion<'a> {
                 twist_columns: vec![Vector6::zeros(); columns.len()],
             },
             head,
+            gusts: gusts(vehicle, index, o.time_s.len()),
             segment: index,
             now: 0,
             columns_wanted: columns.len(),
@@ -194,6 +197,10 @@ impl<'a> Motion<'a> {
 
     fn rests_now(&self, rest: &Rest) -> bool {
         rest.segment == self.segment && rest.span.0 <= self.now && self.now <= rest.span.1
+    }
+
+    fn blows(&self, gust: &Gust) -> bool {
+        gust.segment == self.segment && gust.span.0 <= self.now && self.now <= gust.span.1
     }
 
     fn fastest(&mut self, state: &State, k: usize) -> Option<f64> {
@@ -490,7 +497,12 @@ impl<'a> Motion<'a> {
                 dF += change.F_B;
                 dT += change.T_B;
             }
-            let (dP, dH) = (R * dF, R * dT);
+            let (mut dP, mut dH) = (R * dF, R * dT);
+            match kind {
+                Some(UnknownKind::InertialForce(k)) => dP[*k] += 1.0,
+                Some(UnknownKind::RandomTorque(gust)) if self.blows(gust) => dH[gust.axis] += 1.0,
+                _ => {}
+            }
             slope.fixed_rows_mut::<3>(6).copy_from(&dP);
             slope.fixed_rows_mut::<3>(9).copy_from(&dH);
         }
@@ -550,4 +562,16 @@ pub(crate) fn small_turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 
 /// Matrix of a unit quaternion.
 pub(crate) fn matrix(R: &UnitQuaternion) -> Matrix3 {
     *R.to_rotation_matrix().matrix()
+}
+
+/// Random torque in the interval after each grid time of a segment; empty where there is none.
+fn gusts(vehicle: &Vehicle, segment: usize, times: usize) -> Vec<Vector3> {
+    let mut all = Vec::new();
+    for (gust, value) in vehicle.gusts.iter().filter(|g| g.0.segment == segment) {
+        all.resize(times, Vector3::zeros());
+        for torque in all.iter_mut().take(gust.span.1 + 1).skip(gust.span.0) {
+            torque[gust.axis] += value;
+        }
+    }
+    all
 }

@@ -74,6 +74,10 @@ pub enum UnknownKind {
     ThrusterLag(Vec<usize>),
     /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
     WheelTilt(usize, usize),
+    /// Component in N of a constant force, N. Only tested for.
+    InertialForce(usize),
+    /// Component in N of a random torque about the mass centre during a stretch of time, N m.
+    RandomTorque(Gust),
     /// Error of a joint's reading while it rests, rad or m: rounding that stays as long as the joint does.
     RestingJoint(Rest),
 }
@@ -87,6 +91,17 @@ pub struct Rest {
     pub joint: usize,
     /// First and last grid time.
     pub span: (usize, usize),
+}
+
+/// A stretch of time in which the random torque is one number an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gust {
+    /// Index of the segment.
+    pub segment: usize,
+    /// First and last interval between grid times.
+    pub span: (usize, usize),
+    /// Axis of N.
+    pub axis: usize,
 }
 
 impl UnknownKind {
@@ -110,6 +125,8 @@ impl UnknownKind {
                 | Self::WheelLag(_)
                 | Self::ThrusterLag(_)
                 | Self::WheelTilt(..)
+                | Self::InertialForce(_)
+                | Self::RandomTorque(_)
                 | Self::RestingJoint(_)
         )
     }
@@ -462,6 +479,26 @@ impl Parameters {
         }
     }
 
+    /// Adds the random torque of the surroundings: one number an axis for every stretch of a correlation time.
+    pub fn add_random_torque(&mut self, model: &Model, segments: &[Segment]) {
+        let Some(random) = model.environment.random_torque else {
+            return;
+        };
+        for (at, segment) in segments.iter().enumerate() {
+            for span in stretches(&segment.observations.time_s, random.correlation_s) {
+                for axis in 0..3 {
+                    let gust = Gust {
+                        segment: at,
+                        span,
+                        axis,
+                    };
+                    let name = format!("random torque in segment {at} from {}", span.0);
+                    self.push(UnknownKind::RandomTorque(gust), name, "N m", 0.0, 1.0);
+                }
+            }
+        }
+    }
+
     fn add_axes(
         &mut self,
         declared: Nuisance,
@@ -653,6 +690,20 @@ fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {
 fn gradient_gm(model: &Model) -> Option<f64> {
     let around = &model.environment;
     around.point_mass_gm.filter(|_| around.gravity_gradient)
+}
+
+/// Intervals between grid times in stretches of half a correlation time, first and last of each: an even
+/// number of stretches in all would do, but a grid with gaps has no even ones.
+fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    for k in 0..time_s.len().saturating_sub(1) {
+        if time_s[k + 1] - time_s[from] >= 0.5 * correlation_s || k + 2 == time_s.len() {
+            found.push((from, k));
+            from = k + 1;
+        }
+    }
+    found
 }
 
 /// Samples in a row with one reading that make a rest.

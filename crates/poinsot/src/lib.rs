@@ -3,6 +3,7 @@
 
 pub mod bind;
 pub mod case;
+mod diagnostics_file;
 mod error;
 mod estimate_file;
 mod estimate_text;
