@@ -105,8 +105,8 @@ impl<'p> Prescribed<'p> {
     pub fn new(model: &Model, plan: &'p Plan, tolerance: Tolerance) -> Result<Self, MotionError> {
         let orbit = gravity_gradient(model)?;
         let tree = Tree::new(model);
-        count("joint motions", plan.joints.len(), tree.dof())?;
-        count("wheel motions", plan.wheels.len(), model.wheels.len())?;
+        MotionError::count("joint motions", plan.joints.len(), tree.dof())?;
+        MotionError::count("wheel motions", plan.wheels.len(), model.wheels.len())?;
         let spin_inertia: Vec<f64> = model.wheels.iter().map(|w| w.spin_inertia).collect();
         for (i, (wheel, js)) in plan.wheels.iter().zip(&spin_inertia).enumerate() {
             if matches!(wheel, WheelMotion::Torque { .. }) && (js.is_nan() || *js <= 0.0) {
@@ -159,13 +159,7 @@ impl<'p> Prescribed<'p> {
         times: &[f64],
         mut sink: impl FnMut(&MotionSample),
     ) -> Result<(), MotionError> {
-        let finite = |t: &[f64]| t[0] <= t[1] && t[1].is_finite();
-        if let Some(i) = times.windows(2).position(|t| !finite(t)) {
-            return Err(MotionError::Times(i + 1));
-        }
-        let Some(&first) = times.first().filter(|t| t.is_finite()) else {
-            return Err(MotionError::Times(0));
-        };
+        let first = MotionError::check_times(times)?;
         let stretches = Stretches::new(self.plan.breaks());
         let mut stage = Stage::new(self, stretches.of(first).0);
         let mut y = stage.start(start, first)?;
@@ -205,13 +199,26 @@ fn gravity_gradient(model: &Model) -> Result<Option<(f64, Orbit)>, MotionError> 
     }
 }
 
-fn count(what: &'static str, found: usize, expected: usize) -> Result<(), MotionError> {
-    if found == expected {
-        return Ok(());
+impl MotionError {
+    /// The plan must hold as many of something as the model.
+    pub(crate) fn count(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(Self::Plan {
+            what,
+            found,
+            expected,
+        })
     }
-    Err(MotionError::Plan {
-        what,
-        found,
-        expected,
-    })
+
+    /// The first of the output times, where they are finite and do not decrease.
+    pub(crate) fn check_times(times: &[f64]) -> Result<f64, Self> {
+        let finite = |t: &[f64]| t[0] <= t[1] && t[1].is_finite();
+        if let Some(i) = times.windows(2).position(|t| !finite(t)) {
+            return Err(Self::Times(i + 1));
+        }
+        let first = times.first().copied().filter(|t| t.is_finite());
+        first.ok_or(Self::Times(0))
+    }
 }

@@ -231,6 +231,7 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
                 .map(|k| 20.0 + 3.0 * k as f64)
                 .collect(),
         },
+        accelerations: None,
         firings: vec![Firing {
             thruster: 0,
             start_s: 0.4,

@@ -228,7 +228,7 @@ pub(crate) fn conclude(
     }
 }
 
-fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
+pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
     let count = 3.0 * channel.white.len().max(1) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {

@@ -213,15 +213,8 @@ impl Parameters {
             body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
             estimate: model.bodies.iter().map(|b| b.estimate).collect(),
             nominal_properties: properties,
-            wheel_axes: model
-                .wheels
-                .iter()
-                .map(|w| (w.axis_B, w.tilt_axes()))
-                .collect(),
-            gm: model
-                .environment
-                .point_mass_gm
-                .filter(|_| model.environment.gravity_gradient),
+            wheel_axes: wheel_axes(model),
+            gm: gradient_gm(model),
         };
         match equations {
             Equations::Momentum => {
@@ -237,6 +230,26 @@ impl Parameters {
             return Err(ParametersError::NothingUnknown);
         }
         Ok(parameters)
+    }
+
+    /// No mass property unknown: the bodies are as given, what remains are the nuisances that the model declares.
+    pub fn without_mass(model: &Model, tree: &Tree, bodies: &[InertialParameters]) -> Self {
+        let properties: Vec<MassProperties> = model.bodies.iter().map(|b| b.nominal).collect();
+        let mut parameters = Self {
+            equations: Equations::Momentum,
+            unknowns: Vec::new(),
+            mass_unknowns: 0,
+            known: bodies.to_vec(),
+            natural: natural_units(tree, &properties, bodies),
+            nominal: bodies.to_vec(),
+            body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
+            estimate: vec![EstimateSet::default(); model.bodies.len()],
+            nominal_properties: properties,
+            wheel_axes: wheel_axes(model),
+            gm: gradient_gm(model),
+        };
+        parameters.add_nuisances(model, tree);
+        parameters
     }
 
     fn push(
@@ -628,6 +641,18 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
             .map(|(k, &element)| (4 + k, shift[element])),
     );
     slope
+}
+
+/// Per wheel the spin axis and the two axes about which it may be tilted, in the host's axes.
+fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {
+    let wheels = model.wheels.iter();
+    wheels.map(|w| (w.axis_B, w.tilt_axes())).collect()
+}
+
+/// Gravitational parameter of the centre, m3/s2, where the gravity gradient is asked for.
+fn gradient_gm(model: &Model) -> Option<f64> {
+    let around = &model.environment;
+    around.point_mass_gm.filter(|_| around.gravity_gradient)
 }
 
 /// Samples in a row with one reading that make a rest.

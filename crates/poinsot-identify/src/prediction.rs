@@ -116,7 +116,7 @@ pub fn linear_predicted(
 }
 
 /// Empty where the vehicle cannot move as the answer says.
-fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
+pub(crate) fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
     let Some(evaluated) = experiment.evaluate(at, false) else {
         return Vec::new();
     };

@@ -77,6 +77,17 @@ pub struct Observations {
     pub wheel_speed: Vec<f64>,
 }
 
+/// Accelerations at the times of the samples: Xu 2017 alone uses them.
+#[derive(Debug, Clone, Default)]
+pub struct Accelerations {
+    /// Angular acceleration of the base, in B, rad/s2.
+    pub dw_NB_B: Vec<Vector3>,
+    /// Inertial acceleration of the sensor point, in B, m/s2; `None` without an accelerometer.
+    pub a_NS_B: Option<Vec<Vector3>>,
+    /// Sensor point from the base origin, in B, m.
+    pub p_BoS_B: Vector3,
+}
+
 /// One segment: its own initial momentum, the bodies shared with the others.
 #[derive(Debug, Clone, Default)]
 pub struct Segment {
@@ -88,6 +99,8 @@ pub struct Segment {
     pub observations: Observations,
     /// Thruster firings in order of their start.
     pub firings: Vec<Firing>,
+    /// Accelerations, where they are measured.
+    pub accelerations: Option<Accelerations>,
 }
 
 /// Declared noise of the measurements that enter the rows, one sample each, and the part of it that

@@ -110,6 +110,28 @@ pub struct Joint {
     pub axis_C: Vector3,
     /// Position where telemetry has no column for the joint, rad or m.
     pub locked_at: f64,
+    /// Spring and damper, where the joint has them. Only forward dynamics uses them: identification needs the
+    /// joint's motion and not what causes it.
+    pub spring_damper: Option<SpringDamper>,
+}
+
+/// A linear spring with a viscous damper in a joint: `-stiffness (q - rest) - damping q'` on the child.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SpringDamper {
+    /// Stiffness, N m/rad or N/m.
+    pub stiffness: f64,
+    /// Damping, N m s/rad or N s/m.
+    pub damping: f64,
+    /// Joint position at which the spring pulls nothing, rad or m.
+    pub rest: f64,
+}
+
+impl SpringDamper {
+    /// Torque, N m, or force, N, on the child at a joint position and rate.
+    #[inline]
+    pub fn effort(&self, position: f64, rate: f64) -> f64 {
+        -self.stiffness * (position - self.rest) - self.damping * rate
+    }
 }
 
 /// An axisymmetric rotor on a body, whose inertia contains the rotor as if locked.

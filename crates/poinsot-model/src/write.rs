@@ -107,6 +107,23 @@ fn write_joint(out: &mut String, model: &Model, joint: &Joint) {
         if joint.locked_at != 0.0 {
             line(out, locked_at, number(joint.locked_at));
         }
+        if let Some(spring) = &joint.spring_damper {
+            let keys = match joint.kind {
+                JointKind::Prismatic => ["stiffness_N_per_m", "damping_N_s_per_m", "rest_m"],
+                _ => ["stiffness_N_m_per_rad", "damping_N_m_s_per_rad", "rest_rad"],
+            };
+            let numbers = [spring.stiffness, spring.damping, spring.rest].map(number);
+            let entries: Vec<String> = keys
+                .iter()
+                .zip(&numbers)
+                .map(|(key, number)| format!("{key} = {number}"))
+                .collect();
+            line(
+                out,
+                "spring_damper",
+                format!("{{ {} }}", entries.join(", ")),
+            );
+        }
     }
 }
 

@@ -12,6 +12,7 @@ pub mod predict;
 pub mod report;
 pub mod simulate;
 pub mod trials;
+pub mod validate;
 
 pub use error::Error;
 pub use estimate_file::estimate_json;

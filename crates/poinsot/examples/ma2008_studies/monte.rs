@@ -139,6 +139,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             wheel_speed: Vec::new(),
         },
         firings: Vec::new(),
+        accelerations: None,
         observations: Observations {
             time_s: run.times.clone(),
             rate: raws.iter().map(|r| Some(r.w_NB_B)).collect(),

@@ -2,6 +2,7 @@
 //!
 //! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
 
+mod acceleration;
 mod channels;
 mod faults;
 mod motion;
@@ -11,6 +12,7 @@ mod orbit;
 mod points;
 mod thrust;
 
+pub use acceleration::acceleration_channels;
 pub use channels::wanted_channels;
 pub use noise::declared_noise;
 
@@ -166,12 +168,14 @@ fn bind_segment(
     let samples: Samples = aligned.take(&complete, tree);
     let firings = thrust::firings(model, &channels, &samples, repairs);
     let observations = observe::observe(model, tree, &channels, &samples, &firings);
+    let accelerations = acceleration::accelerations(model, &channels, &samples);
     Ok((
         Segment {
             label: label.clone(),
             samples,
             observations,
             firings,
+            accelerations,
         },
         lost as f64 / times.len() as f64,
     ))

@@ -120,6 +120,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
             R_PC_zero,
             axis_C,
             locked_at: 0.0,
+            spring_damper: None,
         });
     }
     model
