@@ -203,5 +203,14 @@ fn read_file(
             ),
         });
     }
+    if columns.time_s.is_empty()
+        && let Some([from, to]) = options.time_s
+    {
+        return Err(TelemetryError::Filter {
+            column: plan.time_column.clone(),
+            text: format!("{from},{to}"),
+            why: format!("no row of {} lies between these times, s", path.display()),
+        });
+    }
     Ok((plan, columns, sha256))
 }
