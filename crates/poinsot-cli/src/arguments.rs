@@ -87,7 +87,7 @@ pub struct Identify {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
-    /// What is done about a finding of a telemetry check: placeholder, stuck, saturation, outlier (report,
+    /// What is done about a finding of a telemetry check: placeholder, held, stuck, saturation, outlier (report,
     /// exclude, refuse), gap, lag, wheel_sign (report, refuse), units (refuse, report).
     #[arg(long, value_name = "CHECK=POLICY")]
     pub policy: Vec<String>,

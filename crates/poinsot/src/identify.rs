@@ -134,6 +134,12 @@ pub fn identify_reading(
     let (mut identified, bound) = identify_bound(model, tables, request)?;
     let label = identified.inputs.iter().flatten().map(|s| s.path.as_str());
     let label = label.collect::<Vec<_>>().join(",");
+    for f in &findings {
+        let share = f.count as f64 / f.of.max(1) as f64;
+        if f.policy == Policy::Exclude && f.check != Check::Held && share > ALLOWED_LOSS {
+            not_acceptable(&mut identified.estimate, share, &f.channel);
+        }
+    }
     identified.findings = findings;
     against_model(&mut identified, &bound, request, &policies, &label)?;
     Ok(identified)
@@ -154,15 +160,16 @@ fn against_model(
 ) -> Result<(), Error> {
     let estimate = &identified.estimate;
     let mut found = mixups::units(estimate);
-    if !estimate.covariance_trustworthy && !identified.model.wheels.is_empty() {
+    if !estimate.covariance_trustworthy && request.method != "kim2010" {
         let tree = Tree::new(&identified.model);
-        found.extend(mixups::wheels(
-            &identified.model,
-            &tree,
-            &bound.segments,
-            &bound.noise,
-            request.relative_accuracy,
-        ));
+        let problem = Problem {
+            model: &identified.model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: request.relative_accuracy,
+        };
+        found.extend(mixups::wheels(&problem, estimate));
     }
     for mut finding in found {
         finding.policy = policies.of(finding.check);
@@ -225,13 +232,7 @@ fn identify_bound(
         }
     };
     if bound.dropped > ALLOWED_LOSS {
-        estimate.warnings.push(format!(
-            "{:.0} % of the samples of a segment were left out (see repairs): the answer is not acceptable without a look at them",
-            100.0 * bound.dropped
-        ));
-        if estimate.status == Status::Converged {
-            estimate.status = Status::Partial;
-        }
+        not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
     let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
     repairs.extend(bound.repairs.iter().cloned());
@@ -249,6 +250,16 @@ fn identify_bound(
         findings: Vec::new(),
     };
     Ok((identified, bound))
+}
+
+fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
+    estimate.warnings.push(format!(
+        "{:.0} % of the samples of {of} were left out (see repairs): the answer is not acceptable without a look at them",
+        100.0 * share
+    ));
+    if estimate.status == Status::Converged {
+        estimate.status = Status::Partial;
+    }
 }
 
 fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {

@@ -1,8 +1,8 @@
 //! Mistakes in telemetry that show only against the model: units by the size of the answer, signs of wheels by
 //! the residual of momentum. Nothing is applied; what is found is said.
 
-use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Noise, Problem, Segment, Status, linear};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use poinsot_identify::{Estimate, Problem, Segment, Status, maximum_likelihood};
 use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use std::f64::consts::PI;
@@ -27,10 +27,10 @@ const FACTORS: [(f64, &str); 10] = [
 const MEAN: f64 = 0.15;
 /// How far the factor of one axis may be off the mean, relative.
 const SPREAD: f64 = 0.4;
-/// How much smaller the residual of momentum must become, as a factor of chi-square.
-const DECISIVE: f64 = 5.0;
+/// How much smaller chi-square must become.
+const DECISIVE: f64 = 10.0;
 /// Samples of a segment that are used.
-const MOST: usize = 4000;
+const MOST: usize = 2000;
 
 /// Inertia that is a telling factor off the nominal one about every axis.
 pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
@@ -70,57 +70,88 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     all
 }
 
-/// Wheels whose speed fits the momentum far better with another sign, scale or axis.
-pub(crate) fn wheels(
-    model: &Model,
-    tree: &Tree,
-    segments: &[Segment],
-    noise: &Noise,
-    relative_accuracy: f64,
-) -> Vec<Finding> {
-    let short: Vec<Segment> = segments.iter().map(shortened).collect();
-    let residual = |segments: &[Segment]| {
-        let problem = Problem {
-            model,
-            tree,
-            segments,
-            noise,
-            relative_accuracy,
-        };
-        let estimate = linear(&problem).ok()?;
-        let possible = estimate
-            .bodies
-            .iter()
-            .all(|b| !b.asked || b.physically_consistent != Some(false));
-        let (sum, n) = estimate.fit.iter().fold((0.0, 0.0), |(sum, n), f| {
-            (sum + f.chi2_per_dof * f.samples as f64, n + f.samples as f64)
-        });
-        possible.then_some(sum / n)
-    };
-    let now = residual(&short).unwrap_or(f64::INFINITY);
-    let mut best: Option<(f64, String, String)> = None;
-    for (what, channel, map) in candidates(model) {
-        let changed: Vec<Segment> = short.iter().map(|s| mapped(s, &map)).collect();
-        let Some(then) = residual(&changed) else {
+/// Wheels whose speed fits the momentum far better with another sign, scale or axis. Candidates are ranked by
+/// the momentum of one rigid body; the best two must then explain the misfit of the fit itself.
+pub(crate) fn wheels(problem: &Problem, estimate: &Estimate) -> Vec<Finding> {
+    let now = misfit(estimate);
+    let segments: Vec<Segment> = problem.segments.iter().map(shortened).collect();
+    let mut ranked: Vec<(f64, String, String, Map)> = candidates(problem.model)
+        .into_iter()
+        .filter_map(|(what, channel, map)| {
+            Some((momentum_residual(problem.model, &segments, &map)?, what, channel, map))
+        })
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, what, channel, map) in ranked.into_iter().take(2) {
+        let changed: Vec<Segment> = segments.iter().map(|s| mapped(s, &map)).collect();
+        let Ok(then) = maximum_likelihood(&Problem {
+            segments: &changed,
+            ..*problem
+        }) else {
             continue;
         };
-        if then * DECISIVE < now && best.as_ref().is_none_or(|b| then < 0.5 * b.0) {
-            best = Some((then, what, channel));
+        let possible = (then.bodies.iter())
+            .all(|b| !b.asked || b.physically_consistent != Some(false));
+        if possible && then.status != Status::Rejected && misfit(&then) * DECISIVE < now {
+            let text = format!(
+                "{what} chi-square per degree of freedom falls from {now:.1} to {:.2}; check the column and the axis in the model (not applied)",
+                misfit(&then)
+            );
+            return vec![finding(Check::WheelSign, &channel, text)];
         }
     }
-    let Some((then, what, channel)) = best else {
-        return Vec::new();
-    };
-    let before = if now.is_finite() {
-        format!("falls from {:.1} to {:.1} times the noise", now.sqrt(), then.sqrt())
-    } else {
-        format!("is {:.1} times the noise, and the body a possible one", then.sqrt())
-    };
-    vec![finding(
-        Check::WheelSign,
-        &channel,
-        format!("{what} the residual of momentum {before}; check the column and the axis in the model (not applied)"),
-    )]
+    Vec::new()
+}
+
+/// Chi-square per degree of freedom over all segments.
+fn misfit(estimate: &Estimate) -> f64 {
+    let (sum, n) = estimate.fit.iter().fold((0.0, 0.0), |(sum, n), f| {
+        let samples = f.samples as f64;
+        (sum + f.chi2_per_dof * samples, n + samples)
+    });
+    sum / n
+}
+
+/// Root mean square of `I w + h_wheels - R^T H` with the best inertia and momentum: what one rigid body leaves of
+/// conservation. `None` where the motion does not determine them or the inertia is no possible one.
+fn momentum_residual(model: &Model, segments: &[Segment], map: &Map) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for segment in segments {
+        let s = &segment.samples;
+        let mut normal = SMatrix::<f64, 9, 9>::zeros();
+        let mut right = SVector::<f64, 9>::zeros();
+        let mut square = 0.0;
+        for (k, (w, R)) in s.w_NB_B.iter().zip(&s.R_NB).enumerate() {
+            let row = s.wheel_speed.get(k * map.len()..(k + 1) * map.len())?;
+            let mut h = Vector3::zeros();
+            for (wheel, (from, factor)) in model.wheels.iter().zip(map) {
+                h += wheel.axis_B * (wheel.spin_inertia * factor * row.get(*from)?);
+            }
+            let to_body = R.inverse().to_rotation_matrix();
+            let mut rows = SMatrix::<f64, 3, 9>::zeros();
+            rows.fixed_view_mut::<3, 6>(0, 0).copy_from(&SMatrix::<f64, 3, 6>::new(
+                w.x, w.y, w.z, 0.0, 0.0, 0.0, 0.0, w.x, 0.0, w.y, w.z, 0.0, 0.0, 0.0, w.x, 0.0, w.y, w.z,
+            ));
+            rows.fixed_view_mut::<3, 3>(0, 6).copy_from(&(-to_body.matrix()));
+            normal += rows.transpose() * rows;
+            right -= rows.transpose() * h;
+            square += h.norm_squared();
+        }
+        // Columns to unit length: rates are small, rotations are not.
+        let scale = SVector::<f64, 9>::from_fn(|i, _| normal[(i, i)].sqrt().recip());
+        if !scale.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let scaled = SMatrix::<f64, 9, 9>::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
+        let x = scaled.cholesky()?.solve(&right.component_mul(&scale)).component_mul(&scale);
+        let inertia = Matrix3::new(x[0], x[1], x[2], x[1], x[3], x[4], x[2], x[4], x[5]);
+        if inertia.symmetric_eigenvalues().min() <= 0.0 {
+            return None;
+        }
+        sum += (square - x.dot(&right)).max(0.0);
+        count += s.w_NB_B.len() as f64;
+    }
+    (count > 0.0).then(|| (sum / count).sqrt())
 }
 
 /// For each wheel after the change: which wheel's column it takes, times what.
@@ -198,6 +229,19 @@ fn shortened(segment: &Segment) -> Segment {
     s.time_s.truncate(MOST);
     s.R_NB.truncate(MOST);
     s.w_NB_B.truncate(MOST);
+    let end = s.time_s.last().copied().unwrap_or_default();
+    let o = &mut short.observations;
+    let grid = o.time_s.len();
+    let kept = o.time_s.partition_point(|t| *t <= end);
+    let rows = |values: &mut Vec<f64>| values.truncate(values.len() / grid.max(1) * kept);
+    rows(&mut o.joint_position);
+    rows(&mut o.joint_rate);
+    rows(&mut o.wheel_speed);
+    o.time_s.truncate(kept);
+    o.rate.truncate(kept);
+    o.attitude.truncate(kept);
+    o.velocity.truncate(kept);
+    o.position.truncate(kept);
     if let Some(t) = &mut s.translation {
         t.v_NBo_N.truncate(MOST);
         t.p_NoBo_N.truncate(MOST);

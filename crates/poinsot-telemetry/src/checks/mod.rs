@@ -26,7 +26,9 @@ pub enum Check {
     Placeholder,
     /// Single readings far from their neighbours.
     Outlier,
-    /// A reading that repeats exactly while its sensor is noisy or the vehicle moves.
+    /// Each reading stands several times in a row: the sensor is slower than its column.
+    Held,
+    /// A reading that repeats exactly while its sensor is noisy elsewhere.
     Stuck,
     /// Readings cut at the end of a sensor's range.
     Saturation,
@@ -69,11 +71,12 @@ impl Policy {
 
 impl Check {
     /// Every check, in the order in which they are made.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Gap,
         Self::Placeholder,
-        Self::Stuck,
+        Self::Held,
         Self::Saturation,
+        Self::Stuck,
         Self::Outlier,
         Self::Lag,
         Self::Units,
@@ -86,6 +89,7 @@ impl Check {
             Self::Gap => "gap",
             Self::Placeholder => "placeholder",
             Self::Outlier => "outlier",
+            Self::Held => "held",
             Self::Stuck => "stuck",
             Self::Saturation => "saturation",
             Self::Lag => "lag",
@@ -97,7 +101,7 @@ impl Check {
     /// Policies that mean something for this check, the usual one first.
     pub fn policies(self) -> &'static [Policy] {
         match self {
-            Self::Stuck | Self::Saturation => &[Policy::Exclude, Policy::Report, Policy::Refuse],
+            Self::Held | Self::Stuck | Self::Saturation => &[Policy::Exclude, Policy::Report, Policy::Refuse],
             Self::Placeholder | Self::Outlier => {
                 &[Policy::Report, Policy::Exclude, Policy::Refuse]
             }
@@ -249,9 +253,9 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
         Check::Placeholder => per_channel(table, check, placeholder::find),
         Check::Outlier => per_channel(table, check, outlier::find),
         Check::Saturation => per_channel(table, check, saturation::find),
-        Check::Stuck => sensors()
+        Check::Held | Check::Stuck => sensors()
             .iter()
-            .filter_map(|sensor| stuck::find(table, sensor))
+            .filter_map(|sensor| stuck::find(table, sensor, check))
             .collect(),
         Check::Lag => lag::find(table).into_iter().collect(),
         Check::Units | Check::WheelSign => Vec::new(),

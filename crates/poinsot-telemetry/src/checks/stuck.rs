@@ -9,7 +9,7 @@ const LONG: usize = 8;
 /// Share of readings that repeat by chance in a sensor that is not quantised coarsely.
 const CHANCE: f64 = 0.02;
 
-pub(super) fn find(table: &Table, sensor: &Sensor) -> Option<Found> {
+pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found> {
     let channels: Vec<&Channel> = sensor
         .channels
         .iter()
@@ -18,14 +18,17 @@ pub(super) fn find(table: &Table, sensor: &Sensor) -> Option<Found> {
     let samples = channels.first()?.values.len();
     let all = runs(samples, |k| channels.iter().all(|c| repeats(c, k)));
     let times_s = channels.first()?.time_s.clone();
-    let (stuck, text) = slow(&all, samples).or_else(|| hangs(&channels, samples, sensor))?;
+    let (stuck, text) = match check {
+        Check::Held => slow(&all, samples),
+        _ => hangs(&channels, samples, sensor),
+    }?;
     let times: Vec<f64> = stuck
         .iter()
         .filter_map(|&k| times_s.get(k).copied())
         .collect();
     Some(Found {
         finding: Finding {
-            check: Check::Stuck,
+            check,
             channel: sensor.name.clone(),
             count: stuck.len(),
             of: samples,
