@@ -98,6 +98,7 @@ impl<'s> DrivenStage<'s> {
             wheel_speed: vec![0.0; wheels],
             wheel_torque: vec![0.0; wheels],
             thrust: vec![0.0; vehicle.nozzles.len()],
+            p_orbit_N: Vector3::zeros(),
             kinematics: Kinematics::new(tree),
             body: Accelerations::new(tree),
         };

@@ -1,7 +1,7 @@
 //! Symmetric 3 x 3 matrices by their six elements, and the products that the dynamics needs.
 
 use poinsot_spatial::{Matrix3, Vector3};
-use std::ops::{AddAssign, SubAssign};
+use std::ops::AddAssign;
 
 /// A symmetric 3 x 3 matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -15,16 +15,15 @@ pub(crate) struct Symmetric {
 }
 
 impl Symmetric {
-    /// A multiple of the unit matrix.
-    #[inline]
-    pub fn diagonal(value: f64) -> Self {
-        Self {
-            xx: value,
-            yy: value,
-            zz: value,
-            ..Self::default()
-        }
-    }
+    /// Nothing.
+    pub const ZERO: Self = Self {
+        xx: 0.0,
+        xy: 0.0,
+        yy: 0.0,
+        xz: 0.0,
+        yz: 0.0,
+        zz: 0.0,
+    };
 
     /// The lower triangle of a matrix that is symmetric.
     #[inline]
@@ -87,18 +86,15 @@ impl Symmetric {
         }
     }
 
-    /// `self - scale x x^T`.
+    /// Subtracts `a b^T`, symmetric because `a` and `b` are parallel.
     #[inline]
-    pub fn minus_square(&self, scale: f64, x: &Vector3) -> Self {
-        let s = x * scale;
-        Self {
-            xx: self.xx - s.x * x.x,
-            xy: self.xy - s.x * x.y,
-            yy: self.yy - s.y * x.y,
-            xz: self.xz - s.x * x.z,
-            yz: self.yz - s.y * x.z,
-            zz: self.zz - s.z * x.z,
-        }
+    pub fn subtract_outer(&mut self, a: &Vector3, b: &Vector3) {
+        self.xx -= a.x * b.x;
+        self.xy -= a.x * b.y;
+        self.yy -= a.y * b.y;
+        self.xz -= a.x * b.z;
+        self.yz -= a.y * b.z;
+        self.zz -= a.z * b.z;
     }
 
     /// The solution of `self x = b` by the cofactors; `None` where the matrix is not positive definite.
@@ -148,18 +144,6 @@ impl AddAssign for Symmetric {
     }
 }
 
-impl SubAssign for Symmetric {
-    #[inline]
-    fn sub_assign(&mut self, other: Self) {
-        self.xx -= other.xx;
-        self.xy -= other.xy;
-        self.yy -= other.yy;
-        self.xz -= other.xz;
-        self.yz -= other.yz;
-        self.zz -= other.zz;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,8 +164,8 @@ mod tests {
         near(s.inverse().unwrap().full() * full, Matrix3::identity());
         assert!((s.times(&x) - full * x).amax() < 1e-15);
         assert!((s.times(&s.solve(&x).unwrap()) - x).amax() < 1e-15);
-        assert!(Symmetric::diagonal(-1.0).inverse().is_none());
-        assert!(Symmetric::diagonal(f64::NAN).inverse().is_none());
+        assert!(Symmetric::of(&-full).inverse().is_none());
+        assert!(Symmetric::of(&(full * f64::NAN)).inverse().is_none());
         assert!(Symmetric::default().inverse().is_none());
     }
 }

@@ -33,6 +33,9 @@ pub enum Error {
     /// The method of Ma, Dang and Pham.
     #[error(transparent)]
     Ma2008(#[from] Ma2008Error),
+    /// A validation.
+    #[error(transparent)]
+    Validate(#[from] crate::validate::ValidateError),
     /// The method of Xu, Hu, Zhang and Liang.
     #[error(transparent)]
     Xu2017(#[from] Xu2017Error),

@@ -72,6 +72,9 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(section);
     }
     document.push(fit(identified));
+    if let Some(d) = &identified.estimate.diagnostics {
+        document.push(crate::diagnostics_file::diagnostics_section(d));
+    }
     if !identified.repairs.is_empty() {
         document.push(Section::list(
             "assumed or repaired",

@@ -112,6 +112,7 @@ pub fn identify_tables(
         noise: &bound.noise,
         relative_accuracy: request.relative_accuracy,
     };
+    refuse_gravity(&model, request)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match request.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
@@ -157,6 +158,20 @@ pub fn identify_tables(
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,
+    })
+}
+
+/// Only maximum likelihood knows the gravity gradient.
+fn refuse_gravity(model: &Model, request: &IdentifyRequest) -> Result<(), Error> {
+    if !model.environment.gravity_gradient
+        || matches!(request.method.as_str(), "auto" | "maximum_likelihood")
+    {
+        return Ok(());
+    }
+    Err(Error::Usage {
+        option: "--method",
+        value: request.method.clone(),
+        why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
     })
 }
 

@@ -7,6 +7,7 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod validate;
 
 /// Why a verb failed, ready for the terminal.
 pub struct Failure {

@@ -4,9 +4,11 @@
 
 mod acceleration;
 mod channels;
+mod faults;
 mod motion;
 mod noise;
 mod observe;
+mod orbit;
 mod points;
 mod thrust;
 
@@ -124,12 +126,7 @@ fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
             ),
         });
     }
-    if model.environment.gravity_gradient || model.environment.point_mass_gm.is_some() {
-        return Err(BindError::Unsupported {
-            what: "[environment]: the linear method knows no gravity; leave it out or use --method maximum_likelihood".to_owned(),
-        });
-    }
-    Ok(())
+    faults::check_faults(model)
 }
 
 /// Name of a segment in messages: its files.
@@ -150,6 +147,7 @@ fn bind_segment(
         label: &label,
     };
     let gyro = channels.gyro(model)?;
+    orbit::check_orbit(model, &channels, repairs)?;
     let times = gyro.time_s();
     let aligned = motion::align(model, tree, &channels, &gyro, times, repairs)?;
     let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 /// Codes of the faults in case files with one line of explanation each, for `poinsot explain`.
-pub const CASE_CODES: [(&str, &str); 8] = [
+pub const CASE_CODES: [(&str, &str); 9] = [
     (
         "E0501",
         "The case file cannot be read, or is larger than 16 MiB or not UTF-8.",
@@ -37,6 +37,10 @@ pub const CASE_CODES: [(&str, &str); 8] = [
     (
         "E0508",
         "Something the format has and the simulation does not do yet.",
+    ),
+    (
+        "E0511",
+        "A file that the case names cannot be read, or lacks the column asked for.",
     ),
 ];
 
