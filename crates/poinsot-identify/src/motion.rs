@@ -49,6 +49,8 @@ struct Drive<'s> {
 /// Scratch of one propagation.
 pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
+    /// Largest measured rate, rad/s.
+    measured: Option<f64>,
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
@@ -84,6 +86,14 @@ struct Buffers {
     stage: [Vec<Column>; 4],
     at: Vec<Column>,
     twist_columns: Vec<Vector6>,
+}
+
+/// How much faster than ever measured a vehicle may turn for the motion to be followed.
+const FASTER: f64 = 30.0;
+
+/// Largest measured rate, rad/s; `None` without a gyro.
+fn fastest_measured(o: &Observations) -> Option<f64> {
+    o.rate.iter().flatten().map(|w| w.norm()).reduce(f64::max)
 }
 
 /// Velocity at an instant with what is needed of it.
@@ -130,6 +140,7 @@ impl<'a> Motion<'a> {
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
+            measured: fastest_measured(o),
             observations: o,
             buffer: Buffers {
                 q: vec![0.0; tree.dof()],
@@ -179,7 +190,15 @@ impl<'a> Motion<'a> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
         let rate = self.fastest(state, k)?;
-        let steps = (h * rate / 0.02).ceil().clamp(1.0, 1.0e4) as usize;
+        let steps = (h * rate / 0.02).ceil();
+        // Values of the unknowns that make it spin far faster than measured are not worth following.
+        let most = self
+            .measured
+            .map_or(1.0e4, |w| (50.0 + FASTER * h * w / 0.02).min(1.0e4));
+        if !steps.is_finite() || steps > most {
+            return None;
+        }
+        let steps = steps.max(1.0) as usize;
         let mut now = self.late_thrust(state, k);
         for i in 0..steps {
             let from = i as f64 / steps as f64;

@@ -9,6 +9,7 @@ mod motion;
 mod noise;
 mod observe;
 mod orbit;
+mod plausible;
 mod points;
 mod thrust;
 
@@ -67,6 +68,22 @@ pub enum BindError {
         distance: f64,
         /// Time, s.
         time: f64,
+    },
+    /// A reading that no vehicle gives.
+    #[error(
+        "E0306 {file}: channel '{channel}': {value:?} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample"
+    )]
+    Implausible {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Value, SI.
+        value: f64,
+        /// Time, s.
+        time_s: f64,
+        /// What is wrong with it.
+        why: String,
     },
     /// Something the linear method cannot use.
     #[error("E0305 model: {what}")]
@@ -146,6 +163,7 @@ fn bind_segment(
         table,
         label: &label,
     };
+    plausible::check(&channels)?;
     let gyro = channels.gyro(model)?;
     orbit::check_orbit(model, &channels, repairs)?;
     let times = gyro.time_s();
