@@ -54,12 +54,13 @@ pub struct Identify {
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
     /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published methods:
-    /// kim2010, ma2008.
+    /// kim2010, ma2008, xu2017.
     #[arg(long, default_value = "auto")]
     pub method: String,
     /// Variant of a method. Of maximum likelihood: gaussian (default), huber, student_t, the loss of a
     /// reading. Of kim2010: suggested (default), batch, conventional, pre-estimate, iterated. Of ma2008:
-    /// unknown-momentum (default), known-momentum.
+    /// unknown-momentum (default), known-momentum. Of xu2017: swarm (default), linear, swarm-inward,
+    /// linear-inward.
     #[arg(long)]
     pub variant: Option<String>,
     /// File whose `[telemetry]` table replaces that of the model.

@@ -346,8 +346,7 @@ impl Node {
     /// A joint that is free to follow `u`, what the force along it exceeds the bias by.
     #[inline]
     fn free(&mut self, k: usize, D: f64, size: f64, u: f64) -> Result<(), Singular> {
-        // Negated, so that NaN is refused too.
-        if !(D > ROUND_OFF * size) {
+        if !resists(D, size) {
             return Err(Singular::Joint(k));
         }
         self.D_inverse = 1.0 / D;
@@ -425,27 +424,62 @@ impl Node {
     /// The acceleration at which no force acts on the base: `IA [a; alpha] = -bias`.
     #[inline]
     fn free_acceleration(&self) -> Option<(Vector3, Vector3)> {
-        // M a + C alpha = -F eliminates a; J - C^T M^-1 C is the inertia that remains.
-        let W = self.M.inverse()?;
-        let X = [0, 1, 2].map(|j| W.times(&self.C.column(j).into_owned()));
-        let at = |i: usize, j: usize| self.C.column(i).dot(&X[j]);
-        let mut J = self.J;
-        J -= Symmetric {
-            xx: at(0, 0),
-            xy: at(1, 0),
-            yy: at(1, 1),
-            xz: at(2, 0),
-            yz: at(2, 1),
-            zz: at(2, 2),
-        };
-        let size = self.J.xx + self.J.yy + self.J.zz;
-        let y = -W.times(&self.F);
-        let alpha = J.solve(&(-self.N - self.C.tr_mul(&y)))?;
-        let smallest = J.xx.min(J.yy).min(J.zz);
-        if !(smallest > ROUND_OFF * size) {
+        let (M, C, J) = (&self.M, &self.C, &self.J);
+        // Lower triangle. Elimination from the top is stable where an explicit inverse of M is not: a light base
+        // on a heavy arm loses two more digits with it.
+        let mut K = [
+            [M.xx, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [M.xy, M.yy, 0.0, 0.0, 0.0, 0.0],
+            [M.xz, M.yz, M.zz, 0.0, 0.0, 0.0],
+            [C.m11, C.m21, C.m31, J.xx, 0.0, 0.0],
+            [C.m12, C.m22, C.m32, J.xy, J.yy, 0.0],
+            [C.m13, C.m23, C.m33, J.xz, J.yz, J.zz],
+        ];
+        let sizes = [M.xx + M.yy + M.zz, J.xx + J.yy + J.zz];
+        let (F, N) = (&self.F, &self.N);
+        let mut x = [-F.x, -F.y, -F.z, -N.x, -N.y, -N.z];
+        if !solve_symmetric(&mut K, &sizes, &mut x) {
             return None;
         }
-        let a = y - X[0] * alpha.x - X[1] * alpha.y - X[2] * alpha.z;
-        Some((a, alpha))
+        let [ax, ay, az, bx, by, bz] = x;
+        Some((Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)))
     }
+}
+
+/// Solves `K x = b` in place by `L D L^T` without square roots; `K` is given by its lower triangle and lost. False
+/// where a pivot is round-off beside the size (trace) of its half.
+#[inline]
+fn solve_symmetric(K: &mut [[f64; 6]; 6], sizes: &[f64; 2], x: &mut [f64; 6]) -> bool {
+    let mut regular = true;
+    for j in 0..6 {
+        regular &= resists(K[j][j], sizes[j / 3]);
+        let inverse = 1.0 / K[j][j];
+        let mut l = [0.0; 6];
+        for i in j + 1..6 {
+            l[i] = K[i][j] * inverse;
+        }
+        for i in j + 1..6 {
+            for k in j + 1..=i {
+                K[i][k] -= l[i] * K[k][j];
+            }
+        }
+        for i in j + 1..6 {
+            x[i] -= l[i] * x[j];
+            K[i][j] = l[i];
+        }
+        K[j][j] = inverse;
+    }
+    for j in (0..6).rev() {
+        x[j] *= K[j][j];
+        for i in j + 1..6 {
+            x[j] -= K[i][j] * x[i];
+        }
+    }
+    regular
+}
+
+/// Whether an inertia is more than round-off beside another; never for NaN.
+#[inline]
+fn resists(inertia: f64, size: f64) -> bool {
+    inertia > ROUND_OFF * size.abs()
 }

@@ -145,3 +145,34 @@ fn exact_error_of_runge_kutta_falls_with_the_fourth_power_of_the_step() {
         assert!((order - 4.0).abs() < 0.2, "{errors:?}");
     }
 }
+
+#[test]
+fn exact_error_of_eighth_order_falls_with_the_eighth_power_of_the_step() {
+    let plan = plan();
+    let errors = [0.1, 0.05].map(|step| {
+        let integrator = Integrator::DormandPrince8Fixed(step);
+        apart(&end(&plan, integrator, 20.0).motion)
+    });
+    println!("{errors:?}");
+    let order = (errors[0] / errors[1]).log2();
+    assert!((7.0..9.5).contains(&order), "{errors:?}");
+}
+
+#[test]
+fn exact_step_control_follows_the_tolerance() {
+    let plan = plan();
+    for relative in [1e-6, 1e-9, 1e-12] {
+        let tolerance = Tolerance {
+            relative,
+            ..Tolerance::default()
+        };
+        for integrator in [
+            Integrator::DormandPrince5(tolerance),
+            Integrator::DormandPrince8(tolerance),
+        ] {
+            let found = apart(&end(&plan, integrator, 20.0).motion);
+            println!("{integrator:?}: {found:e}");
+            assert!(found < 30.0 * relative, "{integrator:?}: {found:e}");
+        }
+    }
+}

@@ -6,7 +6,6 @@ use crate::estimate::Estimate;
 use crate::fit::fit;
 use crate::information::Experiment;
 use crate::maximum_likelihood::{conclude, proportional};
-use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::{Problem, ProblemError};
 
 /// Information of the experiment at the model's own numbers, which are taken as the truth; the segments
@@ -19,12 +18,7 @@ use crate::problem::{Problem, ProblemError};
 /// The question cannot be asked.
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
-    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-    let of = |equations| Parameters::new(problem.model, problem.tree, equations, fires);
-    let parameters = match of(problem.linear_equations()) {
-        Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
-        other => other,
-    }?;
+    let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
     at_truth.settled = true;

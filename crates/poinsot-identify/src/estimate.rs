@@ -214,7 +214,7 @@ pub struct SegmentFit {
 /// How well one kind of sensor fits in one segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelFit {
-    /// Kind: gyro, attitude, velocity, position.
+    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment.
     pub name: &'static str,
     /// Unit of the root mean square.
     pub unit: &'static str,

@@ -2,6 +2,7 @@
 
 use crate::information::{Experiment, Point};
 use crate::parameters::{Equations, Parameters, Rest, Unknown, UnknownKind};
+use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -78,10 +79,34 @@ type = "attitude"
 noise_rad = 1.0e-3
 lag = "estimate"
 
+[[sensor]]
+name = "acc of hand"
+type = "accelerometer"
+body = "hand"
+position_m = [0.1, -0.2, 0.3]
+noise_m_s2 = 1.0e-2
+bias = "estimate"
+scale = "estimate"
+misalignment = "estimate"
+lag = "estimate"
+
+[[sensor]]
+name = "increments"
+type = "velocity_increment"
+body = "arm"
+position_m = [0.3, 0.1, -0.1]
+noise_m_s = 1.0e-2
+bias = "estimate"
+lag = "estimate"
+
 [environment]
 disturbance_torque = "estimate"
 drag_torque = "estimate"
 "#;
+
+fn reading(from: usize, to: usize, value: Vector3<f64>) -> PointReading {
+    PointReading { from, to, value }
+}
 
 /// A smooth motion that no vehicle makes: residuals are large, so every slope matters.
 fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
@@ -131,12 +156,33 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
             position: if translation { all(2.0) } else { none },
             velocity_arm_B: Vector3::new(0.1, 0.2, -0.3),
             position_arm_B: Vector3::new(-0.2, 0.1, 0.1),
+            points: vec![
+                PointReadings {
+                    sensor: 2,
+                    kind: PointKind::SpecificForce,
+                    body: 2,
+                    p_BoS_B: Vector3::new(0.1, -0.2, 0.3),
+                    covariance: Matrix3::from_diagonal(&Vector3::new(1.0e-2, 2.0e-2, 3.0e-2)),
+                    readings: (0..samples).map(|k| reading(k, k, wave(k, 3.0))).collect(),
+                },
+                PointReadings {
+                    sensor: 3,
+                    kind: PointKind::VelocityIncrement,
+                    body: 1,
+                    p_BoS_B: Vector3::new(0.3, 0.1, -0.1),
+                    covariance: Matrix3::identity() * 1.0e-2,
+                    readings: (1..samples)
+                        .map(|k| reading(k - 1, k, wave(k, 4.0)))
+                        .collect(),
+                },
+            ],
             joint_position,
             joint_rate,
             wheel_speed: (0..samples * model.wheels.len())
                 .map(|k| 20.0 + 3.0 * k as f64)
                 .collect(),
         },
+        accelerations: None,
         firings: vec![Firing {
             thruster: 0,
             start_s: 0.4,

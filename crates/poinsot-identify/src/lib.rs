@@ -20,6 +20,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
 mod linear;
@@ -28,6 +29,7 @@ mod maximum_likelihood;
 pub mod methods;
 mod motion;
 mod parameters;
+mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
@@ -58,11 +60,12 @@ pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
+pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

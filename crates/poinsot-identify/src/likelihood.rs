@@ -1,5 +1,7 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
+mod point_rows;
+
 use crate::block_qr::{BlockQr, Triangle};
 use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
@@ -10,6 +12,8 @@ use nalgebra::{Cholesky, Matrix6};
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
+use point_rows::PointCompare;
+pub(crate) use point_rows::perfect;
 
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,6 +132,9 @@ pub(crate) fn evaluate(
         x,
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
+    let joints = setting.noise.joint_position.iter();
+    let rates = &setting.noise.joint_rate;
+    vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
     let (mut state, columns) = start(head, unknown, x.len());
     let columns = if with_sensitivities {
         columns
@@ -139,6 +146,7 @@ pub(crate) fn evaluate(
     if has_lag(setting.parameters) {
         compare.rates = predicted_rates(&vehicle, segment, &state)?;
     }
+    compare.points.predict(&vehicle, segment, &state)?;
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
         compare.sample(&mut motion, &state, k)?;
@@ -208,6 +216,7 @@ struct Compare<'a> {
     six: Vec<Vector6>,
     /// Predicted rates at the grid times, where a lag is unknown; empty otherwise.
     rates: Vec<Vector3>,
+    points: PointCompare,
 }
 
 /// What may be wrong with the gyro: it reads `(1 + turn) w(t - lag) + bias`.
@@ -279,6 +288,8 @@ const GYRO: usize = 0;
 const ATTITUDE: usize = 1;
 const VELOCITY: usize = 2;
 const POSITION: usize = 3;
+const ACCELEROMETER: usize = 4;
+const INCREMENT: usize = 5;
 
 impl<'a> Compare<'a> {
     fn new(
@@ -308,9 +319,12 @@ impl<'a> Compare<'a> {
                 channel("attitude", "rad"),
                 channel("velocity", "m/s"),
                 channel("position", "m"),
+                channel("accelerometer", "m/s2"),
+                channel("velocity_increment", "m/s"),
             ],
             six: Vec::with_capacity(width),
             rates: Vec::new(),
+            points: PointCompare::new(setting.parameters, segment, x),
         }
     }
 
@@ -332,7 +346,8 @@ impl<'a> Compare<'a> {
         let o = &self.segment.observations;
         let measured = o.rate[k].is_some() || o.velocity[k].is_some();
         let posed = o.attitude[k].is_some() || o.position[k].is_some();
-        if !measured && !posed {
+        let pointed = self.points.wanted(&self.segment.observations.points, k);
+        if !measured && !posed && !pointed {
             return Some(());
         }
         let (instant, twists) = motion.velocity(state, k)?;
@@ -341,6 +356,9 @@ impl<'a> Compare<'a> {
             self.twist_rows(motion, state, &instant, &twists, k);
         }
         self.pose_rows(motion, state, k);
+        if pointed {
+            self.point_rows(motion, state, &instant, k);
+        }
         Some(())
     }
 

@@ -13,7 +13,9 @@ use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
-use crate::parameters::{Equations, Parameters, ParametersError};
+use crate::parameters::{
+    Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
+};
 use crate::problem::{Problem, ProblemError};
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
@@ -44,12 +46,17 @@ pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate
 pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
+        Ok(solved)
+            if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
+        {
+            // The linear method sees rotation alone; an accelerometer sees the mass centre too.
+            let parameters = problem.likelihood_parameters()?;
+            let lifted = lifted(solved, &parameters);
+            (parameters, Some(lifted))
+        }
         Ok(solved) => (solved.parameters.clone(), Some(solved)),
         Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
-            let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-            let parameters =
-                Parameters::new(problem.model, problem.tree, Equations::Momentum, fires)?;
-            (parameters, None)
+            (problem.likelihood_parameters()?, None)
         }
         Err(other) => return Err(other),
     };
@@ -106,6 +113,40 @@ fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
     let known = solved.x.len();
     let further = parameters.unknowns[known..].iter().map(|u| u.nominal);
     solved.x.extend(further);
+    solved.parameters = parameters.clone();
+    solved
+}
+
+/// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
+/// know at their nominal values.
+fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
+    let body = rotation_properties(&solved.parameters, &solved.x);
+    let pi = body.parameters().to_array();
+    let with_centre = parameters.estimate[0].com;
+    let known: Vec<(String, f64)> = solved
+        .parameters
+        .unknowns
+        .iter()
+        .zip(&solved.x)
+        .map(|(u, x)| (u.name.clone(), *x))
+        .collect();
+    solved.x = parameters
+        .unknowns
+        .iter()
+        .map(|unknown| match &unknown.kind {
+            UnknownKind::Barycentric(parts) => {
+                let k = parts.first().map_or(0, |(at, _)| at % 10);
+                match k.checked_sub(4) {
+                    Some(e) if !with_centre => body.I_BBcm_B[TENSOR[e]],
+                    _ => pi[k],
+                }
+            }
+            _ => {
+                let found = known.iter().find(|(name, _)| *name == unknown.name);
+                found.map_or(unknown.nominal, |(_, x)| *x)
+            }
+        })
+        .collect();
     solved.parameters = parameters.clone();
     solved
 }

@@ -6,6 +6,11 @@
 //! a false rate (`dp x P`), and what no data can show stays exactly unseen. A small change of the state is
 //! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
+mod acceleration;
+mod surroundings;
+
+pub(crate) use acceleration::Point;
+
 use crate::parameters::{Rest, UnknownKind};
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval, wheel_slope};
@@ -279,7 +284,7 @@ impl<'a> Motion<'a> {
                         .iter()
                         .map(|f| f.arm_B.cross(&f.F_B))
                         .sum::<Vector3>()
-                        + self.vehicle.torque(&w)),
+                        + self.surroundings(state, &w, &instant.centre)),
             }
         });
         buffer.at = columns;
@@ -472,7 +477,7 @@ impl<'a> Motion<'a> {
         let R = *state.R_NB.to_rotation_matrix().matrix();
         let (v, w) = (instant.twist.v, instant.twist.w);
         let (turn, slide) = (-skew(&w), -R * skew(&v));
-        let torque = self.vehicle.torque(&w);
+        let torque = self.surroundings(state, &w, &instant.centre);
         for (j, ((column, twist), slope)) in columns.iter().zip(twists).zip(out).enumerate() {
             let dphi: Vector3 = column.fixed_rows::<3>(0).into();
             let dv: Vector3 = twist.fixed_rows::<3>(0).into();
@@ -483,7 +488,8 @@ impl<'a> Motion<'a> {
                 .copy_from(&(slide * dphi + R * dv));
             let unknown = j.checked_sub(self.head);
             let kind = unknown.map(|u| &self.vehicle.kinds[u]);
-            let change = self.vehicle.torque_change(&w, &dw, kind);
+            let change =
+                self.surroundings_change(state, &instant.centre, (&w, &dw), &dphi, unknown);
             let mut dF = Vector3::zeros();
             let mut dT = dphi.cross(&torque) + change;
             for force in forces {

@@ -1,6 +1,7 @@
 //! The unknowns of the linear problem: which numbers are asked for and how they make up the ten
 //! parameters of every body.
 
+use crate::point_sensor::Fault;
 use crate::segment::{Noise, Segment};
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, Model, Nuisance, SensorKind};
@@ -46,8 +47,17 @@ pub enum UnknownKind {
     GyroLag,
     /// How late the attitude reads, s.
     AttitudeLag,
+    /// What may be wrong with another sensor of three axes: its index in the model, and the fault.
+    Instrument {
+        /// Index in the model's sensors.
+        sensor: usize,
+        /// Fault.
+        fault: Fault,
+    },
     /// Component of a constant torque in body axes, N m.
     DisturbanceTorque(usize),
+    /// Component of a constant torque in inertial axes, N m.
+    InertialTorque(usize),
     /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
     DragTorque(usize),
     /// Error of a joint's reading while it rests, rad or m: rounding that stays as long as the joint does.
@@ -75,7 +85,9 @@ impl UnknownKind {
                 | Self::GyroMisalignment(_)
                 | Self::GyroLag
                 | Self::AttitudeLag
+                | Self::Instrument { .. }
                 | Self::DisturbanceTorque(_)
+                | Self::InertialTorque(_)
                 | Self::DragTorque(_)
                 | Self::RestingJoint(_)
         )
@@ -363,6 +375,7 @@ impl Parameters {
         if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
             self.add_lag(tracker.lag, UnknownKind::AttitudeLag, &tracker.name);
         }
+        self.add_instruments(model);
         let around = &model.environment;
         let torque = UnknownKind::DisturbanceTorque;
         self.add_axes(
@@ -416,6 +429,35 @@ impl Parameters {
             for (k, axis) in AXES.iter().enumerate() {
                 self.push(kind(k), format!("{owner}.{what}_{axis}"), unit, 0.0, 1.0);
             }
+        }
+    }
+
+    /// Faults of accelerometers and of velocity increments, as declared.
+    fn add_instruments(&mut self, model: &Model) {
+        for (sensor, of) in model.sensors.iter().enumerate() {
+            let unit = match of.kind {
+                SensorKind::Accelerometer => "m/s2",
+                SensorKind::VelocityIncrement => "m/s",
+                _ => continue,
+            };
+            let triples: [(Nuisance, fn(usize) -> Fault, &str, &'static str); 3] = [
+                (of.bias, Fault::Bias, "bias", unit),
+                (of.scale, Fault::Scale, "scale", "1"),
+                (of.misalignment, Fault::Misalignment, "misalignment", "rad"),
+            ];
+            for (declared, fault, what, unit) in triples {
+                if declared != Nuisance::Known {
+                    for (k, axis) in AXES.iter().enumerate() {
+                        let kind = UnknownKind::Instrument {
+                            sensor,
+                            fault: fault(k),
+                        };
+                        self.push(kind, format!("{}.{what}_{axis}", of.name), unit, 0.0, 1.0);
+                    }
+                }
+            }
+            let fault = Fault::Lag;
+            self.add_lag(of.lag, UnknownKind::Instrument { sensor, fault }, &of.name);
         }
     }
 

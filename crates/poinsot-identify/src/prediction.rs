@@ -2,6 +2,8 @@
 //!
 //! Statistics come from every sample; curves keep at most a given number of points.
 
+mod points;
+
 use crate::answer;
 use crate::estimate::Estimate;
 use crate::information::{Experiment, Point};
@@ -16,6 +18,7 @@ use crate::segment::{Firing, Segment};
 use crate::vehicle::Vehicle;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_spatial::{UnitQuaternion, Vector3};
+use points::PointCurves;
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;
@@ -46,7 +49,7 @@ pub struct Prediction {
 /// Readings of one kind of sensor beside their prediction. One row a component.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PredictedChannel {
-    /// Kind: gyro, attitude, velocity, position.
+    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment.
     pub name: &'static str,
     /// Unit of readings and predictions.
     pub unit: &'static str,
@@ -159,15 +162,21 @@ fn segment(
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
+    let mut curves = PointCurves::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
-        let twist = motion.velocity(&state, k)?.0.twist;
+        let (instant, _) = motion.velocity(&state, k)?;
+        let twist = instant.twist;
         recorder.sample((&vehicle, motion.used()), &state, (twist.v, twist.w), k);
+        let t = segment.observations.time_s[k];
+        curves.sample(&mut motion, &state, &instant, (t, k));
         if k + 1 < samples {
             state = motion.advance(&state, k)?;
         }
     }
-    Some(recorder.prediction)
+    let mut prediction = recorder.prediction;
+    prediction.channels.extend(curves.channels);
+    Some(prediction)
 }
 
 /// Keeps one of every so many samples.

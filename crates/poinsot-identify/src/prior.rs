@@ -1,6 +1,7 @@
 //! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
 
 use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::point_sensor::Fault;
 use crate::problem::Problem;
 use crate::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};
@@ -46,6 +47,15 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
             UnknownKind::GyroMisalignment(_) => gyro.map(|g| g.misalignment),
             UnknownKind::GyroLag => gyro.map(|g| g.lag),
             UnknownKind::AttitudeLag => tracker.map(|t| t.lag),
+            UnknownKind::Instrument { sensor, fault } => {
+                let of = problem.model.sensors.get(sensor);
+                of.map(|s| match fault {
+                    Fault::Bias(_) => s.bias,
+                    Fault::Scale(_) => s.scale,
+                    Fault::Misalignment(_) => s.misalignment,
+                    Fault::Lag => s.lag,
+                })
+            }
             UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
             UnknownKind::DragTorque(_) => Some(around.drag_torque),
             UnknownKind::RestingJoint(rest) => {

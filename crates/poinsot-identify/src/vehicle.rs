@@ -19,10 +19,14 @@ pub(crate) struct Vehicle<'a> {
     pub kinds: Vec<UnknownKind>,
     /// Constant torque in body axes, N m.
     pub torque_B: Vector3,
+    /// Constant torque in inertial axes, N m.
+    pub torque_N: Vector3,
     /// Coefficients of the drag torque `-c |w| w`, kg m2.
     pub drag: Vector3,
     /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
     pub wheels_smooth: bool,
+    /// Whether each joint's readings are noisy; empty where all are exact.
+    pub noisy_joints: Vec<bool>,
     /// Errors of the readings of joints at rest.
     pub rests: Vec<(Rest, f64)>,
 }
@@ -37,12 +41,14 @@ impl<'a> Vehicle<'a> {
     ) -> Self {
         let mut spin = nominal_spin.to_vec();
         let mut thrust_factor = vec![1.0; thrusters.len()];
-        let (mut torque_B, mut drag) = (Vector3::zeros(), Vector3::zeros());
+        let (mut torque_B, mut torque_N) = (Vector3::zeros(), Vector3::zeros());
+        let mut drag = Vector3::zeros();
         for (unknown, value) in parameters.unknowns.iter().zip(x) {
             match unknown.kind {
                 UnknownKind::SpinInertia(k) => spin[k] = *value,
                 UnknownKind::ThrusterScale(k) => thrust_factor[k] = 1.0 + value,
                 UnknownKind::DisturbanceTorque(k) => torque_B[k] = *value,
+                UnknownKind::InertialTorque(k) => torque_N[k] = *value,
                 UnknownKind::DragTorque(k) => drag[k] = *value,
                 _ => {}
             }
@@ -56,8 +62,10 @@ impl<'a> Vehicle<'a> {
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
             torque_B,
+            torque_N,
             drag,
             wheels_smooth: false,
+            noisy_joints: Vec::new(),
             rests: parameters
                 .unknowns
                 .iter()
@@ -102,14 +110,19 @@ impl<'a> Vehicle<'a> {
 /// straight line at the ends.
 pub(crate) fn wheel_slope(o: &Observations, wheels: usize, wheel: usize, i: usize) -> f64 {
     let speed = |i: usize| o.wheel_speed[i * wheels + wheel];
-    let secant = |i: usize| (speed(i + 1) - speed(i)) / (o.time_s[i + 1] - o.time_s[i]);
-    let last = o.time_s.len() - 1;
+    parabola_slope(&o.time_s, speed, i)
+}
+
+/// Slope at grid time i of the parabola through a value and its neighbours; of the straight line at the ends.
+pub(crate) fn parabola_slope(t: &[f64], value: impl Fn(usize) -> f64, i: usize) -> f64 {
+    let secant = |i: usize| (value(i + 1) - value(i)) / (t[i + 1] - t[i]);
+    let last = t.len() - 1;
     match i {
         0 => secant(0),
         i if i == last => secant(last - 1),
         i => {
-            let left = o.time_s[i] - o.time_s[i - 1];
-            let right = o.time_s[i + 1] - o.time_s[i];
+            let left = t[i] - t[i - 1];
+            let right = t[i + 1] - t[i];
             (secant(i - 1) * right + secant(i) * left) / (left + right)
         }
     }

@@ -1,9 +1,9 @@
 //! The verb `identify`: model and telemetry in, mass properties out.
 
-use crate::bind::{bind, wanted_channels};
+use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::{self, kim2010, ma2008};
+use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
     Estimate, Loss, Prediction, Problem, Status, linear_predicted, maximum_likelihood_predicted,
 };
@@ -78,7 +78,14 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     if let Some(map) = &request.map {
         model.telemetry = read_telemetry_map(map)?;
     }
-    let options = read_options(&model, &model.telemetry, request.strict, request.recover);
+    let mut options = read_options(&model, &model.telemetry, request.strict, request.recover);
+    if let Some(wanted) = options
+        .wanted
+        .as_mut()
+        .filter(|_| request.method == "xu2017")
+    {
+        wanted.extend(acceleration_channels());
+    }
     let tables = request
         .segments
         .iter()
@@ -114,6 +121,10 @@ pub fn identify_tables(
         ),
         "ma2008" => (
             ma2008::identify(&problem, ma2008_variant(request))?,
+            Vec::new(),
+        ),
+        "xu2017" => (
+            xu2017::identify(&problem, xu2017_variant(request)?)?,
             Vec::new(),
         ),
         _ => {
@@ -191,6 +202,11 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
 fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
     let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
     kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
+}
+
+fn xu2017_variant(request: &IdentifyRequest) -> Result<xu2017::Variant, Error> {
+    let known = methods::published("xu2017").map_or(&[][..], |p| p.variants);
+    xu2017::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
 }
 
 fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {

@@ -147,6 +147,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             position: vec![None; raws.len()],
             velocity_arm_B: Vector3::zeros(),
             position_arm_B: Vector3::zeros(),
+            points: Vec::new(),
             joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
             joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
             wheel_speed: Vec::new(),

@@ -2,12 +2,15 @@
 //!
 //! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
 
+mod acceleration;
 mod channels;
 mod motion;
 mod noise;
 mod observe;
+mod points;
 mod thrust;
 
+pub use acceleration::acceleration_channels;
 pub use channels::wanted_channels;
 pub use noise::declared_noise;
 
@@ -89,6 +92,7 @@ pub struct Bound {
 /// A channel or a noise that is needed is missing.
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
     refuse_unsupported(model)?;
+    points::check_points(model, tables)?;
     let mut repairs = Vec::new();
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
@@ -111,11 +115,11 @@ fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
     let elsewhere = model
         .sensors
         .iter()
-        .find(|s| s.body != 0 && !s.kind.is_scalar());
+        .find(|s| s.body != 0 && !s.kind.is_scalar() && points::point_kind(s.kind).is_none());
     if let Some(sensor) = elsewhere {
         return Err(BindError::Unsupported {
             what: format!(
-                "sensor '{}' sits on body '{}'; the linear method uses sensors of the base '{}' only: move it or leave it out",
+                "sensor '{}' sits on body '{}'; of links only accelerometers and velocity increments are used, all else is read on the base '{}': move it or leave it out",
                 sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
             ),
         });
@@ -166,12 +170,14 @@ fn bind_segment(
     let samples: Samples = aligned.take(&complete, tree);
     let firings = thrust::firings(model, &channels, &samples, repairs);
     let observations = observe::observe(model, tree, &channels, &samples, &firings);
+    let accelerations = acceleration::accelerations(model, &channels, &samples);
     Ok((
         Segment {
             label: label.clone(),
             samples,
             observations,
             firings,
+            accelerations,
         },
         lost as f64 / times.len() as f64,
     ))
