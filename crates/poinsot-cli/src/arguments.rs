@@ -20,12 +20,19 @@ pub enum Verb {
     /// Exit code 0: every number asked for is determined. 1: answered, but not all of it is (partial, not
     /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission. 4: internal error.
     Identify(Identify),
-    /// Simulate a case: prescribed joint motion, wheels, thrusters, sensors with noise.
+    /// Simulate a case: joints led or driven by torques, springs, wheels, thrusters, sensors with noise.
     Simulate(Simulate),
     /// Say how accurate a planned manoeuvre will be, before it is flown (Cramer-Rao bound).
     ///
     /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
     Predict(Predict),
+    /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
+    ///
+    /// With a case: both sides under its torques, wheels and thrust; or its motion beside the telemetry. Without:
+    /// what the vehicle predicts for a record that was held back. Exit code 0: compared, within the limits or the
+    /// declared noise. 1: beyond them, or the motion depends on what the estimate leaves open. 2: bad usage, model,
+    /// case or telemetry. 3: disk or permission.
+    Validate(Validate),
     /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
@@ -55,12 +62,13 @@ pub struct Identify {
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
     /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published methods:
-    /// kim2010, ma2008.
+    /// kim2010, ma2008, xu2017.
     #[arg(long, default_value = "auto")]
     pub method: String,
     /// Variant of a method. Of maximum likelihood: gaussian (default), huber, student_t, the loss of a
     /// reading. Of kim2010: suggested (default), batch, conventional, pre-estimate, iterated. Of ma2008:
-    /// unknown-momentum (default), known-momentum.
+    /// unknown-momentum (default), known-momentum. Of xu2017: swarm (default), linear, swarm-inward,
+    /// linear-inward.
     #[arg(long)]
     pub variant: Option<String>,
     /// File whose `[telemetry]` table replaces that of the model.
@@ -87,8 +95,8 @@ pub struct Identify {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
-    /// What is done about a finding of a telemetry check: placeholder, held, stuck, saturation, outlier (report,
-    /// exclude, refuse), gap, lag, wheel_sign (report, refuse), units (refuse, report).
+    /// What is done about a finding of a telemetry check: held, stuck, saturation, outlier (exclude, report,
+    /// refuse), placeholder (report, exclude, refuse), gap, lag (report, refuse), units (refuse, report).
     #[arg(long, value_name = "CHECK=POLICY")]
     pub policy: Vec<String>,
     /// How telemetry is taken out of its files.
@@ -209,6 +217,47 @@ pub struct Predict {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `validate`.
+#[derive(Debug, Args)]
+pub struct Validate {
+    /// Case (TOML, poinsot.case/1) that says what drives the vehicle; not needed for held-back telemetry.
+    pub case: Option<PathBuf>,
+    /// Model of the vehicle (TOML, poinsot.model/1); that of the case where it is not given.
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Estimate made with this model (folder of identify --out, or estimate.json): its numbers replace the nominal
+    /// ones. Where it leaves some open, the combinations it determines are enough, and whether they are is tried.
+    #[arg(long, value_name = "DIR")]
+    pub estimate: Option<PathBuf>,
+    /// Another model (.toml), or telemetry of one record (CSV or Parquet, files joined by commas).
+    #[arg(long, value_name = "MODEL.toml|FILE[,FILE]")]
+    pub against: String,
+    /// File whose `[telemetry]` table replaces that of the model.
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: Option<PathBuf>,
+    /// Largest acceptable difference of base position and prismatic joints, m.
+    #[arg(long, value_name = "METRES")]
+    pub within_m: Option<f64>,
+    /// Largest acceptable difference of attitude and revolute joints, rad.
+    #[arg(long, value_name = "RADIANS")]
+    pub within_rad: Option<f64>,
+    /// Folder for validation.json and histories.csv; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// No repairs: what would be repaired is an error.
+    #[arg(long)]
+    pub strict: bool,
+    /// Read the whole rows of a file that ends inside a row.
+    #[arg(long)]
+    pub recover: bool,
 }
 
 /// Arguments of `report`.

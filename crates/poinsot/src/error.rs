@@ -4,6 +4,7 @@ use crate::bind::BindError;
 use poinsot_identify::ProblemError;
 use poinsot_identify::methods::kim2010::Kim2010ProblemError;
 use poinsot_identify::methods::ma2008::Ma2008Error;
+use poinsot_identify::methods::xu2017::Xu2017Error;
 use poinsot_model::ModelError;
 use poinsot_telemetry::TelemetryError;
 use std::path::PathBuf;
@@ -32,6 +33,12 @@ pub enum Error {
     /// The method of Ma, Dang and Pham.
     #[error(transparent)]
     Ma2008(#[from] Ma2008Error),
+    /// A validation.
+    #[error(transparent)]
+    Validate(#[from] crate::validate::ValidateError),
+    /// The method of Xu, Hu, Zhang and Liang.
+    #[error(transparent)]
+    Xu2017(#[from] Xu2017Error),
     /// A word on the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {

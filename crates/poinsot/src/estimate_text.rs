@@ -81,6 +81,9 @@ pub fn estimate_document(identified: &Identified) -> Document {
     if !found.is_empty() {
         document.push(Section::list("found in the telemetry", found));
     }
+    if let Some(d) = &identified.estimate.diagnostics {
+        document.push(crate::diagnostics_file::diagnostics_section(d));
+    }
     if !identified.repairs.is_empty() {
         document.push(Section::list(
             "assumed or repaired",

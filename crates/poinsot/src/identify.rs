@@ -1,10 +1,10 @@
 //! The verb `identify`: model and telemetry in, mass properties out.
 
-use crate::bind::{Bound, bind, wanted_channels};
+use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
 use crate::mixups;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::{self, kim2010, ma2008};
+use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
     Estimate, Loss, Prediction, Problem, Status, linear_predicted, maximum_likelihood_predicted,
 };
@@ -114,13 +114,20 @@ pub fn identify_reading(
     if let Some(map) = &request.map {
         model.telemetry = read_telemetry_map(map)?;
     }
-    let options = ReadOptions {
+    let mut options = ReadOptions {
         encoding: reading.encoding,
         time_s: reading.time_s,
         every: reading.every,
         memory_mib: reading.memory_mib,
         ..read_options(&model, &model.telemetry, request.strict, request.recover)
     };
+    if let Some(wanted) = options
+        .wanted
+        .as_mut()
+        .filter(|_| request.method == "xu2017")
+    {
+        wanted.extend(acceleration_channels());
+    }
     let mut tables = request
         .segments
         .iter()
@@ -131,7 +138,7 @@ pub fn identify_reading(
         let label = table_label(table);
         findings.extend(checks::apply(table, &label, &policies)?);
     }
-    let (mut identified, bound) = identify_bound(model, tables, request)?;
+    let mut identified = identify_tables(model, tables, request)?;
     let label = identified.inputs.iter().flatten().map(|s| s.path.as_str());
     let label = label.collect::<Vec<_>>().join(",");
     for f in &findings {
@@ -141,7 +148,7 @@ pub fn identify_reading(
         }
     }
     identified.findings = findings;
-    against_model(&mut identified, &bound, request, &policies, &label)?;
+    against_model(&mut identified, &policies, &label)?;
     Ok(identified)
 }
 
@@ -153,32 +160,17 @@ fn table_label(table: &Table) -> String {
 /// Checks of the telemetry that need the answer.
 fn against_model(
     identified: &mut Identified,
-    bound: &Bound,
-    request: &IdentifyRequest,
     policies: &Policies,
     label: &str,
 ) -> Result<(), Error> {
     let estimate = &identified.estimate;
-    let mut found = mixups::units(estimate);
-    if !estimate.covariance_trustworthy && request.method != "kim2010" {
-        let tree = Tree::new(&identified.model);
-        let problem = Problem {
-            model: &identified.model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: request.relative_accuracy,
-        };
-        found.extend(mixups::wheels(&problem, estimate));
-    }
+    let found = mixups::units(estimate);
     for mut finding in found {
         finding.policy = policies.of(finding.check);
         if finding.policy == Policy::Refuse {
             return Err(checks::refused(label, &finding).into());
         }
-        if finding.check == Check::Units {
-            identified.estimate.covariance_trustworthy = false;
-        }
+        identified.estimate.covariance_trustworthy = false;
         let text = format!("{}: {}", finding.check.name(), finding.text);
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
@@ -195,14 +187,6 @@ pub fn identify_tables(
     tables: Vec<Table>,
     request: &IdentifyRequest,
 ) -> Result<Identified, Error> {
-    identify_bound(model, tables, request).map(|(identified, _)| identified)
-}
-
-fn identify_bound(
-    model: Model,
-    tables: Vec<Table>,
-    request: &IdentifyRequest,
-) -> Result<(Identified, Bound), Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
     let problem = Problem {
@@ -212,6 +196,7 @@ fn identify_bound(
         noise: &bound.noise,
         relative_accuracy: request.relative_accuracy,
     };
+    refuse_gravity(&model, request)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match request.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
@@ -221,6 +206,10 @@ fn identify_bound(
         ),
         "ma2008" => (
             ma2008::identify(&problem, ma2008_variant(request))?,
+            Vec::new(),
+        ),
+        "xu2017" => (
+            xu2017::identify(&problem, xu2017_variant(request)?)?,
             Vec::new(),
         ),
         _ => {
@@ -235,12 +224,12 @@ fn identify_bound(
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
     let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
-    repairs.extend(bound.repairs.iter().cloned());
+    repairs.extend(bound.repairs);
     repairs.extend(estimate.assumptions.iter().cloned());
     let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
     ignored.sort();
     ignored.dedup();
-    let identified = Identified {
+    Ok(Identified {
         model,
         estimate,
         predictions,
@@ -248,8 +237,7 @@ fn identify_bound(
         repairs,
         ignored,
         findings: Vec::new(),
-    };
-    Ok((identified, bound))
+    })
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
@@ -260,6 +248,20 @@ fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
     if estimate.status == Status::Converged {
         estimate.status = Status::Partial;
     }
+}
+
+/// Only maximum likelihood knows the gravity gradient.
+fn refuse_gravity(model: &Model, request: &IdentifyRequest) -> Result<(), Error> {
+    if !model.environment.gravity_gradient
+        || matches!(request.method.as_str(), "auto" | "maximum_likelihood")
+    {
+        return Ok(());
+    }
+    Err(Error::Usage {
+        option: "--method",
+        value: request.method.clone(),
+        why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
+    })
 }
 
 fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
@@ -304,6 +306,11 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
 fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
     let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
     kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
+}
+
+fn xu2017_variant(request: &IdentifyRequest) -> Result<xu2017::Variant, Error> {
+    let known = methods::published("xu2017").map_or(&[][..], |p| p.variants);
+    xu2017::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
 }
 
 fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {

@@ -3,6 +3,7 @@
 
 pub mod bind;
 pub mod case;
+mod diagnostics_file;
 mod error;
 mod estimate_file;
 mod estimate_text;
@@ -15,6 +16,7 @@ pub mod predict;
 pub mod report;
 pub mod simulate;
 pub mod trials;
+pub mod validate;
 
 pub use error::Error;
 pub use estimate_file::estimate_json;

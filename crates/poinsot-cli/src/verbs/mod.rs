@@ -10,6 +10,7 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod validate;
 
 use std::sync::Mutex;
 

@@ -90,6 +90,7 @@ fn cases() -> Vec<Row> {
         simulate("E0506", "times and values of other lengths", |b| case(b, "time_s = [0.0, 30.0, 60.0, 100.0]", "time_s = [0.0, 30.0, 60.0]"), 2, &["E0506 case.toml:"]),
         simulate("E0507", "speed and torque for one wheel", |b| case(b, "speed_rad_s = [20.0, -100.0, 130.0, -50.0]", "speed_rad_s = [20.0, -100.0, 130.0, -50.0]\ntorque_N_m = [0.0, 0.0, 0.0, 0.0]"), 2, &["E0507 case.toml:"]),
         simulate("E0508", "a drive that is not there yet", |b| { case(b, "seed = 3", "seed = 3"); let mut m = CASE.replacen("[output]", "[[joint_torque]]\njoint = \"j\"\nconstant_N_m = 1.0\n\n[output]", 1); m = m.replace("truth.toml", "m.toml"); arm(b, "10.0", ""); b.write("case.toml", m); }, 2, &["E0508 case.toml:"]),
+        simulate("E0511", "a torque table that is not there", |b| { let mut m = CASE.replacen("[output]", "[[joint_torque]]\njoint = \"j\"\nfile = \"none.csv\"\ninterpolation = \"cubic_clamped\"\n\n[output]", 1); m = m.replace("truth.toml", "m.toml"); arm(b, "10.0", ""); b.write("case.toml", m); }, 2, &["E0511 case.toml:"]),
         simulate("E0510", "a file stands where the folder should go", |b| { case(b, "seed = 3", "seed = 3"); b.write("sim", ""); }, 3, &["E0510 sim: "]),
     ]
 }
@@ -97,7 +98,11 @@ fn cases() -> Vec<Row> {
 /// Messages that the command cannot be made to print: made of the error itself, and why.
 pub fn unreachable() -> Vec<(&'static str, String, &'static str)> {
     use poinsot_identify::ProblemError;
-    use poinsot_identify::methods::{kim2010, ma2008};
+    use poinsot::validate::ValidateError;
+    use poinsot_identify::methods::{kim2010, ma2008, xu2017::Xu2017Error};
+    let label = || "t.csv".to_owned();
+    let own = "printed by the tests of the method";
+    let case = || "case.toml".into();
     let channel = |name: &str| poinsot_telemetry::Channel {
         name: name.to_owned(),
         sensor: String::new(),
@@ -115,6 +120,20 @@ pub fn unreachable() -> Vec<(&'static str, String, &'static str)> {
         ("E0404", ProblemError::TooFewSamples { label: "t.csv".to_owned(), samples: 1 }.to_string(), "E0303 comes before"),
         ("E0420", kim2010::Kim2010Error::Lengths.to_string(), "samples are aligned before"),
         ("E0424", kim2010::Kim2010Error::NotFinite.to_string(), "E0306 comes before"),
+        ("E0410", ProblemError::NotFinite(poinsot_identify::NotFinite).to_string(), "E0306 and E0108 come before"),
+        ("E0531", Xu2017Error::Wheel { wheel: "wheel1".to_owned() }.to_string(), own),
+        ("E0532", Xu2017Error::PartlyKnown { body: "bus".to_owned() }.to_string(), own),
+        ("E0533", Xu2017Error::NoScale.to_string(), own),
+        ("E0534", Xu2017Error::NoVelocity { label: label(), what: "the first step" }.to_string(), own),
+        ("E0535", Xu2017Error::JointsTogether { label: label(), joints: "j1, j2".to_owned() }.to_string(), own),
+        ("E0536", Xu2017Error::ThrustInMotion { label: label(), joint: "j1".to_owned() }.to_string(), own),
+        ("E0537", Xu2017Error::OtherConfiguration { label: label(), joint: "j1".to_owned(), found: 0.5, expected: 0.0 }.to_string(), own),
+        ("E0538", Xu2017Error::NotAtRest { label: label(), rate: 0.1, speed: 0.2, variant: "swarm" }.to_string(), own),
+        ("E0539", Xu2017Error::NothingMoves.to_string(), own),
+        ("E0540", Xu2017Error::NotFinite.to_string(), own),
+        ("E0701", ValidateError::Estimate { path: "out".into(), why: "it is of another model".to_owned() }.to_string(), "printed by the tests of validate"),
+        ("E0702", ValidateError::Control { file: case() }.to_string(), "printed by the tests of validate"),
+        ("E0703", ValidateError::NothingInCommon { file: case() }.to_string(), "printed by the tests of validate"),
         ("E0529", ma2008::Ma2008Error::NotFinite.to_string(), "E0306 comes before"),
     ]
 }

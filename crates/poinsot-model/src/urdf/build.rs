@@ -66,6 +66,7 @@ pub(super) fn model(
                     _ => Vector3::from(j.axis),
                 },
                 locked_at: 0.0,
+                spring_damper: None,
             })
         })
         .collect::<Option<Vec<Joint>>>()?;

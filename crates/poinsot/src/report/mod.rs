@@ -2,6 +2,7 @@
 //! template per section.
 
 mod data;
+mod diagnostics;
 mod estimate;
 mod fit;
 mod identifiability;
