@@ -29,7 +29,10 @@ pub(super) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
 /// Mass properties of every link in its own frame; zero where it has none.
 pub(super) fn check(robot: &Robot, order: &Order, remarks: &mut Vec<Remark>) -> Vec<MassProperties> {
     let all: Vec<MassProperties> = robot.links.iter().map(|l| one(l, remarks)).collect();
-    moving_without_mass(robot, order, &all, remarks);
+    // Where a number could not be read, what moves without mass is not known.
+    if !remarks.iter().any(|r| r.code == Some("E0107")) {
+        moving_without_mass(robot, order, &all, remarks);
+    }
     all
 }
 
