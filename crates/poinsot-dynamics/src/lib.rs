@@ -9,6 +9,7 @@ mod acceleration;
 mod attitude_control;
 mod integrate;
 mod joint_motion;
+mod joint_slopes;
 mod kinematics;
 mod momentum;
 mod piecewise;
@@ -28,6 +29,7 @@ pub use attitude_control::{
 };
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use joint_motion::{Fourier, JointMotion};
+pub use joint_slopes::{JointSlope, JointSlopes};
 pub use kinematics::Kinematics;
 pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,

@@ -98,7 +98,6 @@ impl<'a> Experiment<'a> {
         self.problem
             .segments
             .par_iter()
-            .enumerate()
             .zip(&at.heads)
             .zip(&self.unknown)
             .map(|((segment, head), unknown)| {

@@ -18,6 +18,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod input_noise;
 mod levenberg_marquardt;
 mod likelihood;
 mod linear;
@@ -60,5 +61,5 @@ pub use prediction::{
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{Firing, InputErrors, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

@@ -1,12 +1,13 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::input_noise::InputNoise;
 use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
 use crate::parameters::{Parameters, UnknownKind};
-use crate::segment::{Noise, Segment};
+use crate::segment::{InputErrors, Noise, Segment};
 use crate::vehicle::Vehicle;
-use nalgebra::{Cholesky, Matrix6};
+use nalgebra::{Cholesky, Matrix6, SMatrix, SVector};
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
@@ -114,7 +115,7 @@ pub(crate) struct Evaluated {
 /// body with positive mass and inertia.
 pub(crate) fn evaluate(
     setting: &Setting,
-    (index, segment): (usize, &Segment),
+    segment: &Segment,
     x: &[f64],
     head: &Head,
     unknown: HeadColumns,
@@ -134,7 +135,7 @@ pub(crate) fn evaluate(
     } else {
         Vec::new()
     };
-    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count(), index);
+    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count());
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     if has_lag(setting.parameters) {
         compare.rates = predicted_rates(&vehicle, segment, &state)?;
@@ -156,7 +157,7 @@ fn has_lag(parameters: &Parameters) -> bool {
 
 /// Predicted rates at all grid times: a lag needs what comes before and after.
 fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Vec<Vector3>> {
-    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, 0);
+    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
     let samples = segment.observations.time_s.len();
     let mut state = *start;
     let mut rates = Vec::with_capacity(samples);
@@ -205,7 +206,11 @@ struct Compare<'a> {
     qr: Option<BlockQr>,
     rows: usize,
     channels: Vec<ChannelResidual>,
-    six: Vec<Vector6>,
+    inputs: InputNoise,
+    /// Variance of each joint's rate in this segment.
+    joint_rate: Vec<f64>,
+    /// `ln det` of the covariance of all readings over that of the sensors alone.
+    log_det: f64,
     /// Predicted rates at the grid times, where a lag is unknown; empty otherwise.
     rates: Vec<Vector3>,
 }
@@ -295,6 +300,13 @@ impl<'a> Compare<'a> {
             ..ChannelResidual::default()
         };
         let width = unknown.count() + x.len() + 1;
+        let o = &segment.observations;
+        let pushes = |u: &crate::parameters::Unknown| {
+            matches!(
+                u.kind,
+                UnknownKind::DisturbanceTorque(_) | UnknownKind::DragTorque(_)
+            )
+        };
         Self {
             setting,
             segment,
@@ -309,7 +321,15 @@ impl<'a> Compare<'a> {
                 channel("velocity", "m/s"),
                 channel("position", "m"),
             ],
-            six: Vec::with_capacity(width),
+            inputs: InputNoise::new(
+                setting.noise,
+                segment,
+                o.velocity.iter().any(Option::is_some) || o.position.iter().any(Option::is_some),
+                !segment.firings.is_empty() || setting.parameters.unknowns.iter().any(pushes),
+                if with_sensitivities { width } else { 1 },
+            ),
+            joint_rate: joint_rate_noise(setting.noise, segment),
+            log_det: 0.0,
             rates: Vec::new(),
         }
     }
@@ -332,11 +352,15 @@ impl<'a> Compare<'a> {
         let o = &self.segment.observations;
         let measured = o.rate[k].is_some() || o.velocity[k].is_some();
         let posed = o.attitude[k].is_some() || o.position[k].is_some();
-        if !measured && !posed {
+        let errs = !self.inputs.is_silent();
+        if !measured && !posed && !errs {
             return Some(());
         }
         let (instant, twists) = motion.velocity(state, k)?;
         let twists = twists.to_vec();
+        if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
+            self.inputs.reach(motion, state, &instant, k);
+        }
         if measured {
             self.twist_rows(motion, state, &instant, &twists, k);
         }
@@ -347,7 +371,7 @@ impl<'a> Compare<'a> {
     /// Velocity and rate together: the noise of joints and wheels is common to both.
     fn twist_rows(
         &mut self,
-        motion: &mut Motion,
+        motion: &Motion,
         state: &State,
         instant: &Instant,
         twists: &[Vector6],
@@ -358,82 +382,61 @@ impl<'a> Compare<'a> {
         let R = matrix(&state.R_NB);
         let arm = o.velocity_arm_B;
         let v_S = instant.twist.v + instant.twist.w.cross(&arm);
-        let mut C = Matrix6::zeros();
-        // Velocity is compared in body axes: there its noise and that of the joints add plainly.
-        let velocity_B = R.transpose() * noise.velocity * R;
-        C.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
-        C.fixed_view_mut::<3, 3>(3, 3).copy_from(&noise.gyro);
-        for joint in 0..self.setting.tree.dof() {
-            if noise.joint_rate[joint] > 0.0 {
-                let g = at_sensor(&motion.input_gain(instant, joint), &arm);
-                C += g * g.transpose() * noise.joint_rate[joint];
-            }
-        }
-        for wheel in 0..self.setting.tree.rotors.len() {
-            if noise.wheel_speed[wheel] > 0.0 {
-                let g = at_sensor(&motion.wheel_gain(instant, wheel), &arm);
-                C += g * g.transpose() * noise.wheel_speed[wheel];
-            }
-        }
-        let residual_v = o.velocity[k].map(|v| R.transpose() * v - v_S);
         let acceleration = self.acceleration(k);
         let expected = self.gyro.reading(&instant.twist.w, &acceleration);
+        let residual_v = o.velocity[k].map(|v| R.transpose() * v - v_S);
         let residual_w = o.rate[k].map(|w| w - expected);
-        // A missing half is given a variance without information, and is not counted.
-        let blind = C.diagonal().max() * 1.0e12;
-        for (missing, at) in [(residual_v.is_none(), 0), (residual_w.is_none(), 3)] {
-            if missing {
-                C.fixed_view_mut::<3, 6>(at, 0).fill(0.0);
-                C.fixed_view_mut::<6, 3>(0, at).fill(0.0);
-                C.fixed_view_mut::<3, 3>(at, at)
-                    .copy_from(&(Matrix3::identity() * blind));
+        // How a change of state and twist shows in the two readings; nothing where one is missing.
+        let seen = |column: &Column, twist: &Vector6, unknown: Option<&UnknownKind>| {
+            let mut d = at_sensor(twist, &arm);
+            // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
+            let dphi: Vector3 = column.fixed_rows::<3>(0).into();
+            let dv = d.fixed_rows::<3>(0) + dphi.cross(&v_S);
+            let dw: Vector3 = d.fixed_rows::<3>(3).into();
+            let dw = self
+                .gyro
+                .change(&instant.twist.w, &acceleration, &dw, unknown);
+            d.fixed_rows_mut::<3>(0)
+                .copy_from(&residual_v.map_or_else(Vector3::zeros, |_| dv));
+            d.fixed_rows_mut::<3>(3)
+                .copy_from(&residual_w.map_or_else(Vector3::zeros, |_| dw));
+            d
+        };
+        // Velocity is compared in body axes: there its noise and that of the joints add plainly. A missing half
+        // is given a variance without information, and is not counted.
+        let blind = Matrix3::identity() * (1.0e12 * (noise.velocity + noise.gyro).diagonal().max());
+        let velocity_B = residual_v.map_or(blind, |_| R.transpose() * noise.velocity * R);
+        let mut sensors = Matrix6::zeros();
+        sensors.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
+        sensors
+            .fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&residual_w.map_or(blind, |_| noise.gyro));
+        let mut white_noise = sensors;
+        for (gain, variance) in self.inputs.rate_gain.iter().zip(&self.joint_rate) {
+            if *variance > 0.0 {
+                let g = seen(&Column::zeros(), gain, None);
+                white_noise += g * g.transpose() * *variance;
             }
         }
-        let Some(L) = Cholesky::new(C).map(|c| c.l()) else {
+        let errors = self.inputs.columns.iter().zip(&self.inputs.twists);
+        let slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
+        let mut rows: Vec<Vector6> = Vec::with_capacity(twists.len() + 1);
+        if self.qr.is_some() {
+            let kinds = &self.setting.parameters.unknowns;
+            let columns = motion.columns.iter().zip(twists).enumerate();
+            rows.extend(columns.map(|(j, (column, twist))| {
+                let unknown = j.checked_sub(self.head).map(|u| &kinds[u].kind);
+                seen(column, twist, unknown)
+            }));
+        }
+        let (v, w) = (
+            residual_v.unwrap_or_default(),
+            residual_w.unwrap_or_default(),
+        );
+        rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
+        let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
             return;
         };
-        let residual = Vector6::from_iterator(
-            residual_v
-                .unwrap_or_default()
-                .iter()
-                .chain(residual_w.unwrap_or_default().iter())
-                .copied(),
-        );
-        let white = L.solve_lower_triangular(&residual).unwrap_or(residual);
-        if self.qr.is_some() {
-            let turn = skew(&v_S);
-            self.six.clear();
-            for (j, (column, twist)) in motion.columns.iter().zip(twists).enumerate() {
-                let mut d = at_sensor(twist, &arm);
-                // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
-                let dphi: Vector3 = column.fixed_rows::<3>(0).into();
-                let sum = d.fixed_rows::<3>(0) - turn * dphi;
-                d.fixed_rows_mut::<3>(0).copy_from(&sum);
-                let unknown = j
-                    .checked_sub(self.head)
-                    .map(|u| &self.setting.parameters.unknowns[u].kind);
-                let dw: Vector3 = d.fixed_rows::<3>(3).into();
-                let seen = self
-                    .gyro
-                    .change(&instant.twist.w, &acceleration, &dw, unknown);
-                d.fixed_rows_mut::<3>(3).copy_from(&seen);
-                if residual_v.is_none() {
-                    d.fixed_rows_mut::<3>(0).fill(0.0);
-                }
-                if residual_w.is_none() {
-                    d.fixed_rows_mut::<3>(3).fill(0.0);
-                }
-                self.six.push(L.solve_lower_triangular(&d).unwrap_or(d));
-            }
-            self.six.push(white);
-            let loss = self.setting.loss;
-            let weights =
-                [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
-            let six = &self.six;
-            if let Some(qr) = &mut self.qr {
-                qr.push(6, |i, j| six[j][i] * weights[i / 3]);
-            }
-        }
         if let Some(r) = residual_v {
             self.note(VELOCITY, &r, white.fixed_rows::<3>(0).into());
         }
@@ -448,53 +451,96 @@ impl<'a> Compare<'a> {
         if let Some(measured) = o.attitude[k] {
             let late = self.rates.get(k).copied().unwrap_or_default();
             let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
-            let columns = &motion.columns;
-            let kinds = &self.setting.parameters.unknowns;
-            let head = self.head;
-            self.three(ATTITUDE, &noise.attitude, &residual, |j| {
-                let own: Vector3 = columns[j].fixed_rows::<3>(0).into();
-                match j.checked_sub(head).map(|u| &kinds[u].kind) {
-                    Some(UnknownKind::AttitudeLag) => own - late,
-                    _ => own,
-                }
-            });
+            self.three(
+                motion,
+                ATTITUDE,
+                &noise.attitude,
+                &residual,
+                |column, unknown| {
+                    let own: Vector3 = column.fixed_rows::<3>(0).into();
+                    match unknown {
+                        Some(UnknownKind::AttitudeLag) => own - late,
+                        _ => own,
+                    }
+                },
+            );
         }
         if let Some(measured) = o.position[k] {
             let R = matrix(&state.R_NB);
             let arm = o.position_arm_B;
             let residual = measured - state.p_NoBo_N - R * arm;
-            let columns = &motion.columns;
-            self.three(POSITION, &noise.position, &residual, |j| {
-                let dphi: Vector3 = columns[j].fixed_rows::<3>(0).into();
-                columns[j].fixed_rows::<3>(3) + R * dphi.cross(&arm)
+            self.three(motion, POSITION, &noise.position, &residual, |column, _| {
+                let dphi: Vector3 = column.fixed_rows::<3>(0).into();
+                column.fixed_rows::<3>(3) + R * dphi.cross(&arm)
             });
         }
     }
 
-    /// Three rows with a covariance of their own; a sensor taken as exact is left out.
+    /// Three rows with a covariance of their own.
     fn three(
         &mut self,
+        motion: &Motion,
         channel: usize,
         covariance: &Matrix3,
         residual: &Vector3,
-        column: impl Fn(usize) -> Vector3,
+        seen: impl Fn(&Column, Option<&UnknownKind>) -> Vector3,
     ) {
-        let Some(L) = Cholesky::new(*covariance).map(|c| c.l()) else {
-            return;
-        };
-        let white = L.solve_lower_triangular(residual).unwrap_or(*residual);
-        let columns = self.head + self.setting.parameters.len();
-        if let Some(qr) = &mut self.qr {
-            let block: Vec<Vector3> = (0..columns)
-                .map(|j| {
-                    let d = column(j);
-                    L.solve_lower_triangular(&d).unwrap_or(d)
-                })
-                .collect();
-            let weight = self.setting.loss.weight(white.norm_squared()).sqrt();
-            qr.push(3, |i, j| weight * block.get(j).map_or(white[i], |d| d[i]));
+        let slopes: Vec<Vector3> = self.inputs.columns.iter().map(|c| seen(c, None)).collect();
+        let mut rows: Vec<Vector3> = Vec::with_capacity(motion.columns.len() + 1);
+        if self.qr.is_some() {
+            let kinds = &self.setting.parameters.unknowns;
+            let columns = motion.columns.iter().enumerate();
+            rows.extend(
+                columns.map(|(j, column)| {
+                    seen(column, j.checked_sub(self.head).map(|u| &kinds[u].kind))
+                }),
+            );
         }
-        self.note(channel, residual, white);
+        rows.push(*residual);
+        if let Some(white) = self.take(&slopes, covariance, covariance, rows) {
+            self.note(channel, residual, white);
+        }
+    }
+
+    /// Readings at one time, sensitivities first and the residual last: what earlier readings say of the inputs'
+    /// errors is taken off, the rest is whitened and goes into the triangle. Gives the white residual; `None` for
+    /// a sensor taken as exact, which is left out.
+    ///
+    /// `noise` is the covariance of what is new at this time, `sensors` the part of it that no input causes.
+    fn take<const M: usize>(
+        &mut self,
+        slopes: &[SVector<f64, M>],
+        noise: &SMatrix<f64, M, M>,
+        sensors: &SMatrix<f64, M, M>,
+        mut rows: Vec<SVector<f64, M>>,
+    ) -> Option<SVector<f64, M>> {
+        let alone = Cholesky::new(*sensors)?.l();
+        let spread = self.inputs.spread(slopes);
+        let mut root = Cholesky::new(noise + spread)?.l();
+        self.log_det += 2.0
+            * (0..M)
+                .map(|i| (root[(i, i)] / alone[(i, i)]).ln())
+                .sum::<f64>();
+        let residual = self.inputs.expected(slopes, *rows.last()?);
+        let white = root.solve_lower_triangular(&residual)?;
+        // A reading with less weight is one with more noise: so the filter does not believe it either.
+        let loss = self.setting.loss;
+        let weights: [f64; M] = std::array::from_fn(|i| {
+            let own = (0..M).filter(|j| j / 3 == i / 3);
+            loss.weight(own.map(|j| white[j] * white[j]).sum())
+        });
+        if weights.iter().any(|w| *w != 1.0) {
+            let inflated =
+                SMatrix::from_fn(|i, j| noise[(i, j)] / (weights[i] * weights[j]).sqrt());
+            root = Cholesky::new(inflated + spread)?.l();
+        }
+        let identity = SMatrix::<f64, M, M>::identity();
+        let inverse_root = root.solve_lower_triangular(&identity)?;
+        self.inputs.take(slopes, &inverse_root, &mut rows);
+        if let Some(qr) = &mut self.qr {
+            qr.push(M, |i, j| rows[j][i]);
+        }
+        Some(white)
     }
 
     fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {
@@ -506,7 +552,7 @@ impl<'a> Compare<'a> {
 
     fn finish(self) -> Option<Evaluated> {
         let loss = self.setting.loss;
-        let (mut chi2, mut cost) = (0.0, 0.0);
+        let (mut chi2, mut cost) = (0.0, self.log_det);
         for white in self.channels.iter().flat_map(|c| &c.white) {
             let square = white.norm_squared();
             chi2 += loss.weight(square) * square;
@@ -531,4 +577,12 @@ fn at_sensor(twist: &Vector6, arm: &Vector3) -> Vector6 {
     let w: Vector3 = twist.fixed_rows::<3>(3).into();
     let v: Vector3 = twist.fixed_rows::<3>(0) + w.cross(arm);
     Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+}
+
+/// Variance of the joint rates in a segment: a locked joint has none.
+fn joint_rate_noise(noise: &Noise, segment: &Segment) -> Vec<f64> {
+    let errors = &segment.observations.joint_errors;
+    let still = |k: usize| matches!(errors.get(k), Some(InputErrors::Locked | InputErrors::None));
+    let all = noise.joint_rate.iter().enumerate();
+    all.map(|(k, v)| if still(k) { 0.0 } else { *v }).collect()
 }

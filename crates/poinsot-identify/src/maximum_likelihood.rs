@@ -53,9 +53,6 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
         }
         Err(other) => return Err(other),
     };
-    let mut parameters = parameters;
-    parameters.add_resting_joints(problem.segments, problem.noise);
-    let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = loss;
     let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
@@ -99,15 +96,6 @@ pub(crate) fn proportional(problem: &Problem) -> bool {
     let known_wheel = model.wheels.iter().any(|w| !w.estimate);
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     !known_body && !known_wheel && !fires
-}
-
-/// A linear solution with the unknowns that only the fit has, at their nominal values.
-fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
-    let known = solved.x.len();
-    let further = parameters.unknowns[known..].iter().map(|u| u.nominal);
-    solved.x.extend(further);
-    solved.parameters = parameters.clone();
-    solved
 }
 
 pub(crate) fn conclude(

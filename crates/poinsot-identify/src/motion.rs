@@ -6,10 +6,12 @@
 //! a false rate (`dp x P`), and what no data can show stays exactly unseen. A small change of the state is
 //! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
-use crate::parameters::{Rest, UnknownKind};
+mod inputs;
+
+use crate::parameters::UnknownKind;
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval, wheel_slope};
-use nalgebra::{Quaternion, SMatrix, SVector};
+use nalgebra::{Quaternion, SVector};
 use poinsot_dynamics::{
     Kinematics, Twist, composite, momentum, momentum_regressor, twist_from_momentum,
     wheel_momentum, wheel_regressor,
@@ -44,16 +46,12 @@ pub(crate) struct Motion<'a> {
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
     kinematics: Kinematics,
-    still: Kinematics,
     regressor: Vec<[f64; 6]>,
     wheel_columns: Vec<[f64; 6]>,
     /// Sensitivity columns: head first, then unknowns; empty where only the motion is wanted.
     pub columns: Vec<Column>,
     /// Index in `columns` of the first unknown.
     head: usize,
-    /// Index of the segment, and grid time of the interval in hand.
-    segment: usize,
-    now: usize,
     buffer: Buffers,
 }
 
@@ -99,13 +97,11 @@ impl<'a> Motion<'a> {
         segment: &'a Segment,
         columns: Vec<Column>,
         head: usize,
-        index: usize,
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
         Self {
             kinematics: Kinematics::new(tree),
-            still: Kinematics::new(tree),
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
@@ -120,8 +116,6 @@ impl<'a> Motion<'a> {
             },
             columns,
             head,
-            segment: index,
-            now: 0,
             vehicle,
         }
     }
@@ -131,7 +125,7 @@ impl<'a> Motion<'a> {
     /// `None` where the parameters have no positive mass or inertia there.
     pub fn velocity(&mut self, state: &State, k: usize) -> Option<(Instant, &[Vector6])> {
         let mut buffer = std::mem::take(&mut self.buffer);
-        self.inputs(k, 0.0, &mut buffer);
+        fill_inputs(self.observations, self.vehicle, k, 0.0, &mut buffer);
         let drive = Drive {
             q: &buffer.q,
             rates: &buffer.rates,
@@ -167,21 +161,6 @@ impl<'a> Motion<'a> {
         (&b.q, &b.rates, &b.wheels)
     }
 
-    /// Inputs within the interval after grid time k, with the errors of resting joints taken off.
-    fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
-        self.now = k;
-        fill_inputs(self.observations, self.vehicle, k, at, buffer);
-        for (rest, error) in &self.vehicle.rests {
-            if self.rests_now(rest) {
-                buffer.q[rest.joint] -= error;
-            }
-        }
-    }
-
-    fn rests_now(&self, rest: &Rest) -> bool {
-        rest.segment == self.segment && rest.span.0 <= self.now && self.now <= rest.span.1
-    }
-
     fn fastest(&mut self, state: &State, k: usize) -> Option<f64> {
         let columns = std::mem::take(&mut self.columns);
         let w = self.velocity(state, k).map(|(i, _)| i.twist.w.norm());
@@ -206,7 +185,7 @@ impl<'a> Motion<'a> {
         ];
         let mut failed = false;
         for (i, (at, share)) in nodes.into_iter().enumerate() {
-            self.inputs(k, at, &mut buffer);
+            fill_inputs(self.observations, self.vehicle, k, at, &mut buffer);
             let mut stage_state = *state;
             buffer.at.clone_from(&self.columns);
             if let Some(before) = i.checked_sub(1).and_then(|b| slopes[b]) {
@@ -324,6 +303,11 @@ impl<'a> Motion<'a> {
             h_cm,
             mass: whole.mass,
         };
+        let instant = Instant {
+            twist,
+            inverse_inertia,
+            centre,
+        };
         if !columns.is_empty() {
             self.kinematics
                 .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
@@ -334,36 +318,20 @@ impl<'a> Motion<'a> {
                 drive.wheels,
                 &mut self.wheel_columns,
             );
-            self.twist_columns(state, &centre, &inverse_inertia, columns, twists);
-            self.resting_columns(drive, &twist, &centre, &inverse_inertia, twists);
+            self.twist_columns(state, &instant, columns, twists);
         }
-        Some(Instant {
-            twist,
-            inverse_inertia,
-            centre,
-        })
+        Some(instant)
     }
 
     fn twist_columns(
         &self,
         state: &State,
-        centre: &Centre,
-        inverse_inertia: &Matrix6,
+        instant: &Instant,
         columns: &[Column],
         twists: &mut [Vector6],
     ) {
-        let Rt = matrix(&state.R_NB).transpose();
-        let arm = skew(&centre.c);
-        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
-        let mut X = SMatrix::<f64, 6, 12>::zeros();
-        let turned = skew(&centre.l);
-        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-        X.fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&(skew(&centre.h_cm) + arm * turned));
-        X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
-        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
-        X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
-        let map = inverse_inertia * X;
+        let map = self.state_map(state, instant);
+        let (centre, inverse_inertia) = (&instant.centre, &instant.inverse_inertia);
         for (j, (column, twist)) in columns.iter().zip(twists.iter_mut()).enumerate() {
             *twist = map * column;
             if let Some(u) = j.checked_sub(self.head) {
@@ -384,44 +352,6 @@ impl<'a> Motion<'a> {
                 };
                 *twist -= inverse_inertia * own;
             }
-        }
-    }
-
-    /// What the error of a resting joint does to the twist: the balance `Y pi - [l; h_cm + c x l]` at a joint
-    /// position a little further, momentum held.
-    fn resting_columns(
-        &mut self,
-        drive: &Drive,
-        twist: &Twist,
-        centre: &Centre,
-        inverse_inertia: &Matrix6,
-        twists: &mut [Vector6],
-    ) {
-        let v = self.vehicle;
-        for (u, kind) in v.kinds.iter().enumerate() {
-            let UnknownKind::RestingJoint(rest) = kind else {
-                continue;
-            };
-            if !self.rests_now(rest) {
-                continue;
-            }
-            let step = 1.0e-5;
-            let mut q = drive.q.to_vec();
-            let mut ends = [Vector6::zeros(); 2];
-            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-                q[rest.joint] = drive.q[rest.joint] + sign * step;
-                self.still.place(v.tree, &q);
-                self.still
-                    .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
-                let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
-                let c = composite(&v.bodies, &self.still).p_BoScm_B();
-                *end = momentum(&v.bodies, &self.still);
-                let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
-                end.fixed_rows_mut::<3>(3).copy_from(&h);
-            }
-            // The true position is the reading less its error.
-            let slope = (ends[0] - ends[1]) / (2.0 * step);
-            twists[self.head + u] += inverse_inertia * slope;
         }
     }
 
@@ -503,26 +433,6 @@ impl<'a> Motion<'a> {
             slope.fixed_rows_mut::<3>(6).copy_from(&dP);
             slope.fixed_rows_mut::<3>(9).copy_from(&dH);
         }
-    }
-
-    /// Change of the base twist per unit of each joint rate and wheel speed at the instant given:
-    /// `dV/dq' = -H^-1 dc/dq'`. Used to pass their noise on.
-    pub fn input_gain(&mut self, instant: &Instant, joint: usize) -> Vector6 {
-        let v = self.vehicle;
-        let zero = Vector3::zeros();
-        let mut unit = vec![0.0; v.tree.dof()];
-        unit[joint] = 1.0;
-        self.still.R.clone_from(&self.kinematics.R);
-        self.still.p.clone_from(&self.kinematics.p);
-        self.still.set_velocities(v.tree, &zero, &zero, &unit);
-        -(instant.inverse_inertia * momentum(&v.bodies, &self.still))
-    }
-
-    /// The same for a wheel: `-H^-1 [0; Js a]`.
-    pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
-        let rotor = &self.vehicle.tree.rotors[wheel];
-        let h = self.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
-        -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
     }
 }
 

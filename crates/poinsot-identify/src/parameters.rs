@@ -1,7 +1,6 @@
 //! The unknowns of the linear problem: which numbers are asked for and how they make up the ten
 //! parameters of every body.
 
-use crate::segment::{Noise, Segment};
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, Model, Nuisance, SensorKind};
 use poinsot_spatial::{
@@ -50,19 +49,6 @@ pub enum UnknownKind {
     DisturbanceTorque(usize),
     /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
     DragTorque(usize),
-    /// Error of a joint's reading while it rests, rad or m: rounding that stays as long as the joint does.
-    RestingJoint(Rest),
-}
-
-/// A stretch in which a joint's reading does not change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rest {
-    /// Index of the segment.
-    pub segment: usize,
-    /// Joint coordinate.
-    pub joint: usize,
-    /// First and last grid time.
-    pub span: (usize, usize),
 }
 
 impl UnknownKind {
@@ -77,7 +63,6 @@ impl UnknownKind {
                 | Self::AttitudeLag
                 | Self::DisturbanceTorque(_)
                 | Self::DragTorque(_)
-                | Self::RestingJoint(_)
         )
     }
 }
@@ -363,29 +348,6 @@ impl Parameters {
         );
     }
 
-    /// Adds an unknown for every joint that rests long enough for its reading error to matter.
-    ///
-    /// White noise averages out; a rounded reading at rest is wrong by the same amount at every sample. A
-    /// joint that never moves counts as locked where it is.
-    pub fn add_resting_joints(&mut self, segments: &[Segment], noise: &Noise) {
-        let dof = noise.joint_position.len();
-        for (at, segment) in segments.iter().enumerate() {
-            for joint in 0..dof {
-                if noise.joint_position[joint] > 0.0 {
-                    for span in rests(&segment.observations.joint_position, dof, joint) {
-                        let rest = Rest {
-                            segment: at,
-                            joint,
-                            span,
-                        };
-                        let name = format!("joint {joint} at rest in segment {at} from {}", span.0);
-                        self.push(UnknownKind::RestingJoint(rest), name, "rad or m", 0.0, 1.0);
-                    }
-                }
-            }
-        }
-    }
-
     fn add_axes(
         &mut self,
         declared: Nuisance,
@@ -489,31 +451,6 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
             .map(|(k, &element)| (4 + k, shift[element])),
     );
     slope
-}
-
-/// Samples in a row with one reading that make a rest.
-const RESTING: usize = 20;
-
-/// Stretches of equal readings of one joint, of at least [`RESTING`] samples; none where it never moves.
-fn rests(positions: &[f64], dof: usize, joint: usize) -> Vec<(usize, usize)> {
-    let q: Vec<f64> = positions
-        .iter()
-        .skip(joint)
-        .step_by(dof.max(1))
-        .copied()
-        .collect();
-    let mut found = Vec::new();
-    let mut from = 0;
-    for k in 1..=q.len() {
-        if k == q.len() || q[k] != q[from] {
-            if k - from >= RESTING {
-                found.push((from, k - 1));
-            }
-            from = k;
-        }
-    }
-    found.retain(|span| *span != (0, q.len() - 1));
-    found
 }
 
 /// Natural unit of mass and length per body; a massless nominal body borrows those of the vehicle.

@@ -157,7 +157,7 @@ fn segment(
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
-    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
+    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {

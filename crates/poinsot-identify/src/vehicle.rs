@@ -1,6 +1,6 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
-use crate::parameters::{Parameters, Rest, UnknownKind};
+use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
@@ -23,8 +23,6 @@ pub(crate) struct Vehicle<'a> {
     pub drag: Vector3,
     /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
     pub wheels_smooth: bool,
-    /// Errors of the readings of joints at rest.
-    pub rests: Vec<(Rest, f64)>,
 }
 
 impl<'a> Vehicle<'a> {
@@ -58,15 +56,6 @@ impl<'a> Vehicle<'a> {
             torque_B,
             drag,
             wheels_smooth: false,
-            rests: parameters
-                .unknowns
-                .iter()
-                .zip(x)
-                .filter_map(|(u, value)| match u.kind {
-                    UnknownKind::RestingJoint(rest) => Some((rest, *value)),
-                    _ => None,
-                })
-                .collect(),
         }
     }
 

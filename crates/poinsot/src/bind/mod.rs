@@ -3,6 +3,7 @@
 //! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
 
 mod channels;
+mod input_errors;
 mod motion;
 mod noise;
 mod observe;
