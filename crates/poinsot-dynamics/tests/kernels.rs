@@ -192,6 +192,15 @@ fn exact_twist_from_momentum_is_the_inverse() {
         let amplify = (h.I_SBo_B.norm() / moments.min()).max(1.0);
         let speed = 1.0 + s.v_NBo_B.norm() + s.w_NB_B.norm();
         let tolerance = TOLERANCE * amplify * speed;
+        let inverse = h.inverse_locked_inertia().unwrap() * (whole - joints);
+        assert!(
+            (inverse.fixed_rows::<3>(3) - s.w_NB_B).norm() < tolerance,
+            "tree {i}"
+        );
+        assert!(
+            (inverse.fixed_rows::<3>(0) - s.v_NBo_B).norm() < 10.0 * tolerance,
+            "tree {i}"
+        );
         assert!((twist.w - s.w_NB_B).norm() < tolerance, "tree {i}");
         assert!((twist.v - s.v_NBo_B).norm() < 10.0 * tolerance, "tree {i}");
     }

@@ -34,7 +34,7 @@ struct Slopes {
     state: Matrix12,
     /// `L` per input.
     at_once: Vec<Column>,
-    /// `D` per input, without what thrusters add.
+    /// `A L + D` per input, without what thrusters add.
     drive: Vec<Column>,
     /// What thrusters add to `A` and `D` in the interval that begins here.
     thrust: Option<(Matrix12, Vec<Column>)>,
@@ -144,6 +144,16 @@ impl InputNoise {
     ) -> Slopes {
         let R = matrix(&state.R_NB);
         let n = self.active.len();
+        let (v, w) = (instant.twist.v, instant.twist.w);
+        let mut A = Matrix12::zeros();
+        let turning = map.fixed_view::<3, 12>(3, 0);
+        A.fixed_view_mut::<3, 12>(0, 0).copy_from(&turning);
+        let moving = R * map.fixed_view::<3, 12>(0, 0);
+        A.fixed_view_mut::<3, 12>(3, 0).copy_from(&moving);
+        let mut own = A.fixed_view_mut::<3, 3>(0, 0);
+        own -= skew(&w);
+        let mut own = A.fixed_view_mut::<3, 3>(3, 0);
+        own -= R * skew(&v);
         let mut at_once = Vec::with_capacity(self.inputs.len());
         let mut drive = Vec::with_capacity(self.inputs.len());
         for (c, (input, _)) in self.inputs.iter().enumerate() {
@@ -159,19 +169,15 @@ impl InputNoise {
                 Input::Wheel(w) => (motion.wheel_gain(instant, *w), Vector6::zeros()),
             };
             self.twists[n + c] = position;
-            at_once.push(pose_change(&R, &rate));
-            drive.push(pose_change(&R, &position));
+            let once = pose_change(&R, &rate);
+            let mut slow = pose_change(&R, &position);
+            if rate != Vector6::zeros() {
+                // Only attitude and place follow at once.
+                slow += A.fixed_view::<12, 6>(0, 0) * once.fixed_rows::<6>(0);
+            }
+            at_once.push(once);
+            drive.push(slow);
         }
-        let (v, w) = (instant.twist.v, instant.twist.w);
-        let mut A = Matrix12::zeros();
-        let turning = map.fixed_view::<3, 12>(3, 0);
-        A.fixed_view_mut::<3, 12>(0, 0).copy_from(&turning);
-        let moving = R * map.fixed_view::<3, 12>(0, 0);
-        A.fixed_view_mut::<3, 12>(3, 0).copy_from(&moving);
-        let mut own = A.fixed_view_mut::<3, 3>(0, 0);
-        own -= skew(&w);
-        let mut own = A.fixed_view_mut::<3, 3>(3, 0);
-        own -= R * skew(&v);
         let thrust = (self.active.len() > 6 || self.active.contains(&9))
             .then(|| self.thrust_slopes(motion, state, instant, map, k));
         Slopes {
@@ -240,19 +246,21 @@ impl InputNoise {
         if let Some((thrust, _)) = &before.thrust {
             A += thrust;
         }
-        let phi = Matrix12::identity() + A * h + A * A * (0.5 * h * h);
         let mut transition = vec![0.0; size * size];
         for (i, &row) in self.active.iter().enumerate() {
             for (j, &column) in self.active.iter().enumerate() {
-                transition[i * size + j] = phi[(row, column)];
+                // Exponential to second order: h is a fraction of a turn.
+                let own = if i == j { 1.0 } else { 0.0 };
+                let through = self.active.iter().map(|&k| A[(row, k)] * A[(k, column)]);
+                transition[i * size + j] =
+                    own + h * A[(row, column)] + 0.5 * h * h * through.sum::<f64>();
             }
         }
         let mut fresh = Vec::with_capacity(self.inputs.len());
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             let a = self.memory[c].memory(k - 1);
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
-            let mut ends =
-                [before, now].map(|s| (s.state * s.at_once[c] + s.drive[c]) * (0.5 * h) - turn);
+            let mut ends = [before, now].map(|s| s.drive[c] * (0.5 * h) - turn);
             if let Some((thrust, drive)) = &before.thrust {
                 ends[0] += (thrust * before.at_once[c] + drive[c]) * (0.5 * h);
                 ends[1] += (thrust * now.at_once[c] + drive[c]) * (0.5 * h);

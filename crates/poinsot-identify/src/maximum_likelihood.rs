@@ -8,8 +8,9 @@
 use crate::answer;
 use crate::diagnosis::{Diagnosis, diagnose};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::fit::{Fitted, ITERATIONS, chi2, fit};
+use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_from};
 use crate::information::{Experiment, Point};
+use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -59,14 +60,9 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     let mut assumptions = Vec::new();
     if !problem.model.wheels.is_empty() {
         // Between readings a wheel may run straight (torque held) or smoothly: the data decide.
+        let held = experiment.cost_of(&fitted);
         experiment.wheels_smooth = true;
-        let smooth = fit(&experiment, linear.as_ref(), ITERATIONS)?;
-        let cost = |experiment: &Experiment, f: &Fitted| {
-            experiment
-                .chi2(&f.at, &f.evaluated)
-                .unwrap_or(f64::INFINITY)
-        };
-        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+        if let Some(smooth) = smoother(&experiment, linear.as_ref(), &fitted, held) {
             fitted = smooth;
             assumptions.push("wheel speeds taken as smooth between readings".to_owned());
         } else {
@@ -84,6 +80,26 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     solved.assumptions = assumptions;
     solved.wheels_smooth = experiment.wheels_smooth;
     Ok((solved, at))
+}
+
+/// The fit with smooth wheel speeds, where it is better than `held`. Where the other fit has settled, one look from
+/// its end tells whether it can be.
+fn smoother(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    other: &Fitted,
+    held: f64,
+) -> Option<Fitted> {
+    let found = if other.settled {
+        let here = experiment.linearise(&other.at)?;
+        let promising = here.cost - here.promised < held;
+        promising
+            .then(|| fit_from(experiment, &other.at))
+            .flatten()?
+    } else {
+        fit(experiment, linear, ITERATIONS).ok()?
+    };
+    (experiment.cost_of(&found) < held).then_some(found)
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.

@@ -296,7 +296,7 @@ impl<'a> Motion<'a> {
             &joints.fixed_rows::<3>(0).into(),
             &(joints.fixed_rows::<3>(3) + wheels),
         )?;
-        let inverse_inertia = whole.locked_inertia().cholesky()?.inverse();
+        let inverse_inertia = whole.inverse_locked_inertia()?;
         let centre = Centre {
             c,
             l,
