@@ -46,6 +46,8 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
                     gradient[at] = 1.0;
                     judge.sigma_with(&gradient, 0.0)
                 }
+                // One gust is nobody's question.
+                UnknownKind::RandomTorque(_) => return None,
                 ref kind if kind.is_nuisance() => {
                     let k = at - mass;
                     judge

@@ -46,14 +46,11 @@ pub(crate) fn fit(
     best.ok_or(ProblemError::NoMotion)
 }
 
-/// The same from a point that another experiment has found.
-pub(crate) fn fit_from(experiment: &Experiment, at: &Point) -> Option<Fitted> {
-    let here = experiment.linearise(at)?;
-    fitted(
-        experiment,
-        levenberg_marquardt(experiment, at.clone(), here, ITERATIONS),
-    )
-    .ok()
+/// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
+pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Option<Fitted> {
+    let evaluated = experiment.evaluate(&at, true)?;
+    let here = linearised(experiment, &at, evaluated).ok()?;
+    fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
 }
 
 /// The linear solution and the nominal numbers, the better one first.

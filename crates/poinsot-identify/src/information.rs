@@ -98,6 +98,7 @@ impl<'a> Experiment<'a> {
         self.problem
             .segments
             .par_iter()
+            .enumerate()
             .zip(&at.heads)
             .zip(&self.unknown)
             .map(|((segment, head), unknown)| {

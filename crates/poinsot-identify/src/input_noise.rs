@@ -17,7 +17,7 @@ use crate::motion::{Column, Instant, Motion, State, matrix};
 use crate::segment::{InputErrors, Noise, Segment};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::JointSlopes;
-use poinsot_spatial::{Vector3, Vector6, skew};
+use poinsot_spatial::{Vector6, skew};
 
 type Matrix12 = SMatrix<f64, 12, 12>;
 
@@ -41,6 +41,7 @@ struct Slopes {
 }
 
 /// The filter along one segment.
+#[derive(Default)]
 pub(crate) struct InputNoise {
     inputs: Vec<(Input, f64)>,
     memory: Vec<InputErrors>,
@@ -58,14 +59,10 @@ pub(crate) struct InputNoise {
 
 impl InputNoise {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
-    pub fn new(
-        noise: &Noise,
-        segment: &Segment,
-        translation: bool,
-        forced: bool,
-        followed: usize,
-    ) -> Self {
+    pub fn new(noise: &Noise, segment: &Segment, forced: bool, followed: usize) -> Self {
         let o = &segment.observations;
+        let translation =
+            o.velocity.iter().any(Option::is_some) || o.position.iter().any(Option::is_some);
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
         let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
@@ -198,19 +195,9 @@ impl InputNoise {
         k: usize,
     ) -> (Matrix12, Vec<Column>) {
         let R = matrix(&state.R_NB);
-        let w = instant.twist.w;
-        let (F_B, T_B) = motion.wrench(instant, k);
         let mut A = Matrix12::zeros();
-        A.fixed_view_mut::<3, 3>(6, 0)
-            .copy_from(&(-(R * skew(&F_B))));
-        A.fixed_view_mut::<3, 3>(9, 0)
-            .copy_from(&(-(R * skew(&T_B))));
-        for j in 0..12 {
-            let dw: Vector3 = map.fixed_view::<3, 1>(3, j).into();
-            let dT = R * motion.torque_change(&w, &dw);
-            let mut column = A.fixed_view_mut::<3, 1>(9, j);
-            column += dT;
-        }
+        let slopes = motion.wrench_slopes(state, instant, map, k);
+        A.fixed_view_mut::<6, 12>(6, 0).copy_from(&slopes);
         let drives = self.inputs.iter().map(|(input, _)| {
             let mut column = Column::zeros();
             if let Input::Joint(j) = input {
@@ -317,6 +304,7 @@ fn pose_change(R: &poinsot_spatial::Matrix3, twist: &Vector6) -> Column {
 }
 
 /// Covariance of the errors, and for every sequence what the readings so far say of them.
+#[derive(Default)]
 struct Filter {
     size: usize,
     /// Row by row.

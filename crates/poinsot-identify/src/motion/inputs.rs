@@ -1,122 +1,270 @@
-//! How the motion answers to small changes of its inputs: joint positions, joint rates and wheel speeds.
+//! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
 
-use super::{Drive, Force, Instant, Motion, State, matrix};
-use nalgebra::SMatrix;
-use poinsot_dynamics::{JointSlopes, Motion as Joint};
-use poinsot_spatial::{Vector3, Vector6, skew};
+use super::{Buffers, Centre, Drive, Motion, State};
+use crate::parameters::UnknownKind;
+use crate::segment::Observations;
+use crate::vehicle::{Vehicle, wheel_slope};
+use poinsot_dynamics::{Kinematics, Twist, composite, momentum, wheel_momentum};
+use poinsot_spatial::{Matrix6, Vector3, Vector6};
+
+/// Step of the differences over a joint's position, rad or m.
+const STEP: f64 = 1.0e-5;
+
+/// What one unknown does to the inputs at an instant, per unit of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct InputChange {
+    /// Index of the unknown.
+    pub unknown: usize,
+    /// Joint coordinate, with the change of its position and rate.
+    pub joint: Option<(usize, f64, f64)>,
+    /// Wheel, with the change of its speed.
+    pub wheel: Option<(usize, f64)>,
+}
+
+/// What an unknown does to the force and torque from outside, through a joint's position.
+pub(super) struct OutsideChange {
+    pub unknown: usize,
+    /// Of the force in B, N.
+    pub F_B: Vector3,
+    /// Of the torque about the system's mass centre in B, N m.
+    pub T_B: Vector3,
+}
 
 impl Motion<'_> {
-    /// Time from the grid time before k to k, s.
-    pub fn step_s(&self, k: usize) -> f64 {
-        let t = &self.observations.time_s;
-        k.checked_sub(1).map_or(0.0, |before| t[k] - t[before])
-    }
-
-    /// Slopes of the momentum over the joints where the last velocity was taken.
-    pub fn joint_slopes(&mut self, instant: &Instant, slopes: &mut JointSlopes) {
-        let v = self.vehicle;
-        let (twist, rates) = (&instant.twist, &self.buffer.rates);
-        self.kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, rates);
-        slopes.fill(
-            v.tree,
-            &v.bodies,
-            &self.kinematics,
-            &v.spin,
-            &self.buffer.wheels,
-        );
-    }
-
-    /// Change of the base twist with the twelve components of a change of the state: `H^-1 d[l; h]`.
-    pub fn state_map(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
-        let centre = &instant.centre;
-        let Rt = matrix(&state.R_NB).transpose();
-        let arm = skew(&centre.c);
-        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
-        let mut X = SMatrix::<f64, 6, 12>::zeros();
-        let turned = skew(&centre.l);
-        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-        X.fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&(skew(&centre.h_cm) + arm * turned));
-        X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
-        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
-        X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
-        instant.inverse_inertia * X
-    }
-
-    /// What a change of the vehicle's first moment does to its angular momentum about `Bo`: `dc x l`.
-    pub fn centre_change(&self, instant: &Instant, first_moment: &Vector3) -> Vector3 {
-        first_moment.cross(&instant.centre.l) / instant.centre.mass
-    }
-
-    /// Change of the base twist with the speed of a wheel: `-H^-1 [0; Js a]`.
-    pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
-        let rotor = &self.vehicle.tree.rotors[wheel];
-        let h = self.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
-        -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
-    }
-
-    /// Force, and torque about the mass centre, in B, in the interval after grid time k.
-    pub fn wrench(&self, instant: &Instant, k: usize) -> (Vector3, Vector3) {
-        let torque = self.vehicle.torque(&instant.twist.w);
-        self.thrust_now(instant, k)
-            .iter()
-            .fold((Vector3::zeros(), torque), |(F, T), f| {
-                (F + f.F_B, T + f.arm_B.cross(&f.F_B))
-            })
-    }
-
-    /// Change of the surroundings' torque with the rate.
-    pub fn torque_change(&self, w: &Vector3, dw: &Vector3) -> Vector3 {
-        self.vehicle.torque_change(w, dw, None)
-    }
-
-    /// Change of force and torque with a joint position: thrusters beyond the joint move, and so does the
-    /// mass centre.
-    pub fn wrench_change(
-        &self,
-        instant: &Instant,
-        k: usize,
-        joint: usize,
-        first_moment: &Vector3,
-    ) -> (Vector3, Vector3) {
-        let mut change = (Vector3::zeros(), Vector3::zeros());
-        let dc = first_moment / instant.centre.mass;
-        for force in self.thrust_now(instant, k) {
-            let body = self.vehicle.thrusters[force.thruster].body;
-            let p_BoT_B = force.arm_B + instant.centre.c;
-            let (dF, dp) = self.carried(body, joint, &p_BoT_B, &force.F_B);
-            change.0 += dF;
-            change.1 += (dp - dc).cross(&force.F_B) + force.arm_B.cross(&dF);
-        }
-        change
-    }
-
-    /// Change of a vector and of a point fixed in a body with a joint position; zero for bodies before the joint.
-    fn carried(&self, body: usize, joint: usize, p: &Vector3, F: &Vector3) -> (Vector3, Vector3) {
-        let links = &self.vehicle.tree.links;
-        let mut at = body;
-        while at != 0 {
-            let link = &links[at];
-            let axis = link.axis_B(&self.kinematics.R[at]);
-            match link.motion {
-                Joint::Revolute(k) if k == joint => {
-                    return (axis.cross(F), axis.cross(&(p - self.kinematics.p[at])));
+    /// Inputs within the interval after grid time k, their faults taken off.
+    pub(super) fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
+        self.now = k;
+        self.set_orbit(k, at);
+        fill_inputs(self.observations, self.vehicle, k, at, buffer);
+        buffer.changes.clear();
+        for fault in &self.vehicle.input_faults {
+            let (unknown, value) = (fault.unknown, fault.value);
+            let changes = &mut buffer.changes;
+            let mut moved = |j: usize, q: f64, rate: f64| {
+                changes.push(InputChange {
+                    unknown,
+                    joint: Some((j, q, rate)),
+                    wheel: None,
+                });
+            };
+            match &self.vehicle.kinds[unknown] {
+                UnknownKind::JointOffset(j) => {
+                    buffer.q[*j] -= value;
+                    moved(*j, -1.0, 0.0);
                 }
-                Joint::Prismatic(k) if k == joint => return (Vector3::zeros(), axis),
-                _ => at = link.parent,
+                // It reads late: the joint is where the reading will be.
+                UnknownKind::JointLag(joints) => {
+                    for &j in joints {
+                        let (rate, acceleration) = (buffer.rates[j], buffer.accelerations[j]);
+                        moved(j, rate, acceleration);
+                        buffer.q[j] += rate * value;
+                        buffer.rates[j] += acceleration * value;
+                    }
+                }
+                UnknownKind::WheelLag(wheels) => {
+                    for &w in wheels {
+                        let rate = buffer.wheel_rates[w];
+                        buffer.wheels[w] += rate * value;
+                        changes.push(InputChange {
+                            unknown,
+                            joint: None,
+                            wheel: Some((w, rate)),
+                        });
+                    }
+                }
+                _ => {}
             }
         }
-        (Vector3::zeros(), Vector3::zeros())
     }
 
-    fn thrust_now(&self, instant: &Instant, k: usize) -> Vec<Force> {
-        let drive = Drive {
-            q: &self.buffer.q,
-            rates: &self.buffer.rates,
-            wheels: &self.buffer.wheels,
-            thrust: self.thrust.get(k).map_or(&[], Vec::as_slice),
-        };
-        self.forces(&drive, &instant.centre)
+    /// What the faults of the inputs do to the twist: for a joint's position the balance
+    /// `Y pi - [l; h_cm + c x l]` a little further, momentum held; for rates and speeds the input gains.
+    pub(super) fn input_columns(
+        &mut self,
+        drive: &Drive,
+        twist: &Twist,
+        centre: &Centre,
+        inverse_inertia: &Matrix6,
+        twists: &mut [Vector6],
+    ) {
+        for change in drive.changes {
+            let column = self.head + change.unknown;
+            if let Some((joint, dq, drate)) = change.joint {
+                if dq != 0.0 {
+                    let slope = self.balance_slope(drive, twist, centre, joint);
+                    twists[column] -= inverse_inertia * slope * dq;
+                }
+                if drate != 0.0 {
+                    twists[column] += self.rate_gain(inverse_inertia, joint) * drate;
+                }
+            }
+            if let Some((wheel, dspeed)) = change.wheel {
+                twists[column] += self.speed_gain(inverse_inertia, wheel) * dspeed;
+            }
+        }
+    }
+
+    fn balance_slope(
+        &mut self,
+        drive: &Drive,
+        twist: &Twist,
+        centre: &Centre,
+        joint: usize,
+    ) -> Vector6 {
+        let v = self.vehicle;
+        let mut q = drive.q.to_vec();
+        let mut ends = [Vector6::zeros(); 2];
+        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+            q[joint] = drive.q[joint] + sign * STEP;
+            self.still.place(v.tree, &q);
+            self.still
+                .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
+            let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
+            let c = composite(&v.bodies, &self.still).p_BoScm_B();
+            *end = momentum(&v.bodies, &self.still);
+            let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
+            end.fixed_rows_mut::<3>(3).copy_from(&h);
+        }
+        (ends[0] - ends[1]) / (2.0 * STEP)
+    }
+
+    /// What the faults of joint positions do to force and torque from outside.
+    pub(super) fn outside_changes(
+        &mut self,
+        state: &State,
+        drive: &Drive,
+        centre: &Centre,
+        w: &Vector3,
+    ) -> Vec<OutsideChange> {
+        let calm = drive.thrust.is_empty() && self.vehicle.gm.is_none();
+        if calm || drive.changes.is_empty() || self.columns_wanted == 0 {
+            return Vec::new();
+        }
+        let mut list = Vec::new();
+        for change in drive.changes {
+            let Some((joint, dq, _)) = change.joint else {
+                continue;
+            };
+            let (mut F_B, mut T_B) = (Vector3::zeros(), Vector3::zeros());
+            let mut q = drive.q.to_vec();
+            for weight in [0.5 / STEP, -0.5 / STEP] {
+                q[joint] = drive.q[joint] + STEP * weight.signum();
+                self.still.place(self.vehicle.tree, &q);
+                let whole = composite(&self.vehicle.bodies, &self.still);
+                let mut there = *centre;
+                there.c = whole.p_BoScm_B();
+                there.I_SScm_B = whole.I_SScm_B();
+                T_B += self.surroundings(state, w, &there) * weight;
+                for (at, declared) in drive.thrust {
+                    let (F, arm) = thruster_at(self.vehicle, &self.still, *at, *declared, &there.c);
+                    F_B += F * weight;
+                    T_B += arm.cross(&F) * weight;
+                }
+            }
+            list.push(OutsideChange {
+                unknown: change.unknown,
+                F_B: F_B * dq,
+                T_B: T_B * dq,
+            });
+        }
+        list
+    }
+}
+
+/// Force of a thruster at a placement, and its arm from the point c, in B.
+pub(super) fn thruster_at(
+    vehicle: &Vehicle,
+    kinematics: &Kinematics,
+    at: usize,
+    declared: f64,
+    c: &Vector3,
+) -> (Vector3, Vector3) {
+    let thruster = &vehicle.thrusters[at];
+    let (R, p) = (&kinematics.R[thruster.body], &kinematics.p[thruster.body]);
+    let F = R * thruster.direction_B * (declared * vehicle.thrust_factor[at]);
+    (F, p + R * thruster.p_BoT_B - c)
+}
+
+/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
+/// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
+fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+    let tree = vehicle.tree;
+    let (dof, wheels) = (tree.dof(), tree.rotors.len());
+    let derivatives = !vehicle.input_faults.is_empty();
+    if derivatives {
+        fill_derivatives(o, vehicle, k, at, buffer);
+    }
+    if at == 0.0 {
+        buffer
+            .q
+            .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
+        buffer
+            .rates
+            .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
+        buffer
+            .wheels
+            .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
+        return;
+    }
+    let h = o.time_s[k + 1] - o.time_s[k];
+    for j in 0..dof {
+        let (d0, c2, c3) = cubic(o, dof, j, k, h);
+        buffer.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
+        buffer.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
+    }
+    for j in 0..wheels {
+        let (a, b) = (
+            o.wheel_speed[k * wheels + j],
+            o.wheel_speed[(k + 1) * wheels + j],
+        );
+        buffer.wheels[j] = a + at * (b - a);
+        if vehicle.wheels_smooth {
+            let (left, right) = (
+                wheel_slope(o, wheels, j, k),
+                wheel_slope(o, wheels, j, k + 1),
+            );
+            let (d0, d1) = (left * h - (b - a), right * h - (b - a));
+            buffer.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
+        }
+    }
+}
+
+/// Coefficients of a joint's cubic in the interval after grid time k, over the share of it.
+fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64, f64) {
+    let (a, b) = (k * dof + j, (k + 1) * dof + j);
+    let dq = o.joint_position[b] - o.joint_position[a];
+    let (d0, d1) = (o.joint_rate[a] * h, o.joint_rate[b] * h);
+    (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
+}
+
+/// Second derivatives of the joints and slopes of the wheel speeds, for faults that shift them in time.
+fn fill_derivatives(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+    let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
+    buffer.accelerations.resize(dof, 0.0);
+    buffer.wheel_rates.resize(wheels, 0.0);
+    let last = o.time_s.len() - 1;
+    if last == 0 {
+        return;
+    }
+    // The last grid time is the end of the interval before it.
+    let (k, at) = if k == last { (last - 1, 1.0) } else { (k, at) };
+    let h = o.time_s[k + 1] - o.time_s[k];
+    for j in 0..dof {
+        let (_, c2, c3) = cubic(o, dof, j, k, h);
+        buffer.accelerations[j] = (2.0 * c2 + 6.0 * at * c3) / (h * h);
+    }
+    for j in 0..wheels {
+        let (a, b) = (
+            o.wheel_speed[k * wheels + j],
+            o.wheel_speed[(k + 1) * wheels + j],
+        );
+        buffer.wheel_rates[j] = (b - a) / h;
+        if vehicle.wheels_smooth {
+            let (left, right) = (
+                wheel_slope(o, wheels, j, k),
+                wheel_slope(o, wheels, j, k + 1),
+            );
+            buffer.wheel_rates[j] = left + at * (right - left);
+        }
     }
 }
