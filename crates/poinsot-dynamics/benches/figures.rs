@@ -9,9 +9,7 @@ mod least_time;
 mod xu_arm;
 
 use least_time::measure;
-use poinsot_dynamics::{
-    ForwardDynamics, JointInput, Kinematics, Tree, composite, momentum, momentum_regressor,
-};
+use poinsot_dynamics::{Kinematics, Tree, composite, momentum, momentum_regressor};
 use poinsot_spatial::{InertialParameters, Vector6};
 use std::hint::black_box;
 use xu_arm::{COLUMNS, RING, State};

@@ -67,6 +67,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         fit: solved.fit.clone(),
         // A line in the residual is evidence enough, however small it is beside the noise.
         covariance_trustworthy: chi2 <= MISFIT && !rejected && !solved.not_rigid && solved.settled,
+        diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
 }

@@ -64,6 +64,9 @@ pub struct Observations {
     pub velocity_arm_B: Vector3,
     /// Place of the position sensor from the base origin, in B, m.
     pub position_arm_B: Vector3,
+    /// Position and velocity of the reference orbit from the attracting body, in N, m and m/s, at every time;
+    /// empty without gravity gradient.
+    pub orbit: Vec<(Vector3, Vector3)>,
     /// Accelerometers and velocity increments.
     pub points: Vec<PointReadings>,
     /// Joint positions, rad or m; one row of `dof` per time.

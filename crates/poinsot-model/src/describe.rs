@@ -368,6 +368,9 @@ fn unknown(model: &Model) -> Vec<String> {
     for thruster in &model.thrusters {
         add(&thruster.name, "scale", thruster.scale);
     }
+    for wheel in &model.wheels {
+        add(&wheel.name, "misalignment", wheel.misalignment);
+    }
     for sensor in &model.sensors {
         add(&sensor.name, "bias", sensor.bias);
         add(&sensor.name, "scale", sensor.scale);
@@ -379,7 +382,18 @@ fn unknown(model: &Model) -> Vec<String> {
         "disturbance torque",
         model.environment.disturbance_torque,
     );
+    add(
+        "environment",
+        "disturbance torque in inertial axes",
+        model.environment.disturbance_torque_inertial,
+    );
     add("environment", "drag torque", model.environment.drag_torque);
+    if let Some(random) = &model.environment.random_torque {
+        out.push(format!(
+            "environment: random torque of {} N m about each axis, correlated over {} s",
+            random.sigma_N_m, random.correlation_s
+        ));
+    }
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
         out.push(format!("{}: spin inertia", wheel.name));
     }

@@ -123,7 +123,9 @@ angular_N_m_s = [0.1, 0.2, 0.3]
 gravity = "point_mass"
 gm_m3_s2 = 3.986004418e14
 gravity_gradient = true
+orbit = { semi_major_axis_m = 7e6, eccentricity = 0.01, inclination_rad = 1.7, raan_rad = 0.3, epoch_s = 12.5 }
 disturbance_torque = { sigma_N_m = 1e-5 }
+disturbance_torque_inertial = "estimate"
 [telemetry]
 where = { log = "LOG00119" }
 [telemetry.columns]

@@ -16,15 +16,6 @@ pub(crate) use record::{joint_channels, names};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Codes of the errors of a simulation beyond those of case, model and telemetry, for `poinsot explain`.
-pub const SIMULATE_CODES: [(&str, &str); 2] = [
-    (
-        "E0509",
-        "The motion cannot be computed: something moves that has no inertia, or the tolerance cannot be met.",
-    ),
-    ("E0510", "The output folder cannot be made or written."),
-];
-
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
@@ -137,6 +128,10 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> 
         // Telemetry without its truth must not stand alone; what hinders that is the same fault.
         let _ = std::fs::remove_file(&telemetry);
         return Err(failed(&truth, e));
+    }
+    // The renames last only once the folder is on disk.
+    if let Ok(handle) = std::fs::File::open(out) {
+        let _ = handle.sync_all();
     }
     let channels = &simulation.table.channels;
     Ok(Written {

@@ -64,6 +64,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
             axis_B: wheel.axis_C,
             spin_inertia: wheel.spin_inertia,
             estimate: false,
+            misalignment: Nuisance::Known,
         });
     }
     model

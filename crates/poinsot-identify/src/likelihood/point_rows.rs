@@ -1,13 +1,13 @@
 //! Rows of the instruments at points of bodies: specific force, and increments of velocity.
 
-use super::{ACCELEROMETER, Compare, INCREMENT};
+use super::{ACCELEROMETER, Compare, INCREMENT, slope};
 use crate::motion::{Instant, Motion, Point, State, matrix};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::point_sensor::{
     Fault, InstrumentErrors, PointKind, PointReading, PointReadings, fault_of,
 };
 use crate::segment::Segment;
-use crate::vehicle::{Vehicle, parabola_slope};
+use crate::vehicle::Vehicle;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// A point's velocity in N at a grid time, with its change per column and what noise in the joint rates and
@@ -259,12 +259,4 @@ impl Compare<'_> {
         }
         sum
     }
-}
-
-/// Slope over time of a series at grid time k; zero where there is none.
-fn slope(t: &[f64], series: &[Vector3], k: usize) -> Vector3 {
-    if series.len() < 2 || series.len() != t.len() {
-        return Vector3::zeros();
-    }
-    Vector3::from_fn(|axis, _| parabola_slope(t, |i| series[i][axis], k))
 }

@@ -4,9 +4,12 @@
 
 mod acceleration;
 mod channels;
+mod faults;
 mod motion;
 mod noise;
 mod observe;
+mod orbit;
+mod plausible;
 mod points;
 mod thrust;
 
@@ -66,6 +69,22 @@ pub enum BindError {
         /// Time, s.
         time: f64,
     },
+    /// A reading that no vehicle gives.
+    #[error(
+        "E0306 {file}: channel '{channel}': {value:?} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample"
+    )]
+    Implausible {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Value, SI.
+        value: f64,
+        /// Time, s.
+        time_s: f64,
+        /// What is wrong with it.
+        why: String,
+    },
     /// Something the linear method cannot use.
     #[error("E0305 model: {what}")]
     Unsupported {
@@ -124,12 +143,7 @@ fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
             ),
         });
     }
-    if model.environment.gravity_gradient || model.environment.point_mass_gm.is_some() {
-        return Err(BindError::Unsupported {
-            what: "[environment]: the linear method knows no gravity; leave it out or use --method maximum_likelihood".to_owned(),
-        });
-    }
-    Ok(())
+    faults::check_faults(model)
 }
 
 /// Name of a segment in messages: its files.
@@ -149,7 +163,9 @@ fn bind_segment(
         table,
         label: &label,
     };
+    plausible::check(&channels)?;
     let gyro = channels.gyro(model)?;
+    orbit::check_orbit(model, &channels, repairs)?;
     let times = gyro.time_s();
     let aligned = motion::align(model, tree, &channels, &gyro, times, repairs)?;
     let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();

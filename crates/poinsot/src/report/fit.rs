@@ -27,7 +27,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let body = render(
         "fit.html",
         include_str!("templates/fit.html"),
-        context! { rows, segments, more => answer.data.segments.len().saturating_sub(DRAWN) },
+        context! { rows, diagnostics => super::diagnostics::table(answer)?.value(), segments, more => answer.data.segments.len().saturating_sub(DRAWN) },
     )?;
     Ok(Part {
         id: "fit",

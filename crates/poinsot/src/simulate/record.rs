@@ -257,6 +257,10 @@ fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
     let (joints, wheel_list) = (&tree.coordinates, all(model.wheels.len()));
     let of = |kind, list: &[usize]| names(model, kind, list);
     let rates = of(SensorKind::JointRate, joints);
+    let orbit = match model.environment.gravity_gradient {
+        true => XYZ.map(|axis| format!("orbit_{axis}")).to_vec(),
+        false => Vec::new(),
+    };
     let accelerations = rates.iter().map(|name| format!("{name}2")).collect();
     vec![
         (of(SensorKind::Attitude, &[]), |s, out| {
@@ -281,6 +285,7 @@ fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
             let origin = Vector3::zeros();
             out.extend(vector_reading(SensorKind::Accelerometer, s, 0, &origin).iter());
         }),
+        (orbit, |s, out| out.extend(s.p_orbit_N.iter())),
         (of(SensorKind::JointPosition, joints), |s, out| {
             out.extend(&s.q)
         }),

@@ -176,6 +176,7 @@ pub fn with_wheels(mut model: Model) -> Model {
             axis_B: dice.direction(),
             spin_inertia: 0.05,
             estimate: false,
+            misalignment: Nuisance::Known,
         });
     }
     model
