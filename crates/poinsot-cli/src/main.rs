@@ -1,14 +1,26 @@
 //! The command `poinsot`: arguments in, one verb, exit code out.
 
-mod arguments;
+use poinsot_cli::arguments;
+mod progress;
+mod terminal;
 mod verbs;
 
 use arguments::{Arguments, Verb};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
+use progress::Progress;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let arguments = match Arguments::from_arg_matches(&matches) {
+        Ok(arguments) => arguments,
+        Err(usage) => usage.exit(),
+    };
+    let quiet = matches
+        .subcommand()
+        .and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten())
+        .is_some_and(|q| *q);
+    let progress = Progress::start(quiet);
     let result = match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
@@ -17,11 +29,14 @@ fn main() -> ExitCode {
         Verb::Inspect(a) => verbs::inspect::run(a),
         Verb::Check(a) => verbs::check::run(a),
         Verb::Schema => verbs::schema::run(),
+        Verb::Completions(a) => verbs::completions::run(a),
+        Verb::Man(a) => verbs::man::run(a),
     };
+    progress.clear();
     match result {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            eprintln!("{}", failure.message);
+            eprintln!("{}", terminal::error_text(&failure.message));
             ExitCode::from(failure.exit_code)
         }
     }

@@ -4,6 +4,7 @@ mod record;
 mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
+use crate::progress::step;
 use poinsot_dynamics::{ControlError, ControlledVehicle, MotionSample, Prescribed, Tree, WheelUse};
 use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{Table, TelemetryError};
@@ -20,6 +21,9 @@ pub const SIMULATE_CODES: [(&str, &str); 2] = [
     ),
     ("E0510", "The output folder cannot be made or written."),
 ];
+
+/// Samples between two reports of progress.
+const REPORTED: usize = 500;
 
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
@@ -220,11 +224,16 @@ fn record(
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
+    let mut taken = 0_usize;
     let take = |sample: &MotionSample| {
         if first.is_none() {
             first = Some(sample.clone());
         }
         recorder.take(sample);
+        taken += 1;
+        if taken.is_multiple_of(REPORTED) {
+            step("simulating samples", taken, scenario.times.len());
+        }
     };
     let (start, times) = (&scenario.start, &scenario.times);
     let mut used = Vec::new();

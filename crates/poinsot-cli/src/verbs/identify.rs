@@ -1,10 +1,11 @@
 //! `poinsot identify`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, formats, print, print_json};
 use crate::arguments::Identify;
+use crate::terminal::document_text;
 use poinsot::{
     IdentifyRequest, estimate_document, estimate_json, identify, segment_files, write_estimate,
-    write_report, write_report_data,
+    write_figures, write_report, write_report_data,
 };
 
 pub fn run(arguments: &Identify) -> Outcome {
@@ -33,6 +34,10 @@ pub fn run(arguments: &Identify) -> Outcome {
             if arguments.report {
                 written.push(write_report(folder)?);
             }
+            let wanted = formats(&arguments.figures);
+            if !wanted.is_empty() {
+                written.extend(write_figures(folder, &wanted)?);
+            }
             written
         }
         None => Vec::new(),
@@ -40,7 +45,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     if arguments.json {
         print_json(&estimate_json(&identified));
     } else if !arguments.quiet {
-        print(&estimate_document(&identified).to_string());
+        print(&document_text(&estimate_document(&identified)));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         eprintln!("written: {}", path.display());

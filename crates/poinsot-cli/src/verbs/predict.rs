@@ -2,14 +2,15 @@
 
 use super::{Outcome, print, print_json};
 use crate::arguments::Predict;
+use crate::terminal::document_text;
 use poinsot::predict::{predict, prediction_document, prediction_json};
 
 pub fn run(arguments: &Predict) -> Outcome {
     let prediction = predict(&arguments.case, arguments.relative_accuracy)?;
     if arguments.json {
         print_json(&prediction_json(&prediction));
-    } else {
-        print(&prediction_document(&prediction).to_string());
+    } else if !arguments.quiet {
+        print(&document_text(&prediction_document(&prediction)));
     }
     Ok(prediction.exit_code())
 }

@@ -20,7 +20,7 @@ use crate::error::Error;
 use crate::identify::Identified;
 use crate::output::write_file;
 use estimate::EstimateFile;
-use poinsot_report::{Page, PageError, Part};
+use poinsot_report::{FigureFormat, Page, PageError, Part};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use truth::Truth;
@@ -56,11 +56,9 @@ pub fn write_report_data(
 /// # Errors
 /// A file is missing, of another format, or of another run.
 pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
-    let estimate: Value = read(&folder.join("estimate.json"))?;
-    let data: ReportData = read(&folder.join("report_data.json"))?;
-    let page = report_html(&estimate, data).map_err(|why| Error::Report {
+    let page = folder_page(folder)?.html().map_err(|e| Error::Report {
         path: folder.to_owned(),
-        why,
+        why: e.to_string(),
     })?;
     let path = folder.join("report.html");
     write_file(&path, page.as_bytes())?;
@@ -85,11 +83,57 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
     })
 }
 
+/// Writes every figure of the page as a file of its own into `figures` in a folder of `identify`: one SVG,
+/// PNG or both each. Returns their paths.
+///
+/// # Errors
+/// As [`write_report`].
+pub fn write_figures(folder: &Path, formats: &[FigureFormat]) -> Result<Vec<PathBuf>, Error> {
+    let fault = |why: String| Error::Report {
+        path: folder.to_owned(),
+        why,
+    };
+    let page = folder_page(folder)?;
+    let mut written = Vec::new();
+    for figure in page.parts.iter().flat_map(|p| &p.figures) {
+        for format in formats {
+            let bytes = figure.file(*format).map_err(|e| fault(e.to_string()))?;
+            if let Some(bytes) = bytes {
+                let name = format!("{}.{}", figure.name, format.extension());
+                let path = folder.join("figures").join(name);
+                write_file(&path, &bytes)?;
+                written.push(path);
+            }
+        }
+    }
+    Ok(written)
+}
+
+/// The page of a folder of `identify`.
+fn folder_page(folder: &Path) -> Result<Page, Error> {
+    let estimate: Value = read(&folder.join("estimate.json"))?;
+    let data: ReportData = read(&folder.join("report_data.json"))?;
+    report_page(&estimate, data).map_err(|why| Error::Report {
+        path: folder.to_owned(),
+        why,
+    })
+}
+
 /// The page as text.
 ///
 /// # Errors
 /// The documents have another format or do not belong together; in words.
 pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String> {
+    report_page(estimate, data)?
+        .html()
+        .map_err(|e| e.to_string())
+}
+
+/// The page with its figures.
+///
+/// # Errors
+/// As [`report_html`].
+pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
     let estimate = <EstimateFile as serde::Deserialize>::deserialize(estimate)
         .map_err(|e| format!("estimate.json: {e}"))?;
     for (found, wanted) in [
@@ -113,7 +157,7 @@ pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String>
     page(&answer).map_err(|e| e.to_string())
 }
 
-fn page(answer: &Answer) -> Result<String, PageError> {
+fn page(answer: &Answer) -> Result<Page, PageError> {
     let e = &answer.estimate;
     let parts: Vec<Part> = vec![
         verdict::part(answer)?,
@@ -124,7 +168,7 @@ fn page(answer: &Answer) -> Result<String, PageError> {
         vehicle::part(answer)?,
         provenance::part(answer)?,
     ];
-    Page {
+    Ok(Page {
         title: format!("Mass properties of {}", e.model),
         subtitle: format!(
             "identified from telemetry; method {}; poinsot {}",
@@ -136,6 +180,5 @@ fn page(answer: &Answer) -> Result<String, PageError> {
                  This file is complete in itself and loads nothing."
             .to_owned(),
         parts,
-    }
-    .html()
+    })
 }
