@@ -4,7 +4,7 @@
 use crate::error::BookError;
 use crate::math::mathml;
 use crate::repository::{ROOT_PAGES, base_of, normal, root};
-use pulldown_cmark::{Event, LinkType, Options, Parser, Tag};
+use pulldown_cmark::{CodeBlockKind, Event, LinkType, Options, Parser, Tag};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +25,10 @@ pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
         match event {
             Event::InlineMath(formula) => changes.push((range, mathml(&name, &formula, false)?)),
             Event::DisplayMath(formula) => changes.push((range, mathml(&name, &formula, true)?)),
+            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(_))) => {
+                let block = &text[range.clone()];
+                changes.push((range, flush_left(block)));
+            }
             Event::Start(Tag::Link {
                 link_type: LinkType::Inline,
                 dest_url,
@@ -42,6 +46,26 @@ pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
         out.replace_range(range, &new);
     }
     Ok(out)
+}
+
+/// A fenced block whose code begins at the left edge: snippets come out of the middle of a function.
+fn flush_left(block: &str) -> String {
+    let last = block.trim_end().lines().count().saturating_sub(1);
+    let code = |k: usize, line: &str| k > 0 && k < last && !line.trim().is_empty();
+    let indent = |line: &str| line.len() - line.trim_start_matches(' ').len();
+    let lines = || block.lines().enumerate();
+    let shared = lines().filter(|(k, l)| code(*k, l)).map(|(_, l)| indent(l));
+    let shared = shared.min().unwrap_or(0);
+    let mut out: String = lines()
+        .map(|(k, line)| {
+            let cut = if code(k, line) { shared } else { 0 };
+            format!("{}\n", &line[cut..])
+        })
+        .collect();
+    if !block.ends_with('\n') {
+        out.pop();
+    }
+    out
 }
 
 /// A link as it shall stand in the book; `None` where it may stay.
@@ -109,6 +133,14 @@ mod tests {
     fn unit_code_is_left_alone() {
         let text = "`$x$` and\n\n```text\n$y$ [a](b)\n```\n";
         assert_eq!(on("start.md", text), text);
+    }
+
+    #[test]
+    fn unit_snippets_begin_at_the_left_edge() {
+        assert_eq!(
+            on("start.md", "```rust\n    a\n\n      b\n```\n\ntext\n"),
+            "```rust\na\n\n  b\n```\n\ntext\n"
+        );
     }
 
     #[test]
