@@ -1,6 +1,7 @@
 //! The command `poinsot`: arguments in, one verb, exit code out.
 
 use poinsot_cli::arguments;
+mod guard;
 mod progress;
 mod terminal;
 mod verbs;
@@ -21,22 +22,31 @@ fn main() -> ExitCode {
         .and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten())
         .is_some_and(|q| *q);
     let progress = Progress::start(quiet);
-    let result = match &arguments.verb {
+    let result = guard::guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
         Verb::Predict(a) => verbs::predict::run(a),
+        Verb::Validate(a) => verbs::validate::run(a),
         Verb::Report(a) => verbs::report::run(a),
         Verb::Inspect(a) => verbs::inspect::run(a),
         Verb::Check(a) => verbs::check::run(a),
+        Verb::Import(a) => verbs::import::run(a),
+        Verb::Export(a) => verbs::export::run(a),
+        Verb::Explain(a) => verbs::explain::run(a),
         Verb::Schema => verbs::schema::run(),
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),
-    };
+    });
     progress.clear();
-    match result {
+    match result.and_then(verbs::printed) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            eprintln!("{}", terminal::error_text(&failure.message));
+            let message = terminal::error_text(&guard::plain(&failure.message));
+            // A closed standard error leaves nobody to tell.
+            let _ = std::io::Write::write_all(
+                &mut std::io::stderr(),
+                format!("{message}\n").as_bytes(),
+            );
             ExitCode::from(failure.exit_code)
         }
     }

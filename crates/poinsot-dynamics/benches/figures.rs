@@ -5,17 +5,14 @@
 //! instruction counters.
 #![allow(non_snake_case)]
 
+mod least_time;
 mod xu_arm;
 
+use least_time::measure;
 use poinsot_dynamics::{Kinematics, Tree, composite, momentum, momentum_regressor};
 use poinsot_spatial::{InertialParameters, Vector6};
 use std::hint::black_box;
-use std::time::Instant;
 use xu_arm::{COLUMNS, RING, State};
-
-/// Batches per kernel and calls per batch.
-const BATCHES: usize = 400;
-const CALLS: usize = 4096;
 
 fn main() {
     let tree = xu_arm::tree();
@@ -78,29 +75,4 @@ fn check(tree: &Tree, parameters: &[InertialParameters], state: &State) {
     let pi = parameters.iter().flat_map(|p| p.to_array());
     let sum: Vector6 = Y.iter().zip(pi).map(|(y, p)| Vector6::from(*y) * p).sum();
     println!("poinsot_momentum_at_state_1,{:.12e},norm", sum.norm());
-}
-
-fn measure(name: &str, mut kernel: impl FnMut()) {
-    if let Ok(count) = std::env::var("POINSOT_BENCH_COUNT") {
-        if let Some((wanted, calls)) = count.split_once(':')
-            && wanted == name
-        {
-            for _ in 0..calls.parse().unwrap_or(0) {
-                kernel();
-            }
-        }
-        return;
-    }
-    let mut times: Vec<f64> = (0..BATCHES)
-        .map(|_| {
-            let start = Instant::now();
-            for _ in 0..CALLS {
-                kernel();
-            }
-            start.elapsed().as_secs_f64() / CALLS as f64 * 1e9
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    println!("poinsot_{name},{:.1},ns_min", times[0]);
-    println!("poinsot_{name},{:.1},ns_median", times[BATCHES / 2]);
 }

@@ -72,16 +72,27 @@ impl Accelerations {
     ) -> (Vector3, Vector3) {
         let (mut l_rate, mut h_rate) = (Vector3::zeros(), Vector3::zeros());
         for (i, body) in parameters.iter().enumerate() {
-            let (R, p, w) = (&kinematics.R[i], &kinematics.p[i], &kinematics.w[i]);
-            let (a, alpha) = (&self.a[i], &self.alpha[i]);
-            let mc = R * body.mc_B;
-            let inertia = |x: &Vector3| R * (body.I_BBo_B * (R.transpose() * x));
-            let force = a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc));
-            let torque = inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a);
+            let (force, torque) = self.body_rate(body, kinematics, i);
             l_rate += force;
-            h_rate += torque + p.cross(&force);
+            h_rate += torque;
         }
         (l_rate, h_rate)
+    }
+
+    /// The same of body i alone, with the parameters given.
+    pub(crate) fn body_rate(
+        &self,
+        body: &InertialParameters,
+        kinematics: &Kinematics,
+        i: usize,
+    ) -> (Vector3, Vector3) {
+        let (R, p, w) = (&kinematics.R[i], &kinematics.p[i], &kinematics.w[i]);
+        let (a, alpha) = (&self.a[i], &self.alpha[i]);
+        let mc = R * body.mc_B;
+        let inertia = |x: &Vector3| R * (body.I_BBo_B * (R.transpose() * x));
+        let force = a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc));
+        let torque = inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a);
+        (force, torque + p.cross(&force))
     }
 
     /// Specific force at a point fixed in body i (from its origin, in that body), in that body's axes,

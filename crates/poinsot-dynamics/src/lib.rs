@@ -7,17 +7,31 @@
 
 mod acceleration;
 mod attitude_control;
+mod dop853;
+mod dop853_table;
+mod driven;
+mod driven_stage;
+mod forward_dynamics;
+mod gravity_gradient;
 mod integrate;
+mod inverse_dynamics;
+mod jacobian;
+mod joint_drive;
 mod joint_motion;
 mod kinematics;
+mod mass_matrix;
 mod momentum;
+mod orbit;
 mod piecewise;
 mod plan;
 mod prescribed;
+mod rate_regressor;
 mod reaction_wheel;
 mod regressor;
+mod runge_kutta;
 mod sensors;
 mod stage;
+mod symmetric;
 mod thrust;
 mod tree;
 mod wheel_motion;
@@ -26,18 +40,30 @@ pub use acceleration::Accelerations;
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
 };
+pub use dop853::DormandPrince8;
+pub use driven::{Driven, DrivenPlan, Integrator};
+pub use driven_stage::DrivenSample;
+pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
+pub use gravity_gradient::gravity_gradient_torque;
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
+pub use inverse_dynamics::{InverseDynamics, Wrench};
+pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
+pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
+pub use mass_matrix::MassMatrix;
 pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
 };
+pub use orbit::orbit_state;
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};
+pub use rate_regressor::{momentum_rate_column, wheel_rate};
 pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
+pub use runge_kutta::RungeKutta4;
 pub use sensors::{Instrument, vector_reading};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};

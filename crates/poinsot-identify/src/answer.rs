@@ -66,6 +66,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         identifiability,
         fit: solved.fit.clone(),
         covariance_trustworthy: chi2 <= MISFIT && !rejected && solved.settled,
+        diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
 }

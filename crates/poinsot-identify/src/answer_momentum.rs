@@ -47,7 +47,7 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
                     judge.sigma_with(&gradient, 0.0)
                 }
                 // Rounding at rest is nobody's question.
-                UnknownKind::RestingJoint(_) => return None,
+                UnknownKind::RestingJoint(_) | UnknownKind::RandomTorque(_) => return None,
                 ref kind if kind.is_nuisance() => {
                     let k = at - mass;
                     judge

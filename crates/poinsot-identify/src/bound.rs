@@ -1,12 +1,11 @@
 //! The Cramer-Rao bound of an experiment: what its readings will tell, whatever estimator reads them.
 
 use crate::answer;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::Diagnostics;
 use crate::estimate::Estimate;
 use crate::fit::fit;
 use crate::information::Experiment;
 use crate::maximum_likelihood::{conclude, proportional};
-use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::{Problem, ProblemError};
 
 /// Information of the experiment at the model's own numbers, which are taken as the truth; the segments
@@ -19,17 +18,12 @@ use crate::problem::{Problem, ProblemError};
 /// The question cannot be asked.
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
-    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-    let of = |equations| Parameters::new(problem.model, problem.tree, equations, fires);
-    let parameters = match of(problem.linear_equations()) {
-        Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
-        other => other,
-    }?;
+    let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
     at_truth.settled = true;
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solved = conclude(&experiment, at_truth, explained, Diagnosis::default());
+    let mut solved = conclude(&experiment, at_truth, explained, Diagnostics::default());
     solved.method = "cramer_rao";
     Ok(answer::write(problem, &solved))
 }

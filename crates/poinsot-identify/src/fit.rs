@@ -44,6 +44,13 @@ pub(crate) fn fit(
     best.ok_or(ProblemError::NoMotion)
 }
 
+/// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
+pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Option<Fitted> {
+    let evaluated = experiment.evaluate(&at, true)?;
+    let here = linearised(experiment, &at, evaluated).ok()?;
+    fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
+}
+
 /// The linear solution and the nominal numbers, the better one first.
 fn starting_points(
     experiment: &Experiment,

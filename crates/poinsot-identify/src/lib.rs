@@ -10,14 +10,18 @@ mod answer_momentum;
 mod block_qr;
 mod bound;
 mod combination;
+mod completion;
+mod deviance;
 mod diagnosis;
 mod double_double;
 mod estimate;
 mod fit;
+mod held_back;
 mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
 mod linear;
@@ -26,6 +30,7 @@ mod maximum_likelihood;
 pub mod methods;
 mod motion;
 mod parameters;
+mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
@@ -42,11 +47,17 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
+pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
+pub use diagnosis::{
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
+    Suspect,
+};
 pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use held_back::{HeldBack, held_back};
 pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
@@ -54,11 +65,12 @@ pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
+pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

@@ -6,22 +6,20 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
-use crate::diagnosis::{Diagnosis, diagnose};
+use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
 use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
-use crate::parameters::{Equations, Parameters, ParametersError};
+use crate::parameters::{
+    Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
+};
 use crate::problem::{Problem, ProblemError};
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Vector3;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-/// Lags of the whiteness test.
-const LAGS: usize = 10;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -44,17 +42,23 @@ pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate
 pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
+        Ok(solved)
+            if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
+        {
+            // The linear method sees rotation alone; an accelerometer sees the mass centre too.
+            let parameters = problem.likelihood_parameters()?;
+            let lifted = lifted(solved, &parameters);
+            (parameters, Some(lifted))
+        }
         Ok(solved) => (solved.parameters.clone(), Some(solved)),
         Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
-            let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
-            let parameters =
-                Parameters::new(problem.model, problem.tree, Equations::Momentum, fires)?;
-            (parameters, None)
+            (problem.likelihood_parameters()?, None)
         }
         Err(other) => return Err(other),
     };
     let mut parameters = parameters;
     parameters.add_resting_joints(problem.segments, problem.noise);
+    parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = loss;
@@ -81,7 +85,7 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let found = diagnose(&experiment, &fitted);
+    let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
     let at = fitted.at.clone();
     let mut solved = conclude(&experiment, fitted, explained, found);
     solved.assumptions = assumptions;
@@ -110,15 +114,49 @@ fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
     solved
 }
 
+/// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
+/// know at their nominal values.
+fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
+    let body = rotation_properties(&solved.parameters, &solved.x);
+    let pi = body.parameters().to_array();
+    let with_centre = parameters.estimate[0].com;
+    let known: Vec<(String, f64)> = solved
+        .parameters
+        .unknowns
+        .iter()
+        .zip(&solved.x)
+        .map(|(u, x)| (u.name.clone(), *x))
+        .collect();
+    solved.x = parameters
+        .unknowns
+        .iter()
+        .map(|unknown| match &unknown.kind {
+            UnknownKind::Barycentric(parts) => {
+                let k = parts.first().map_or(0, |(at, _)| at % 10);
+                match k.checked_sub(4) {
+                    Some(e) if !with_centre => body.I_BBcm_B[TENSOR[e]],
+                    _ => pi[k],
+                }
+            }
+            _ => {
+                let found = known.iter().find(|(name, _)| *name == unknown.name);
+                found.map_or(unknown.nominal, |(_, x)| *x)
+            }
+        })
+        .collect();
+    solved.parameters = parameters.clone();
+    solved
+}
+
 pub(crate) fn conclude(
     experiment: &Experiment,
     fitted: Fitted,
     explained: Option<f64>,
-    found: Diagnosis,
+    found: Diagnostics,
 ) -> Solved {
     let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
-    let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
+    let numbers = fitted_numbers(experiment, &fitted);
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
     let starts = fitted
         .evaluated
@@ -163,10 +201,7 @@ pub(crate) fn conclude(
         .collect();
     Solved {
         method: "maximum_likelihood",
-        residual: (
-            chi2(&fitted.evaluated),
-            rows.saturating_sub(heads + fitted.spectrum.rank + fitted.shared.nuisances),
-        ),
+        residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,
         shared: fitted.shared,
@@ -177,8 +212,12 @@ pub(crate) fn conclude(
         fit,
         iterations: fitted.iterations,
         settled: fitted.settled,
-        warnings: found.findings,
-        not_rigid: found.not_rigid,
+        warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
+        not_rigid: found
+            .findings
+            .iter()
+            .any(|f| f.fault == FaultKind::NotRigid),
+        diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
         regressor_noise: Vec::new(),
@@ -187,7 +226,14 @@ pub(crate) fn conclude(
     }
 }
 
-fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
+/// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
+/// directions of the mass properties that are not left open.
+pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
+    let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
+    heads + fitted.spectrum.rank + fitted.shared.nuisances
+}
+
+pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
     let count = 3.0 * channel.white.len().max(1) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {
@@ -197,33 +243,4 @@ fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
         chi2_per_number: Some(chi2 / count),
         whiteness_p: whiteness(&channel.white),
     }
-}
-
-/// Ljung and Box 1978: `Q = n (n + 2) sum r_k^2 / (n - k)` over ten lags, summed over the axes, against
-/// chi-square. `None` for records too short or without residual.
-fn whiteness(white: &[Vector3]) -> Option<f64> {
-    let n = white.len();
-    if n < 4 * LAGS {
-        return None;
-    }
-    let mut q = 0.0;
-    for axis in 0..3 {
-        let mean = white.iter().map(|w| w[axis]).sum::<f64>() / n as f64;
-        let series: Vec<f64> = white.iter().map(|w| w[axis] - mean).collect();
-        let variance: f64 = series.iter().map(|e| e * e).sum();
-        if variance < 1.0e-12 * n as f64 {
-            return None;
-        }
-        for lag in 1..=LAGS {
-            let r = series
-                .iter()
-                .zip(&series[lag..])
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
-                / variance;
-            q += n as f64 * (n as f64 + 2.0) * r * r / (n - lag) as f64;
-        }
-    }
-    let chi2 = ChiSquared::new(3.0 * LAGS as f64).ok()?;
-    Some(chi2.sf(q))
 }

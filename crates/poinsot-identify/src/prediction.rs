@@ -2,11 +2,13 @@
 //!
 //! Statistics come from every sample; curves keep at most a given number of points.
 
+mod points;
+
 use crate::answer;
 use crate::estimate::Estimate;
 use crate::fit::fit_starts;
 use crate::information::{Experiment, Point};
-use crate::likelihood::{ChannelResidual, GyroErrors, Head, start};
+use crate::likelihood::{ChannelResidual, GyroErrors, Head, start, translation_lag};
 use crate::linear::{linear, solve_linear};
 use crate::loss::Loss;
 use crate::maximum_likelihood::solve;
@@ -14,9 +16,10 @@ use crate::motion::{Motion, State, small_turn};
 use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::{Problem, ProblemError};
 use crate::segment::{Firing, Segment};
-use crate::vehicle::Vehicle;
+use crate::vehicle::{Vehicle, tilted};
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
+use points::PointCurves;
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;
@@ -49,7 +52,7 @@ pub struct Prediction {
 /// Readings of one kind of sensor beside their prediction. One row a component.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PredictedChannel {
-    /// Kind: gyro, attitude, velocity, position.
+    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment.
     pub name: &'static str,
     /// Unit of readings and predictions.
     pub unit: &'static str,
@@ -150,7 +153,7 @@ pub fn predicted_by(
 }
 
 /// Empty where the vehicle cannot move as the answer says.
-fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
+pub(crate) fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
     let Some(evaluated) = experiment.evaluate(at, false) else {
         return Vec::new();
     };
@@ -185,8 +188,9 @@ fn segment(
     let problem = experiment.problem;
     let segment = &problem.segments[at];
     let setting = experiment.setting();
+    let tree = tilted(problem.tree, experiment.parameters, x);
     let mut vehicle = Vehicle::new(
-        problem.tree,
+        &tree,
         &problem.model.thrusters,
         experiment.parameters,
         &experiment.nominal_spin,
@@ -196,15 +200,21 @@ fn segment(
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
+    let mut curves = PointCurves::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
-        let twist = motion.velocity(&state, k)?.0.twist;
+        let (instant, _) = motion.velocity(&state, k)?;
+        let twist = instant.twist;
         recorder.sample((&vehicle, motion.used()), &state, (twist.v, twist.w), k);
+        let t = segment.observations.time_s[k];
+        curves.sample(&mut motion, &state, &instant, (t, k));
         if k + 1 < samples {
             state = motion.advance(&state, k)?;
         }
     }
-    Some(recorder.prediction)
+    let mut prediction = recorder.prediction;
+    prediction.channels.extend(curves.channels);
+    Some(prediction)
 }
 
 /// Keeps one of every so many samples.
@@ -239,6 +249,9 @@ struct Recorder<'a> {
     motion: Sieve,
     /// Rate at the sample before, for the lag.
     before: Option<(f64, Vector3)>,
+    velocity_before: Option<(f64, Vector3)>,
+    /// How late velocity and position read, s.
+    late: [f64; 2],
     prediction: Prediction,
 }
 
@@ -282,6 +295,8 @@ impl<'a> Recorder<'a> {
             sieves: counts.map(|n| Sieve::new(n, points)),
             motion: Sieve::new(o.time_s.len(), points),
             before: None,
+            velocity_before: None,
+            late: translation_lag(parameters, x),
             prediction,
         }
     }
@@ -303,6 +318,15 @@ impl<'a> Recorder<'a> {
             self.motion_point(vehicle, state, &w, k);
         }
         let R = &state.R_NB;
+        // Acceleration and velocity of the sensor points, for lags.
+        let velocity = R * (v + w.cross(&o.velocity_arm_B));
+        let moving = (
+            match self.velocity_before.replace((t, velocity)) {
+                Some((earlier, was)) if t > earlier => (velocity - was) / (t - earlier),
+                _ => Vector3::zeros(),
+            },
+            R * (v + w.cross(&o.position_arm_B)),
+        );
         let all = &mut self.prediction.channels;
         if let Some(measured) = o.rate[k].filter(|_| self.sieves[GYRO].keeps()) {
             let expected = self.gyro.reading(&w, &acceleration);
@@ -322,7 +346,7 @@ impl<'a> Recorder<'a> {
             all[ATTITUDE].push(t, &own, &expected, &residual);
         }
         if let Some(measured) = o.velocity[k].filter(|_| self.sieves[VELOCITY].keeps()) {
-            let expected = R * (v + w.cross(&o.velocity_arm_B));
+            let expected = R * (v + w.cross(&o.velocity_arm_B)) - moving.0 * self.late[0];
             all[VELOCITY].push(
                 t,
                 &three(&measured),
@@ -331,7 +355,7 @@ impl<'a> Recorder<'a> {
             );
         }
         if let Some(measured) = o.position[k].filter(|_| self.sieves[POSITION].keeps()) {
-            let expected = state.p_NoBo_N + R * o.position_arm_B;
+            let expected = state.p_NoBo_N + R * o.position_arm_B - moving.1 * self.late[1];
             all[POSITION].push(
                 t,
                 &three(&measured),

@@ -1,6 +1,7 @@
 //! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
 
 use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::point_sensor::Fault;
 use crate::problem::Problem;
 use crate::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};
@@ -38,6 +39,17 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
     let mut out = PriorRows::default();
     let gyro = problem.model.sensors_of(SensorKind::Gyro).next();
     let tracker = problem.model.sensors_of(SensorKind::Attitude).next();
+    let model = problem.model;
+    let base = |kind| model.sensors_of(kind).find(|s| s.body == 0);
+    let reads = |kind, list: &[usize]| {
+        let first = list.first()?;
+        model.sensors_of(kind).find(|s| s.of.contains(first))
+    };
+    let joint_sensor = |k: usize| {
+        let joint = problem.tree.coordinates.get(k)?;
+        reads(SensorKind::JointPosition, &[*joint])
+    };
+    random_torque(problem, parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let around = &problem.model.environment;
         let declared = match unknown.kind {
@@ -46,6 +58,25 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
             UnknownKind::GyroMisalignment(_) => gyro.map(|g| g.misalignment),
             UnknownKind::GyroLag => gyro.map(|g| g.lag),
             UnknownKind::AttitudeLag => tracker.map(|t| t.lag),
+            UnknownKind::Instrument { sensor, fault } => {
+                let of = problem.model.sensors.get(sensor);
+                of.map(|s| match fault {
+                    Fault::Bias(_) => s.bias,
+                    Fault::Scale(_) => s.scale,
+                    Fault::Misalignment(_) => s.misalignment,
+                    Fault::Lag => s.lag,
+                })
+            }
+            UnknownKind::VelocityLag => base(SensorKind::Velocity).map(|s| s.lag),
+            UnknownKind::PositionLag => base(SensorKind::Position).map(|s| s.lag),
+            UnknownKind::JointOffset(k) => joint_sensor(k).map(|s| s.bias),
+            UnknownKind::JointLag(ref list) => {
+                list.first().and_then(|k| joint_sensor(*k)).map(|s| s.lag)
+            }
+            UnknownKind::WheelLag(ref list) => reads(SensorKind::WheelSpeed, list).map(|s| s.lag),
+            UnknownKind::ThrusterLag(ref list) => reads(SensorKind::Thrust, list).map(|s| s.lag),
+            UnknownKind::WheelTilt(k, _) => Some(problem.model.wheels[k].misalignment),
+            UnknownKind::InertialTorque(_) => Some(around.disturbance_torque_inertial),
             UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
             UnknownKind::DragTorque(_) => Some(around.drag_torque),
             UnknownKind::RestingJoint(rest) => {
@@ -63,6 +94,37 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
         }
     }
     out
+}
+
+/// The random torque as a Gauss-Markov process: from stretch to stretch `t' = a t + sqrt(1 - a^2) sigma n` with
+/// `a = exp(-dt/T)` (Jazwinski 1970, example 3.19); within a stretch it is constant.
+fn random_torque(problem: &Problem, parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
+    let Some(random) = problem.model.environment.random_torque else {
+        return;
+    };
+    let mut before: [Option<(usize, crate::parameters::Gust)>; 3] = [None; 3];
+    for (at, unknown) in parameters.unknowns.iter().enumerate() {
+        let UnknownKind::RandomTorque(gust) = unknown.kind else {
+            continue;
+        };
+        let middle = |g: &crate::parameters::Gust| {
+            let t = &problem.segments[g.segment].observations.time_s;
+            0.5 * (t[g.span.0] + t[g.span.1 + 1])
+        };
+        let mut gradient = vec![0.0; x.len()];
+        gradient[at] = 1.0;
+        let mut value = x[at];
+        let mut sigma = random.sigma_N_m;
+        let last = before[gust.axis].filter(|(_, g)| g.segment == gust.segment);
+        if let Some((k, earlier)) = last {
+            let a = (-(middle(&gust) - middle(&earlier)) / random.correlation_s).exp();
+            gradient[k] = -a;
+            value -= a * x[k];
+            sigma *= (1.0 - a * a).sqrt();
+        }
+        out.gaussian(&Quantity { value, gradient }, 0.0, sigma);
+        before[gust.axis] = Some((at, gust));
+    }
 }
 
 /// Priors of mass properties (CAD). `None` where an entropic prior meets a body that is not physical.

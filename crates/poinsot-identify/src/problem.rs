@@ -1,6 +1,6 @@
 //! The question put to an estimator.
 
-use crate::parameters::{Equations, ParametersError};
+use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::segment::{Noise, Segment};
 use crate::spectrum::NotFinite;
 use poinsot_dynamics::Tree;
@@ -40,7 +40,7 @@ pub enum ProblemError {
     },
     /// The nominal vehicle cannot move.
     #[error(
-        "E0405 the motion cannot be predicted from the nominal mass properties: the vehicle has no positive mass or inertia; check mass_kg and inertia_kg_m2 in the model"
+        "E0405 the motion cannot be predicted from the nominal mass properties: the vehicle has no positive mass or inertia, or would turn 30 times faster than measured; check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
     )]
     NoMotion,
 }
@@ -51,6 +51,30 @@ impl Problem<'_> {
         self.segments
             .iter()
             .all(|s| s.samples.translation.is_some())
+    }
+
+    /// Whether an instrument at a point (accelerometer, velocity increments) has readings.
+    pub(crate) fn sees_points(&self) -> bool {
+        let mut points = self.segments.iter().flat_map(|s| &s.observations.points);
+        points.any(|p| !p.readings.is_empty())
+    }
+
+    /// The unknowns of maximum likelihood: barycentric ones unless nothing but the rotation of one body is
+    /// seen.
+    ///
+    /// # Errors
+    /// The question cannot be put.
+    pub(crate) fn likelihood_parameters(&self) -> Result<Parameters, ParametersError> {
+        let fires = self.segments.iter().any(|s| !s.firings.is_empty());
+        let of = |equations| Parameters::new(self.model, self.tree, equations, fires);
+        let equations = match self.sees_points() {
+            true => Equations::Momentum,
+            false => self.linear_equations(),
+        };
+        match of(equations) {
+            Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+            other => other,
+        }
     }
 
     /// The equations that the linear method can write.

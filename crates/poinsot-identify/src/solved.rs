@@ -184,6 +184,8 @@ pub(crate) struct Solved {
     pub wheels_smooth: bool,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
+    /// What the residuals say; `None` of a method that does not ask them.
+    pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

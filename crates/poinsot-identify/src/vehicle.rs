@@ -1,10 +1,11 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
-use crate::parameters::{Parameters, Rest, UnknownKind};
+use crate::parameters::{Gust, Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
+use std::borrow::Cow;
 
 /// The vehicle at one value of the unknowns.
 pub(crate) struct Vehicle<'a> {
@@ -19,12 +20,32 @@ pub(crate) struct Vehicle<'a> {
     pub kinds: Vec<UnknownKind>,
     /// Constant torque in body axes, N m.
     pub torque_B: Vector3,
+    /// Constant torque in inertial axes, N m.
+    pub torque_N: Vector3,
     /// Coefficients of the drag torque `-c |w| w`, kg m2.
     pub drag: Vector3,
     /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
     pub wheels_smooth: bool,
-    /// Errors of the readings of joints at rest.
-    pub rests: Vec<(Rest, f64)>,
+    /// Whether each joint's readings are noisy; empty where all are exact.
+    pub noisy_joints: Vec<bool>,
+    /// Unknowns that change what joints and wheels do.
+    pub input_faults: Vec<InputFault>,
+    /// Slope of its wheel's axis over each unknown that is a tilt; zero for all others.
+    pub tilt_slopes: Vec<Vector3>,
+    /// Thrusters that act late: the unknown, which thrusters, by how much, s.
+    pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
+    /// Random torques.
+    pub gusts: Vec<(Gust, f64)>,
+    /// Gravitational parameter of the gravity gradient, where one acts.
+    pub gm: Option<f64>,
+}
+
+/// An unknown fault of the readings of joints or wheels.
+pub(crate) struct InputFault {
+    /// Index of the unknown.
+    pub unknown: usize,
+    /// Its value.
+    pub value: f64,
 }
 
 impl<'a> Vehicle<'a> {
@@ -37,12 +58,14 @@ impl<'a> Vehicle<'a> {
     ) -> Self {
         let mut spin = nominal_spin.to_vec();
         let mut thrust_factor = vec![1.0; thrusters.len()];
-        let (mut torque_B, mut drag) = (Vector3::zeros(), Vector3::zeros());
+        let (mut torque_B, mut torque_N) = (Vector3::zeros(), Vector3::zeros());
+        let mut drag = Vector3::zeros();
         for (unknown, value) in parameters.unknowns.iter().zip(x) {
             match unknown.kind {
                 UnknownKind::SpinInertia(k) => spin[k] = *value,
                 UnknownKind::ThrusterScale(k) => thrust_factor[k] = 1.0 + value,
                 UnknownKind::DisturbanceTorque(k) => torque_B[k] = *value,
+                UnknownKind::InertialTorque(k) => torque_N[k] = *value,
                 UnknownKind::DragTorque(k) => drag[k] = *value,
                 _ => {}
             }
@@ -56,17 +79,42 @@ impl<'a> Vehicle<'a> {
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
             torque_B,
+            torque_N,
             drag,
             wheels_smooth: false,
-            rests: parameters
+            noisy_joints: Vec::new(),
+            gusts: parameters
                 .unknowns
                 .iter()
                 .zip(x)
                 .filter_map(|(u, value)| match u.kind {
-                    UnknownKind::RestingJoint(rest) => Some((rest, *value)),
+                    UnknownKind::RandomTorque(gust) => Some((gust, *value)),
                     _ => None,
                 })
                 .collect(),
+            input_faults: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .enumerate()
+                .filter(|(_, (u, _))| u.kind.shifts_inputs())
+                .map(|(unknown, (_, value))| InputFault {
+                    unknown,
+                    value: *value,
+                })
+                .collect(),
+            tilt_slopes: tilt_slopes(parameters, x),
+            late_thrusters: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .enumerate()
+                .filter_map(|(unknown, (u, value))| match &u.kind {
+                    UnknownKind::ThrusterLag(list) => Some((unknown, list.clone(), *value)),
+                    _ => None,
+                })
+                .collect(),
+            gm: parameters.gm,
         }
     }
 
@@ -98,18 +146,65 @@ impl<'a> Vehicle<'a> {
     }
 }
 
+/// The tree with its wheels' axes tilted as the unknowns say: `a = (a0 + sum t_i e_i x a0)`, made a unit vector.
+pub(crate) fn tilted<'a>(tree: &'a Tree, parameters: &Parameters, x: &[f64]) -> Cow<'a, Tree> {
+    let mut tree = Cow::Borrowed(tree);
+    for (wheel, axis) in tilted_axes(parameters, x) {
+        tree.to_mut().rotors[wheel].axis_B = axis.normalize();
+    }
+    tree
+}
+
+/// Tilted wheels with the sum above before it is made a unit vector.
+fn tilted_axes(parameters: &Parameters, x: &[f64]) -> Vec<(usize, Vector3)> {
+    let mut list: Vec<(usize, Vector3)> = Vec::new();
+    for (unknown, value) in parameters.unknowns.iter().zip(x) {
+        let UnknownKind::WheelTilt(wheel, i) = unknown.kind else {
+            continue;
+        };
+        let (axis, across) = &parameters.wheel_axes[wheel];
+        if list.last().is_none_or(|(last, _)| *last != wheel) {
+            list.push((wheel, *axis));
+        }
+        if let Some((_, sum)) = list.last_mut() {
+            *sum += across[i].cross(axis) * *value;
+        }
+    }
+    list
+}
+
+fn tilt_slopes(parameters: &Parameters, x: &[f64]) -> Vec<Vector3> {
+    let tilted = tilted_axes(parameters, x);
+    let slope = |kind: &UnknownKind| {
+        let UnknownKind::WheelTilt(wheel, i) = kind else {
+            return Vector3::zeros();
+        };
+        let (axis, across) = &parameters.wheel_axes[*wheel];
+        let sum = tilted.iter().find(|(w, _)| w == wheel);
+        let sum = sum.map_or(*axis, |(_, sum)| *sum);
+        let (unit, d) = (sum.normalize(), across[*i].cross(axis));
+        (d - unit * unit.dot(&d)) / sum.norm()
+    };
+    parameters.unknowns.iter().map(|u| slope(&u.kind)).collect()
+}
+
 /// Slope of a wheel's speed at grid time i, rad/s2: that of the parabola through its neighbours, of the
 /// straight line at the ends.
 pub(crate) fn wheel_slope(o: &Observations, wheels: usize, wheel: usize, i: usize) -> f64 {
     let speed = |i: usize| o.wheel_speed[i * wheels + wheel];
-    let secant = |i: usize| (speed(i + 1) - speed(i)) / (o.time_s[i + 1] - o.time_s[i]);
-    let last = o.time_s.len() - 1;
+    parabola_slope(&o.time_s, speed, i)
+}
+
+/// Slope at grid time i of the parabola through a value and its neighbours; of the straight line at the ends.
+pub(crate) fn parabola_slope(t: &[f64], value: impl Fn(usize) -> f64, i: usize) -> f64 {
+    let secant = |i: usize| (value(i + 1) - value(i)) / (t[i + 1] - t[i]);
+    let last = t.len() - 1;
     match i {
         0 => secant(0),
         i if i == last => secant(last - 1),
         i => {
-            let left = o.time_s[i] - o.time_s[i - 1];
-            let right = o.time_s[i + 1] - o.time_s[i];
+            let left = t[i] - t[i - 1];
+            let right = t[i + 1] - t[i];
             (secant(i - 1) * right + secant(i) * left) / (left + right)
         }
     }

@@ -1,8 +1,7 @@
 //! `poinsot predict`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print_document, print_json};
 use crate::arguments::Predict;
-use crate::terminal::document_text;
 use poinsot::predict::{predict, prediction_document, prediction_json};
 
 pub fn run(arguments: &Predict) -> Outcome {
@@ -10,7 +9,7 @@ pub fn run(arguments: &Predict) -> Outcome {
     if arguments.json {
         print_json(&prediction_json(&prediction));
     } else if !arguments.quiet {
-        print(&document_text(&prediction_document(&prediction)));
+        print_document(&prediction_document(&prediction));
     }
     Ok(prediction.exit_code())
 }

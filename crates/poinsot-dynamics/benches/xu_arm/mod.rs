@@ -6,8 +6,11 @@
 //! `benches/peers`.
 #![allow(dead_code)]
 
-use poinsot_dynamics::{Link, Motion, Tree};
+use poinsot_dynamics::{
+    ForceProfile, JointDrive, Link, Motion, SpringDamper, Start, StartVelocity, Tree,
+};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Columns of the momentum regressor: ten parameters of seven bodies.
 pub const COLUMNS: usize = 70;
@@ -130,3 +133,52 @@ pub fn states() -> Vec<State> {
 
 /// States in the ring.
 pub const RING: usize = 64;
+
+/// Sinusoidal joint torques, the same in the peers: amplitude N m, frequency rad/s, phase rad (amplitudes
+/// and frequencies after Xu et al. 2017, Table 13).
+const TORQUE: [[f64; 3]; 6] = [
+    [1.5, 4.0 * PI, 0.0],
+    [-1.2, 3.0 * PI, FRAC_PI_2],
+    [1.0, 2.0 * PI, PI],
+    [0.15, 2.0 * PI, 3.0 * FRAC_PI_2],
+    [-0.1, 3.0 * PI, -FRAC_PI_2],
+    [0.05, 4.0 * PI, -PI],
+];
+/// Where the joints start in a simulation, rad.
+const START: [f64; 6] = [0.3, -0.4, 0.5, 0.2, -0.7, 0.6];
+
+/// The joints under these torques, from rest.
+pub fn drives() -> Vec<JointDrive> {
+    let joint = |([amplitude, frequency, phase], start): (&[f64; 3], &f64)| JointDrive::Force {
+        motor: ForceProfile::Sine {
+            amplitude: *amplitude,
+            frequency: *frequency,
+            phase: *phase,
+        },
+        spring: SpringDamper::default(),
+        initial_position: *start,
+        initial_rate: 0.0,
+    };
+    TORQUE.iter().zip(&START).map(joint).collect()
+}
+
+/// How the base starts in a simulation: at the origin, moving slowly.
+pub fn start() -> Start {
+    Start {
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::new(0.01, 0.02, -0.01),
+            w_NB_B: Vector3::new(0.02, -0.03, 0.05),
+        },
+        ..Start::at_rest()
+    }
+}
+
+/// Joint positions after 20 s, rad, by Pinocchio 4.1.0: `aba`, classical Runge-Kutta, steps of 0.1 ms.
+pub const JOINTS_AT_20_S: [f64; 6] = [
+    0.155_469_068_867_869_71,
+    -0.067_590_067_173_427_93,
+    0.818_241_860_832_118_6,
+    -0.372_131_987_627_725_4,
+    -1.142_479_312_176_387_4,
+    1.838_466_308_932_313_7,
+];

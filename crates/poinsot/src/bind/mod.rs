@@ -2,12 +2,18 @@
 //!
 //! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
 
+mod acceleration;
 mod channels;
+mod faults;
 mod motion;
 mod noise;
 mod observe;
+mod orbit;
+mod plausible;
+mod points;
 mod thrust;
 
+pub use acceleration::acceleration_channels;
 pub use channels::wanted_channels;
 pub use noise::declared_noise;
 
@@ -63,6 +69,22 @@ pub enum BindError {
         /// Time, s.
         time: f64,
     },
+    /// A reading that no vehicle gives.
+    #[error(
+        "E0306 {file}: channel '{channel}': {value:?} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample"
+    )]
+    Implausible {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Value, SI.
+        value: f64,
+        /// Time, s.
+        time_s: f64,
+        /// What is wrong with it.
+        why: String,
+    },
     /// Something the linear method cannot use.
     #[error("E0305 model: {what}")]
     Unsupported {
@@ -89,6 +111,7 @@ pub struct Bound {
 /// A channel or a noise that is needed is missing.
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
     refuse_unsupported(model)?;
+    points::check_points(model, tables)?;
     let mut repairs = Vec::new();
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
@@ -111,21 +134,16 @@ fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
     let elsewhere = model
         .sensors
         .iter()
-        .find(|s| s.body != 0 && !s.kind.is_scalar());
+        .find(|s| s.body != 0 && !s.kind.is_scalar() && points::point_kind(s.kind).is_none());
     if let Some(sensor) = elsewhere {
         return Err(BindError::Unsupported {
             what: format!(
-                "sensor '{}' sits on body '{}'; the linear method uses sensors of the base '{}' only: move it or leave it out",
+                "sensor '{}' sits on body '{}'; of links only accelerometers and velocity increments are used, all else is read on the base '{}': move it or leave it out",
                 sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
             ),
         });
     }
-    if model.environment.gravity_gradient || model.environment.point_mass_gm.is_some() {
-        return Err(BindError::Unsupported {
-            what: "[environment]: the linear method knows no gravity; leave it out or use --method maximum_likelihood".to_owned(),
-        });
-    }
-    Ok(())
+    faults::check_faults(model)
 }
 
 /// Name of a segment in messages: its files.
@@ -145,7 +163,9 @@ fn bind_segment(
         table,
         label: &label,
     };
+    plausible::check(&channels)?;
     let gyro = channels.gyro(model)?;
+    orbit::check_orbit(model, &channels, repairs)?;
     let times = gyro.time_s();
     let aligned = motion::align(model, tree, &channels, &gyro, times, repairs)?;
     let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();
@@ -166,12 +186,14 @@ fn bind_segment(
     let samples: Samples = aligned.take(&complete, tree);
     let firings = thrust::firings(model, &channels, &samples, repairs);
     let observations = observe::observe(model, tree, &channels, &samples, &firings);
+    let accelerations = acceleration::accelerations(model, &channels, &samples);
     Ok((
         Segment {
             label: label.clone(),
             samples,
             observations,
             firings,
+            accelerations,
         },
         lost as f64 / times.len() as f64,
     ))

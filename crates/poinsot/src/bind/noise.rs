@@ -72,7 +72,7 @@ fn vector(model: &Model, kind: SensorKind) -> Option<Matrix3> {
     Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
 }
 
-fn covariance(sensor: &Sensor) -> Option<Matrix3> {
+pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
     let step = sensor.quantisation * sensor.quantisation / 12.0;
     match sensor.noise_covariance {
         Some(c) => Some(c + Matrix3::identity() * step),

@@ -1,6 +1,8 @@
 //! Every sensor at its own times, on the union of them: for maximum likelihood.
 
 use super::channels::{Channels, VectorChannels, joint_columns};
+use super::orbit::orbit_at;
+use super::points::point_channels;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Firing, Observations, Samples};
@@ -8,7 +10,7 @@ use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, resample, resample_hermite};
 
 /// Times closer than this are one time, s.
-const SAME: f64 = 1.0e-9;
+pub(super) const SAME: f64 = 1.0e-9;
 
 /// Readings of all sensors between the first and the last aligned sample.
 ///
@@ -25,6 +27,7 @@ pub(super) fn observe(
     let velocity = channels.vector(model, SensorKind::Velocity, "v");
     let position = channels.vector(model, SensorKind::Position, "r");
     let attitude = attitude_channels(model, channels);
+    let points = point_channels(model, channels);
     let (from, to) = match (samples.time_s.first(), samples.time_s.last()) {
         (Some(a), Some(b)) => (*a, *b),
         _ => return Observations::default(),
@@ -34,14 +37,21 @@ pub(super) fn observe(
         .flatten()
         .flat_map(|c| c.time_s().iter().copied())
         .chain(attitude.iter().flat_map(|a| a[0].time_s.iter().copied()))
+        .chain(points.iter().flat_map(|p| p.times()))
         .chain(firings.iter().flat_map(|f| [f.start_s, f.end_s]))
         .filter(|t| *t >= from && *t <= to)
         .collect();
     time_s.sort_by(f64::total_cmp);
     time_s.dedup_by(|a, b| *a - *b < SAME);
     let inputs = inputs(model, tree, channels, &time_s);
+    let orbit = orbit_at(model, channels, &time_s);
     let complete: Vec<usize> = (0..time_s.len())
         .filter(|&k| inputs.iter().all(|c| c[k].is_some()))
+        .filter(|&k| orbit.get(k).is_none_or(Option::is_some))
+        .collect();
+    let orbit = complete
+        .iter()
+        .filter_map(|&k| orbit.get(k).copied().flatten())
         .collect();
     let time_s: Vec<f64> = complete.iter().map(|&k| time_s[k]).collect();
     let rows = |from: usize, to: usize| -> Vec<f64> {
@@ -75,6 +85,8 @@ pub(super) fn observe(
             .unwrap_or_else(|| vec![None; time_s.len()]),
         velocity_arm_B: velocity.as_ref().map_or_else(Vector3::zeros, |v| v.p_BoS_B),
         position_arm_B: position.as_ref().map_or_else(Vector3::zeros, |r| r.p_BoS_B),
+        orbit,
+        points: points.iter().map(|p| p.readings(model, &time_s)).collect(),
         joint_position: rows(0, dof),
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),

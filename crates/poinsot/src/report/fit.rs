@@ -28,7 +28,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let body = render(
         "fit.html",
         include_str!("templates/fit.html"),
-        context! { rows, segments, more => answer.data.segments.len().saturating_sub(DRAWN) },
+        context! { rows, diagnostics => super::diagnostics::table(answer)?.value(), segments, more => answer.data.segments.len().saturating_sub(DRAWN) },
     )?;
     Ok(Part {
         id: "fit",
@@ -114,6 +114,8 @@ fn quantity(name: &str) -> &str {
         "attitude" => "attitude quaternion, body to inertial",
         "velocity" => "velocity of the sensor point, inertial axes",
         "position" => "position of the sensor point, inertial axes",
+        "accelerometer" => "specific force at the sensor point, axes of its body",
+        "velocity_increment" => "velocity increments of the sensor point, inertial axes",
         other => other,
     }
 }
@@ -124,6 +126,8 @@ fn symbol(name: &str) -> &str {
         "attitude" => "q",
         "velocity" => "v",
         "position" => "r",
+        "accelerometer" => "f",
+        "velocity_increment" => "dv",
         other => other,
     }
 }

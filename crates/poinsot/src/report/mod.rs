@@ -2,6 +2,7 @@
 //! template per section.
 
 mod data;
+mod diagnostics;
 mod estimate;
 mod fit;
 mod identifiability;
@@ -18,7 +19,7 @@ pub use data::{REPORT_SCHEMA, ReportData, report_data};
 
 use crate::error::Error;
 use crate::identify::Identified;
-use crate::output::write_file;
+use crate::output::{write_file, write_files};
 use estimate::EstimateFile;
 use poinsot_report::{FigureFormat, Page, PageError, Part};
 use serde_json::Value;
@@ -65,19 +66,18 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
     Ok(path)
 }
 
-fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => Error::Report {
-            path: path.to_owned(),
-            why: "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
-        },
-        _ => Error::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source,
-        },
-    })?;
-    serde_json::from_slice(&bytes).map_err(|e| Error::Report {
+/// The page of the two files of `identify`, as bytes.
+pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Page, Error> {
+    let estimate: Value = parse(&folder.join("estimate.json"), estimate)?;
+    let data: ReportData = parse(&folder.join("report_data.json"), data)?;
+    report_page(&estimate, data).map_err(|why| Error::Report {
+        path: folder.to_owned(),
+        why,
+    })
+}
+
+fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, Error> {
+    serde_json::from_slice(bytes).map_err(|e| Error::Report {
         path: path.to_owned(),
         why: format!("{e}; write it anew with `poinsot identify`"),
     })
@@ -94,29 +94,43 @@ pub fn write_figures(folder: &Path, formats: &[FigureFormat]) -> Result<Vec<Path
         why,
     };
     let page = folder_page(folder)?;
-    let mut written = Vec::new();
+    let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
     for figure in page.parts.iter().flat_map(|p| &p.figures) {
         for format in formats {
             let bytes = figure.file(*format).map_err(|e| fault(e.to_string()))?;
-            if let Some(bytes) = bytes {
-                let name = format!("{}.{}", figure.name, format.extension());
-                let path = folder.join("figures").join(name);
-                write_file(&path, &bytes)?;
-                written.push(path);
-            }
+            let name = format!("{}.{}", figure.name, format.extension());
+            files.extend(bytes.map(|b| (folder.join("figures").join(name), b)));
         }
     }
-    Ok(written)
+    let all: Vec<(PathBuf, &[u8])> = files
+        .iter()
+        .map(|(path, bytes)| (path.clone(), bytes.as_slice()))
+        .collect();
+    write_files(&all)?;
+    Ok(files.into_iter().map(|f| f.0).collect())
 }
 
 /// The page of a folder of `identify`.
 fn folder_page(folder: &Path) -> Result<Page, Error> {
-    let estimate: Value = read(&folder.join("estimate.json"))?;
-    let data: ReportData = read(&folder.join("report_data.json"))?;
-    report_page(&estimate, data).map_err(|why| Error::Report {
-        path: folder.to_owned(),
-        why,
-    })
+    let bytes = |name: &str| {
+        let path = folder.join(name);
+        std::fs::read(&path).map_err(|source| match source.kind() {
+            std::io::ErrorKind::NotFound => Error::Report {
+                path: path.clone(),
+                why: "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
+            },
+            _ => Error::Io {
+                path: path.clone(),
+                what: "cannot be read",
+                source,
+            },
+        })
+    };
+    page_of(
+        folder,
+        &bytes("estimate.json")?,
+        &bytes("report_data.json")?,
+    )
 }
 
 /// The page as text.

@@ -1,0 +1,501 @@
+//! One evaluation of the driven motion: drives, placement, base twist, joint accelerations, sample.
+//!
+//! State, in N: that of `stage.rs` (pose and momentum), continued by the joints that a force drives:
+//!
+//! ```text
+//! y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, h_w of each torque-driven wheel, q, q' ]
+//! ```
+//!
+//! No internal force enters the momenta, so they are exact without thrust, whatever the joints do and
+//! however long the step. The base twist is what the momentum leaves after the joint rates, and `q''` comes
+//! from the articulated-body algorithm (`forward_dynamics.rs`).
+//!
+//! A wheel driven by a torque has `h_w = Js (Omega + a . w_host)`, `h_w' = torque`. Its host then moves like
+//! one whose inertia lacks `Js a a^T` and that carries the known momentum `a h_w`:
+//! the host feels `-(a torque + w_host x a h_w)`. One with prescribed speed leaves `Js` in the host, which
+//! feels `-(a Js Omega' + w_host x a Js Omega)`.
+
+use crate::acceleration::Accelerations;
+use crate::driven::Driven;
+use crate::forward_dynamics::{ForwardDynamics, JointInput};
+use crate::integrate::{Flow, Halt};
+use crate::inverse_dynamics::{InverseDynamics, Wrench};
+use crate::joint_drive::JointDrive;
+use crate::kinematics::Kinematics;
+use crate::momentum::Twist;
+use crate::plan::{Start, StartVelocity};
+use crate::prescribed::MotionSample;
+use crate::symmetric::Symmetric;
+use crate::thrust::{thrust_levels, thrust_wrench};
+use crate::wheel_motion::WheelMotion;
+use nalgebra::Quaternion;
+use poinsot_spatial::{UnitQuaternion, Vector3};
+
+const POSITION: usize = 4;
+const LINEAR: usize = 7;
+const ANGULAR: usize = 10;
+const WHEELS: usize = 13;
+
+/// Everything an ideal sensor could read, with the forces at the joints.
+#[derive(Debug, Clone)]
+pub struct DrivenSample {
+    /// Pose, velocities, accelerations, joints, wheels, thrust.
+    pub motion: MotionSample,
+    /// What the motor of each joint coordinate gives, N m or N, spring and damper not counted; for a joint
+    /// with prescribed motion the force that it takes.
+    pub motor_force: Vec<f64>,
+    /// Force of spring and damper of each joint coordinate, N m or N; zero where the motion is prescribed.
+    pub spring_force: Vec<f64>,
+}
+
+/// The drives evaluated at one instant, and the scratch for it.
+pub(crate) struct DrivenStage<'s> {
+    vehicle: &'s Driven<'s>,
+    /// A time inside the present smooth stretch.
+    within: f64,
+    /// When the drives were read last; NaN when never.
+    read_at: f64,
+    /// Motor force of driven joints, acceleration of the others.
+    inputs: Vec<f64>,
+    /// Those with the springs: what the dynamics takes.
+    joints: Vec<JointInput>,
+    /// Motor torque of torque-driven wheels, N m; acceleration of the others, rad/s2.
+    wheel_input: Vec<f64>,
+    /// Momentum along its axis that the host knows nothing of, N m s.
+    wheel_momentum: Vec<f64>,
+    dynamics: ForwardDynamics,
+    inverse: InverseDynamics,
+    outside: Vec<Wrench>,
+    c: Vector3,
+    inertia: Symmetric,
+    sample: DrivenSample,
+}
+
+fn vector(y: &[f64], at: usize) -> Vector3 {
+    Vector3::new(y[at], y[at + 1], y[at + 2])
+}
+
+fn attitude(y: &[f64]) -> UnitQuaternion {
+    UnitQuaternion::new_normalize(Quaternion::new(y[3], y[0], y[1], y[2]))
+}
+
+impl<'s> DrivenStage<'s> {
+    pub fn new(vehicle: &'s Driven<'s>, within: f64) -> Self {
+        let tree = &vehicle.tree;
+        let (dof, wheels) = (tree.dof(), vehicle.spin_inertia.len());
+        let motion = MotionSample {
+            time: 0.0,
+            R_NB: UnitQuaternion::identity(),
+            p_NoBo_N: Vector3::zeros(),
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B: Vector3::zeros(),
+            p_NoScm_N: Vector3::zeros(),
+            l_S_N: Vector3::zeros(),
+            h_SScm_N: Vector3::zeros(),
+            q: vec![0.0; dof],
+            rates: vec![0.0; dof],
+            accelerations: vec![0.0; dof],
+            wheel_speed: vec![0.0; wheels],
+            wheel_torque: vec![0.0; wheels],
+            thrust: vec![0.0; vehicle.nozzles.len()],
+            p_orbit_N: Vector3::zeros(),
+            kinematics: Kinematics::new(tree),
+            body: Accelerations::new(tree),
+        };
+        Self {
+            vehicle,
+            within,
+            read_at: f64::NAN,
+            inputs: vec![0.0; dof],
+            joints: vec![JointInput::Force(0.0); dof],
+            wheel_input: vec![0.0; wheels],
+            wheel_momentum: vec![0.0; wheels],
+            dynamics: ForwardDynamics::new(tree),
+            inverse: InverseDynamics::new(tree),
+            outside: vec![Wrench::ZERO; tree.bodies()],
+            c: Vector3::zeros(),
+            inertia: Symmetric::default(),
+            sample: DrivenSample {
+                motion,
+                motor_force: vec![0.0; dof],
+                spring_force: vec![0.0; dof],
+            },
+        }
+    }
+
+    /// Moves on to the smooth stretch that holds `within`.
+    pub fn set_stretch(&mut self, within: f64) {
+        if self.within != within {
+            self.within = within;
+            self.read_at = f64::NAN;
+        }
+    }
+
+    /// Reads what depends on time alone.
+    #[inline]
+    fn read_drives(&mut self, t: f64) {
+        if self.read_at == t {
+            return;
+        }
+        self.read_at = t;
+        let (plan, within) = (self.vehicle.plan, self.within);
+        let motion = &mut self.sample.motion;
+        for (k, joint) in plan.joints.iter().enumerate() {
+            match joint {
+                JointDrive::Force { motor, .. } => self.inputs[k] = motor.at(t, within),
+                JointDrive::Motion(prescribed) => {
+                    let jet = prescribed.at(t, within);
+                    motion.q[k] = jet.value;
+                    motion.rates[k] = jet.rate;
+                    self.inputs[k] = jet.acceleration;
+                }
+            }
+        }
+        for (i, wheel) in plan.wheels.iter().enumerate() {
+            self.wheel_input[i] = match wheel {
+                WheelMotion::Speed(profile) => {
+                    let jet = profile.at(t, within);
+                    self.wheel_momentum[i] = self.vehicle.spin_inertia[i] * jet.value;
+                    jet.rate
+                }
+                WheelMotion::Torque { torque, .. } => torque.at(t, within).value,
+            };
+        }
+        thrust_levels(&plan.firings, within, &mut motion.thrust);
+    }
+
+    /// Takes joints and wheels from the state, adds the springs, places the bodies.
+    #[inline]
+    fn read_state(&mut self, y: &[f64]) {
+        let vehicle = self.vehicle;
+        let mut rest = y[WHEELS..].iter();
+        for (wheel, h_w) in vehicle.plan.wheels.iter().zip(&mut self.wheel_momentum) {
+            if let (WheelMotion::Torque { .. }, Some(found)) = (wheel, rest.as_slice().first()) {
+                *h_w = *found;
+                rest.next();
+            }
+        }
+        let (q, rates) = rest.as_slice().split_at(vehicle.free.len());
+        let motion = &mut self.sample.motion;
+        for (k, (q, rate)) in vehicle.free.iter().zip(q.iter().zip(rates)) {
+            motion.q[*k] = *q;
+            motion.rates[*k] = *rate;
+        }
+        self.place();
+    }
+
+    /// Springs, placement and inertias at the joint positions and rates of the sample.
+    #[inline]
+    fn place(&mut self) {
+        let vehicle = self.vehicle;
+        let motion = &mut self.sample.motion;
+        for (k, joint) in vehicle.plan.joints.iter().enumerate() {
+            self.joints[k] = match joint {
+                JointDrive::Force { spring, .. } => {
+                    JointInput::Force(self.inputs[k] + spring.force(motion.q[k], motion.rates[k]))
+                }
+                JointDrive::Motion(_) => JointInput::Acceleration(self.inputs[k]),
+            };
+        }
+        let kinematics = &mut motion.kinematics;
+        kinematics.place(&vehicle.tree, &motion.q);
+        self.dynamics
+            .set_bodies(&vehicle.tree, &vehicle.reduced, kinematics);
+    }
+
+    /// The base twist that the momentum, in base axes, leaves: `h` about the system's mass centre.
+    #[inline]
+    fn twist(&mut self, t: f64, l: &Vector3, h: &Vector3) -> Result<Twist, Halt> {
+        let vehicle = self.vehicle;
+        let motion = &mut self.sample.motion;
+        let (whole, l_c, h_c) = self
+            .dynamics
+            .momentum_of_rates(&vehicle.tree, &motion.rates);
+        self.c = whole.p_BoScm_B();
+        self.inertia = Symmetric::of(&whole.I_SScm_B());
+        let mut h = h - (h_c - self.c.cross(&l_c));
+        for (rotor, h_w) in vehicle.tree.rotors.iter().zip(&self.wheel_momentum) {
+            h -= motion.kinematics.R[rotor.body] * rotor.axis_B * *h_w;
+        }
+        let w = self.inertia.solve(&h).ok_or(Halt::Singular { time: t })?;
+        let v = (l - l_c) / vehicle.mass - w.cross(&self.c);
+        motion
+            .kinematics
+            .set_velocities(&vehicle.tree, &v, &w, &motion.rates);
+        Ok(Twist { v, w })
+    }
+
+    /// Joint accelerations at the placement and velocities found.
+    #[inline]
+    fn accelerate(&mut self, t: f64) -> Result<(), Halt> {
+        let vehicle = self.vehicle;
+        let motion = &mut self.sample.motion;
+        let kinematics = &motion.kinematics;
+        for (nozzle, level) in vehicle.nozzles.iter().zip(&motion.thrust) {
+            if *level != 0.0 {
+                let R = &kinematics.R[nozzle.body];
+                let force = R * nozzle.direction_B * *level;
+                let torque = (R * nozzle.p_BoT_B).cross(&force);
+                self.dynamics.add_wrench(nozzle.body, &force, &torque);
+            }
+        }
+        for (i, rotor) in vehicle.tree.rotors.iter().enumerate() {
+            let torque = self.wheel_reaction(i);
+            self.dynamics
+                .add_wrench(rotor.body, &Vector3::zeros(), &torque);
+        }
+        let motion = &mut self.sample.motion;
+        self.dynamics
+            .solve(
+                &vehicle.tree,
+                &motion.kinematics,
+                &motion.rates,
+                &self.joints,
+                &mut motion.accelerations,
+            )
+            .map_err(|_| Halt::Singular { time: t })
+    }
+
+    /// Torque of wheel `i` on its host without `Js`, in base axes.
+    #[inline]
+    fn wheel_reaction(&self, i: usize) -> Vector3 {
+        let vehicle = self.vehicle;
+        let rotor = &vehicle.tree.rotors[i];
+        let kinematics = &self.sample.motion.kinematics;
+        let a = kinematics.R[rotor.body] * rotor.axis_B;
+        let axial = match vehicle.plan.wheels[i] {
+            WheelMotion::Speed(_) => vehicle.spin_inertia[i] * self.wheel_input[i],
+            WheelMotion::Torque { .. } => self.wheel_input[i],
+        };
+        let w = &kinematics.w[rotor.body];
+        -(a * axial + w.cross(&a) * self.wheel_momentum[i])
+    }
+
+    /// The state vector at the first instant.
+    pub fn start(&mut self, start: &Start, t: f64) -> Result<Vec<f64>, Halt> {
+        let vehicle = self.vehicle;
+        self.read_drives(t);
+        for (k, joint) in vehicle.plan.joints.iter().enumerate() {
+            if let JointDrive::Force {
+                initial_position,
+                initial_rate,
+                ..
+            } = joint
+            {
+                self.sample.motion.q[k] = *initial_position;
+                self.sample.motion.rates[k] = *initial_rate;
+            }
+        }
+        self.place();
+        // The absolute momentum of a torque-driven wheel follows from its relative speed once the host's
+        // turning is known: first with the whole inertia, wheels turning with their hosts.
+        let momenta = self.start_wheels(t, start)?;
+        self.place();
+        let rest = self.twist(t, &Vector3::zeros(), &Vector3::zeros())?;
+        let (l, h) = match &start.velocity {
+            StartVelocity::Momentum { l_S_N, h_SScm_N } => (*l_S_N, *h_SScm_N),
+            StartVelocity::Twist { v_NBo_N, w_NB_B } => {
+                // Momentum is affine in the twist and vanishes at `rest`.
+                let v = start.R_NB.inverse() * v_NBo_N;
+                let (dv, dw) = (v - rest.v, w_NB_B - rest.w);
+                let l = (dv + dw.cross(&self.c)) * vehicle.mass;
+                (start.R_NB * l, start.R_NB * self.inertia.times(&dw))
+            }
+        };
+        let p = start.p_NoBo_N + start.R_NB * self.c;
+        let q = start.R_NB.coords;
+        let mut y = vec![q.x, q.y, q.z, q.w, p.x, p.y, p.z];
+        y.extend(l.iter().chain(h.iter()));
+        y.extend(momenta);
+        let motion = &self.sample.motion;
+        y.extend(vehicle.free.iter().map(|k| motion.q[*k]));
+        y.extend(vehicle.free.iter().map(|k| motion.rates[*k]));
+        Ok(y)
+    }
+
+    /// Absolute axial momentum of the torque-driven wheels at the start.
+    fn start_wheels(&mut self, t: f64, start: &Start) -> Result<Vec<f64>, Halt> {
+        let vehicle = self.vehicle;
+        let torque_driven = |i: &usize| match &vehicle.plan.wheels[*i] {
+            WheelMotion::Torque { initial_speed, .. } => Some((*i, *initial_speed)),
+            WheelMotion::Speed(_) => None,
+        };
+        let wheels: Vec<(usize, f64)> = (0..vehicle.spin_inertia.len())
+            .filter_map(|i| torque_driven(&i))
+            .collect();
+        if wheels.is_empty() {
+            return Ok(Vec::new());
+        }
+        let kinematics = &self.sample.motion.kinematics;
+        self.dynamics
+            .set_bodies(&vehicle.tree, &vehicle.parameters, kinematics);
+        for (i, speed) in &wheels {
+            self.wheel_momentum[*i] = vehicle.spin_inertia[*i] * speed;
+        }
+        let to_base = start.R_NB.inverse();
+        let w = match &start.velocity {
+            StartVelocity::Momentum { l_S_N, h_SScm_N } => {
+                self.twist(t, &(to_base * l_S_N), &(to_base * h_SScm_N))?.w
+            }
+            StartVelocity::Twist { w_NB_B, .. } => *w_NB_B,
+        };
+        let motion = &mut self.sample.motion;
+        let zero = Vector3::zeros();
+        motion
+            .kinematics
+            .set_velocities(&vehicle.tree, &zero, &w, &motion.rates);
+        let mut momenta = Vec::with_capacity(wheels.len());
+        for (i, speed) in wheels {
+            let rotor = &vehicle.tree.rotors[i];
+            let a = motion.kinematics.R[rotor.body] * rotor.axis_B;
+            let axial = a.dot(&motion.kinematics.w[rotor.body]);
+            self.wheel_momentum[i] = vehicle.spin_inertia[i] * (speed + axial);
+            momenta.push(self.wheel_momentum[i]);
+        }
+        Ok(momenta)
+    }
+
+    /// Natural magnitudes of the state: 1 rad, 1 m, and the momenta of the vehicle moving at 1 cm/s and
+    /// turning at 0.01 rad/s; joint rates 0.01 rad/s.
+    pub fn scale(&self) -> Vec<f64> {
+        let mut scale = vec![1.0; LINEAR];
+        scale.resize(ANGULAR, 0.01 * self.vehicle.mass);
+        let trace = self.inertia.xx + self.inertia.yy + self.inertia.zz;
+        scale.resize(WHEELS, 0.01 * trace / 3.0);
+        let vehicle = self.vehicle;
+        for (wheel, js) in vehicle.plan.wheels.iter().zip(&vehicle.spin_inertia) {
+            if matches!(wheel, WheelMotion::Torque { .. }) {
+                scale.push(*js);
+            }
+        }
+        scale.resize(scale.len() + vehicle.free.len(), 1.0);
+        scale.resize(scale.len() + vehicle.free.len(), 0.01);
+        scale
+    }
+
+    /// Everything an ideal sensor could read in the state `y`.
+    pub fn sample(&mut self, t: f64, y: &[f64]) -> Result<&DrivenSample, Halt> {
+        let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
+        let to_base = R_NB.inverse();
+        self.read_drives(t);
+        self.read_state(y);
+        let twist = self.twist(t, &(to_base * l), &(to_base * h))?;
+        self.accelerate(t)?;
+        let motion = &mut self.sample.motion;
+        motion.time = t;
+        motion.R_NB = R_NB;
+        motion.p_NoScm_N = vector(y, POSITION);
+        motion.p_NoBo_N = motion.p_NoScm_N - R_NB * self.c;
+        motion.v_NBo_N = R_NB * twist.v;
+        motion.w_NB_B = twist.w;
+        motion.l_S_N = l;
+        motion.h_SScm_N = h;
+        for i in 0..motion.body.a.len() {
+            (motion.body.a[i], motion.body.alpha[i]) = self.dynamics.acceleration(i);
+        }
+        self.set_wheels();
+        self.set_joint_forces();
+        Ok(&self.sample)
+    }
+
+    /// Wheel speeds and motor torques, from momenta and accelerations.
+    fn set_wheels(&mut self) {
+        let vehicle = self.vehicle;
+        let motion = &mut self.sample.motion;
+        for (i, rotor) in vehicle.tree.rotors.iter().enumerate() {
+            let axis = motion.kinematics.R[rotor.body] * rotor.axis_B;
+            let js = vehicle.spin_inertia[i];
+            (motion.wheel_speed[i], motion.wheel_torque[i]) = match &vehicle.plan.wheels[i] {
+                WheelMotion::Torque { .. } => {
+                    let host = axis.dot(&motion.kinematics.w[rotor.body]);
+                    (self.wheel_momentum[i] / js - host, self.wheel_input[i])
+                }
+                WheelMotion::Speed(profile) => {
+                    let host = axis.dot(&motion.body.alpha[rotor.body]);
+                    let speed = profile.at(motion.time, self.within).value;
+                    (speed, js * (self.wheel_input[i] + host))
+                }
+            };
+        }
+    }
+
+    /// Motors and springs; prescribed joints by inverse dynamics.
+    fn set_joint_forces(&mut self) {
+        let vehicle = self.vehicle;
+        let prescribed = vehicle.free.len() < vehicle.tree.dof();
+        if prescribed {
+            self.outside.fill(Wrench::ZERO);
+            for (i, rotor) in vehicle.tree.rotors.iter().enumerate() {
+                let reaction = self.wheel_reaction(i);
+                self.outside[rotor.body].torque += reaction;
+            }
+            let motion = &self.sample.motion;
+            for (nozzle, level) in vehicle.nozzles.iter().zip(&motion.thrust) {
+                let R = &motion.kinematics.R[nozzle.body];
+                let force = R * nozzle.direction_B * *level;
+                self.outside[nozzle.body].force += force;
+                self.outside[nozzle.body].torque += (R * nozzle.p_BoT_B).cross(&force);
+            }
+            self.inverse.solve(
+                &vehicle.tree,
+                &vehicle.reduced,
+                &motion.kinematics,
+                &motion.body,
+                &self.outside,
+                &mut self.sample.motor_force,
+            );
+        }
+        let motion = &self.sample.motion;
+        for (k, joint) in vehicle.plan.joints.iter().enumerate() {
+            if let JointDrive::Force { spring, .. } = joint {
+                self.sample.motor_force[k] = self.inputs[k];
+                self.sample.spring_force[k] = spring.force(motion.q[k], motion.rates[k]);
+            }
+        }
+    }
+}
+
+impl Flow for DrivenStage<'_> {
+    #[inline]
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Halt> {
+        let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
+        let R = R_NB.to_rotation_matrix().into_inner();
+        self.read_drives(t);
+        self.read_state(y);
+        let twist = self.twist(t, &R.tr_mul(&l), &R.tr_mul(&h))?;
+        self.accelerate(t)?;
+        // q' = q (0, w) / 2
+        let q = R_NB.quaternion() * Quaternion::from_imag(twist.w * 0.5);
+        dy[..POSITION].copy_from_slice(q.coords.as_slice());
+        let vehicle = self.vehicle;
+        let motion = &self.sample.motion;
+        let (force, torque) = thrust_wrench(&vehicle.nozzles, &motion.kinematics, &motion.thrust);
+        let blocks = [
+            l / vehicle.mass,
+            R * force,
+            R * (torque - self.c.cross(&force)),
+        ];
+        for (out, block) in dy[POSITION..WHEELS].chunks_exact_mut(3).zip(&blocks) {
+            out.copy_from_slice(block.as_slice());
+        }
+        let mut out = dy[WHEELS..].iter_mut();
+        for (wheel, torque) in vehicle.plan.wheels.iter().zip(&self.wheel_input) {
+            if matches!(wheel, WheelMotion::Torque { .. })
+                && let Some(out) = out.next()
+            {
+                *out = *torque;
+            }
+        }
+        let rates = vehicle.free.iter().map(|k| motion.rates[*k]);
+        let accelerations = vehicle.free.iter().map(|k| motion.accelerations[*k]);
+        for (out, value) in out.zip(rates.chain(accelerations)) {
+            *out = value;
+        }
+        Ok(())
+    }
+
+    fn project(&self, y: &mut [f64]) {
+        let norm = y[..POSITION].iter().map(|q| q * q).sum::<f64>().sqrt();
+        y[..POSITION].iter_mut().for_each(|q| *q /= norm);
+    }
+}

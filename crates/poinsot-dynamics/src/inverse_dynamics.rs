@@ -1,0 +1,79 @@
+//! Inverse dynamics of the free-floating tree: the forces that given accelerations take (Newton-Euler
+//! recursion; Luh, Walker, Paul 1980; Featherstone 2008, ch. 5).
+
+use crate::acceleration::Accelerations;
+use crate::kinematics::Kinematics;
+use crate::tree::{Motion, Tree};
+use poinsot_spatial::{InertialParameters, Vector3};
+
+/// A force and the torque about a point that goes with it, in base axes, N and N m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrench {
+    /// Force, N.
+    pub force: Vector3,
+    /// Torque about the point that the context names, N m.
+    pub torque: Vector3,
+}
+
+impl Wrench {
+    /// Nothing.
+    pub const ZERO: Self = Self {
+        force: Vector3::new(0.0, 0.0, 0.0),
+        torque: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
+/// Workspace of the Newton-Euler recursion. No call allocates.
+#[derive(Debug, Clone)]
+pub struct InverseDynamics {
+    /// What the joint of each body transmits to it, about that body's origin, in base axes; for the base what
+    /// acts on it from outside.
+    pub transmitted: Vec<Wrench>,
+}
+
+impl InverseDynamics {
+    /// Scratch for a tree.
+    pub fn new(tree: &Tree) -> Self {
+        Self {
+            transmitted: vec![Wrench::ZERO; tree.bodies()],
+        }
+    }
+
+    /// Forces along the joints (N m or N, one per coordinate) and, returned, the wrench on the base about
+    /// `Bo`, that give the bodies the accelerations given while the wrenches `outside` (about each body's
+    /// origin, in base axes; may be empty) act on them.
+    pub fn solve(
+        &mut self,
+        tree: &Tree,
+        parameters: &[InertialParameters],
+        kinematics: &Kinematics,
+        accelerations: &Accelerations,
+        outside: &[Wrench],
+        joint_forces: &mut [f64],
+    ) -> Wrench {
+        for (i, body) in parameters.iter().enumerate() {
+            let (R, w) = (&kinematics.R[i], &kinematics.w[i]);
+            let (a, alpha) = (&accelerations.a[i], &accelerations.alpha[i]);
+            let mc = R * body.mc_B;
+            let inertia = |x: &Vector3| R * (body.I_BBo_B * (R.transpose() * x));
+            let given = outside.get(i).unwrap_or(&Wrench::ZERO);
+            self.transmitted[i] = Wrench {
+                force: a * body.mass + alpha.cross(&mc) + w.cross(&w.cross(&mc)) - given.force,
+                torque: inertia(alpha) + w.cross(&inertia(w)) + mc.cross(a) - given.torque,
+            };
+        }
+        for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
+            let Wrench { force, torque } = self.transmitted[i];
+            match link.motion {
+                Motion::Revolute(k) => joint_forces[k] = link.axis_B(&kinematics.R[i]).dot(&torque),
+                Motion::Prismatic(k) => joint_forces[k] = link.axis_B(&kinematics.R[i]).dot(&force),
+                Motion::Fixed | Motion::Free => {}
+            }
+            let r = kinematics.p[i] - kinematics.p[link.parent];
+            let parent = &mut self.transmitted[link.parent];
+            parent.force += force;
+            parent.torque += torque + r.cross(&force);
+        }
+        self.transmitted.first().copied().unwrap_or(Wrench::ZERO)
+    }
+}

@@ -1,0 +1,100 @@
+//! What moves one joint: a motor force with a spring and a damper, or a prescribed motion.
+
+use crate::joint_motion::JointMotion;
+use crate::piecewise::PiecewisePolynomial;
+
+/// Force of a motor along its joint axis as a function of time: N m (revolute) or N (prismatic).
+#[derive(Debug, Clone, PartialEq)]
+pub enum ForceProfile {
+    /// Polynomials between nodes; held outside. A constant and a table are of this kind.
+    Nodes(PiecewisePolynomial),
+    /// `amplitude sin(frequency t + phase)` (Xu et al. 2017, Table 13).
+    Sine {
+        /// N m or N.
+        amplitude: f64,
+        /// rad/s.
+        frequency: f64,
+        /// rad.
+        phase: f64,
+    },
+}
+
+impl ForceProfile {
+    /// No motor at all.
+    pub fn none() -> Self {
+        Self::Nodes(PiecewisePolynomial::constant(0.0))
+    }
+
+    /// Force at `t` on the smooth interval that holds `within`.
+    #[inline]
+    pub fn at(&self, t: f64, within: f64) -> f64 {
+        match self {
+            Self::Nodes(nodes) => nodes.at(t, within).value,
+            Self::Sine {
+                amplitude,
+                frequency,
+                phase,
+            } => amplitude * (frequency * t + phase).sin(),
+        }
+    }
+
+    /// The times at which integration restarts, s.
+    pub fn breaks(&self) -> &[f64] {
+        match self {
+            Self::Nodes(nodes) => nodes.nodes(),
+            Self::Sine { .. } => &[],
+        }
+    }
+}
+
+/// A linear spring and damper beside the motor: `-stiffness (q - rest) - damping q'`. The default has neither.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SpringDamper {
+    /// N m/rad or N/m.
+    pub stiffness: f64,
+    /// Position without force, rad or m.
+    pub rest: f64,
+    /// N m s/rad or N s/m.
+    pub damping: f64,
+}
+
+impl SpringDamper {
+    /// Force on the joint at position `q` (rad or m) and rate (rad/s or m/s): N m or N.
+    #[inline]
+    pub fn force(&self, q: f64, rate: f64) -> f64 {
+        -self.stiffness * (q - self.rest) - self.damping * rate
+    }
+
+    /// Energy in the spring, J.
+    pub fn energy(&self, q: f64) -> f64 {
+        0.5 * self.stiffness * (q - self.rest) * (q - self.rest)
+    }
+}
+
+/// What moves one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointDrive {
+    /// A force, and where the joint starts.
+    Force {
+        /// Motor.
+        motor: ForceProfile,
+        /// Passive part.
+        spring: SpringDamper,
+        /// Position at the start, rad or m.
+        initial_position: f64,
+        /// Rate at the start, rad/s or m/s.
+        initial_rate: f64,
+    },
+    /// A motion that the joint follows whatever it takes.
+    Motion(JointMotion),
+}
+
+impl JointDrive {
+    /// The times at which integration restarts, s.
+    pub fn breaks(&self) -> &[f64] {
+        match self {
+            Self::Force { motor, .. } => motor.breaks(),
+            Self::Motion(motion) => motion.breaks(),
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The regressor of the momentum's rate of change: what an accelerometer sees of the unknowns.
+
+use crate::acceleration::Accelerations;
+use crate::kinematics::Kinematics;
+use crate::tree::Tree;
+use poinsot_spatial::{InertialParameters, Vector3, Vector6};
+
+/// Rate of change of the momentum `[l'; h']` about the base origin's present place, inertial rate in base
+/// axes, N and N m, of one unit of parameter k of body i at the velocities and accelerations given.
+///
+/// The rate of the whole is the sum of these columns times the parameters (in the order of
+/// `poinsot_spatial::PARAMETER_NAMES`): [`Accelerations::momentum_rate`] is linear in them.
+pub fn momentum_rate_column(
+    accelerations: &Accelerations,
+    kinematics: &Kinematics,
+    i: usize,
+    k: usize,
+) -> Vector6 {
+    let mut unit = [0.0; 10];
+    unit[k] = 1.0;
+    let (force, torque) =
+        accelerations.body_rate(&InertialParameters::from_array(&unit), kinematics, i);
+    stack(&force, &torque)
+}
+
+/// Rate of change of the wheels' relative angular momentum, inertial rate in base axes, N m:
+/// `sum Js (Omega' a + Omega w x a)` with `w` of the host.
+pub fn wheel_rate(
+    tree: &Tree,
+    kinematics: &Kinematics,
+    spin_inertia: &[f64],
+    speed: &[f64],
+    speed_rate: &[f64],
+) -> Vector3 {
+    let spins = spin_inertia.iter().zip(speed.iter().zip(speed_rate));
+    tree.rotors
+        .iter()
+        .zip(spins)
+        .map(|(rotor, (js, (omega, omega_rate)))| {
+            let a = kinematics.R[rotor.body] * rotor.axis_B;
+            (a * *omega_rate + kinematics.w[rotor.body].cross(&a) * *omega) * *js
+        })
+        .sum()
+}
+
+fn stack(force: &Vector3, torque: &Vector3) -> Vector6 {
+    Vector6::new(force.x, force.y, force.z, torque.x, torque.y, torque.z)
+}

@@ -1,0 +1,84 @@
+//! The classical fourth-order Runge-Kutta rule at a fixed step.
+
+use crate::integrate::{Flow, Halt};
+
+/// Scratch of the rule.
+#[derive(Debug, Clone)]
+pub struct RungeKutta4 {
+    stages: [Vec<f64>; 4],
+    trial: Vec<f64>,
+}
+
+impl RungeKutta4 {
+    /// Scratch for a state of `n` numbers.
+    pub fn new(n: usize) -> Self {
+        Self {
+            stages: std::array::from_fn(|_| vec![0.0; n]),
+            trial: vec![0.0; n],
+        }
+    }
+
+    /// One step of `h` seconds from `t`, then back onto the manifold.
+    ///
+    /// # Errors
+    /// The derivative fails.
+    #[inline]
+    pub fn step(
+        &mut self,
+        flow: &mut impl Flow,
+        t: f64,
+        h: f64,
+        y: &mut [f64],
+    ) -> Result<(), Halt> {
+        let [k1, k2, k3, k4] = &mut self.stages;
+        flow.derivative(t, y, k1)?;
+        shift(&mut self.trial, y, 0.5 * h, k1);
+        flow.derivative(t + 0.5 * h, &self.trial, k2)?;
+        shift(&mut self.trial, y, 0.5 * h, k2);
+        flow.derivative(t + 0.5 * h, &self.trial, k3)?;
+        shift(&mut self.trial, y, h, k3);
+        flow.derivative(t + h, &self.trial, k4)?;
+        let slopes = k1.iter().zip(k2.iter()).zip(k3.iter().zip(k4.iter()));
+        for (y, ((k1, k2), (k3, k4))) in y.iter_mut().zip(slopes) {
+            *y += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+        }
+        flow.project(y);
+        Ok(())
+    }
+
+    /// From `start` to exactly `end` in equal steps of at most `step` seconds.
+    ///
+    /// # Errors
+    /// The derivative fails, or the state leaves the finite numbers.
+    pub fn advance(
+        &mut self,
+        flow: &mut impl Flow,
+        start: f64,
+        end: f64,
+        step: f64,
+        y: &mut [f64],
+    ) -> Result<(), Halt> {
+        // A hair more than a whole number of steps is that number.
+        let count = ((end - start) / step * (1.0 - 1e-12)).ceil().max(1.0);
+        if !count.is_finite() {
+            return Err(Halt::StepTooSmall { time: start });
+        }
+        let h = (end - start) / count;
+        let mut k = 0.0;
+        while k < count {
+            self.step(flow, start + k * h, h, y)?;
+            k += 1.0;
+        }
+        match y.iter().all(|y| y.is_finite()) {
+            true => Ok(()),
+            false => Err(Halt::NotFinite { time: end }),
+        }
+    }
+}
+
+#[inline]
+fn shift(trial: &mut [f64], y: &[f64], h: f64, k: &[f64]) {
+    for (trial, (y, k)) in trial.iter_mut().zip(y.iter().zip(k)) {
+        *trial = y + h * k;
+    }
+}
