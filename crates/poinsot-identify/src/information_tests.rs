@@ -1,7 +1,7 @@
 //! Sensitivities of every kind of unknown against differences of chi-square.
 
 use crate::information::{Experiment, Point};
-use crate::parameters::{Equations, Parameters, Rest, Unknown, UnknownKind};
+use crate::parameters::{Equations, Parameters, Gust, Rest, Unknown, UnknownKind};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
@@ -198,6 +198,7 @@ fn noise(tree: &Tree) -> Noise {
         joint_position: vec![0.0; tree.dof()],
         joint_rate: vec![0.0; tree.dof()],
         wheel_speed: vec![0.0],
+        correlation_s: [0.3, 0.0, 0.2, 0.5],
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
@@ -227,6 +228,17 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
         }),
         name: "rest".to_owned(),
         unit: "rad",
+        nominal: 0.0,
+        natural: 1.0,
+    });
+    parameters.unknowns.push(Unknown {
+        kind: UnknownKind::RandomTorque(Gust {
+            segment: 0,
+            span: (2, 4),
+            axis: 1,
+        }),
+        name: "gust".to_owned(),
+        unit: "N m",
         nominal: 0.0,
         natural: 1.0,
     });

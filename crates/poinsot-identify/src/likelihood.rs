@@ -1,7 +1,9 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
+mod colour;
 mod point_rows;
 
+use colour::Colour;
 use crate::block_qr::{BlockQr, Triangle};
 use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
@@ -101,6 +103,8 @@ pub(crate) struct ChannelResidual {
     pub unit: &'static str,
     pub white: Vec<Vector3>,
     pub square: f64,
+    /// Logarithm of the determinant that the colour of the noise adds.
+    pub log_det: f64,
 }
 
 /// One segment at one value of all unknowns.
@@ -214,6 +218,8 @@ struct Compare<'a> {
     rows: usize,
     channels: Vec<ChannelResidual>,
     six: Vec<Vector6>,
+    /// Colour of gyro, attitude, velocity and position; the noise of all others is white.
+    colours: [Colour; 6],
     /// Predicted rates at the grid times, where a lag is unknown; empty otherwise.
     rates: Vec<Vector3>,
     points: PointCompare,
@@ -323,6 +329,9 @@ impl<'a> Compare<'a> {
                 channel("velocity_increment", "m/s"),
             ],
             six: Vec::with_capacity(width),
+            colours: std::array::from_fn(|k| {
+                Colour::new(setting.noise.correlation_s.get(k).copied().unwrap_or(0.0))
+            }),
             rates: Vec::new(),
             points: PointCompare::new(setting.parameters, segment, x),
         }
@@ -444,6 +453,9 @@ impl<'a> Compare<'a> {
                 self.six.push(L.solve_lower_triangular(&d).unwrap_or(d));
             }
             self.six.push(white);
+        }
+        let white = self.coloured(k, white, [residual_v.is_some(), residual_w.is_some()]);
+        if self.qr.is_some() {
             let loss = self.setting.loss;
             let weights =
                 [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
@@ -460,6 +472,30 @@ impl<'a> Compare<'a> {
         }
     }
 
+    /// Takes off what the readings before say of coloured noise, in the rows of velocity and rate.
+    fn coloured(&mut self, k: usize, mut white: Vector6, present: [bool; 2]) -> Vector6 {
+        let t = self.segment.observations.time_s[k];
+        for (channel, at, present) in [(VELOCITY, 0, present[0]), (GYRO, 3, present[1])] {
+            if !present {
+                continue;
+            }
+            let only = [white];
+            let rows = if self.qr.is_some() { &self.six[..] } else { &only[..] };
+            let mut block: Vec<Vector3> = rows.iter().map(|r| r.fixed_rows::<3>(at).into()).collect();
+            let log_det = self.colours[channel].take(t, &mut block);
+            self.channels[channel].log_det += 3.0 * log_det;
+            if self.qr.is_some() {
+                for (row, new) in self.six.iter_mut().zip(&block) {
+                    row.fixed_rows_mut::<3>(at).copy_from(new);
+                }
+            }
+            if let Some(residual) = block.last() {
+                white.fixed_rows_mut::<3>(at).copy_from(residual);
+            }
+        }
+        white
+    }
+
     fn pose_rows(&mut self, motion: &Motion, state: &State, k: usize) {
         let o = &self.segment.observations;
         let noise = self.setting.noise;
@@ -469,7 +505,7 @@ impl<'a> Compare<'a> {
             let columns = &motion.columns;
             let kinds = &self.setting.parameters.unknowns;
             let head = self.head;
-            self.three(ATTITUDE, &noise.attitude, &residual, |j| {
+            self.three((ATTITUDE, o.time_s[k]), &noise.attitude, &residual, |j| {
                 let own: Vector3 = columns[j].fixed_rows::<3>(0).into();
                 match j.checked_sub(head).map(|u| &kinds[u].kind) {
                     Some(UnknownKind::AttitudeLag) => own - late,
@@ -482,7 +518,7 @@ impl<'a> Compare<'a> {
             let arm = o.position_arm_B;
             let residual = measured - state.p_NoBo_N - R * arm;
             let columns = &motion.columns;
-            self.three(POSITION, &noise.position, &residual, |j| {
+            self.three((POSITION, o.time_s[k]), &noise.position, &residual, |j| {
                 let dphi: Vector3 = columns[j].fixed_rows::<3>(0).into();
                 columns[j].fixed_rows::<3>(3) + R * dphi.cross(&arm)
             });
@@ -492,7 +528,7 @@ impl<'a> Compare<'a> {
     /// Three rows with a covariance of their own; a sensor taken as exact is left out.
     fn three(
         &mut self,
-        channel: usize,
+        (channel, t): (usize, f64),
         covariance: &Matrix3,
         residual: &Vector3,
         column: impl Fn(usize) -> Vector3,
@@ -501,16 +537,22 @@ impl<'a> Compare<'a> {
             return;
         };
         let white = L.solve_lower_triangular(residual).unwrap_or(*residual);
-        let columns = self.head + self.setting.parameters.len();
+        let columns = match self.qr.is_some() {
+            true => self.head + self.setting.parameters.len(),
+            false => 0,
+        };
+        let mut block: Vec<Vector3> = (0..columns)
+            .map(|j| {
+                let d = column(j);
+                L.solve_lower_triangular(&d).unwrap_or(d)
+            })
+            .chain([white])
+            .collect();
+        self.channels[channel].log_det += 3.0 * self.colours[channel].take(t, &mut block);
+        let white = block.last().copied().unwrap_or(white);
         if let Some(qr) = &mut self.qr {
-            let block: Vec<Vector3> = (0..columns)
-                .map(|j| {
-                    let d = column(j);
-                    L.solve_lower_triangular(&d).unwrap_or(d)
-                })
-                .collect();
             let weight = self.setting.loss.weight(white.norm_squared()).sqrt();
-            qr.push(3, |i, j| weight * block.get(j).map_or(white[i], |d| d[i]));
+            qr.push(3, |i, j| weight * block[j][i]);
         }
         self.note(channel, residual, white);
     }

@@ -178,7 +178,8 @@ impl Compare<'_> {
         let errors = self.points.all[i].errors;
         let residual = reading.value - errors.reading(&force.value, &rate);
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-        self.three(ACCELEROMETER, &covariance, &residual, |j| {
+        let t = self.segment.observations.time_s[k];
+        self.three((ACCELEROMETER, t), &covariance, &residual, |j| {
             let fault = j.checked_sub(head).and_then(|u| fault_of(&kinds[u].kind, p.sensor));
             let own = force.columns.get(j).copied().unwrap_or_default();
             errors.change(&force.value, &rate, &own, fault)
@@ -203,7 +204,8 @@ impl Compare<'_> {
             .map(|(b, a)| b - a)
             .collect();
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-        self.three(INCREMENT, &covariance, &residual, |j| {
+        // White: its time does not matter.
+        self.three((INCREMENT, 0.0), &covariance, &residual, |j| {
             let fault = j.checked_sub(head).and_then(|u| fault_of(&kinds[u].kind, p.sensor));
             let own = columns.get(j).copied().unwrap_or_default();
             errors.change(&increment, &rate, &own, fault)

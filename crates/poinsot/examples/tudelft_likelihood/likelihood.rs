@@ -17,6 +17,8 @@ pub type Covariance = SMatrix<f64, 6, 6>;
 pub struct Declared {
     /// White noise of the gyro, one sigma an axis, rad/s.
     pub gyro: Vector3<f64>,
+    /// Correlation time of that noise, s; zero where it is white.
+    pub gyro_correlation_s: f64,
     /// Random torque of the air.
     pub torque: RandomTorque,
 }
@@ -29,6 +31,7 @@ pub struct Fitted {
     /// `-2 ln` of the restricted likelihood.
     pub deviance: f64,
     /// Root mean square of the gyro's residual, rad/s.
+    #[allow(dead_code)]
     pub residual: Vector3<f64>,
     /// Mass centre from the accelerometer along the fitted motion, from the sensor, body axes, m.
     pub p_Sc_B: Vector3<f64>,
@@ -41,6 +44,7 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
     for sensor in model.sensors.iter_mut().filter(|s| s.kind == SensorKind::Gyro) {
         let squares = declared.gyro.component_mul(&declared.gyro);
         sensor.noise_covariance = Some(Matrix3::from_diagonal(&squares));
+        sensor.correlation_s = declared.gyro_correlation_s;
     }
     let tables: Vec<_> = throws.iter().map(|t| table(t, 0, t.time_s.len())).collect();
     let tree = Tree::new(&model);
