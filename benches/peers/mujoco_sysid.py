@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """MuJoCo's identification toolbox on a payload at the end of a free-floating arm, and the same readings for Poinsot.
 
-    python3 mujoco_sysid.py FOLDER            write FOLDER/telemetry.csv and torque.csv
-    python3 mujoco_sysid.py FOLDER --fit      and identify with mujoco.sysid, four times
+    python3 mujoco_sysid.py FOLDER            write FOLDER/telemetry.csv
+    python3 mujoco_sysid.py FOLDER --fit      and identify with mujoco.sysid, three times
 
 A base of 400 kg, four joints, an unknown payload of 60 kg, all else known; 30 s at 50 Hz. The toolbox needs the joint
 torques and the initial state; both are given exactly, then 2 % and 1e-4 rad/s off. Needs mujoco[sysid]==3.8.1: the
@@ -10,6 +10,7 @@ wheels 3.17 and 4.0 raise an error for a full inertia. Prints name,value,unit.
 """
 import logging
 import pathlib
+import resource
 import sys
 import time
 
@@ -115,13 +116,19 @@ def fit(name, times, torque, readings, rate=0.0):
     measured = sysid.TimeSeries.from_names(times + STEP, readings, model)
     sequences = sysid.ModelSequences("payload", spec, "reach", start, control, measured)
     residual = sysid.build_residual_fn(models_sequences=[sequences])
-    began = time.perf_counter()
+    began, busy = time.perf_counter(), processor()
     found, _ = sysid.optimize(
         initial_params=unknown, residual_fn=residual, optimizer="scipy_parallel_fd", verbose=False, x_scale="jac"
     )
     seconds = time.perf_counter() - began
+    print(f"mujoco_sysid_{name}_processor,{processor() - busy:.3f},s")
     answer = properties(found["payload_inertia"].value)
     report(f"mujoco_sysid_{name}", seconds, answer)
+
+
+def processor():
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(u.ru_utime + u.ru_stime for u in used)
 
 
 def report(name, seconds, answer):

@@ -20,6 +20,8 @@ use std::time::Instant;
 
 /// Mass, mass centre, xx yy zz xy xz yz of the payload (`benches/peers/mujoco_sysid.py`).
 const PAYLOAD: [f64; 10] = [60.0, 0.20, 0.05, -0.08, 6.0, 7.0, 8.0, 0.3, -0.2, 0.4];
+/// Fits of which the fastest counts, and over which processor time is averaged.
+const FITS: usize = 10;
 /// Elements of an estimate's tensor in the order of `PAYLOAD`.
 const ORDER: [usize; 6] = [0, 2, 5, 1, 3, 4];
 
@@ -57,10 +59,14 @@ fn payload(telemetry: &Path) -> Result<(), Box<dyn Error>> {
     let tables = [read(&[telemetry], &options)?];
     let mut seconds = f64::INFINITY;
     let mut answer = None;
-    for _ in 0..5 {
+    let before = processor();
+    for _ in 0..FITS {
         let (estimate, once) = estimate(&model, &tables)?;
         seconds = seconds.min(once);
         answer = Some(estimate);
+    }
+    if let (Some(before), Some(after)) = (before, processor()) {
+        println!("poinsot_payload_processor,{:.4},s", (after - before) / FITS as f64);
     }
     let answer = answer.ok_or("no answer")?;
     let body = answer.bodies.last().ok_or("no body")?;
@@ -94,14 +100,28 @@ fn growth(samples: usize) -> Result<(), Box<dyn Error>> {
     let (tables, _) = study.draw(0);
     drop(study.exact);
     let before = memory("VmRSS");
+    let busy = processor();
     let (estimate, seconds) = estimate(&truth, &tables)?;
     println!("poinsot_growth_{samples},{seconds:.4},s");
+    if let (Some(busy), Some(after)) = (busy, processor()) {
+        println!("poinsot_growth_{samples}_processor,{:.2},s", after - busy);
+    }
     println!("poinsot_growth_{samples}_iterations,{},1", estimate.iterations);
     if let (Some(before), Some(most)) = (before, memory("VmHWM")) {
         println!("poinsot_growth_{samples}_telemetry,{before:.1},MiB");
         println!("poinsot_growth_{samples}_peak,{most:.1},MiB");
     }
     Ok(())
+}
+
+/// Processor time of this program so far, all threads, s: `/proc/self/stat` counts hundredths.
+fn processor() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let after_name = stat.rsplit(')').next()?;
+    let mut ticks = after_name.split_whitespace().skip(11);
+    let user: f64 = ticks.next()?.parse().ok()?;
+    let system: f64 = ticks.next()?.parse().ok()?;
+    Some((user + system) / 100.0)
 }
 
 /// A figure of `/proc/self/status`, MiB.

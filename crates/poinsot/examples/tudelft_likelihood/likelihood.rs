@@ -31,7 +31,6 @@ pub struct Fitted {
     /// `-2 ln` of the restricted likelihood.
     pub deviance: f64,
     /// Root mean square of the gyro's residual, rad/s.
-    #[allow(dead_code)]
     pub residual: Vector3<f64>,
     /// Mass centre from the accelerometer along the fitted motion, from the sensor, body axes, m.
     pub p_Sc_B: Vector3<f64>,
@@ -61,7 +60,9 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
     let J = model.wheels[0].spin_inertia;
     let mut I = Matrix3::zeros();
     for ((i, j), number) in TENSOR.iter().zip(&estimate.bodies[0].inertia) {
-        let value = number.value.ok_or("an inertia entry is not identifiable")?;
+        let value = number.value.ok_or_else(|| {
+            format!("{}: {}", estimate.status.name(), estimate.warnings.join("; "))
+        })?;
         I[(*i, *j)] = value;
         I[(*j, *i)] = value;
     }
