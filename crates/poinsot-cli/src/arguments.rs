@@ -18,20 +18,35 @@ pub enum Verb {
     /// Identify the unknown mass properties of a vehicle from its telemetry.
     ///
     /// Exit code 0: every number asked for is determined. 1: answered, but not all of it is (partial, not
-    /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission.
+    /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission. 4: internal error.
     Identify(Identify),
-    /// Simulate a case: prescribed joint motion, wheels, thrusters, sensors with noise.
+    /// Simulate a case: joints led or driven by torques, springs, wheels, thrusters, sensors with noise.
     Simulate(Simulate),
     /// Say how accurate a planned manoeuvre will be, before it is flown (Cramer-Rao bound).
     ///
     /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
     Predict(Predict),
+    /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
+    ///
+    /// With a case: both sides under its torques, wheels and thrust; or its motion beside the telemetry. Without:
+    /// what the vehicle predicts for a record that was held back. Exit code 0: compared, within the limits or the
+    /// declared noise. 1: beyond them, or the motion depends on what the estimate leaves open. 2: bad usage, model,
+    /// case or telemetry. 3: disk or permission.
+    Validate(Validate),
     /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
     Inspect(Inspect),
     /// Check a model file and say what it describes.
     Check(Check),
+    /// Make a model file (poinsot.model/1) of a URDF file.
+    Import(Import),
+    /// Write the answer of `identify` into the file of another program.
+    ///
+    /// Exit code 1: some bodies are not fully determined and were left as they are.
+    Export(Export),
+    /// Say what an error code means, its usual cause and what to do; all codes without one.
+    Explain(Explain),
     /// Print the JSON Schema of the model file.
     Schema,
 }
@@ -47,12 +62,13 @@ pub struct Identify {
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
     /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published methods:
-    /// kim2010, ma2008.
+    /// kim2010, ma2008, xu2017.
     #[arg(long, default_value = "auto")]
     pub method: String,
     /// Variant of a method. Of maximum likelihood: gaussian (default), huber, student_t, the loss of a
     /// reading. Of kim2010: suggested (default), batch, conventional, pre-estimate, iterated. Of ma2008:
-    /// unknown-momentum (default), known-momentum.
+    /// unknown-momentum (default), known-momentum. Of xu2017: swarm (default), linear, swarm-inward,
+    /// linear-inward.
     #[arg(long)]
     pub variant: Option<String>,
     /// File whose `[telemetry]` table replaces that of the model.
@@ -79,6 +95,106 @@ pub struct Identify {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
+    /// What is done about a finding of a telemetry check: held, stuck, saturation, outlier (exclude, report,
+    /// refuse), placeholder (report, exclude, refuse), gap, lag (report, refuse), units (refuse, report).
+    #[arg(long, value_name = "CHECK=POLICY")]
+    pub policy: Vec<String>,
+    /// How telemetry is taken out of its files.
+    #[command(flatten)]
+    pub rows: Rows,
+}
+
+/// Which rows of telemetry are taken, and how their text is read.
+#[derive(Debug, Args)]
+pub struct Rows {
+    /// Take the rows between these times, s.
+    #[arg(long, value_name = "FROM,TO", value_parser = span)]
+    pub time_s: Option<[f64; 2]>,
+    /// Take every n-th row.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub every: usize,
+    /// Most memory for the samples of one file, MiB.
+    #[arg(long, value_name = "MIB", default_value_t = poinsot_telemetry::MEMORY_MIB)]
+    pub memory_mib: usize,
+    /// Encoding of CSV text.
+    #[arg(long, value_enum, default_value_t = TextEncoding::Utf8)]
+    pub encoding: TextEncoding,
+}
+
+/// Encodings of CSV text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum TextEncoding {
+    /// UTF-8.
+    Utf8,
+    /// ISO 8859-1.
+    Latin1,
+}
+
+impl From<TextEncoding> for poinsot_telemetry::Encoding {
+    fn from(encoding: TextEncoding) -> Self {
+        match encoding {
+            TextEncoding::Utf8 => Self::Utf8,
+            TextEncoding::Latin1 => Self::Latin1,
+        }
+    }
+}
+
+fn span(text: &str) -> Result<[f64; 2], String> {
+    let wanted = || "two times in seconds, the first before the second: FROM,TO".to_owned();
+    let (from, to) = text.split_once(',').ok_or_else(wanted)?;
+    let parse = |t: &str| t.trim().parse::<f64>().map_err(|_| wanted());
+    let (from, to) = (parse(from)?, parse(to)?);
+    if from < to {
+        Ok([from, to])
+    } else {
+        Err(wanted())
+    }
+}
+
+/// Arguments of `import`.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// Robot (URDF).
+    #[arg(value_name = "ROBOT.urdf")]
+    pub urdf: PathBuf,
+    /// Model file to write; standard output without.
+    #[arg(long, short = 'o', value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct Export {
+    /// Folder with estimate.json.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Kind of file.
+    #[arg(long, value_enum)]
+    pub to: Format,
+    /// The file that the vehicle came from: bodies are found by the names of its links, and nothing but their
+    /// mass properties changes.
+    #[arg(long, value_name = "ROBOT.urdf")]
+    pub onto: PathBuf,
+    /// File to write; standard output without.
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Files of other programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Robot description of ROS.
+    Urdf,
+}
+
+/// Arguments of `explain`.
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Code, for example E0203.
+    pub code: Option<String>,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `simulate`.
@@ -107,6 +223,47 @@ pub struct Predict {
     pub json: bool,
 }
 
+/// Arguments of `validate`.
+#[derive(Debug, Args)]
+pub struct Validate {
+    /// Case (TOML, poinsot.case/1) that says what drives the vehicle; not needed for held-back telemetry.
+    pub case: Option<PathBuf>,
+    /// Model of the vehicle (TOML, poinsot.model/1); that of the case where it is not given.
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Estimate made with this model (folder of identify --out, or estimate.json): its numbers replace the nominal
+    /// ones. Where it leaves some open, the combinations it determines are enough, and whether they are is tried.
+    #[arg(long, value_name = "DIR")]
+    pub estimate: Option<PathBuf>,
+    /// Another model (.toml), or telemetry of one record (CSV or Parquet, files joined by commas).
+    #[arg(long, value_name = "MODEL.toml|FILE[,FILE]")]
+    pub against: String,
+    /// File whose `[telemetry]` table replaces that of the model.
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: Option<PathBuf>,
+    /// Largest acceptable difference of base position and prismatic joints, m.
+    #[arg(long, value_name = "METRES")]
+    pub within_m: Option<f64>,
+    /// Largest acceptable difference of attitude and revolute joints, rad.
+    #[arg(long, value_name = "RADIANS")]
+    pub within_rad: Option<f64>,
+    /// Folder for validation.json and histories.csv; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// No repairs: what would be repaired is an error.
+    #[arg(long)]
+    pub strict: bool,
+    /// Read the whole rows of a file that ends inside a row.
+    #[arg(long)]
+    pub recover: bool,
+}
+
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct Report {
@@ -129,6 +286,9 @@ pub struct Inspect {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// How telemetry is taken out of its files.
+    #[command(flatten)]
+    pub rows: Rows,
 }
 
 /// Arguments of `check`.

@@ -145,7 +145,10 @@ impl<'c> ControlledVehicle<'c> {
         tolerance: Tolerance,
     ) -> Result<Self, ControlError> {
         if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
-            return Err(MotionError::Gravity.into());
+            return Err(MotionError::Gravity(
+                "gravity under attitude control is not simulated: prescribe the wheels with [[wheel_motion]], or take gravity out of [environment]",
+            )
+            .into());
         }
         let wheels = model.wheels.len();
         check(control, limits, wheels)?;
@@ -397,6 +400,7 @@ impl<'v> Flight<'v> {
                 wheel_speed: wheel_speed.to_vec(),
                 wheel_torque: vec![0.0; wheels],
                 thrust: Vec::new(),
+                p_orbit_N: Vector3::zeros(),
                 kinematics: vehicle.kinematics.clone(),
                 body: Accelerations::new(&vehicle.tree),
             },

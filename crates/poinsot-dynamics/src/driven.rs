@@ -92,7 +92,9 @@ impl<'p> Driven<'p> {
         plan: &'p DrivenPlan,
     ) -> Result<Self, MotionError> {
         if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
-            return Err(MotionError::Gravity);
+            return Err(MotionError::Gravity(
+                "a vehicle driven by torques is simulated in free fall: take gravity out of [environment]",
+            ));
         }
         let nozzles = model
             .thrusters

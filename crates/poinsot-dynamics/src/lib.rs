@@ -11,13 +11,18 @@ mod dop853;
 mod dop853_table;
 mod driven;
 mod driven_stage;
+mod energy;
 mod forward_dynamics;
+mod gravity_gradient;
 mod integrate;
 mod inverse_dynamics;
+mod jacobian;
 mod joint_drive;
 mod joint_motion;
 mod kinematics;
+mod mass_matrix;
 mod momentum;
+mod orbit;
 mod piecewise;
 mod plan;
 mod prescribed;
@@ -39,16 +44,21 @@ pub use attitude_control::{
 pub use dop853::DormandPrince8;
 pub use driven::{Driven, DrivenPlan, Integrator};
 pub use driven_stage::DrivenSample;
+pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
+pub use gravity_gradient::gravity_gradient_torque;
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};
+pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
 pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 pub use joint_motion::{Fourier, JointMotion};
 pub use kinematics::Kinematics;
+pub use mass_matrix::MassMatrix;
 pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
 };
+pub use orbit::orbit_state;
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};

@@ -10,7 +10,7 @@ use crate::stage::Stage;
 use crate::thrust::Nozzle;
 use crate::tree::Tree;
 use crate::wheel_motion::WheelMotion;
-use poinsot_model::Model;
+use poinsot_model::{Model, Orbit};
 use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3};
 
 /// Why a motion could not be computed.
@@ -22,9 +22,9 @@ pub enum MotionError {
     /// The vehicle has no mass.
     #[error("the vehicle has no mass")]
     NoMass,
-    /// Gravity is asked for.
-    #[error("simulation under gravity is not there yet: take [environment] out of the model")]
-    Gravity,
+    /// Gravity is asked for in a way that is not simulated.
+    #[error("{0}")]
+    Gravity(&'static str),
     /// The plan does not fit the vehicle.
     #[error("the plan holds {found} {what}, the model {expected}")]
     Plan {
@@ -74,6 +74,8 @@ pub struct MotionSample {
     pub wheel_torque: Vec<f64>,
     /// Thrust, N; at a switch the value just after it.
     pub thrust: Vec<f64>,
+    /// Position of the reference orbit from the attracting body, in N, m; zero where none is simulated.
+    pub p_orbit_N: Vector3,
     /// Placement and velocity of every body, in base axes.
     pub kinematics: Kinematics,
     /// Inertial accelerations of every body, in base axes: exact to round-off, as they come from the
@@ -90,6 +92,8 @@ pub struct Prescribed<'p> {
     pub(crate) nozzles: Vec<Nozzle>,
     pub(crate) plan: &'p Plan,
     pub(crate) mass: f64,
+    /// Gravitational parameter and orbit of the gravity gradient.
+    pub(crate) orbit: Option<(f64, Orbit)>,
     tolerance: Tolerance,
 }
 
@@ -99,9 +103,7 @@ impl<'p> Prescribed<'p> {
     /// # Errors
     /// The plan does not fit the model, or the model asks for what is not simulated.
     pub fn new(model: &Model, plan: &'p Plan, tolerance: Tolerance) -> Result<Self, MotionError> {
-        if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
-            return Err(MotionError::Gravity);
-        }
+        let orbit = gravity_gradient(model)?;
         let tree = Tree::new(model);
         MotionError::count("joint motions", plan.joints.len(), tree.dof())?;
         MotionError::count("wheel motions", plan.wheels.len(), model.wheels.len())?;
@@ -136,6 +138,7 @@ impl<'p> Prescribed<'p> {
             nozzles,
             plan,
             mass,
+            orbit,
             tolerance,
         })
     }
@@ -178,6 +181,21 @@ impl<'p> Prescribed<'p> {
             sink(stage.sample(t, &y)?);
         }
         Ok(())
+    }
+}
+
+/// What the gravity gradient of a simulation needs; `None` in free fall.
+fn gravity_gradient(model: &Model) -> Result<Option<(f64, Orbit)>, MotionError> {
+    let around = &model.environment;
+    match (around.point_mass_gm, around.gravity_gradient, around.orbit) {
+        (None, _, _) => Ok(None),
+        (Some(gm), true, Some(orbit)) => Ok(Some((gm, orbit))),
+        (Some(_), true, None) => Err(MotionError::Gravity(
+            "the gravity gradient of a simulation needs an orbit: add orbit = { semi_major_axis_m = ... } to [environment]",
+        )),
+        (Some(_), false, _) => Err(MotionError::Gravity(
+            "N falls freely with the vehicle, so gravity alone moves nothing: add gravity_gradient = true, or take gravity out of [environment]",
+        )),
     }
 }
 

@@ -21,9 +21,11 @@
 //! `a h_w - Js a a^T w_rel - Js a a^T w`: the last term moves to the left and lessens the inertia.
 
 use crate::acceleration::Accelerations;
+use crate::gravity_gradient::gravity_gradient_torque;
 use crate::integrate::{Flow, Halt};
 use crate::kinematics::Kinematics;
 use crate::momentum::{Twist, composite, momentum};
+use crate::orbit::orbit_state;
 use crate::plan::{Start, StartVelocity};
 use crate::prescribed::{MotionSample, Prescribed};
 use crate::thrust::{thrust_levels, thrust_wrench};
@@ -60,7 +62,10 @@ pub(crate) struct Stage<'s> {
     /// Motor torque of torque-driven wheels, N m; acceleration of the others, rad/s2.
     wheel_input: Vec<f64>,
     c: Vector3,
+    /// About the mass centre; on the left of the momentum equation.
     inertia: Matrix3,
+    /// The same with all rotors as if locked.
+    locked_inertia: Matrix3,
     sample: MotionSample,
 }
 
@@ -74,6 +79,7 @@ impl<'s> Stage<'s> {
             wheel_input: vec![0.0; wheels],
             c: Vector3::zeros(),
             inertia: Matrix3::zeros(),
+            locked_inertia: Matrix3::zeros(),
             sample: MotionSample {
                 time: 0.0,
                 R_NB: UnitQuaternion::identity(),
@@ -89,6 +95,7 @@ impl<'s> Stage<'s> {
                 wheel_speed: vec![0.0; wheels],
                 wheel_torque: vec![0.0; wheels],
                 thrust: vec![0.0; vehicle.nozzles.len()],
+                p_orbit_N: Vector3::zeros(),
                 kinematics: Kinematics::new(&vehicle.tree),
                 body: Accelerations::new(&vehicle.tree),
             },
@@ -147,6 +154,7 @@ impl<'s> Stage<'s> {
         );
         self.c = whole.p_BoScm_B();
         self.inertia = whole.I_SScm_B();
+        self.locked_inertia = self.inertia;
         let to_base = R_NB.inverse();
         let mut h = to_base * h_SScm_N - (h_c - self.c.cross(&l_c));
         let rotors = vehicle.tree.rotors.iter().zip(&vehicle.spin_inertia);
@@ -164,6 +172,16 @@ impl<'s> Stage<'s> {
         let w = factor.solve(&h);
         let v = (to_base * l_S_N - l_c) / vehicle.mass - w.cross(&self.c);
         Ok(Twist { v, w })
+    }
+
+    /// Gravity-gradient torque about the system's mass centre, in B; the placement is that of `inertia`, from which
+    /// the torque-driven rotors are missing: what spins freely about an axis still hangs in the field.
+    fn gradient_torque(&self, t: f64, R_NB: &UnitQuaternion) -> Vector3 {
+        let Some((gm, orbit)) = &self.vehicle.orbit else {
+            return Vector3::zeros();
+        };
+        let r_B = R_NB.inverse() * orbit_state(*gm, orbit, t).0;
+        gravity_gradient_torque(*gm, &r_B, &self.locked_inertia)
     }
 
     /// The state vector at the first instant.
@@ -231,6 +249,9 @@ impl<'s> Stage<'s> {
         let vehicle = self.vehicle;
         let sample = &mut self.sample;
         sample.time = t;
+        if let Some((gm, orbit)) = &vehicle.orbit {
+            sample.p_orbit_N = orbit_state(*gm, orbit, t).0;
+        }
         sample.R_NB = R_NB;
         sample.p_NoScm_N = vector(y, POSITION);
         sample.p_NoBo_N = sample.p_NoScm_N - R_NB * self.c;
@@ -248,6 +269,7 @@ impl<'s> Stage<'s> {
     /// Base acceleration from `F = l'`, `T = h'`, both split into what the base adds and the rest; then
     /// wheel speeds and torques.
     fn set_accelerations(&mut self, t: f64) -> Result<(), Halt> {
+        let gradient_B = self.gradient_torque(t, &self.sample.R_NB);
         let (vehicle, sample) = (self.vehicle, &mut self.sample);
         let (tree, kinematics) = (&vehicle.tree, &sample.kinematics);
         let body = &mut sample.body;
@@ -269,7 +291,8 @@ impl<'s> Stage<'s> {
             };
             h_rate += a * axial + w.cross(&a) * (js * sample.wheel_speed[i]);
         }
-        let (force, torque) = thrust_wrench(&vehicle.nozzles, kinematics, &sample.thrust);
+        let (force, mut torque) = thrust_wrench(&vehicle.nozzles, kinematics, &sample.thrust);
+        torque += gradient_B;
         let (f, n) = (force - l_rate, torque - h_rate);
         let factor = self.inertia.cholesky().ok_or(Halt::Singular { time: t })?;
         let alpha = factor.solve(&(n - self.c.cross(&f)));
@@ -302,10 +325,11 @@ impl Flow for Stage<'_> {
             &self.sample.kinematics,
             &self.sample.thrust,
         );
+        let gradient_B = self.gradient_torque(t, &R_NB);
         let blocks = [
             l / self.vehicle.mass,
             R_NB * force,
-            R_NB * (torque - self.c.cross(&force)),
+            R_NB * (torque + gradient_B - self.c.cross(&force)),
         ];
         for (out, block) in dy[POSITION..WHEELS].chunks_exact_mut(3).zip(&blocks) {
             out.copy_from_slice(block.as_slice());

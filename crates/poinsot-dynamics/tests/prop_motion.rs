@@ -4,7 +4,7 @@
 mod setup;
 
 use poinsot_dynamics::*;
-use poinsot_model::{Model, Nuisance, Thruster};
+use poinsot_model::{Environment, Model, Nuisance, Thruster};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_testkit::momentum_sum::*;
 use poinsot_testkit::trees::load_trees;
@@ -266,8 +266,10 @@ fn unit_questions_that_cannot_be_asked_are_errors() {
     assert_eq!(run(&b, &[0.0, -1.0]), Err(MotionError::Times(1)));
     assert_eq!(run(&b, &[f64::NAN]), Err(MotionError::Times(0)));
     b.model.environment.gravity_gradient = true;
-    assert_eq!(run(&b, &[0.0]), Err(MotionError::Gravity));
-    b.model.environment.gravity_gradient = false;
+    b.model.environment.point_mass_gm = Some(3.986004418e14);
+    // An orbit is missing.
+    assert!(matches!(run(&b, &[0.0]), Err(MotionError::Gravity(_))));
+    b.model.environment = Environment::default();
     b.plan.joints.pop();
     assert!(matches!(run(&b, &[0.0]), Err(MotionError::Plan { .. })));
     let mut b = busy(choices()[0], Vec::new());

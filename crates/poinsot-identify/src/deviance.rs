@@ -35,18 +35,29 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
         .collect();
     for row in &calibration.rows {
         // The last entry is the stretch that the row is about.
-        let last = own.iter().rev().map(|k| row.gradient[*k]).find(|g| *g != 0.0);
+        let last = own
+            .iter()
+            .rev()
+            .map(|k| row.gradient[*k])
+            .find(|g| *g != 0.0);
         sum -= 2.0 * last.map_or(0.0, f64::ln);
     }
     for (one, unknown) in fitted.evaluated.iter().zip(&experiment.unknown) {
         if let Some(t) = &one.triangle {
-            sum += (0..unknown.count()).map(|i| log_square(t.r[(i, i)])).sum::<f64>();
+            sum += (0..unknown.count())
+                .map(|i| log_square(t.r[(i, i)]))
+                .sum::<f64>();
         }
     }
     let shared = &fitted.shared;
-    sum += (0..shared.nuisances).map(|i| log_square(shared.r[(i, i)])).sum::<f64>();
+    sum += (0..shared.nuisances)
+        .map(|i| log_square(shared.r[(i, i)]))
+        .sum::<f64>();
     let spectrum = &fitted.spectrum;
-    sum += spectrum.singular[..spectrum.rank].iter().map(|s| log_square(*s)).sum::<f64>();
+    sum += spectrum.singular[..spectrum.rank]
+        .iter()
+        .map(|s| log_square(*s))
+        .sum::<f64>();
     sum
 }
 

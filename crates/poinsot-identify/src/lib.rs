@@ -10,15 +10,18 @@ mod answer_momentum;
 mod block_qr;
 mod bound;
 mod combination;
+mod completion;
 mod deviance;
 mod diagnosis;
 mod double_double;
 mod estimate;
 mod fit;
+mod held_back;
 mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
 mod linear;
@@ -44,14 +47,17 @@ mod words;
 pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
+pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
 pub use diagnosis::{
-    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
+    Suspect,
 };
 pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use held_back::{HeldBack, held_back};
 pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
@@ -66,5 +72,5 @@ pub use prediction::{
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
 pub use spectrum::{NotFinite, Spectrum};

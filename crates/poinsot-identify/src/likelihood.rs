@@ -3,19 +3,19 @@
 mod colour;
 mod point_rows;
 
-use colour::Colour;
 use crate::block_qr::{BlockQr, Triangle};
 use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Noise, Segment};
-use crate::vehicle::Vehicle;
+use crate::vehicle::{Vehicle, parabola_slope, tilted};
+use colour::Colour;
 use nalgebra::{Cholesky, Matrix6};
-use point_rows::PointCompare;
-pub(crate) use point_rows::perfect;
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
+use point_rows::PointCompare;
+pub(crate) use point_rows::perfect;
 
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,8 +128,9 @@ pub(crate) fn evaluate(
     unknown: HeadColumns,
     with_sensitivities: bool,
 ) -> Option<Evaluated> {
+    let tree = tilted(setting.tree, setting.parameters, x);
     let mut vehicle = Vehicle::new(
-        setting.tree,
+        &tree,
         setting.thrusters,
         setting.parameters,
         setting.nominal_spin,
@@ -147,9 +148,7 @@ pub(crate) fn evaluate(
     };
     let mut motion = Motion::new(&vehicle, segment, columns, unknown.count(), index);
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
-    if has_lag(setting.parameters) {
-        compare.rates = predicted_rates(&vehicle, segment, &state)?;
-    }
+    compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
     compare.points.predict(&vehicle, segment, &state)?;
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
@@ -161,24 +160,49 @@ pub(crate) fn evaluate(
     compare.finish()
 }
 
-fn has_lag(parameters: &Parameters) -> bool {
-    let late = |k: &UnknownKind| matches!(k, UnknownKind::GyroLag | UnknownKind::AttitudeLag);
-    parameters.unknowns.iter().any(|u| late(&u.kind))
+/// Motion that a perfect sensor would read at all grid times: a lag needs what comes before and after.
+#[derive(Default)]
+struct Ideal {
+    rate: Vec<Vector3>,
+    /// Velocity of the velocity sensor, in N.
+    velocity: Vec<Vector3>,
+    /// Position of the position sensor, in N.
+    position: Vec<Vector3>,
 }
 
-/// Predicted rates at all grid times: a lag needs what comes before and after.
-fn predicted_rates(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Vec<Vector3>> {
-    let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, 0);
-    let samples = segment.observations.time_s.len();
-    let mut state = *start;
-    let mut rates = Vec::with_capacity(samples);
-    for k in 0..samples {
-        rates.push(motion.velocity(&state, k)?.0.twist.w);
-        if k + 1 < samples {
-            state = motion.advance(&state, k)?;
+impl Ideal {
+    /// Empty where no lag is unknown; `None` where the vehicle cannot move.
+    fn new(vehicle: &Vehicle, segment: &Segment, start: &State, index: usize) -> Option<Self> {
+        let late = |k: &UnknownKind| {
+            matches!(
+                k,
+                UnknownKind::GyroLag
+                    | UnknownKind::AttitudeLag
+                    | UnknownKind::VelocityLag
+                    | UnknownKind::PositionLag
+            )
+        };
+        let mut ideal = Self::default();
+        if !vehicle.kinds.iter().any(late) {
+            return Some(ideal);
         }
+        let o = &segment.observations;
+        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, index);
+        let samples = o.time_s.len();
+        let mut state = *start;
+        for k in 0..samples {
+            let twist = motion.velocity(&state, k)?.0.twist;
+            ideal.rate.push(twist.w);
+            let moving = twist.v + twist.w.cross(&o.velocity_arm_B);
+            ideal.velocity.push(state.R_NB * moving);
+            let place = state.p_NoBo_N + state.R_NB * o.position_arm_B;
+            ideal.position.push(place);
+            if k + 1 < samples {
+                state = motion.advance(&state, k)?;
+            }
+        }
+        Some(ideal)
     }
-    Some(rates)
 }
 
 /// State at the first grid time and its change with every unknown.
@@ -220,8 +244,9 @@ struct Compare<'a> {
     six: Vec<Vector6>,
     /// Colour of gyro, attitude, velocity and position; the noise of all others is white.
     colours: [Colour; 6],
-    /// Predicted rates at the grid times, where a lag is unknown; empty otherwise.
-    rates: Vec<Vector3>,
+    /// How late velocity and position read, s.
+    translation_lag: [f64; 2],
+    ideal: Ideal,
     points: PointCompare,
 }
 
@@ -284,6 +309,23 @@ impl GyroErrors {
     }
 }
 
+/// How late velocity and position read, s.
+pub(crate) fn translation_lag(parameters: &Parameters, x: &[f64]) -> [f64; 2] {
+    let of = |kind: UnknownKind| {
+        let mut pairs = parameters.unknowns.iter().zip(x);
+        pairs.find(|(u, _)| u.kind == kind).map_or(0.0, |(_, x)| *x)
+    };
+    [of(UnknownKind::VelocityLag), of(UnknownKind::PositionLag)]
+}
+
+/// Slope over time of a series at grid time k; zero where there is none.
+fn slope(t: &[f64], series: &[Vector3], k: usize) -> Vector3 {
+    if series.len() < 2 || series.len() != t.len() {
+        return Vector3::zeros();
+    }
+    Vector3::from_fn(|axis, _| parabola_slope(t, |i| series[i][axis], k))
+}
+
 fn axis(k: usize) -> Vector3 {
     let mut e = Vector3::zeros();
     e[k] = 1.0;
@@ -332,23 +374,15 @@ impl<'a> Compare<'a> {
             colours: std::array::from_fn(|k| {
                 Colour::new(setting.noise.correlation_s.get(k).copied().unwrap_or(0.0))
             }),
-            rates: Vec::new(),
+            translation_lag: translation_lag(setting.parameters, x),
+            ideal: Ideal::default(),
             points: PointCompare::new(setting.parameters, segment, x),
         }
     }
 
     /// Angular acceleration at grid time k from the predicted rates on both sides, rad/s2.
     fn acceleration(&self, k: usize) -> Vector3 {
-        if self.rates.is_empty() {
-            return Vector3::zeros();
-        }
-        let t = &self.segment.observations.time_s;
-        let (a, b) = (k.saturating_sub(1), (k + 1).min(self.rates.len() - 1));
-        if b > a {
-            (self.rates[b] - self.rates[a]) / (t[b] - t[a])
-        } else {
-            Vector3::zeros()
-        }
+        slope(&self.segment.observations.time_s, &self.ideal.rate, k)
     }
 
     fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
@@ -402,7 +436,9 @@ impl<'a> Compare<'a> {
                 C += g * g.transpose() * noise.wheel_speed[wheel];
             }
         }
-        let residual_v = o.velocity[k].map(|v| R.transpose() * v - v_S);
+        let gain_of_v = R.transpose() * slope(&o.time_s, &self.ideal.velocity, k);
+        let residual_v =
+            o.velocity[k].map(|v| R.transpose() * v - v_S + gain_of_v * self.translation_lag[0]);
         let acceleration = self.acceleration(k);
         let expected = self.gyro.reading(&instant.twist.w, &acceleration);
         let residual_w = o.rate[k].map(|w| w - expected);
@@ -444,6 +480,10 @@ impl<'a> Compare<'a> {
                     .gyro
                     .change(&instant.twist.w, &acceleration, &dw, unknown);
                 d.fixed_rows_mut::<3>(3).copy_from(&seen);
+                if unknown == Some(&UnknownKind::VelocityLag) {
+                    let late = d.fixed_rows::<3>(0) - gain_of_v;
+                    d.fixed_rows_mut::<3>(0).copy_from(&late);
+                }
                 if residual_v.is_none() {
                     d.fixed_rows_mut::<3>(0).fill(0.0);
                 }
@@ -480,8 +520,13 @@ impl<'a> Compare<'a> {
                 continue;
             }
             let only = [white];
-            let rows = if self.qr.is_some() { &self.six[..] } else { &only[..] };
-            let mut block: Vec<Vector3> = rows.iter().map(|r| r.fixed_rows::<3>(at).into()).collect();
+            let rows = if self.qr.is_some() {
+                &self.six[..]
+            } else {
+                &only[..]
+            };
+            let mut block: Vec<Vector3> =
+                rows.iter().map(|r| r.fixed_rows::<3>(at).into()).collect();
             let log_det = self.colours[channel].take(t, &mut block);
             self.channels[channel].log_det += 3.0 * log_det;
             if self.qr.is_some() {
@@ -500,7 +545,7 @@ impl<'a> Compare<'a> {
         let o = &self.segment.observations;
         let noise = self.setting.noise;
         if let Some(measured) = o.attitude[k] {
-            let late = self.rates.get(k).copied().unwrap_or_default();
+            let late = self.ideal.rate.get(k).copied().unwrap_or_default();
             let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
             let columns = &motion.columns;
             let kinds = &self.setting.parameters.unknowns;
@@ -516,11 +561,17 @@ impl<'a> Compare<'a> {
         if let Some(measured) = o.position[k] {
             let R = matrix(&state.R_NB);
             let arm = o.position_arm_B;
-            let residual = measured - state.p_NoBo_N - R * arm;
+            let moving = slope(&o.time_s, &self.ideal.position, k);
+            let residual = measured - state.p_NoBo_N - R * arm + moving * self.translation_lag[1];
             let columns = &motion.columns;
+            let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
             self.three((POSITION, o.time_s[k]), &noise.position, &residual, |j| {
                 let dphi: Vector3 = columns[j].fixed_rows::<3>(0).into();
-                columns[j].fixed_rows::<3>(3) + R * dphi.cross(&arm)
+                let own = columns[j].fixed_rows::<3>(3) + R * dphi.cross(&arm);
+                match j.checked_sub(head).map(|u| &kinds[u].kind) {
+                    Some(UnknownKind::PositionLag) => own - moving,
+                    _ => own,
+                }
             });
         }
     }

@@ -42,7 +42,9 @@ pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate
 pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
-        Ok(solved) if solved.parameters.equations == Equations::Rotation && problem.sees_points() => {
+        Ok(solved)
+            if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
+        {
             // The linear method sees rotation alone; an accelerometer sees the mass centre too.
             let parameters = problem.likelihood_parameters()?;
             let lifted = lifted(solved, &parameters);
@@ -199,10 +201,7 @@ pub(crate) fn conclude(
         .collect();
     Solved {
         method: "maximum_likelihood",
-        residual: (
-            chi2(&fitted.evaluated),
-            rows.saturating_sub(numbers),
-        ),
+        residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,
         shared: fitted.shared,
@@ -214,7 +213,10 @@ pub(crate) fn conclude(
         iterations: fitted.iterations,
         settled: fitted.settled,
         warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
-        not_rigid: found.findings.iter().any(|f| f.fault == FaultKind::NotRigid),
+        not_rigid: found
+            .findings
+            .iter()
+            .any(|f| f.fault == FaultKind::NotRigid),
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
@@ -226,12 +228,12 @@ pub(crate) fn conclude(
 
 /// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
 /// directions of the mass properties that are not left open.
-fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
+pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
     let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
     heads + fitted.spectrum.rank + fitted.shared.nuisances
 }
 
-fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
+pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
     let count = 3.0 * channel.white.len().max(1) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {

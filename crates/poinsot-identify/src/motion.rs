@@ -7,13 +7,15 @@
 //! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
 mod acceleration;
+mod inputs;
 mod surroundings;
 
 pub(crate) use acceleration::Point;
 
 use crate::parameters::{Gust, Rest, UnknownKind};
 use crate::segment::{Observations, Segment};
-use crate::vehicle::{Vehicle, thrust_by_interval, wheel_slope};
+use crate::vehicle::{Vehicle, thrust_by_interval};
+use inputs::{InputChange, OutsideChange};
 use nalgebra::{Quaternion, SMatrix, SVector};
 use poinsot_dynamics::{
     Kinematics, Twist, composite, momentum, momentum_regressor, twist_from_momentum,
@@ -40,11 +42,15 @@ struct Drive<'s> {
     wheels: &'s [f64],
     /// Thruster and declared force, N.
     thrust: &'s [(usize, f64)],
+    /// What faults of the readings do to the inputs.
+    changes: &'s [InputChange],
 }
 
 /// Scratch of one propagation.
 pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
+    /// Largest measured rate, rad/s.
+    measured: Option<f64>,
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
@@ -61,6 +67,10 @@ pub(crate) struct Motion<'a> {
     /// Index of the segment, and grid time of the interval in hand.
     segment: usize,
     now: usize,
+    /// Number of sensitivity columns, also while they are borrowed.
+    columns_wanted: usize,
+    /// Position of the reference orbit, in N, m; where a gravity gradient acts.
+    orbit_N: Vector3,
     buffer: Buffers,
 }
 
@@ -69,9 +79,21 @@ struct Buffers {
     q: Vec<f64>,
     rates: Vec<f64>,
     wheels: Vec<f64>,
+    /// Second derivatives of joints and slopes of wheel speeds, where faults need them.
+    accelerations: Vec<f64>,
+    wheel_rates: Vec<f64>,
+    changes: Vec<InputChange>,
     stage: [Vec<Column>; 4],
     at: Vec<Column>,
     twist_columns: Vec<Vector6>,
+}
+
+/// How much faster than ever measured a vehicle may turn for the motion to be followed.
+const FASTER: f64 = 5.0;
+
+/// Largest measured rate, rad/s; `None` without a gyro.
+fn fastest_measured(o: &Observations) -> Option<f64> {
+    o.rate.iter().flatten().map(|w| w.norm()).reduce(f64::max)
 }
 
 /// Velocity at an instant with what is needed of it.
@@ -88,6 +110,8 @@ struct Centre {
     l: Vector3,
     h_cm: Vector3,
     mass: f64,
+    /// Inertia about it, rotors as if locked.
+    I_SScm_B: Matrix3,
 }
 
 /// Derivative of the state.
@@ -116,20 +140,26 @@ impl<'a> Motion<'a> {
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
+            measured: fastest_measured(o),
             observations: o,
             buffer: Buffers {
                 q: vec![0.0; tree.dof()],
                 rates: vec![0.0; tree.dof()],
                 wheels: vec![0.0; tree.rotors.len()],
+                accelerations: Vec::new(),
+                wheel_rates: Vec::new(),
+                changes: Vec::new(),
                 stage: std::array::from_fn(|_| vec![Column::zeros(); columns.len()]),
                 at: columns.clone(),
                 twist_columns: vec![Vector6::zeros(); columns.len()],
             },
-            columns,
             head,
             gusts: gusts(vehicle, index, o.time_s.len()),
             segment: index,
             now: 0,
+            columns_wanted: columns.len(),
+            orbit_N: Vector3::zeros(),
+            columns,
             vehicle,
         }
     }
@@ -145,6 +175,7 @@ impl<'a> Motion<'a> {
             rates: &buffer.rates,
             wheels: &buffer.wheels,
             thrust: &[],
+            changes: &buffer.changes,
         };
         let columns = std::mem::take(&mut self.columns);
         let instant = self.solve(state, &drive, &columns, &mut buffer.twist_columns);
@@ -159,8 +190,16 @@ impl<'a> Motion<'a> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
         let rate = self.fastest(state, k)?;
-        let steps = (h * rate / 0.02).ceil().clamp(1.0, 1.0e4) as usize;
-        let mut now = *state;
+        let steps = (h * rate / 0.02).ceil();
+        // Values of the unknowns that make it spin far faster than measured are not worth following.
+        let most = self
+            .measured
+            .map_or(1.0e4, |w| (50.0 + FASTER * h * w / 0.02).min(1.0e4));
+        if !steps.is_finite() || steps > most {
+            return None;
+        }
+        let steps = steps.max(1.0) as usize;
+        let mut now = self.late_thrust(state, k);
         for i in 0..steps {
             let from = i as f64 / steps as f64;
             let to = (i + 1) as f64 / steps as f64;
@@ -173,17 +212,6 @@ impl<'a> Motion<'a> {
     pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
         let b = &self.buffer;
         (&b.q, &b.rates, &b.wheels)
-    }
-
-    /// Inputs within the interval after grid time k, with the errors of resting joints taken off.
-    fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
-        self.now = k;
-        fill_inputs(self.observations, self.vehicle, k, at, buffer);
-        for (rest, error) in &self.vehicle.rests {
-            if self.rests_now(rest) {
-                buffer.q[rest.joint] -= error;
-            }
-        }
     }
 
     fn rests_now(&self, rest: &Rest) -> bool {
@@ -269,14 +297,16 @@ impl<'a> Motion<'a> {
             rates: &buffer.rates,
             wheels: &buffer.wheels,
             thrust,
+            changes: &buffer.changes,
         };
         let instant = self.solve(state, &drive, &columns, &mut twists);
         let slope = instant.map(|instant| {
             let forces = self.forces(&drive, &instant.centre);
+            let outside = self.outside_changes(state, &drive, &instant.centre, &instant.twist.w);
             self.column_slopes(
                 state,
                 &instant,
-                &forces,
+                (&forces, &outside),
                 &columns,
                 &twists,
                 &mut buffer.stage[stage],
@@ -335,6 +365,7 @@ impl<'a> Motion<'a> {
             l,
             h_cm,
             mass: whole.mass,
+            I_SScm_B: whole.I_SScm_B(),
         };
         if !columns.is_empty() {
             self.kinematics
@@ -346,8 +377,8 @@ impl<'a> Motion<'a> {
                 drive.wheels,
                 &mut self.wheel_columns,
             );
-            self.twist_columns(state, &centre, &inverse_inertia, columns, twists);
-            self.resting_columns(drive, &twist, &centre, &inverse_inertia, twists);
+            self.twist_columns(state, (&centre, drive), &inverse_inertia, columns, twists);
+            self.input_columns(drive, &twist, &centre, &inverse_inertia, twists);
         }
         Some(Instant {
             twist,
@@ -359,7 +390,7 @@ impl<'a> Motion<'a> {
     fn twist_columns(
         &self,
         state: &State,
-        centre: &Centre,
+        (centre, drive): (&Centre, &Drive),
         inverse_inertia: &Matrix6,
         columns: &[Column],
         twists: &mut [Vector6],
@@ -381,6 +412,13 @@ impl<'a> Motion<'a> {
             if let Some(u) = j.checked_sub(self.head) {
                 let own = match &self.vehicle.kinds[u] {
                     UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
+                    UnknownKind::WheelTilt(w, _) => {
+                        let rotor = &self.vehicle.tree.rotors[*w];
+                        let h = self.kinematics.R[rotor.body]
+                            * self.vehicle.tilt_slopes[u]
+                            * (self.vehicle.spin[*w] * drive.wheels[*w]);
+                        Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
+                    }
                     kind if kind.is_nuisance() => continue,
                     UnknownKind::ThrusterScale(_) => continue,
                     _ => {
@@ -396,44 +434,6 @@ impl<'a> Motion<'a> {
                 };
                 *twist -= inverse_inertia * own;
             }
-        }
-    }
-
-    /// What the error of a resting joint does to the twist: the balance `Y pi - [l; h_cm + c x l]` at a joint
-    /// position a little further, momentum held.
-    fn resting_columns(
-        &mut self,
-        drive: &Drive,
-        twist: &Twist,
-        centre: &Centre,
-        inverse_inertia: &Matrix6,
-        twists: &mut [Vector6],
-    ) {
-        let v = self.vehicle;
-        for (u, kind) in v.kinds.iter().enumerate() {
-            let UnknownKind::RestingJoint(rest) = kind else {
-                continue;
-            };
-            if !self.rests_now(rest) {
-                continue;
-            }
-            let step = 1.0e-5;
-            let mut q = drive.q.to_vec();
-            let mut ends = [Vector6::zeros(); 2];
-            for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-                q[rest.joint] = drive.q[rest.joint] + sign * step;
-                self.still.place(v.tree, &q);
-                self.still
-                    .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
-                let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
-                let c = composite(&v.bodies, &self.still).p_BoScm_B();
-                *end = momentum(&v.bodies, &self.still);
-                let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
-                end.fixed_rows_mut::<3>(3).copy_from(&h);
-            }
-            // The true position is the reading less its error.
-            let slope = (ends[0] - ends[1]) / (2.0 * step);
-            twists[self.head + u] += inverse_inertia * slope;
         }
     }
 
@@ -476,7 +476,7 @@ impl<'a> Motion<'a> {
         &self,
         state: &State,
         instant: &Instant,
-        forces: &[Force],
+        (forces, outside): (&[Force], &[OutsideChange]),
         columns: &[Column],
         twists: &[Vector6],
         out: &mut [Column],
@@ -512,6 +512,10 @@ impl<'a> Motion<'a> {
                     dT += force.arm_B.cross(&force.per_scale_B);
                 }
             }
+            for change in outside.iter().filter(|c| Some(c.unknown) == unknown) {
+                dF += change.F_B;
+                dT += change.T_B;
+            }
             let (mut dP, mut dH) = (R * dF, R * dT);
             match kind {
                 Some(UnknownKind::InertialForce(k)) => dP[*k] += 1.0,
@@ -526,6 +530,10 @@ impl<'a> Motion<'a> {
     /// Change of the base twist per unit of each joint rate and wheel speed at the instant given:
     /// `dV/dq' = -H^-1 dc/dq'`. Used to pass their noise on.
     pub fn input_gain(&mut self, instant: &Instant, joint: usize) -> Vector6 {
+        self.rate_gain(&instant.inverse_inertia, joint)
+    }
+
+    fn rate_gain(&mut self, inverse_inertia: &Matrix6, joint: usize) -> Vector6 {
         let v = self.vehicle;
         let zero = Vector3::zeros();
         let mut unit = vec![0.0; v.tree.dof()];
@@ -533,14 +541,18 @@ impl<'a> Motion<'a> {
         self.still.R.clone_from(&self.kinematics.R);
         self.still.p.clone_from(&self.kinematics.p);
         self.still.set_velocities(v.tree, &zero, &zero, &unit);
-        -(instant.inverse_inertia * momentum(&v.bodies, &self.still))
+        -(inverse_inertia * momentum(&v.bodies, &self.still))
     }
 
     /// The same for a wheel: `-H^-1 [0; Js a]`.
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
+        self.speed_gain(&instant.inverse_inertia, wheel)
+    }
+
+    fn speed_gain(&self, inverse_inertia: &Matrix6, wheel: usize) -> Vector6 {
         let rotor = &self.vehicle.tree.rotors[wheel];
         let h = self.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
-        -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
+        -(inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
     }
 }
 
@@ -558,51 +570,6 @@ fn moved(state: &State, slope: &Slope, dt: f64) -> State {
         p_NoBo_N: state.p_NoBo_N + slope.p * dt,
         P: state.P + slope.P * dt,
         h_SScm_N: state.h_SScm_N + slope.h * dt,
-    }
-}
-
-/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
-/// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
-fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
-    let tree = vehicle.tree;
-    let (dof, wheels) = (tree.dof(), tree.rotors.len());
-    if at == 0.0 {
-        buffer
-            .q
-            .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
-        buffer
-            .rates
-            .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
-        buffer
-            .wheels
-            .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
-        return;
-    }
-    let h = o.time_s[k + 1] - o.time_s[k];
-    for j in 0..dof {
-        let (a, b) = (k * dof + j, (k + 1) * dof + j);
-        let (q0, q1) = (o.joint_position[a], o.joint_position[b]);
-        let (d0, d1) = (o.joint_rate[a] * h, o.joint_rate[b] * h);
-        let dq = q1 - q0;
-        let c2 = 3.0 * dq - 2.0 * d0 - d1;
-        let c3 = d0 + d1 - 2.0 * dq;
-        buffer.q[j] = q0 + at * (d0 + at * (c2 + at * c3));
-        buffer.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
-    }
-    for j in 0..wheels {
-        let (a, b) = (
-            o.wheel_speed[k * wheels + j],
-            o.wheel_speed[(k + 1) * wheels + j],
-        );
-        buffer.wheels[j] = a + at * (b - a);
-        if vehicle.wheels_smooth {
-            let (left, right) = (
-                wheel_slope(o, wheels, j, k),
-                wheel_slope(o, wheels, j, k + 1),
-            );
-            let (d0, d1) = (left * h - (b - a), right * h - (b - a));
-            buffer.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
-        }
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::point_sensor::Fault;
 use crate::segment::{Noise, Segment};
 use poinsot_dynamics::{Kinematics, Tree, composite};
-use poinsot_model::{EstimateSet, Model, Nuisance, SensorKind};
+use poinsot_model::{EstimateSet, JointKind, Model, Nuisance, SensorKind};
 use poinsot_spatial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
 };
@@ -60,6 +60,20 @@ pub enum UnknownKind {
     InertialTorque(usize),
     /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
     DragTorque(usize),
+    /// How late the velocity reads, s.
+    VelocityLag,
+    /// How late the position reads, s.
+    PositionLag,
+    /// Constant error of the reading of a joint coordinate, rad or m.
+    JointOffset(usize),
+    /// How late the readings of these joint coordinates are, s.
+    JointLag(Vec<usize>),
+    /// How late the readings of these wheels are, s.
+    WheelLag(Vec<usize>),
+    /// How late these thrusters act, s.
+    ThrusterLag(Vec<usize>),
+    /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
+    WheelTilt(usize, usize),
     /// Component in N of a constant force, N. Only tested for.
     InertialForce(usize),
     /// Component in N of a random torque about the mass centre during a stretch of time, N m.
@@ -104,9 +118,24 @@ impl UnknownKind {
                 | Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
                 | Self::DragTorque(_)
+                | Self::VelocityLag
+                | Self::PositionLag
+                | Self::JointOffset(_)
+                | Self::JointLag(_)
+                | Self::WheelLag(_)
+                | Self::ThrusterLag(_)
+                | Self::WheelTilt(..)
                 | Self::InertialForce(_)
                 | Self::RandomTorque(_)
                 | Self::RestingJoint(_)
+        )
+    }
+
+    /// Whether it changes what joints and wheels do.
+    pub(crate) fn shifts_inputs(&self) -> bool {
+        matches!(
+            self,
+            Self::RestingJoint(_) | Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
         )
     }
 }
@@ -141,6 +170,10 @@ pub struct Parameters {
     pub nominal_properties: Vec<MassProperties>,
     /// Natural unit of mass and length per body, kg and m.
     pub natural: Vec<(f64, f64)>,
+    /// Spin axis and tilt axes of every wheel, in its host.
+    pub wheel_axes: Vec<(Vector3, [Vector3; 2])>,
+    /// Gravitational parameter of the gravity gradient, where one acts, m3/s2.
+    pub gm: Option<f64>,
 }
 
 /// Elements of a tensor in the order of the parameters.
@@ -197,6 +230,8 @@ impl Parameters {
             body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
             estimate: model.bodies.iter().map(|b| b.estimate).collect(),
             nominal_properties: properties,
+            wheel_axes: wheel_axes(model),
+            gm: gradient_gm(model),
         };
         match equations {
             Equations::Momentum => {
@@ -207,11 +242,31 @@ impl Parameters {
             Equations::Rotation => parameters.add_rotation(model, thrusters_fire)?,
         }
         parameters.mass_unknowns = parameters.unknowns.len();
-        parameters.add_nuisances(model);
+        parameters.add_nuisances(model, tree);
         if parameters.unknowns.is_empty() {
             return Err(ParametersError::NothingUnknown);
         }
         Ok(parameters)
+    }
+
+    /// No mass property unknown: the bodies are as given, what remains are the nuisances that the model declares.
+    pub fn without_mass(model: &Model, tree: &Tree, bodies: &[InertialParameters]) -> Self {
+        let properties: Vec<MassProperties> = model.bodies.iter().map(|b| b.nominal).collect();
+        let mut parameters = Self {
+            equations: Equations::Momentum,
+            unknowns: Vec::new(),
+            mass_unknowns: 0,
+            known: bodies.to_vec(),
+            natural: natural_units(tree, &properties, bodies),
+            nominal: bodies.to_vec(),
+            body_names: model.bodies.iter().map(|b| b.name.clone()).collect(),
+            estimate: vec![EstimateSet::default(); model.bodies.len()],
+            nominal_properties: properties,
+            wheel_axes: wheel_axes(model),
+            gm: gradient_gm(model),
+        };
+        parameters.add_nuisances(model, tree);
+        parameters
     }
 
     fn push(
@@ -349,7 +404,7 @@ impl Parameters {
         Ok(())
     }
 
-    fn add_nuisances(&mut self, model: &Model) {
+    fn add_nuisances(&mut self, model: &Model, tree: &Tree) {
         for (k, wheel) in model.wheels.iter().enumerate() {
             if wheel.estimate {
                 let js = wheel.spin_inertia;
@@ -375,6 +430,7 @@ impl Parameters {
             self.add_lag(tracker.lag, UnknownKind::AttitudeLag, &tracker.name);
         }
         self.add_instruments(model);
+        self.add_input_faults(model, tree);
         let around = &model.environment;
         let torque = UnknownKind::DisturbanceTorque;
         self.add_axes(
@@ -382,6 +438,13 @@ impl Parameters {
             torque,
             "environment",
             "torque",
+            "N m",
+        );
+        self.add_axes(
+            around.disturbance_torque_inertial,
+            UnknownKind::InertialTorque,
+            "environment",
+            "torque_inertial",
             "N m",
         );
         self.add_axes(
@@ -476,11 +539,54 @@ impl Parameters {
                 }
             }
             let fault = Fault::Lag;
-            self.add_lag(
-                of.lag,
-                UnknownKind::Instrument { sensor, fault },
-                &of.name,
-            );
+            self.add_lag(of.lag, UnknownKind::Instrument { sensor, fault }, &of.name);
+        }
+    }
+
+    /// Offsets and lags of what drives the vehicle, lags of position and velocity, and tilts of wheels.
+    fn add_input_faults(&mut self, model: &Model, tree: &Tree) {
+        for sensor in &model.sensors {
+            let coordinates: Vec<usize> = (0..tree.dof())
+                .filter(|k| sensor.of.contains(&tree.coordinates[*k]))
+                .collect();
+            let lag = match sensor.kind {
+                SensorKind::JointPosition => {
+                    if sensor.bias != Nuisance::Known {
+                        for &k in &coordinates {
+                            let joint = &model.joints[tree.coordinates[k]];
+                            let unit = match joint.kind {
+                                JointKind::Prismatic => "m",
+                                _ => "rad",
+                            };
+                            let name = format!("{}.offset", joint.name);
+                            self.push(UnknownKind::JointOffset(k), name, unit, 0.0, 1.0);
+                        }
+                    }
+                    UnknownKind::JointLag(coordinates)
+                }
+                SensorKind::WheelSpeed => UnknownKind::WheelLag(sensor.of.clone()),
+                SensorKind::Thrust => UnknownKind::ThrusterLag(sensor.of.clone()),
+                _ => continue,
+            };
+            self.add_lag(sensor.lag, lag, &sensor.name);
+        }
+        for (kind, lag) in [
+            (SensorKind::Velocity, UnknownKind::VelocityLag),
+            (SensorKind::Position, UnknownKind::PositionLag),
+        ] {
+            if let Some(sensor) = model.sensors_of(kind).find(|s| s.body == 0) {
+                self.add_lag(sensor.lag, lag, &sensor.name);
+            }
+        }
+        for (k, wheel) in model.wheels.iter().enumerate() {
+            if wheel.misalignment != Nuisance::Known {
+                for (i, about) in wheel.tilt_axes().iter().enumerate() {
+                    let axis = (0..3).find(|a| about[*a] == 1.0);
+                    let what = axis.map_or_else(|| format!("{}", i + 1), |a| AXES[a].to_owned());
+                    let name = format!("{}.misalignment_{what}", wheel.name);
+                    self.push(UnknownKind::WheelTilt(k, i), name, "rad", 0.0, 1.0);
+                }
+            }
         }
     }
 
@@ -572,6 +678,18 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
             .map(|(k, &element)| (4 + k, shift[element])),
     );
     slope
+}
+
+/// Per wheel the spin axis and the two axes about which it may be tilted, in the host's axes.
+fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {
+    let wheels = model.wheels.iter();
+    wheels.map(|w| (w.axis_B, w.tilt_axes())).collect()
+}
+
+/// Gravitational parameter of the centre, m3/s2, where the gravity gradient is asked for.
+fn gradient_gm(model: &Model) -> Option<f64> {
+    let around = &model.environment;
+    around.point_mass_gm.filter(|_| around.gravity_gradient)
 }
 
 /// Intervals between grid times in stretches of half a correlation time, first and last of each: an even

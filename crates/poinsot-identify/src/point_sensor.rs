@@ -91,7 +91,13 @@ impl InstrumentErrors {
     }
 
     /// Change of the reading with that of a perfect one, `dx`, and with one of its own faults.
-    pub fn change(&self, x: &Vector3, rate: &Vector3, dx: &Vector3, fault: Option<Fault>) -> Vector3 {
+    pub fn change(
+        &self,
+        x: &Vector3,
+        rate: &Vector3,
+        dx: &Vector3,
+        fault: Option<Fault>,
+    ) -> Vector3 {
         let mut change = dx + self.turn * dx;
         match fault {
             Some(Fault::Bias(k)) => change[k] += 1.0,

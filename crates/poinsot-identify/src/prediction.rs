@@ -7,7 +7,7 @@ mod points;
 use crate::answer;
 use crate::estimate::Estimate;
 use crate::information::{Experiment, Point};
-use crate::likelihood::{ChannelResidual, GyroErrors, Head, start};
+use crate::likelihood::{ChannelResidual, GyroErrors, Head, start, translation_lag};
 use crate::linear::{linear, solve_linear};
 use crate::loss::Loss;
 use crate::maximum_likelihood::solve;
@@ -15,10 +15,10 @@ use crate::motion::{Motion, State, small_turn};
 use crate::parameters::Parameters;
 use crate::problem::{Problem, ProblemError};
 use crate::segment::{Firing, Segment};
-use crate::vehicle::Vehicle;
-use points::PointCurves;
+use crate::vehicle::{Vehicle, tilted};
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_spatial::{UnitQuaternion, Vector3};
+use points::PointCurves;
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;
@@ -116,7 +116,7 @@ pub fn linear_predicted(
 }
 
 /// Empty where the vehicle cannot move as the answer says.
-fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
+pub(crate) fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
     let Some(evaluated) = experiment.evaluate(at, false) else {
         return Vec::new();
     };
@@ -151,8 +151,9 @@ fn segment(
     let problem = experiment.problem;
     let segment = &problem.segments[at];
     let setting = experiment.setting();
+    let tree = tilted(problem.tree, experiment.parameters, x);
     let mut vehicle = Vehicle::new(
-        problem.tree,
+        &tree,
         &problem.model.thrusters,
         experiment.parameters,
         &experiment.nominal_spin,
@@ -211,6 +212,9 @@ struct Recorder<'a> {
     motion: Sieve,
     /// Rate at the sample before, for the lag.
     before: Option<(f64, Vector3)>,
+    velocity_before: Option<(f64, Vector3)>,
+    /// How late velocity and position read, s.
+    late: [f64; 2],
     prediction: Prediction,
 }
 
@@ -254,6 +258,8 @@ impl<'a> Recorder<'a> {
             sieves: counts.map(|n| Sieve::new(n, points)),
             motion: Sieve::new(o.time_s.len(), points),
             before: None,
+            velocity_before: None,
+            late: translation_lag(parameters, x),
             prediction,
         }
     }
@@ -275,6 +281,15 @@ impl<'a> Recorder<'a> {
             self.motion_point(vehicle, state, &w, k);
         }
         let R = &state.R_NB;
+        // Acceleration and velocity of the sensor points, for lags.
+        let velocity = R * (v + w.cross(&o.velocity_arm_B));
+        let moving = (
+            match self.velocity_before.replace((t, velocity)) {
+                Some((earlier, was)) if t > earlier => (velocity - was) / (t - earlier),
+                _ => Vector3::zeros(),
+            },
+            R * (v + w.cross(&o.position_arm_B)),
+        );
         let all = &mut self.prediction.channels;
         if let Some(measured) = o.rate[k].filter(|_| self.sieves[GYRO].keeps()) {
             let expected = self.gyro.reading(&w, &acceleration);
@@ -294,7 +309,7 @@ impl<'a> Recorder<'a> {
             all[ATTITUDE].push(t, &own, &expected, &residual);
         }
         if let Some(measured) = o.velocity[k].filter(|_| self.sieves[VELOCITY].keeps()) {
-            let expected = R * (v + w.cross(&o.velocity_arm_B));
+            let expected = R * (v + w.cross(&o.velocity_arm_B)) - moving.0 * self.late[0];
             all[VELOCITY].push(
                 t,
                 &three(&measured),
@@ -303,7 +318,7 @@ impl<'a> Recorder<'a> {
             );
         }
         if let Some(measured) = o.position[k].filter(|_| self.sieves[POSITION].keeps()) {
-            let expected = state.p_NoBo_N + R * o.position_arm_B;
+            let expected = state.p_NoBo_N + R * o.position_arm_B - moving.1 * self.late[1];
             all[POSITION].push(
                 t,
                 &three(&measured),

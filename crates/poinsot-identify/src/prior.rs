@@ -1,7 +1,7 @@
 //! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
 
-use crate::point_sensor::Fault;
 use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::point_sensor::Fault;
 use crate::problem::Problem;
 use crate::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};
@@ -39,6 +39,16 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
     let mut out = PriorRows::default();
     let gyro = problem.model.sensors_of(SensorKind::Gyro).next();
     let tracker = problem.model.sensors_of(SensorKind::Attitude).next();
+    let model = problem.model;
+    let base = |kind| model.sensors_of(kind).find(|s| s.body == 0);
+    let reads = |kind, list: &[usize]| {
+        let first = list.first()?;
+        model.sensors_of(kind).find(|s| s.of.contains(first))
+    };
+    let joint_sensor = |k: usize| {
+        let joint = problem.tree.coordinates.get(k)?;
+        reads(SensorKind::JointPosition, &[*joint])
+    };
     random_torque(problem, parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let around = &problem.model.environment;
@@ -57,6 +67,16 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
                     Fault::Lag => s.lag,
                 })
             }
+            UnknownKind::VelocityLag => base(SensorKind::Velocity).map(|s| s.lag),
+            UnknownKind::PositionLag => base(SensorKind::Position).map(|s| s.lag),
+            UnknownKind::JointOffset(k) => joint_sensor(k).map(|s| s.bias),
+            UnknownKind::JointLag(ref list) => {
+                list.first().and_then(|k| joint_sensor(*k)).map(|s| s.lag)
+            }
+            UnknownKind::WheelLag(ref list) => reads(SensorKind::WheelSpeed, list).map(|s| s.lag),
+            UnknownKind::ThrusterLag(ref list) => reads(SensorKind::Thrust, list).map(|s| s.lag),
+            UnknownKind::WheelTilt(k, _) => Some(problem.model.wheels[k].misalignment),
+            UnknownKind::InertialTorque(_) => Some(around.disturbance_torque_inertial),
             UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
             UnknownKind::DragTorque(_) => Some(around.drag_torque),
             UnknownKind::RestingJoint(rest) => {

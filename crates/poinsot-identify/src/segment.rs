@@ -64,6 +64,9 @@ pub struct Observations {
     pub velocity_arm_B: Vector3,
     /// Place of the position sensor from the base origin, in B, m.
     pub position_arm_B: Vector3,
+    /// Position and velocity of the reference orbit from the attracting body, in N, m and m/s, at every time;
+    /// empty without gravity gradient.
+    pub orbit: Vec<(Vector3, Vector3)>,
     /// Accelerometers and velocity increments.
     pub points: Vec<PointReadings>,
     /// Joint positions, rad or m; one row of `dof` per time.
@@ -72,6 +75,17 @@ pub struct Observations {
     pub joint_rate: Vec<f64>,
     /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
     pub wheel_speed: Vec<f64>,
+}
+
+/// Accelerations at the times of the samples: Xu 2017 alone uses them.
+#[derive(Debug, Clone, Default)]
+pub struct Accelerations {
+    /// Angular acceleration of the base, in B, rad/s2.
+    pub dw_NB_B: Vec<Vector3>,
+    /// Inertial acceleration of the sensor point, in B, m/s2; `None` without an accelerometer.
+    pub a_NS_B: Option<Vec<Vector3>>,
+    /// Sensor point from the base origin, in B, m.
+    pub p_BoS_B: Vector3,
 }
 
 /// One segment: its own initial momentum, the bodies shared with the others.
@@ -85,6 +99,8 @@ pub struct Segment {
     pub observations: Observations,
     /// Thruster firings in order of their start.
     pub firings: Vec<Firing>,
+    /// Accelerations, where they are measured.
+    pub accelerations: Option<Accelerations>,
 }
 
 /// Declared noise of the measurements that enter the rows, one sample each, and the part of it that

@@ -53,6 +53,9 @@ impl Spectrum {
         relative_accuracy: f64,
     ) -> Result<Self, NotFinite> {
         let n = natural.len();
+        if n == 0 {
+            return Ok(Self::empty());
+        }
         let scaled = Mat::from_fn(n, n, |i, j| R[(i, j)] * natural[j]);
         if (0..n).any(|j| (0..n).any(|i| !scaled[(i, j)].is_finite())) {
             return Err(NotFinite);
@@ -98,6 +101,21 @@ impl Spectrum {
             structural_rank,
             bias: vec![0.0; n],
         })
+    }
+
+    /// Of a problem without unknown mass properties.
+    fn empty() -> Self {
+        Self {
+            natural: Vec::new(),
+            singular: Vec::new(),
+            directions: Mat::zeros(0, 0),
+            left: Mat::zeros(0, 0),
+            noise: Vec::new(),
+            rank: 0,
+            structural_rank: 0,
+            certificate: Vec::new(),
+            bias: Vec::new(),
+        }
     }
 
     /// The spectrum of an estimator's own triangle within the directions that `experiment` identifies.

@@ -1,10 +1,11 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
-use crate::parameters::{Gust, Parameters, Rest, UnknownKind};
+use crate::parameters::{Gust, Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
+use std::borrow::Cow;
 
 /// The vehicle at one value of the unknowns.
 pub(crate) struct Vehicle<'a> {
@@ -27,10 +28,24 @@ pub(crate) struct Vehicle<'a> {
     pub wheels_smooth: bool,
     /// Whether each joint's readings are noisy; empty where all are exact.
     pub noisy_joints: Vec<bool>,
+    /// Unknowns that change what joints and wheels do.
+    pub input_faults: Vec<InputFault>,
+    /// Slope of its wheel's axis over each unknown that is a tilt; zero for all others.
+    pub tilt_slopes: Vec<Vector3>,
+    /// Thrusters that act late: the unknown, which thrusters, by how much, s.
+    pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
     /// Random torques.
     pub gusts: Vec<(Gust, f64)>,
-    /// Errors of the readings of joints at rest.
-    pub rests: Vec<(Rest, f64)>,
+    /// Gravitational parameter of the gravity gradient, where one acts.
+    pub gm: Option<f64>,
+}
+
+/// An unknown fault of the readings of joints or wheels.
+pub(crate) struct InputFault {
+    /// Index of the unknown.
+    pub unknown: usize,
+    /// Its value.
+    pub value: f64,
 }
 
 impl<'a> Vehicle<'a> {
@@ -77,15 +92,29 @@ impl<'a> Vehicle<'a> {
                     _ => None,
                 })
                 .collect(),
-            rests: parameters
+            input_faults: parameters
                 .unknowns
                 .iter()
                 .zip(x)
-                .filter_map(|(u, value)| match u.kind {
-                    UnknownKind::RestingJoint(rest) => Some((rest, *value)),
+                .enumerate()
+                .filter(|(_, (u, _))| u.kind.shifts_inputs())
+                .map(|(unknown, (_, value))| InputFault {
+                    unknown,
+                    value: *value,
+                })
+                .collect(),
+            tilt_slopes: tilt_slopes(parameters, x),
+            late_thrusters: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .enumerate()
+                .filter_map(|(unknown, (u, value))| match &u.kind {
+                    UnknownKind::ThrusterLag(list) => Some((unknown, list.clone(), *value)),
                     _ => None,
                 })
                 .collect(),
+            gm: parameters.gm,
         }
     }
 
@@ -115,6 +144,48 @@ impl<'a> Vehicle<'a> {
         }
         change
     }
+}
+
+/// The tree with its wheels' axes tilted as the unknowns say: `a = (a0 + sum t_i e_i x a0)`, made a unit vector.
+pub(crate) fn tilted<'a>(tree: &'a Tree, parameters: &Parameters, x: &[f64]) -> Cow<'a, Tree> {
+    let mut tree = Cow::Borrowed(tree);
+    for (wheel, axis) in tilted_axes(parameters, x) {
+        tree.to_mut().rotors[wheel].axis_B = axis.normalize();
+    }
+    tree
+}
+
+/// Tilted wheels with the sum above before it is made a unit vector.
+fn tilted_axes(parameters: &Parameters, x: &[f64]) -> Vec<(usize, Vector3)> {
+    let mut list: Vec<(usize, Vector3)> = Vec::new();
+    for (unknown, value) in parameters.unknowns.iter().zip(x) {
+        let UnknownKind::WheelTilt(wheel, i) = unknown.kind else {
+            continue;
+        };
+        let (axis, across) = &parameters.wheel_axes[wheel];
+        if list.last().is_none_or(|(last, _)| *last != wheel) {
+            list.push((wheel, *axis));
+        }
+        if let Some((_, sum)) = list.last_mut() {
+            *sum += across[i].cross(axis) * *value;
+        }
+    }
+    list
+}
+
+fn tilt_slopes(parameters: &Parameters, x: &[f64]) -> Vec<Vector3> {
+    let tilted = tilted_axes(parameters, x);
+    let slope = |kind: &UnknownKind| {
+        let UnknownKind::WheelTilt(wheel, i) = kind else {
+            return Vector3::zeros();
+        };
+        let (axis, across) = &parameters.wheel_axes[*wheel];
+        let sum = tilted.iter().find(|(w, _)| w == wheel);
+        let sum = sum.map_or(*axis, |(_, sum)| *sum);
+        let (unit, d) = (sum.normalize(), across[*i].cross(axis));
+        (d - unit * unit.dot(&d)) / sum.norm()
+    };
+    parameters.unknowns.iter().map(|u| slope(&u.kind)).collect()
 }
 
 /// Slope of a wheel's speed at grid time i, rad/s2: that of the parabola through its neighbours, of the

@@ -1,9 +1,9 @@
 //! Joints with unit axes and proper rotations.
 
 use crate::check_rotation::{check_axis, check_rotation};
-use crate::file::{JointFile, JointType};
+use crate::file::{JointFile, JointType, SpringDamperFile};
 use crate::finding::{Findings, Key};
-use crate::vehicle::{Joint, JointKind};
+use crate::vehicle::{Joint, JointKind, SpringDamper};
 use poinsot_spatial::Vector3;
 
 pub(crate) fn check_joints(
@@ -38,6 +38,10 @@ fn check_joint(
     };
     let axis = check_joint_axis(file, kind, &key, findings);
     let locked_at = check_locked_at(file, kind, &key, findings);
+    let spring_damper = file
+        .spring_damper
+        .as_ref()
+        .map(|spring| check_spring_damper(spring, kind, &key.at("spring_damper"), findings));
     Some(Joint {
         name: file.name.clone()?,
         kind,
@@ -47,6 +51,7 @@ fn check_joint(
         R_PC_zero: rotation?,
         axis_C: axis?,
         locked_at,
+        spring_damper,
     })
 }
 
@@ -116,4 +121,71 @@ fn check_locked_at(
         );
     }
     wanted.unwrap_or(0.0)
+}
+
+/// Spring and damper in the units of the joint's type. What is refused reads as zero.
+fn check_spring_damper(
+    file: &SpringDamperFile,
+    kind: JointKind,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> SpringDamper {
+    if kind == JointKind::Fixed {
+        findings.refuse(
+            "E0105",
+            key,
+            "the key does not fit the type of the joint".to_owned(),
+            "remove it: a fixed joint does not move",
+        );
+        return SpringDamper::default();
+    }
+    let turning = [
+        ("stiffness_N_m_per_rad", file.stiffness_N_m_per_rad),
+        ("damping_N_m_s_per_rad", file.damping_N_m_s_per_rad),
+        ("rest_rad", file.rest_rad),
+    ];
+    let sliding = [
+        ("stiffness_N_per_m", file.stiffness_N_per_m),
+        ("damping_N_s_per_m", file.damping_N_s_per_m),
+        ("rest_m", file.rest_m),
+    ];
+    let (own, other, what) = match kind {
+        JointKind::Prismatic => (sliding, turning, "prismatic"),
+        _ => (turning, sliding, "revolute"),
+    };
+    for ((name, value), (wanted, _)) in other.iter().zip(&own) {
+        if value.is_some() {
+            findings.refuse(
+                "E0105",
+                &key.at(name),
+                "the key does not fit the type of the joint".to_owned(),
+                format!("write {wanted} for a {what} joint"),
+            );
+        }
+    }
+    let stiffness = key.at(own[0].0);
+    if own[0].1.is_none() && other[0].1.is_none() && !findings.has_near(&stiffness) {
+        findings.missing(
+            &stiffness,
+            "the key is missing",
+            "add it; 0.0 for a hinge without a spring",
+        );
+    }
+    for (name, value) in &own[..2] {
+        if value.is_some_and(|x| x < 0.0) {
+            findings.refuse(
+                "E0108",
+                &key.at(name),
+                "stiffness and damping must not be negative: they would drive the motion"
+                    .to_owned(),
+                "give zero or a positive number",
+            );
+        }
+    }
+    let [stiffness, damping, rest] = own.map(|(_, value)| value.unwrap_or(0.0));
+    SpringDamper {
+        stiffness,
+        damping,
+        rest,
+    }
 }

@@ -4,12 +4,12 @@ use crate::check_rotation::check_axis;
 use crate::check_tree::unknown_name;
 use crate::file::{
     EnvironmentFile, Gravity, MomentumFile, MomentumVectorFile, MomentumWord, NuisanceFile,
-    NuisanceWord, RandomTorqueFile, ThrusterFile, WheelFile,
+    NuisanceWord, OrbitFile, RandomTorqueFile, ThrusterFile, WheelFile,
 };
 use crate::finding::{Findings, Key};
 use crate::number::short;
 use crate::vehicle::{
-    Body, Environment, Momentum, MomentumKnowledge, Nuisance, RandomTorque, Thruster, Wheel,
+    Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, RandomTorque, Thruster, Wheel,
 };
 use poinsot_spatial::Vector3;
 
@@ -111,6 +111,12 @@ pub(crate) fn check_wheels(
             axis_B: axis,
             spin_inertia: spin,
             estimate: file.estimate.unwrap_or(false),
+            misalignment: check_nuisance(
+                file.misalignment.as_ref(),
+                &key.at("misalignment"),
+                "sigma_rad",
+                findings,
+            ),
         });
     }
     wheels
@@ -183,6 +189,51 @@ pub(crate) fn check_momentum(file: Option<&MomentumFile>) -> Momentum {
     }
 }
 
+/// Elements of the reference orbit; `None` where they were refused.
+fn check_orbit(
+    file: &OrbitFile,
+    gradient: bool,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<Orbit> {
+    if !gradient {
+        findings.refuse(
+            "E0106",
+            key,
+            "an orbit that nothing uses".to_owned(),
+            "add gravity_gradient = true with gravity = \"point_mass\", or remove it",
+        );
+        return None;
+    }
+    let axis_key = key.at("semi_major_axis_m");
+    let semi_major_axis = positive(
+        file.semi_major_axis_m?,
+        &axis_key,
+        "E0108",
+        "the semi-major axis",
+        findings,
+    )?;
+    let eccentricity = file.eccentricity.unwrap_or(0.0);
+    if !(0.0..1.0).contains(&eccentricity) {
+        findings.refuse(
+            "E0108",
+            &key.at("eccentricity"),
+            "the eccentricity must be at least 0 and below 1".to_owned(),
+            "give an ellipse, or the positions as columns orbit_x orbit_y orbit_z",
+        );
+        return None;
+    }
+    Some(Orbit {
+        semi_major_axis,
+        eccentricity,
+        inclination: file.inclination_rad.unwrap_or(0.0),
+        raan: file.raan_rad.unwrap_or(0.0),
+        argument_of_periapsis: file.argument_of_periapsis_rad.unwrap_or(0.0),
+        true_anomaly: file.true_anomaly_rad.unwrap_or(0.0),
+        epoch: file.epoch_s.unwrap_or(0.0),
+    })
+}
+
 pub(crate) fn check_environment(
     file: Option<&EnvironmentFile>,
     findings: &mut Findings<'_, '_>,
@@ -226,9 +277,20 @@ pub(crate) fn check_environment(
             "add gravity = \"point_mass\" and gm_m3_s2, or remove it",
         );
     }
+    let orbit = file
+        .orbit
+        .as_ref()
+        .and_then(|orbit| check_orbit(orbit, gradient, &key.at("orbit"), findings));
     Environment {
         point_mass_gm: if point_mass { gm } else { None },
         gravity_gradient: gradient,
+        orbit,
+        disturbance_torque_inertial: check_nuisance(
+            file.disturbance_torque_inertial.as_ref(),
+            &key.at("disturbance_torque_inertial"),
+            "sigma_N_m",
+            findings,
+        ),
         disturbance_torque: check_nuisance(
             file.disturbance_torque.as_ref(),
             &key.at("disturbance_torque"),

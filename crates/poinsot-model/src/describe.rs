@@ -73,6 +73,8 @@ pub struct JointDescription {
     pub origin_m: [f64; 3],
     /// Unit axis in the child's frame; zero for a fixed joint.
     pub axis: [f64; 3],
+    /// Spring and damper in words; null where the joint has none.
+    pub spring_damper: Option<String>,
 }
 
 /// One wheel.
@@ -146,6 +148,7 @@ pub fn describe(model: &Model) -> Description {
                 child: body_name(j.child),
                 origin_m: j.p_PoCo_P.into(),
                 axis: j.axis_C.into(),
+                spring_damper: j.spring_damper.map(|s| spring_words(&s, j.kind)),
             })
             .collect(),
         wheels: model
@@ -180,6 +183,19 @@ fn joint_word(kind: JointKind) -> &'static str {
         JointKind::Prismatic => "prismatic",
         JointKind::Fixed => "fixed",
     }
+}
+
+fn spring_words(spring: &crate::SpringDamper, kind: JointKind) -> String {
+    let [stiffness, damping, unit] = match kind {
+        JointKind::Prismatic => ["N/m", "N s/m", "m"],
+        _ => ["N m/rad", "N m s/rad", "rad"],
+    };
+    format!(
+        "spring {} {stiffness} about {} {unit}, damper {} {damping}",
+        short(spring.stiffness),
+        short(spring.rest),
+        short(spring.damping)
+    )
 }
 
 fn describe_body(body: &crate::Body) -> BodyDescription {
@@ -352,6 +368,9 @@ fn unknown(model: &Model) -> Vec<String> {
     for thruster in &model.thrusters {
         add(&thruster.name, "scale", thruster.scale);
     }
+    for wheel in &model.wheels {
+        add(&wheel.name, "misalignment", wheel.misalignment);
+    }
     for sensor in &model.sensors {
         add(&sensor.name, "bias", sensor.bias);
         add(&sensor.name, "scale", sensor.scale);
@@ -362,6 +381,11 @@ fn unknown(model: &Model) -> Vec<String> {
         "environment",
         "disturbance torque",
         model.environment.disturbance_torque,
+    );
+    add(
+        "environment",
+        "disturbance torque in inertial axes",
+        model.environment.disturbance_torque_inertial,
     );
     add("environment", "drag torque", model.environment.drag_torque);
     if let Some(random) = &model.environment.random_torque {
@@ -429,7 +453,10 @@ impl Description {
                 } else {
                     format!(", axis ({})", list(&j.axis))
                 };
-                format!("{}: {}, {} -> {}{axis}", j.name, j.kind, j.parent, j.child)
+                let spring = j.spring_damper.as_ref();
+                let spring = spring.map_or_else(String::new, |words| format!(", {words}"));
+                let (name, kind) = (&j.name, j.kind);
+                format!("{name}: {kind}, {} -> {}{axis}{spring}", j.parent, j.child)
             })
             .collect();
         section(f, "Joints", &joints)?;

@@ -1,9 +1,26 @@
 //! The key or name that was probably meant.
 
 /// Units that keys of the format end in, longest first.
-const UNITS: [&str; 15] = [
-    "_kg_m2", "_m3_s2", "_N_m_s", "_rad_s", "_m_s2", "_N_m", "_N_s", "_rad", "_m_s", "_xyzw",
-    "_matrix", "_kg", "_m", "_s", "_N",
+const UNITS: [&str; 19] = [
+    "_N_m_s_per_rad",
+    "_N_m_per_rad",
+    "_N_s_per_m",
+    "_N_per_m",
+    "_kg_m2",
+    "_m3_s2",
+    "_N_m_s",
+    "_rad_s",
+    "_m_s2",
+    "_N_m",
+    "_N_s",
+    "_rad",
+    "_m_s",
+    "_xyzw",
+    "_matrix",
+    "_kg",
+    "_m",
+    "_s",
+    "_N",
 ];
 
 /// Forms rather than units: two ways to write a rotation.

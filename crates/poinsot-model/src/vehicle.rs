@@ -110,6 +110,28 @@ pub struct Joint {
     pub axis_C: Vector3,
     /// Position where telemetry has no column for the joint, rad or m.
     pub locked_at: f64,
+    /// Spring and damper, where the joint has them. Only forward dynamics uses them: identification needs the
+    /// joint's motion and not what causes it.
+    pub spring_damper: Option<SpringDamper>,
+}
+
+/// A linear spring with a viscous damper in a joint: `-stiffness (q - rest) - damping q'` on the child.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SpringDamper {
+    /// Stiffness, N m/rad or N/m.
+    pub stiffness: f64,
+    /// Damping, N m s/rad or N s/m.
+    pub damping: f64,
+    /// Joint position at which the spring pulls nothing, rad or m.
+    pub rest: f64,
+}
+
+impl SpringDamper {
+    /// Torque, N m, or force, N, on the child at a joint position and rate.
+    #[inline]
+    pub fn effort(&self, position: f64, rate: f64) -> f64 {
+        -self.stiffness * (position - self.rest) - self.damping * rate
+    }
 }
 
 /// An axisymmetric rotor on a body, whose inertia contains the rotor as if locked.
@@ -125,6 +147,28 @@ pub struct Wheel {
     pub spin_inertia: f64,
     /// Whether the spin inertia is unknown.
     pub estimate: bool,
+    /// Whether the spin axis is tilted by small unknown angles, rad, about the two directions of
+    /// [`Self::tilt_axes`].
+    pub misalignment: Nuisance,
+}
+
+impl Wheel {
+    /// The two directions across the spin axis about which it may be tilted, in the host's axes: the coordinate
+    /// axis that lies most across it, made square to it, and the one that completes `axis, first, second` to a
+    /// right-handed triad.
+    pub fn tilt_axes(&self) -> [Vector3; 2] {
+        let a = self.axis_B;
+        let across = a
+            .iter()
+            .enumerate()
+            .fold((0, f64::INFINITY), |best, (k, x)| {
+                if x.abs() < best.1 { (k, x.abs()) } else { best }
+            });
+        let mut e = Vector3::zeros();
+        e[across.0] = 1.0;
+        let first = (e - a * a.dot(&e)).normalize();
+        [first, a.cross(&first)]
+    }
 }
 
 /// A thruster on a body.
@@ -278,12 +322,35 @@ pub struct Environment {
     pub point_mass_gm: Option<f64>,
     /// Whether gravity-gradient torque acts.
     pub gravity_gradient: bool,
-    /// Whether a constant disturbance torque is unknown.
+    /// The reference orbit, where the file gives its elements; telemetry may give its positions instead.
+    pub orbit: Option<Orbit>,
+    /// Whether a constant disturbance torque in body axes is unknown.
     pub disturbance_torque: Nuisance,
+    /// Whether a constant disturbance torque in inertial axes is unknown.
+    pub disturbance_torque_inertial: Nuisance,
     /// Random torque about the mass centre, if declared.
     pub random_torque: Option<RandomTorque>,
     /// Whether a drag torque `-c |w| w` is unknown, one coefficient c an axis of the base, kg m2.
     pub drag_torque: Nuisance,
+}
+
+/// A Kepler ellipse about the attracting body, in the inertial axes N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Orbit {
+    /// Semi-major axis, m.
+    pub semi_major_axis: f64,
+    /// Eccentricity, below 1.
+    pub eccentricity: f64,
+    /// Inclination to the xy plane of N, rad.
+    pub inclination: f64,
+    /// Right ascension of the ascending node from x of N, rad.
+    pub raan: f64,
+    /// Argument of periapsis from the node, rad.
+    pub argument_of_periapsis: f64,
+    /// True anomaly at the epoch, rad.
+    pub true_anomaly: f64,
+    /// Epoch in the time of the telemetry, s.
+    pub epoch: f64,
 }
 
 /// A random torque about the mass centre, alike about every axis of N: a Gauss-Markov process.

@@ -29,6 +29,7 @@ pub fn write_model(model: &Model) -> String {
         if wheel.estimate {
             line(&mut out, "estimate", "true".to_owned());
         }
+        nuisance(&mut out, "misalignment", wheel.misalignment, "sigma_rad");
     }
     for thruster in &model.thrusters {
         section(&mut out, "[[thruster]]");
@@ -105,6 +106,23 @@ fn write_joint(out: &mut String, model: &Model, joint: &Joint) {
         line(out, "axis", vector(&joint.axis_C));
         if joint.locked_at != 0.0 {
             line(out, locked_at, number(joint.locked_at));
+        }
+        if let Some(spring) = &joint.spring_damper {
+            let keys = match joint.kind {
+                JointKind::Prismatic => ["stiffness_N_per_m", "damping_N_s_per_m", "rest_m"],
+                _ => ["stiffness_N_m_per_rad", "damping_N_m_s_per_rad", "rest_rad"],
+            };
+            let numbers = [spring.stiffness, spring.damping, spring.rest].map(number);
+            let entries: Vec<String> = keys
+                .iter()
+                .zip(&numbers)
+                .map(|(key, number)| format!("{key} = {number}"))
+                .collect();
+            line(
+                out,
+                "spring_damper",
+                format!("{{ {} }}", entries.join(", ")),
+            );
         }
     }
 }
@@ -184,6 +202,25 @@ fn write_environment(out: &mut String, model: &Model) {
     if environment.gravity_gradient {
         line(out, "gravity_gradient", "true".to_owned());
     }
+    if let Some(orbit) = &environment.orbit {
+        let elements = [
+            ("semi_major_axis_m", orbit.semi_major_axis),
+            ("eccentricity", orbit.eccentricity),
+            ("inclination_rad", orbit.inclination),
+            ("raan_rad", orbit.raan),
+            ("argument_of_periapsis_rad", orbit.argument_of_periapsis),
+            ("true_anomaly_rad", orbit.true_anomaly),
+            ("epoch_s", orbit.epoch),
+        ];
+        let elements = elements.map(|(key, x)| format!("{key} = {}", number(x)));
+        line(out, "orbit", format!("{{ {} }}", elements.join(", ")));
+    }
+    nuisance(
+        out,
+        "disturbance_torque_inertial",
+        environment.disturbance_torque_inertial,
+        "sigma_N_m",
+    );
     nuisance(
         out,
         "disturbance_torque",

@@ -3,8 +3,8 @@
 #![allow(clippy::panic, clippy::unwrap_used, clippy::expect_used)]
 
 use poinsot_model::{
-    EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, describe, model_schema,
-    parse_model, parse_telemetry_map, read_model, read_telemetry_map, write_model,
+    EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, SpringDamper, describe,
+    model_schema, parse_model, parse_telemetry_map, read_model, read_telemetry_map, write_model,
 };
 use proptest::prelude::*;
 use std::fmt::Write;
@@ -67,8 +67,10 @@ fn full() -> String {
     text += &joint("hold", "fixed", "bus", "frame");
     text += &joint("turn", "revolute", "frame", "arm");
     text += "rotation_xyzw = [0.1, 0.2, 0.3, 0.9]\nlocked_at_rad = 0.25\n";
+    text += "spring_damper = { stiffness_N_m_per_rad = 2.5, damping_N_m_s_per_rad = 0.0625, rest_rad = -0.5 }\n";
     text += &joint("slide", "prismatic", "arm", "slider");
     text += "locked_at_m = -0.125\nrotation_matrix = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]\n";
+    text += "spring_damper = { stiffness_N_per_m = 0.0 }\n";
     text += r#"
 [[wheel]]
 name = "w1"
@@ -121,7 +123,9 @@ angular_N_m_s = [0.1, 0.2, 0.3]
 gravity = "point_mass"
 gm_m3_s2 = 3.986004418e14
 gravity_gradient = true
+orbit = { semi_major_axis_m = 7e6, eccentricity = 0.01, inclination_rad = 1.7, raan_rad = 0.3, epoch_s = 12.5 }
 disturbance_torque = { sigma_N_m = 1e-5 }
+disturbance_torque_inertial = "estimate"
 [telemetry]
 where = { log = "LOG00119" }
 [telemetry.columns]
@@ -167,6 +171,12 @@ fn exact_every_key_is_read() {
     );
     assert_eq!(model.joints[1].locked_at, 0.25);
     assert_eq!(model.joints[2].locked_at, -0.125);
+    let spring = model.joints[1].spring_damper.unwrap();
+    let numbers = (spring.stiffness, spring.damping, spring.rest);
+    assert_eq!(numbers, (2.5, 0.0625, -0.5));
+    assert_eq!(spring.effort(0.5, 2.0), -2.625);
+    assert_eq!(model.joints[0].spring_damper, None);
+    assert_eq!(model.joints[2].spring_damper, Some(SpringDamper::default()));
     assert_eq!(model.joints[2].kind, JointKind::Prismatic);
     // A quarter turn about z: the child's x is the parent's y.
     assert_eq!(model.joints[2].R_PC_zero.column(0).y, 1.0);
@@ -204,7 +214,7 @@ fn exact_every_key_is_read() {
         model.notes,
         [
             "line 37: joint[1].rotation_xyzw (joint \"turn\"): the quaternion has length 0.974679; normalised",
-            "line 52: wheel[0].axis (wheel \"w1\"): the axis has length 1.73205; normalised",
+            "line 54: wheel[0].axis (wheel \"w1\"): the axis has length 1.73205; normalised",
         ]
     );
 }
@@ -310,8 +320,11 @@ fn unit_every_quantity_in_the_schema_is_described_with_its_unit() {
                 ("_kg_m2", "kg m2"),
                 ("_m", " m"),
                 ("_N_s", "N s"),
+                ("_N_per_m", "N/m"),
+                ("_N_m_s_per_rad", "N m s/rad"),
             ] {
-                if key.ends_with(suffix) {
+                // A stiffness in N/m is no length.
+                if key.ends_with(suffix) && (suffix.contains("per") || !key.contains("_per_")) {
                     let text = property["description"].as_str().unwrap();
                     assert!(text.contains(unit), "{key}: {text}");
                     checked += 1;

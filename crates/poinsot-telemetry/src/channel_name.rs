@@ -23,6 +23,8 @@ pub enum Quantity {
     VelocityIncrement(usize),
     /// `acc_x..`: specific force, body axes.
     SpecificForce(usize),
+    /// `orbit_x..`: position of the reference orbit from the attracting body, inertial axes.
+    OrbitPosition(usize),
     /// `<name>_rad`: angle of a joint.
     Angle,
     /// `<name>_rad_s`: rate of a joint or speed of a wheel.
@@ -77,7 +79,7 @@ pub fn full_name(sensor: &str, name: &str) -> String {
 type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
 
 /// Prefix of a three-vector's columns, quantity, dimension, axes.
-const VECTORS: [Vector; 7] = [
+const VECTORS: [Vector; 8] = [
     (
         "omega",
         Quantity::AngularVelocity,
@@ -89,6 +91,12 @@ const VECTORS: [Vector; 7] = [
         Quantity::AngularAcceleration,
         Dimension::AngularAcceleration,
         "body",
+    ),
+    (
+        "orbit",
+        Quantity::OrbitPosition,
+        Dimension::Length,
+        "inertial",
     ),
     ("r", Quantity::Position, Dimension::Length, "inertial"),
     ("v", Quantity::Velocity, Dimension::Velocity, "inertial"),

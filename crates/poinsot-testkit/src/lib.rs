@@ -12,6 +12,7 @@ pub mod joint_plans;
 pub mod momentum_sum;
 mod quadrature;
 pub mod rigid_body;
+pub mod tree_dynamics;
 pub mod trees;
 
 /// A column of three numbers.

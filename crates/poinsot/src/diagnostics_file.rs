@@ -108,7 +108,11 @@ impl DiagnosticsFile {
         rows.extend(self.channels.iter().map(|(name, c)| residual(name, c)));
         let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
         let drifts = self.momentum_drift.iter();
-        rows.extend(drifts.filter(|d| d.segment.is_none() || small(d.p)).map(drift_row));
+        rows.extend(
+            drifts
+                .filter(|d| d.segment.is_none() || small(d.p))
+                .map(drift_row),
+        );
         rows.extend(self.lags.iter().map(lag_row));
         rows.extend(self.suspects.iter().take(3).map(|s| {
             let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
@@ -116,8 +120,16 @@ impl DiagnosticsFile {
             [s.name.clone(), result, s.fault.replace('_', " ")]
         }));
         rows.extend(self.lines.iter().map(|l| {
-            let result = format!("{:.3} Hz, {:.0} % of the power", l.frequency_hz, 100.0 * l.share);
-            [format!("line in {}", l.segment), result, "not rigid".to_owned()]
+            let result = format!(
+                "{:.3} Hz, {:.0} % of the power",
+                l.frequency_hz,
+                100.0 * l.share
+            );
+            [
+                format!("line in {}", l.segment),
+                result,
+                "not rigid".to_owned(),
+            ]
         }));
         rows
     }
@@ -128,7 +140,11 @@ impl DiagnosticsFile {
             Some(x) if x < -6.0 => "smaller than declared",
             _ => "as declared",
         };
-        let result = format!("{:.0} for {} expected", self.chi2.unwrap_or(f64::NAN), self.dof);
+        let result = format!(
+            "{:.0} for {} expected",
+            self.chi2.unwrap_or(f64::NAN),
+            self.dof
+        );
         ["chi-square".to_owned(), result, verdict.to_owned()]
     }
 }
@@ -202,9 +218,15 @@ fn residual(name: &str, c: &ChannelFile) -> [String; 3] {
         (false, Some(_)) => "white",
         (false, None) => "",
     };
-    let white = c.whiteness_p.map_or(String::new(), |p| format!(", white p = {p:.2}"));
+    let white = c
+        .whiteness_p
+        .map_or(String::new(), |p| format!(", white p = {p:.2}"));
     let result = format!("{:.2} % outliers{white}", 100.0 * c.outlier_share);
-    [format!("residual of the {name}"), result, verdict.to_owned()]
+    [
+        format!("residual of the {name}"),
+        result,
+        verdict.to_owned(),
+    ]
 }
 
 fn drift_row(d: &DriftFile) -> [String; 3] {
@@ -219,7 +241,11 @@ fn drift_row(d: &DriftFile) -> [String; 3] {
     };
     let both: Vec<String> = [torque, force].into_iter().flatten().collect();
     let p = d.p.unwrap_or(f64::NAN);
-    let verdict = if p < SIGNIFICANT { "drifts" } else { "none seen" };
+    let verdict = if p < SIGNIFICANT {
+        "drifts"
+    } else {
+        "none seen"
+    };
     let result = format!("{}, p = {p:.2}", both.join("; "));
     [name, result, verdict.to_owned()]
 }
@@ -236,7 +262,10 @@ fn strongest(value: &[Option<f64>; 3], sigma: &[Option<f64>; 3], unit: &str) -> 
 
 fn lag_row(l: &LagFile) -> [String; 3] {
     let p = l.p.unwrap_or(f64::NAN);
-    let (lag, sigma) = (significant(1.0e3 * l.lag_s, 2), significant(1.0e3 * l.sigma_s, 2));
+    let (lag, sigma) = (
+        significant(1.0e3 * l.lag_s, 2),
+        significant(1.0e3 * l.sigma_s, 2),
+    );
     let verdict = if p < SIGNIFICANT { "late" } else { "none seen" };
     [
         format!("lag of {} behind {}", l.between[0], l.between[1]),

@@ -61,6 +61,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
                 "nominal": n.number.nominal,
             })).collect::<Vec<_>>(),
         })),
+        "telemetry_checks": identified.findings,
         "repairs": identified.repairs,
         "ignored_columns": identified.ignored,
         "warnings": e.warnings,

@@ -72,6 +72,23 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(section);
     }
     document.push(fit(identified));
+    let found: Vec<String> = identified
+        .findings
+        .iter()
+        .filter(|f| f.count > 0)
+        .map(|f| {
+            format!(
+                "{} ({}): {}: {}",
+                f.check.name(),
+                f.policy.name(),
+                f.channel,
+                f.text
+            )
+        })
+        .collect();
+    if !found.is_empty() {
+        document.push(Section::list("found in the telemetry", found));
+    }
     if let Some(d) = &identified.estimate.diagnostics {
         document.push(crate::diagnostics_file::diagnostics_section(d));
     }

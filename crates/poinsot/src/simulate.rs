@@ -4,22 +4,17 @@ mod record;
 mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
-use poinsot_dynamics::{ControlError, ControlledVehicle, MotionSample, Prescribed, Tree, WheelUse};
-use poinsot_model::{Model, ModelError, Nuisance, SensorKind, read_model};
+use poinsot_dynamics::{
+    ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
+    JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
+};
+use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
+use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, TelemetryError};
 use record::Recorder;
-pub(crate) use record::names;
+pub(crate) use record::{joint_channels, names};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Codes of the errors of a simulation beyond those of case, model and telemetry, for `poinsot explain`.
-pub const SIMULATE_CODES: [(&str, &str); 2] = [
-    (
-        "E0509",
-        "The motion cannot be computed: something moves that has no inertia, or the tolerance cannot be met.",
-    ),
-    ("E0510", "The output folder cannot be made or written."),
-];
 
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +25,17 @@ pub enum SimulateError {
     /// The model file was refused.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A driven joint that nothing resists: the mass matrix is singular.
+    #[error(
+        "E0509 {}: joint \"{joint}\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+        file.display()
+    )]
+    Singular {
+        /// The case file.
+        file: PathBuf,
+        /// Name of the joint.
+        joint: String,
+    },
     /// The motion cannot be computed.
     #[error("E0509 {}: {error}", file.display())]
     Motion {
@@ -57,7 +63,7 @@ impl SimulateError {
         match self {
             Self::Case(e) => e.environment,
             Self::Model(e) => e.environment,
-            Self::Motion { .. } => false,
+            Self::Motion { .. } | Self::Singular { .. } => false,
             Self::Telemetry(e) => e.is_environment(),
             Self::Write { .. } => true,
         }
@@ -123,6 +129,10 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> 
         let _ = std::fs::remove_file(&telemetry);
         return Err(failed(&truth, e));
     }
+    // The renames last only once the folder is on disk.
+    if let Ok(handle) = std::fs::File::open(out) {
+        let _ = handle.sync_all();
+    }
     let channels = &simulation.table.channels;
     Ok(Written {
         telemetry,
@@ -175,17 +185,19 @@ pub struct Exact {
 /// # Errors
 /// As [`simulate_case`].
 pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
-    let mut perfect = model.clone();
-    for sensor in &mut perfect.sensors {
-        sensor.noise_covariance = None;
-        sensor.quantisation = 0.0;
-        sensor.bias = Nuisance::Known;
-    }
+    let perfect = without_errors(model);
     let mut scenario = case.bind(model)?;
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
     let recorded = record(case, &perfect, &scenario, 0)?;
     let mut table = recorded.recorder.table(&scenario);
     keep_measured(model, &mut table);
+    // What torques and springs do is not commanded: only a sensor can tell.
+    for joint in free_joints(model, &scenario) {
+        if !is_read(model, joint) {
+            let own = joint_channels(joint);
+            table.channels.retain(|c| !own.contains(&c.name));
+        }
+    }
     Ok(Exact { table, biases })
 }
 
@@ -198,6 +210,37 @@ pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
         .flat_map(|kind| names(model, kind, &[]))
         .collect();
     table.channels.retain(|c| !blind.contains(&c.name));
+}
+
+/// What perfect sensors read of a vehicle with other mass properties than the model's, at the times of the
+/// scenario, with every other channel of the exact motion.
+pub(crate) fn perfect_table(
+    case: &Case,
+    model: &Model,
+    bodies: &[InertialParameters],
+    mut scenario: Scenario,
+) -> Result<Table, SimulateError> {
+    let perfect = without_errors(model);
+    scenario.sensors_only = false;
+    for sensor in &mut scenario.sensors {
+        (sensor.every, sensor.bias) = (1, None);
+    }
+    let tree = Tree::new(&perfect);
+    let mut recorder = Recorder::new(&perfect, &scenario, &tree, 0, 0);
+    let take = |sample: &MotionSample, motor: &[f64]| recorder.take(sample, motor);
+    run(case, &perfect, Some(bodies), &scenario, take)?;
+    Ok(recorder.table(&scenario))
+}
+
+/// The model with sensors that do not err.
+fn without_errors(model: &Model) -> Model {
+    let mut perfect = model.clone();
+    for sensor in &mut perfect.sensors {
+        sensor.noise_covariance = None;
+        sensor.quantisation = 0.0;
+        sensor.bias = Nuisance::Known;
+    }
+    perfect
 }
 
 /// A run: what was read, the first instant, and how far a controller used the wheels.
@@ -213,36 +256,131 @@ fn record(
     scenario: &Scenario,
     trial: u64,
 ) -> Result<Recorded, SimulateError> {
-    let motion = |error| SimulateError::Motion {
-        file: case.path().to_owned(),
-        error,
-    };
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
-    let take = |sample: &MotionSample| {
+    let mut take = |sample: &MotionSample, motor: &[f64]| {
         if first.is_none() {
             first = Some(sample.clone());
         }
-        recorder.take(sample);
+        recorder.take(sample, motor);
     };
-    let (start, times) = (&scenario.start, &scenario.times);
-    let mut used = Vec::new();
-    match &scenario.control {
-        None => Prescribed::new(model, &scenario.plan, case.tolerance)
-            .and_then(|vehicle| vehicle.run(start, times, take))
-            .map_err(|e| motion(e.into()))?,
-        Some(c) => {
-            used = ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
-                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, take))
-                .map_err(motion)?;
-        }
-    }
+    let used = run(case, model, None, scenario, &mut take)?;
     Ok(Recorded {
         recorder,
         first,
         used,
     })
+}
+
+/// Moves the vehicle through the times of the scenario and hands over every sample with the torques of the
+/// joint motors, where they are known. `bodies` replace the model's mass properties; no controller then.
+pub(crate) fn run(
+    case: &Case,
+    model: &Model,
+    bodies: Option<&[InertialParameters]>,
+    scenario: &Scenario,
+    mut take: impl FnMut(&MotionSample, &[f64]),
+) -> Result<Vec<WheelUse>, SimulateError> {
+    let motion = |error| SimulateError::Motion {
+        file: case.path().to_owned(),
+        error,
+    };
+    let (start, times) = (&scenario.start, &scenario.times);
+    let whole;
+    let driven = match (&scenario.driven, bodies) {
+        (None, Some(_)) => {
+            let joints = scenario.plan.joints.iter();
+            whole = DrivenPlan {
+                joints: joints.cloned().map(JointDrive::Motion).collect(),
+                wheels: scenario.plan.wheels.clone(),
+                firings: scenario.plan.firings.clone(),
+            };
+            Some(&whole)
+        }
+        (driven, _) => driven.as_ref(),
+    };
+    match (&scenario.control, driven) {
+        (None, None) => Prescribed::new(model, &scenario.plan, case.tolerance)
+            .and_then(|vehicle| vehicle.run(start, times, |s| take(s, &[])))
+            .map_err(|e| motion(e.into()))?,
+        (None, Some(plan)) => {
+            let nominal = || model.bodies.iter().map(|b| b.nominal.parameters());
+            let bodies = bodies.map_or_else(|| nominal().collect(), <[_]>::to_vec);
+            free_to_move(model, &bodies, plan, case.path())?;
+            let integrator = Integrator::DormandPrince5(case.tolerance);
+            Driven::with_parameters(model, bodies, plan)
+                .and_then(|vehicle| {
+                    vehicle.run(start, times, integrator, |s| {
+                        take(&s.motion, &s.motor_force)
+                    })
+                })
+                .map_err(|e| motion(e.into()))?;
+        }
+        (Some(c), _) => {
+            return ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
+                .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, |s| take(s, &[])))
+                .map_err(motion);
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Refuses a driven joint that carries nothing which resists it, by name.
+fn free_to_move(
+    model: &Model,
+    parameters: &[InertialParameters],
+    plan: &DrivenPlan,
+    file: &Path,
+) -> Result<(), SimulateError> {
+    let tree = Tree::new(model);
+    let position = |drive: &JointDrive| match drive {
+        JointDrive::Force {
+            initial_position, ..
+        } => *initial_position,
+        JointDrive::Motion(motion) => motion.at(0.0, 0.0).value,
+    };
+    let q: Vec<f64> = plan.joints.iter().map(position).collect();
+    let input = |drive: &JointDrive| match drive {
+        JointDrive::Force { .. } => JointInput::Force(0.0),
+        JointDrive::Motion(_) => JointInput::Acceleration(0.0),
+    };
+    let inputs: Vec<JointInput> = plan.joints.iter().map(input).collect();
+    let mut kinematics = Kinematics::new(&tree);
+    kinematics.place(&tree, &q);
+    let mut dynamics = ForwardDynamics::new(&tree);
+    dynamics.set_bodies(&tree, parameters, &kinematics);
+    let rates = vec![0.0; q.len()];
+    match dynamics.solve(&tree, &kinematics, &rates, &inputs, &mut rates.clone()) {
+        Err(Singular::Joint(k)) => {
+            let joint = tree.coordinates.get(k).and_then(|k| model.joints.get(*k));
+            Err(SimulateError::Singular {
+                file: file.to_owned(),
+                joint: joint.map_or_else(String::new, |j| j.name.clone()),
+            })
+        }
+        // A base without inertia is refused where the motion begins.
+        Ok(()) | Err(Singular::Base) => Ok(()),
+    }
+}
+
+/// Joints of the model that torques or springs move in a case, in its order.
+pub(crate) fn free_joints<'m>(model: &'m Model, scenario: &Scenario) -> Vec<&'m Joint> {
+    let tree = Tree::new(model);
+    let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
+    tree.coordinates
+        .iter()
+        .zip(drives)
+        .filter(|(_, drive)| matches!(drive, JointDrive::Force { .. }))
+        .filter_map(|(k, _)| model.joints.get(*k))
+        .collect()
+}
+
+/// Whether a position sensor of the model reads this joint.
+pub(crate) fn is_read(model: &Model, joint: &Joint) -> bool {
+    let at = model.joint(&joint.name);
+    let mut sensors = model.sensors_of(SensorKind::JointPosition);
+    at.is_some_and(|at| sensors.any(|s| s.of.contains(&at)))
 }
 
 /// How far the controller used each wheel, and whether a limit cut its commands.

@@ -10,7 +10,13 @@ use planted::{Planted, experiment, row};
 #[track_caller]
 fn assert_named(planted: Planted, trials: u64) {
     let row = row(&experiment().unwrap(), planted, trials);
-    assert_eq!(row.named as u64, trials, "{}: {:?}", planted.words(), row.firsts);
+    assert_eq!(
+        row.named as u64,
+        trials,
+        "{}: {:?}",
+        planted.words(),
+        row.firsts
+    );
 }
 
 /// False alarms were none in 1,000 trials.

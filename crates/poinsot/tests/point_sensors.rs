@@ -117,7 +117,10 @@ fn exact_coasting_accelerometer_shows_the_mass_centre() {
     let com = answer.bodies[0].com;
     for (k, n) in com.iter().enumerate() {
         let error = n.value.unwrap() - truth.bodies[0].nominal.p_BoBcm_B[k];
-        println!("com {k}: off by {error:.1e} m, sigma {:.1e}", n.sigma.unwrap());
+        println!(
+            "com {k}: off by {error:.1e} m, sigma {:.1e}",
+            n.sigma.unwrap()
+        );
         assert_eq!(n.source, Source::Data);
         assert!(error.abs() < 1.0e-8);
     }
@@ -128,7 +131,9 @@ fn exact_coasting_accelerometer_shows_the_mass_centre() {
 
     let blind = without(table, &["acc_"]);
     let mut model = nominal;
-    model.sensors.retain(|s| s.kind != SensorKind::Accelerometer);
+    model
+        .sensors
+        .retain(|s| s.kind != SensorKind::Accelerometer);
     let answer = ask(&model, vec![blind], "auto").estimate;
     assert!(answer.bodies[0].com.iter().all(|n| n.value.is_none()));
 }
@@ -157,7 +162,11 @@ fn exact_accelerometer_of_a_link_replaces_position_and_velocity() {
 
 #[test]
 fn exact_velocity_increments_replace_velocity() {
-    let at = (SensorKind::VelocityIncrement, 1, Vector3::new(-0.2, 0.1, 0.3));
+    let at = (
+        SensorKind::VelocityIncrement,
+        1,
+        Vector3::new(-0.2, 0.1, 0.3),
+    );
     let truth = with_point(with_thrusters(known_arm(6)), at, 1.0e-7);
     let flight = Flight {
         rate_hz: 40.0,
@@ -241,5 +250,8 @@ fn unit_an_accelerometer_needs_noise_and_its_bias_needs_columns() {
     let mut read = table;
     add_point(&mut read, &truth, &flight, at);
     let text = refused(&silent, read).to_string();
-    assert!(text.contains("E0302") && text.contains("noise_m_s2"), "{text}");
+    assert!(
+        text.contains("E0302") && text.contains("noise_m_s2"),
+        "{text}"
+    );
 }

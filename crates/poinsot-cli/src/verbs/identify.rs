@@ -3,12 +3,20 @@
 use super::{Outcome, print, print_json};
 use crate::arguments::Identify;
 use poinsot::{
-    IdentifyRequest, estimate_document, estimate_json, identify, segment_files, write_estimate,
-    write_report, write_report_data,
+    IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading, segment_files,
+    write_result,
 };
 
 pub fn run(arguments: &Identify) -> Outcome {
-    let identified = identify(&IdentifyRequest {
+    let rows = &arguments.rows;
+    let reading = Reading {
+        policies: arguments.policy.clone(),
+        encoding: rows.encoding.into(),
+        time_s: rows.time_s,
+        every: rows.every,
+        memory_mib: rows.memory_mib,
+    };
+    let request = IdentifyRequest {
         model: arguments.model.clone(),
         segments: arguments
             .telemetry
@@ -21,19 +29,15 @@ pub fn run(arguments: &Identify) -> Outcome {
         relative_accuracy: arguments.relative_accuracy,
         strict: arguments.strict,
         recover: arguments.recover,
-    })?;
+    };
+    let identified = identify_reading(&request, &reading)?;
     let written = match &arguments.out {
         Some(folder) => {
             let words = std::env::args_os().skip(1);
             let command: Vec<String> = std::iter::once("poinsot".to_owned())
                 .chain(words.map(|a| a.to_string_lossy().into_owned()))
                 .collect();
-            let mut written = vec![write_estimate(folder, &identified)?];
-            write_report_data(folder, &identified, &command)?;
-            if arguments.report {
-                written.push(write_report(folder)?);
-            }
-            written
+            write_result(folder, &identified, &command, arguments.report)?
         }
         None => Vec::new(),
     };

@@ -1,12 +1,18 @@
 //! One file per verb.
 
 pub mod check;
+pub mod explain;
+pub mod export;
 pub mod identify;
+pub mod import;
 pub mod inspect;
 pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod validate;
+
+use std::sync::Mutex;
 
 /// Why a verb failed, ready for the terminal.
 pub struct Failure {
@@ -29,11 +35,29 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
     }
 }
 
-/// Prints to standard output; a closed pipe is not an error.
+/// Why standard output could not be written, if it could not.
+static REFUSED: Mutex<Option<std::io::Error>> = Mutex::new(None);
+
+/// Prints to standard output; a closed pipe is not an error, anything else is one in the end.
 pub fn print(text: &str) {
-    use std::io::Write;
+    use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let plain = crate::guard::plain_lines(text);
+    let done = out.write_all(plain.as_bytes()).and_then(|()| out.flush());
+    if let Err(error) = done
+        && error.kind() != ErrorKind::BrokenPipe
+        && let Ok(mut refused) = REFUSED.lock()
+    {
+        refused.get_or_insert(error);
+    }
+}
+
+/// The exit code, unless standard output was refused.
+pub fn printed(code: u8) -> Outcome {
+    match REFUSED.lock().ok().and_then(|mut refused| refused.take()) {
+        None => Ok(code),
+        Some(source) => Err(Failure::from(poinsot::Error::Output { source })),
+    }
 }
 
 /// Prints a value as JSON.

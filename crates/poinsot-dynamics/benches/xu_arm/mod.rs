@@ -6,7 +6,9 @@
 //! `benches/peers`.
 #![allow(dead_code)]
 
-use poinsot_dynamics::{ForceProfile, JointDrive, Link, Motion, SpringDamper, Tree};
+use poinsot_dynamics::{
+    ForceProfile, JointDrive, Link, Motion, SpringDamper, Start, StartVelocity, Tree,
+};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -159,3 +161,24 @@ pub fn drives() -> Vec<JointDrive> {
     };
     TORQUE.iter().zip(&START).map(joint).collect()
 }
+
+/// How the base starts in a simulation: at the origin, moving slowly.
+pub fn start() -> Start {
+    Start {
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::new(0.01, 0.02, -0.01),
+            w_NB_B: Vector3::new(0.02, -0.03, 0.05),
+        },
+        ..Start::at_rest()
+    }
+}
+
+/// Joint positions after 20 s, rad, by Pinocchio 4.1.0: `aba`, classical Runge-Kutta, steps of 0.1 ms.
+pub const JOINTS_AT_20_S: [f64; 6] = [
+    0.155_469_068_867_869_71,
+    -0.067_590_067_173_427_93,
+    0.818_241_860_832_118_6,
+    -0.372_131_987_627_725_4,
+    -1.142_479_312_176_387_4,
+    1.838_466_308_932_313_7,
+];

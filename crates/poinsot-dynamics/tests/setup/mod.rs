@@ -53,6 +53,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
                 R_PC_zero: body.R_PC_zero,
                 axis_C: body.axis_C,
                 locked_at: 0.0,
+                spring_damper: None,
             });
         }
     }
@@ -63,6 +64,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
             axis_B: wheel.axis_C,
             spin_inertia: wheel.spin_inertia,
             estimate: false,
+            misalignment: Nuisance::Known,
         });
     }
     model

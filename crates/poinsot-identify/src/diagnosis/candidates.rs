@@ -36,7 +36,11 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     list.extend(of_surroundings());
     list.extend(of_actuators(experiment));
     if experiment.sight == Sight::Rotation {
-        list.retain(|c| !c.unknowns.iter().any(|u| matches!(u.kind, UnknownKind::InertialForce(_))));
+        list.retain(|c| {
+            !c.unknowns
+                .iter()
+                .any(|u| matches!(u.kind, UnknownKind::InertialForce(_)))
+        });
     }
     let fitted = &experiment.parameters.unknowns;
     let has = |kind: &UnknownKind| fitted.iter().any(|u| u.kind == *kind);

@@ -21,7 +21,10 @@ pub(super) fn channels(fitted: &Fitted) -> Vec<ChannelDiagnosis> {
             names.push(channel.name);
         }
     }
-    names.into_iter().map(|name| of_kind(name, fitted)).collect()
+    names
+        .into_iter()
+        .map(|name| of_kind(name, fitted))
+        .collect()
 }
 
 fn of_kind(name: &'static str, fitted: &Fitted) -> ChannelDiagnosis {

@@ -49,7 +49,9 @@ fn part(score: &Score, from: usize) -> ([f64; 3], [f64; 3]) {
 /// Places of the unknowns of some kind among all candidates.
 fn indices(candidates: &[Candidate], wanted: impl Fn(&UnknownKind) -> bool) -> Vec<usize> {
     let all = candidates.iter().flat_map(|c| &c.unknowns).enumerate();
-    all.filter(|(_, u)| wanted(&u.kind)).map(|(k, _)| k).collect()
+    all.filter(|(_, u)| wanted(&u.kind))
+        .map(|(k, _)| k)
+        .collect()
 }
 
 /// Lags between every two sensors whose lags were not fitted, and between each and what drives the vehicle.
@@ -61,8 +63,24 @@ pub(super) fn lags(
 ) -> Vec<SensorLag> {
     let model = experiment.problem.model;
     let kinds = [
-        (UnknownKind::GyroLag, "gyro", experiment.problem.segments.iter().any(|s| s.observations.rate.iter().any(Option::is_some))),
-        (UnknownKind::AttitudeLag, "attitude", experiment.problem.segments.iter().any(|s| s.observations.attitude.iter().any(Option::is_some))),
+        (
+            UnknownKind::GyroLag,
+            "gyro",
+            experiment
+                .problem
+                .segments
+                .iter()
+                .any(|s| s.observations.rate.iter().any(Option::is_some)),
+        ),
+        (
+            UnknownKind::AttitudeLag,
+            "attitude",
+            experiment
+                .problem
+                .segments
+                .iter()
+                .any(|s| s.observations.attitude.iter().any(Option::is_some)),
+        ),
     ];
     let mut names: Vec<String> = Vec::new();
     let mut group = Vec::new();
@@ -76,7 +94,14 @@ pub(super) fn lags(
     let driven = [
         (!model.wheels.is_empty(), "wheels"),
         (experiment.problem.tree.dof() > 0, "joints"),
-        (experiment.problem.segments.iter().any(|s| !s.firings.is_empty()), "thrust"),
+        (
+            experiment
+                .problem
+                .segments
+                .iter()
+                .any(|s| !s.firings.is_empty()),
+            "thrust",
+        ),
     ];
     let driven: Vec<&str> = driven.iter().filter(|d| d.0).map(|d| d.1).collect();
     let mut list = Vec::new();
@@ -89,7 +114,12 @@ pub(super) fn lags(
         for j in i + 1..group.len() {
             let between = [names[i].clone(), names[j].clone()];
             let variance = c[i][i] + c[j][j] - 2.0 * c[i][j];
-            list.extend(lag(between, score.values[i] - score.values[j], variance, per_number));
+            list.extend(lag(
+                between,
+                score.values[i] - score.values[j],
+                variance,
+                per_number,
+            ));
         }
     }
     list

@@ -17,7 +17,8 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
     for channel in &d.channels {
         if let Some(text) = outliers(channel) {
             let numbers = 3.0 * channel.readings as f64;
-            let over = (channel.chi2_per_number - channel.typical_chi2_per_number.max(1.0)) * numbers;
+            let over =
+                (channel.chi2_per_number - channel.typical_chi2_per_number.max(1.0)) * numbers;
             list.push((over / excess, finding(FaultKind::Outliers, text)));
         }
     }
@@ -26,7 +27,11 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
             true => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
             false => format!("would lower chi-square by {:.0}", best.decrease),
         };
-        let values: Vec<String> = best.values.iter().map(|(n, v, u)| value(n, *v, u)).collect();
+        let values: Vec<String> = best
+            .values
+            .iter()
+            .map(|(n, v, u)| value(n, *v, u))
+            .collect();
         let text = format!("{} {gain}: {}", best.name, values.join(", "));
         let share = if misfit { best.explains } else { 1.0 };
         list.push((share, finding(best.fault, text)));

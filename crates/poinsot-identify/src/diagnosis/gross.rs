@@ -19,7 +19,10 @@ const RIGHT: f64 = 10.0;
 const MISTAKES: [(f64, &str); 5] = [
     (-1.0, "sign"),
     (0.017_453_292_519_943_295, "degrees read as radians"),
-    (0.104_719_755_119_659_77, "revolutions a minute read as rad/s"),
+    (
+        0.104_719_755_119_659_77,
+        "revolutions a minute read as rad/s",
+    ),
     (6.283_185_307_179_586, "revolutions read as radians"),
     (57.295_779_513_082_32, "radians read as degrees"),
 ];
@@ -47,7 +50,9 @@ pub(super) fn gross(
     // The mistake outside, the wheel inside: large factors make wild motions, which are slow to compute.
     for (factor, what) in MISTAKES {
         for (owner, group) in &groups {
-            let Some(after) = cost(experiment, group, factor) else { continue };
+            let Some(after) = cost(experiment, group, factor) else {
+                continue;
+            };
             let decrease = before - after;
             let better = best.as_ref().is_none_or(|b| decrease > b.decrease);
             if better && decrease > EXPLAINS * excess {
@@ -75,7 +80,10 @@ fn cost(experiment: &Experiment, group: &[usize], factor: f64) -> Option<f64> {
 fn named(owner: &str, factor: f64, what: &str, decrease: f64, excess: f64) -> Suspect {
     let (fault, name) = match what {
         "sign" => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
-        _ => (FaultKind::Units, format!("a wrong unit of {owner} ({what})")),
+        _ => (
+            FaultKind::Units,
+            format!("a wrong unit of {owner} ({what})"),
+        ),
     };
     Suspect {
         name,

@@ -17,7 +17,8 @@ mod types;
 
 pub(crate) use channels::whiteness;
 pub use types::{
-    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine, Suspect,
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
+    Suspect,
 };
 
 use crate::block_qr::{BlockQr, Triangle};
@@ -63,13 +64,15 @@ pub(crate) fn diagnose(
             (excess, per_number, misfit),
         );
         out.lags = drift::lags(experiment, &candidates, &projected, per_number);
-        out.drift.extend(drift::drift(None, &candidates, &projected, per_number));
+        out.drift
+            .extend(drift::drift(None, &candidates, &projected, per_number));
         let segments = experiment.problem.segments;
         if (2..=SEGMENTS).contains(&segments.len()) {
             for (at, segment) in segments.iter().enumerate() {
                 let alone = wide.projected(experiment, fitted, Some(at));
                 let label = Some(segment.label.clone());
-                out.drift.extend(drift::drift(label, &candidates, &alone, per_number));
+                out.drift
+                    .extend(drift::drift(label, &candidates, &alone, per_number));
             }
         }
     }

@@ -58,9 +58,7 @@ impl Projected {
             if j < spectrum.rank {
                 mass.iter()
                     .enumerate()
-                    .map(|(k, at)| {
-                        r[(i, *at)] * spectrum.natural[k] * spectrum.directions[(k, j)]
-                    })
+                    .map(|(k, at)| r[(i, *at)] * spectrum.natural[k] * spectrum.directions[(k, j)])
                     .sum()
             } else if j < clear {
                 r[(i, nuisance[j - spectrum.rank])]
@@ -74,7 +72,11 @@ impl Projected {
         let t = qr.finish().r;
         Self {
             r: Mat::from_fn(own + 1, own + 1, |i, j| {
-                if i <= j && clear + i < t.nrows() { t[(clear + i, clear + j)] } else { 0.0 }
+                if i <= j && clear + i < t.nrows() {
+                    t[(clear + i, clear + j)]
+                } else {
+                    0.0
+                }
             }),
             length,
         }

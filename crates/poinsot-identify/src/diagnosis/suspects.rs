@@ -35,7 +35,8 @@ pub(super) fn suspects(
             list.push((at, suspect(candidate, score.decrease, &values)));
         }
     }
-    let falling = |a: &(usize, Suspect), b: &(usize, Suspect)| b.1.decrease.total_cmp(&a.1.decrease);
+    let falling =
+        |a: &(usize, Suspect), b: &(usize, Suspect)| b.1.decrease.total_cmp(&a.1.decrease);
     list.sort_by(falling);
     if misfit {
         for (at, suspect_) in list.iter_mut().take(FITTED) {
@@ -49,7 +50,11 @@ pub(super) fn suspects(
     }
     list.into_iter()
         .map(|(_, mut s)| {
-            s.explains = if misfit { (s.decrease / excess).clamp(0.0, 1.0) } else { 0.0 };
+            s.explains = if misfit {
+                (s.decrease / excess).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
             name(experiment, &mut s);
             s
         })
@@ -78,7 +83,10 @@ fn in_earnest(
     candidate: &Candidate,
 ) -> Option<(f64, Vec<f64>)> {
     let known = |u: &crate::parameters::Unknown| {
-        matches!(u.kind, UnknownKind::InertialTorque(_) | UnknownKind::InertialForce(_))
+        matches!(
+            u.kind,
+            UnknownKind::InertialTorque(_) | UnknownKind::InertialForce(_)
+        )
     };
     // A drift has columns only: its score is exact enough.
     if candidate.unknowns.iter().any(known) {
@@ -120,8 +128,13 @@ fn name(experiment: &Experiment, suspect: &mut Suspect) {
     let near = |value: f64, wanted: f64| (value / wanted - 1.0).abs() < 0.2;
     match suspect.fault {
         FaultKind::WheelScale => {
-            let Some((owner, value, _)) = suspect.values.first() else { return };
-            let wheel = model.wheels.iter().find(|w| *owner == format!("{}.spin_inertia", w.name));
+            let Some((owner, value, _)) = suspect.values.first() else {
+                return;
+            };
+            let wheel = model
+                .wheels
+                .iter()
+                .find(|w| *owner == format!("{}.spin_inertia", w.name));
             let Some(wheel) = wheel else { return };
             let ratio = value / wheel.spin_inertia;
             if near(ratio, -1.0) {
@@ -135,7 +148,11 @@ fn name(experiment: &Experiment, suspect: &mut Suspect) {
         FaultKind::GyroScale => {
             for (factor, what) in MISTAKEN {
                 // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
-                if suspect.values.iter().all(|(_, s, _)| near(1.0 + s, 1.0 / factor)) {
+                if suspect
+                    .values
+                    .iter()
+                    .all(|(_, s, _)| near(1.0 + s, 1.0 / factor))
+                {
                     suspect.fault = FaultKind::Units;
                     suspect.name = format!("a wrong unit of the gyro ({what})");
                 }

@@ -1,11 +1,13 @@
 //! Rows of the instruments at points of bodies: specific force, and increments of velocity.
 
-use super::{ACCELEROMETER, Compare, INCREMENT};
+use super::{ACCELEROMETER, Compare, INCREMENT, slope};
 use crate::motion::{Instant, Motion, Point, State, matrix};
 use crate::parameters::{Parameters, UnknownKind};
-use crate::point_sensor::{Fault, InstrumentErrors, PointKind, PointReading, PointReadings, fault_of};
+use crate::point_sensor::{
+    Fault, InstrumentErrors, PointKind, PointReading, PointReadings, fault_of,
+};
 use crate::segment::Segment;
-use crate::vehicle::{Vehicle, parabola_slope};
+use crate::vehicle::Vehicle;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// A point's velocity in N at a grid time, with its change per column and what noise in the joint rates and
@@ -180,13 +182,20 @@ impl Compare<'_> {
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
         let t = self.segment.observations.time_s[k];
         self.three((ACCELEROMETER, t), &covariance, &residual, |j| {
-            let fault = j.checked_sub(head).and_then(|u| fault_of(&kinds[u].kind, p.sensor));
+            let fault = j
+                .checked_sub(head)
+                .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
             let own = force.columns.get(j).copied().unwrap_or_default();
             errors.change(&force.value, &rate, &own, fault)
         });
     }
 
-    fn increment_rows(&mut self, now: &Velocity, (i, p): (usize, &PointReadings), reading: &PointReading) {
+    fn increment_rows(
+        &mut self,
+        now: &Velocity,
+        (i, p): (usize, &PointReadings),
+        reading: &PointReading,
+    ) {
         let one = &self.points.all[i];
         let Some(began) = one.began.as_ref().filter(|v| v.at == reading.from) else {
             return;
@@ -206,7 +215,9 @@ impl Compare<'_> {
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
         // White: its time does not matter.
         self.three((INCREMENT, 0.0), &covariance, &residual, |j| {
-            let fault = j.checked_sub(head).and_then(|u| fault_of(&kinds[u].kind, p.sensor));
+            let fault = j
+                .checked_sub(head)
+                .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
             let own = columns.get(j).copied().unwrap_or_default();
             errors.change(&increment, &rate, &own, fault)
         });
@@ -250,12 +261,4 @@ impl Compare<'_> {
         }
         sum
     }
-}
-
-/// Slope over time of a series at grid time k; zero where there is none.
-fn slope(t: &[f64], series: &[Vector3], k: usize) -> Vector3 {
-    if series.len() < 2 || series.len() != t.len() {
-        return Vector3::zeros();
-    }
-    Vector3::from_fn(|axis, _| parabola_slope(t, |i| series[i][axis], k))
 }

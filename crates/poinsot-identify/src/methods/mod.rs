@@ -2,6 +2,7 @@
 
 pub mod kim2010;
 pub mod ma2008;
+pub mod xu2017;
 
 /// A published method and how it is called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +16,7 @@ pub struct Published {
 }
 
 /// Every published method that is there.
-pub const PUBLISHED: [Published; 2] = [
+pub const PUBLISHED: [Published; 3] = [
     Published {
         name: "kim2010",
         variants: &[
@@ -31,6 +32,11 @@ pub const PUBLISHED: [Published; 2] = [
         name: "ma2008",
         variants: &["unknown-momentum", "known-momentum"],
         citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+    },
+    Published {
+        name: "xu2017",
+        variants: &["swarm", "linear", "swarm-inward", "linear-inward"],
+        citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
     },
 ];
 

@@ -11,12 +11,15 @@
 //! with `Y_A` the regressor of the momentum's rate. `b` is quadratic in `w` and free of `v` (N is inertial), so
 //! a central difference with a step of one is its slope to round-off.
 
+use super::inputs::thruster_at;
 use super::{Drive, Instant, Motion, State};
 use crate::parameters::UnknownKind;
 use crate::segment::Observations;
 use crate::vehicle::{parabola_slope, wheel_slope};
 use nalgebra::SMatrix;
-use poinsot_dynamics::{Accelerations, Kinematics, Twist, momentum_rate_column, wheel_rate};
+use poinsot_dynamics::{
+    Accelerations, Kinematics, Twist, composite, momentum_rate_column, wheel_rate,
+};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
 /// A point fixed in a body: index of the body, place from its origin in its axes, m.
@@ -98,7 +101,7 @@ impl Motion<'_> {
                     force.columns.push(R.transpose() * in_B);
                 }
             }
-            self.add_resting(&inputs, instant, (&base, points), &mut forces);
+            self.add_input_changes(&inputs, state, instant, (&base, points), &mut forces);
         }
         forces
     }
@@ -116,7 +119,11 @@ impl Motion<'_> {
 
     /// The velocity of a point in N, in base axes, with its change per column (a turn of the base included:
     /// `R (v)` moves by `R (dphi x v)`).
-    pub fn point_velocity_columns(&mut self, twist: &Twist, point: &Point) -> (Vector3, Vec<Vector3>) {
+    pub fn point_velocity_columns(
+        &mut self,
+        twist: &Twist,
+        point: &Point,
+    ) -> (Vector3, Vec<Vector3>) {
         let (velocity, r) = self.point_velocity(twist, point);
         let mut columns: Vec<Vector3> = self
             .columns
@@ -128,11 +135,14 @@ impl Motion<'_> {
             })
             .collect();
         if !columns.is_empty() {
-            for (u, kind) in self.vehicle.kinds.iter().enumerate() {
-                if let UnknownKind::RestingJoint(rest) = kind
-                    && self.rests_now(rest)
-                {
-                    columns[self.head + u] -= self.point_velocity_slope(twist, point, rest.joint);
+            for change in &self.buffer.changes {
+                let Some((joint, dq, drate)) = change.joint else {
+                    continue;
+                };
+                let column = &mut columns[self.head + change.unknown];
+                *column += self.point_velocity_slope(twist, point, joint) * dq;
+                if drate != 0.0 {
+                    *column += self.point_rate_slope(point, joint) * drate;
                 }
             }
         }
@@ -154,6 +164,17 @@ impl Motion<'_> {
             slope += (kinematics.v[*body] + kinematics.w[*body].cross(&arm)) * weight;
         }
         slope
+    }
+
+    /// Slope of a point's velocity in B over one joint's rate, the twist held.
+    fn point_rate_slope(&self, (body, p): &Point, joint: usize) -> Vector3 {
+        let tree = self.vehicle.tree;
+        let zero = Vector3::zeros();
+        let mut unit = vec![0.0; tree.dof()];
+        unit[joint] = 1.0;
+        let mut kinematics = self.kinematics.clone();
+        kinematics.set_velocities(tree, &zero, &zero, &unit);
+        kinematics.v[*body] + kinematics.w[*body].cross(&(kinematics.R[*body] * p))
     }
 
     /// Change of a point's velocity in B per unit of a wheel's speed, the momentum held.
@@ -326,59 +347,87 @@ impl Motion<'_> {
                 );
                 own += stack(&Vector3::zeros(), &rate);
             }
+            if let UnknownKind::WheelTilt(w, _) = &v.kinds[u] {
+                let host = v.tree.rotors[*w].body;
+                let d = moving.kinematics.R[host] * v.tilt_slopes[u];
+                let rate = d * inputs.wheel_rates[*w]
+                    + moving.kinematics.w[host].cross(&d) * inputs.wheels[*w];
+                own += stack(&Vector3::zeros(), &(rate * v.spin[*w]));
+            }
         }
         instant.inverse_inertia * (wrench - own)
     }
 
-    /// What the errors of resting joints do directly: through their twist they are in already.
-    fn add_resting(
+    /// What faults of the inputs do directly: through their twist they are in already. The joints'
+    /// accelerations are not shifted in time.
+    fn add_input_changes(
         &self,
         inputs: &Inputs,
+        state: &State,
         instant: &Instant,
         (base, points): (&Vector6, &[Point]),
         forces: &mut [PointForce],
     ) {
-        for (u, kind) in self.vehicle.kinds.iter().enumerate() {
-            let UnknownKind::RestingJoint(rest) = kind else {
-                continue;
-            };
-            if !self.rests_now(rest) {
-                continue;
+        for change in &self.buffer.changes {
+            let mut there = [inputs.clone(), inputs.clone()];
+            // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
+            let mut weigh = Vec::new();
+            if let Some((joint, dq, drate)) = change.joint {
+                weigh.push((dq, 1.0e-5_f64, Some(joint), None, None));
+                weigh.push((drate, 1.0, None, Some(joint), None));
             }
-            let (balance, own) = self.joint_slopes(inputs, instant, rest.joint, base, points);
-            // The true position is the reading less its error.
-            let change = instant.inverse_inertia * balance;
-            for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
-                let R = self.kinematics.R[*body];
-                let r = self.kinematics.p[*body] + R * p;
-                let in_B = upper(&change) + lower(&change).cross(&r);
-                force.columns[self.head + u] += R.transpose() * in_B - own;
+            if let Some((wheel, dspeed)) = change.wheel {
+                weigh.push((dspeed, 1.0, None, None, Some(wheel)));
+            }
+            for (share, step, position, rate, wheel) in weigh {
+                if share == 0.0 {
+                    continue;
+                }
+                for (end, sign) in there.iter_mut().zip([1.0, -1.0]) {
+                    *end = inputs.clone();
+                    if let Some(j) = position {
+                        end.q[j] += sign * step;
+                    }
+                    if let Some(j) = rate {
+                        end.rates[j] += sign * step;
+                    }
+                    if let Some(w) = wheel {
+                        end.wheels[w] += sign * step;
+                    }
+                }
+                let (balance, own) = self.input_slopes(state, &there, step, instant, base, points);
+                let shift = instant.inverse_inertia * balance;
+                for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
+                    let R = self.kinematics.R[*body];
+                    let r = self.kinematics.p[*body] + R * p;
+                    let in_B = upper(&shift) + lower(&shift).cross(&r);
+                    force.columns[self.head + change.unknown] +=
+                        (own - R.transpose() * in_B) * share;
+                }
             }
         }
     }
 
-    /// Slope over one joint's position of `H A + b - W`, and of the force at each point in its body, all
-    /// velocities and the base's acceleration held.
-    fn joint_slopes(
+    /// Slope of `H A + b - W`, and of the force at each point in its body, between two sets of inputs two
+    /// steps apart, twist and acceleration of the base held.
+    fn input_slopes(
         &self,
-        inputs: &Inputs,
+        state: &State,
+        ends: &[Inputs; 2],
+        step: f64,
         instant: &Instant,
-        joint: usize,
         base: &Vector6,
         points: &[Point],
     ) -> (Vector6, Vec<Vector3>) {
         let v = self.vehicle;
-        let step = 1.0e-5_f64;
         let mut moving = Moving {
             kinematics: Kinematics::new(v.tree),
             body: Accelerations::new(v.tree),
         };
         let mut balance = Vector6::zeros();
         let mut own = vec![Vector3::zeros(); points.len()];
-        for weight in [0.5 / step, -0.5 / step] {
-            let mut there = inputs.clone();
-            there.q[joint] += step * weight.signum();
-            self.rate_without_base(&mut moving, &there, &instant.twist);
+        for (there, weight) in ends.iter().zip([0.5 / step, -0.5 / step]) {
+            self.rate_without_base(&mut moving, there, &instant.twist);
             moving
                 .body
                 .add_base(&moving.kinematics, &upper(base), &lower(base));
@@ -390,7 +439,8 @@ impl Motion<'_> {
                 &there.wheels,
                 &there.wheel_rates,
             );
-            balance += (stack(&force, &torque) - self.thrust_at(&moving.kinematics, &there)) * weight;
+            let outside = self.outside(state, &moving.kinematics, there, instant);
+            balance += (stack(&force, &torque) - outside) * weight;
             for ((body, p), own) in points.iter().zip(&mut own) {
                 *own += moving.body.at_point(&moving.kinematics, *body, p) * weight;
             }
@@ -398,15 +448,24 @@ impl Motion<'_> {
         (balance, own)
     }
 
-    /// Force and torque about Bo of the thrusters at a placement, in B.
-    fn thrust_at(&self, kinematics: &Kinematics, inputs: &Inputs) -> Vector6 {
-        let v = self.vehicle;
-        let mut sum = Vector6::zeros();
+    /// Force and torque about Bo from outside at a placement, in B.
+    fn outside(
+        &self,
+        state: &State,
+        kinematics: &Kinematics,
+        inputs: &Inputs,
+        instant: &Instant,
+    ) -> Vector6 {
+        let whole = composite(&self.vehicle.bodies, kinematics);
+        let mut there = instant.centre;
+        there.c = whole.p_BoScm_B();
+        there.I_SScm_B = whole.I_SScm_B();
+        let torque = self.surroundings(state, &instant.twist.w, &there);
+        let mut sum = stack(&Vector3::zeros(), &torque);
         for (at, declared) in &inputs.thrust {
-            let thruster = &v.thrusters[*at];
-            let (R, p) = (&kinematics.R[thruster.body], &kinematics.p[thruster.body]);
-            let F = R * thruster.direction_B * (*declared * v.thrust_factor[*at]);
-            sum += stack(&F, &(p + R * thruster.p_BoT_B).cross(&F));
+            let origin = Vector3::zeros();
+            let (F, arm) = thruster_at(self.vehicle, kinematics, *at, *declared, &origin);
+            sum += stack(&F, &arm.cross(&F));
         }
         sum
     }
@@ -419,6 +478,7 @@ impl Inputs {
             rates: &self.rates,
             wheels: &self.wheels,
             thrust: &self.thrust,
+            changes: &[],
         }
     }
 }
@@ -448,10 +508,22 @@ fn joint_acceleration(o: &Observations, dof: usize, joint: usize, k: usize) -> f
     let (h2, u2, w2) = row(k + 1);
     // Each side gives u = a + b h + c h^2 + e h^3 and w = 2 a + 3 b h + 4 c h^2 + 5 e h^3.
     let system = nalgebra::Matrix4::new(
-        1.0, h1, h1 * h1, h1.powi(3),
-        2.0, 3.0 * h1, 4.0 * h1 * h1, 5.0 * h1.powi(3),
-        1.0, h2, h2 * h2, h2.powi(3),
-        2.0, 3.0 * h2, 4.0 * h2 * h2, 5.0 * h2.powi(3),
+        1.0,
+        h1,
+        h1 * h1,
+        h1.powi(3),
+        2.0,
+        3.0 * h1,
+        4.0 * h1 * h1,
+        5.0 * h1.powi(3),
+        1.0,
+        h2,
+        h2 * h2,
+        h2.powi(3),
+        2.0,
+        3.0 * h2,
+        4.0 * h2 * h2,
+        5.0 * h2.powi(3),
     );
     let scale = 0.5 * (h2 - h1);
     let columns = nalgebra::Matrix4::from_diagonal(&nalgebra::Vector4::new(

@@ -1,15 +1,28 @@
-//! Torques of the surroundings about the system's mass centre, with their sensitivities.
+//! Torques of the surroundings about the system's mass centre, and thrusters that act late, with their
+//! sensitivities.
+//!
+//! In base axes with `u` the unit vector from the attracting body:
+//!
+//! ```text
+//! T = T_B - c |w| w + R^T T_N + (3 gm / r^3) u x (I u)
+//! ```
 
 use super::{Centre, Motion, State};
 use crate::parameters::UnknownKind;
-use poinsot_spatial::Vector3;
+use poinsot_dynamics::gravity_gradient_torque;
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 
 impl Motion<'_> {
     /// Torque of the surroundings about the system's mass centre, in B, N m.
     pub(super) fn surroundings(&self, state: &State, w: &Vector3, centre: &Centre) -> Vector3 {
-        let _ = centre;
+        let to_base = state.R_NB.inverse();
         let gust = self.gusts.get(self.now).copied().unwrap_or_default();
-        self.vehicle.torque(w) + state.R_NB.inverse() * (self.vehicle.torque_N + gust)
+        let mut torque = self.vehicle.torque(w) + to_base * (self.vehicle.torque_N + gust);
+        if let Some(gm) = self.vehicle.gm {
+            let r_B = to_base * self.orbit_N;
+            torque += gravity_gradient_torque(gm, &r_B, &centre.I_SScm_B);
+        }
+        torque
     }
 
     /// Its change with a turn `dphi` of the base, its rate `(w, dw)`, and one unknown.
@@ -22,9 +35,9 @@ impl Motion<'_> {
         unknown: Option<usize>,
     ) -> Vector3 {
         let v = self.vehicle;
-        let _ = centre;
         let kind = unknown.map(|u| &v.kinds[u]);
         let to_base = state.R_NB.inverse();
+        // R^T a moves by a x dphi when the base turns.
         let gust = self.gusts.get(self.now).copied().unwrap_or_default();
         let inertial = to_base * (v.torque_N + gust);
         let mut change = v.torque_change(w, dw, kind) + inertial.cross(dphi);
@@ -33,6 +46,96 @@ impl Motion<'_> {
             e[*k] = 1.0;
             change += to_base * e;
         }
+        if let Some(gm) = v.gm {
+            let distance = self.orbit_N.norm();
+            let u = to_base * self.orbit_N / distance;
+            let du = u.cross(dphi);
+            let mut d = du.cross(&(centre.I_SScm_B * u)) + u.cross(&(centre.I_SScm_B * du));
+            if let Some(at) = unknown.filter(|at| !v.slopes[*at].is_empty()) {
+                d += u.cross(&(self.inertia_change(at, centre) * u));
+            }
+            change += d * (3.0 * gm / distance.powi(3));
+        }
         change
+    }
+
+    /// Change of the inertia about the system's mass centre with one unknown:
+    /// `dI_Bo - d(m (c.c 1 - c c^T))`, in B.
+    fn inertia_change(&self, unknown: usize, centre: &Centre) -> Matrix3 {
+        let mut sum = Matrix3::zeros();
+        let c = &centre.c;
+        for (at, slope) in &self.vehicle.slopes[unknown] {
+            let (body, k) = (at / 10, at % 10);
+            let (R, p) = (&self.kinematics.R[body], &self.kinematics.p[body]);
+            let mut unit = [0.0; 10];
+            unit[k] = 1.0;
+            let part = InertialParameters::from_array(&unit);
+            // About the mass centre, which stays where it is to first order: shifted by p - c.
+            let d = p - c;
+            let mc = R * part.mc_B;
+            let cross =
+                Matrix3::identity() * (2.0 * d.dot(&mc)) - d * mc.transpose() - mc * d.transpose();
+            let own = R * part.I_BBo_B * R.transpose() + parallel_axis(part.mass, &d) + cross;
+            sum += own * *slope;
+        }
+        sum
+    }
+
+    /// Position of the reference orbit at a share of the interval after grid time k: the cubic through positions
+    /// and velocities.
+    pub(super) fn set_orbit(&mut self, k: usize, at: f64) {
+        let o = self.observations;
+        let Some((p0, v0)) = o.orbit.get(k) else {
+            return;
+        };
+        self.orbit_N = *p0;
+        if at > 0.0
+            && let Some((p1, v1)) = o.orbit.get(k + 1)
+        {
+            let h = o.time_s[k + 1] - o.time_s[k];
+            let (d0, d1, dp) = (v0 * h, v1 * h, p1 - p0);
+            let (c2, c3) = (dp * 3.0 - d0 * 2.0 - d1, d0 + d1 - dp * 2.0);
+            self.orbit_N = p0 + (d0 + (c2 + c3 * at) * at) * at;
+        }
+    }
+
+    /// The state after what a late thruster changes at an edge of its firing: it acts `lag` longer as before,
+    /// `P += (F_before - F_after) lag`. Grid times hold all edges; the placement is that of grid time k.
+    pub(super) fn late_thrust(&mut self, state: &State, k: usize) -> State {
+        let mut now = *state;
+        let late = &self.vehicle.late_thrusters;
+        let Some(before) = k.checked_sub(1).filter(|_| !late.is_empty()) else {
+            return now;
+        };
+        let whole = poinsot_dynamics::composite(&self.vehicle.bodies, &self.kinematics);
+        let c = whole.p_BoScm_B();
+        let R = super::matrix(&state.R_NB);
+        for (unknown, thrusters, lag) in late {
+            let mut jump = (Vector3::zeros(), Vector3::zeros());
+            for (interval, sign) in [(before, 1.0), (k, -1.0)] {
+                for (at, declared) in &self.thrust[interval] {
+                    if thrusters.contains(at) {
+                        let (F, arm) = super::inputs::thruster_at(
+                            self.vehicle,
+                            &self.kinematics,
+                            *at,
+                            *declared,
+                            &c,
+                        );
+                        jump.0 += R * F * sign;
+                        jump.1 += R * arm.cross(&F) * sign;
+                    }
+                }
+            }
+            now.P += jump.0 * *lag;
+            now.h_SScm_N += jump.1 * *lag;
+            if let Some(column) = self.columns.get_mut(self.head + unknown) {
+                let dP = column.fixed_rows::<3>(6) + jump.0;
+                let dh = column.fixed_rows::<3>(9) + jump.1;
+                column.fixed_rows_mut::<3>(6).copy_from(&dP);
+                column.fixed_rows_mut::<3>(9).copy_from(&dh);
+            }
+        }
+        now
     }
 }

@@ -12,8 +12,12 @@ pub(crate) struct EnvironmentFile {
     pub gm_m3_s2: Option<f64>,
     /// Whether the gravity-gradient torque acts. Needs gravity = "point_mass". Default false.
     pub gravity_gradient: Option<bool>,
+    /// Reference orbit for the gravity gradient, where no columns orbit_x orbit_y orbit_z give it.
+    pub orbit: Option<OrbitFile>,
     /// Constant torque in body axes, N m: "none" (default), "estimate", or { sigma_N_m = x }.
     pub disturbance_torque: Option<NuisanceFile>,
+    /// Constant torque in inertial axes, N m: "none" (default), "estimate", or { sigma_N_m = x }.
+    pub disturbance_torque_inertial: Option<NuisanceFile>,
     /// Torque of drag in body axes, -c |w| w with one coefficient an axis, kg m2: "none" (default) or
     /// "estimate".
     pub drag_torque: Option<NuisanceFile>,
@@ -31,6 +35,27 @@ pub(crate) struct RandomTorqueFile {
     pub sigma_N_m: f64,
     /// Time after which it has forgotten itself to 1/e, s.
     pub correlation_s: f64,
+}
+
+/// Kepler elements in the inertial axes N.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OrbitFile {
+    /// Semi-major axis, m.
+    #[schemars(required)]
+    pub semi_major_axis_m: Option<f64>,
+    /// Eccentricity, from 0 to below 1. Default 0.
+    pub eccentricity: Option<f64>,
+    /// Inclination to the xy plane of N, rad. Default 0.
+    pub inclination_rad: Option<f64>,
+    /// Right ascension of the ascending node from x of N, rad. Default 0.
+    pub raan_rad: Option<f64>,
+    /// Argument of periapsis from the node, rad. Default 0.
+    pub argument_of_periapsis_rad: Option<f64>,
+    /// True anomaly at the epoch, rad. Default 0.
+    pub true_anomaly_rad: Option<f64>,
+    /// Epoch in the time of the telemetry, s. Default 0.
+    pub epoch_s: Option<f64>,
 }
 
 /// Gravity.

@@ -31,6 +31,28 @@ pub(crate) struct JointFile {
     pub locked_at_rad: Option<f64>,
     /// Position of a prismatic joint where telemetry has no column for it, m. Default 0.
     pub locked_at_m: Option<f64>,
+    /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it then
+    /// moves by itself: slosh as a pendulum, a hinged panel.
+    pub spring_damper: Option<SpringDamperFile>,
+}
+
+/// Torque `-stiffness (q - rest) - damping q'` on the child about the joint axis (prismatic: force along it).
+#[allow(non_snake_case)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SpringDamperFile {
+    /// Stiffness of a revolute joint, N m/rad; not negative. Required there.
+    pub stiffness_N_m_per_rad: Option<f64>,
+    /// Stiffness of a prismatic joint, N/m; not negative. Required there.
+    pub stiffness_N_per_m: Option<f64>,
+    /// Damping of a revolute joint, N m s/rad; not negative. Default 0.
+    pub damping_N_m_s_per_rad: Option<f64>,
+    /// Damping of a prismatic joint, N s/m; not negative. Default 0.
+    pub damping_N_s_per_m: Option<f64>,
+    /// Position at which the spring of a revolute joint pulls nothing, rad. Default 0.
+    pub rest_rad: Option<f64>,
+    /// The same of a prismatic joint, m. Default 0.
+    pub rest_m: Option<f64>,
 }
 
 /// Kind of a joint.

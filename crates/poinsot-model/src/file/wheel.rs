@@ -1,3 +1,4 @@
+use super::NuisanceFile;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -19,4 +20,7 @@ pub(crate) struct WheelFile {
     pub spin_inertia_kg_m2: Option<f64>,
     /// Whether the spin inertia is unknown. Default false.
     pub estimate: Option<bool>,
+    /// Small tilt of the spin axis about the two directions across it: "none" (default), "estimate", or
+    /// { sigma_rad = x }.
+    pub misalignment: Option<NuisanceFile>,
 }

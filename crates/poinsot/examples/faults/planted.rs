@@ -164,13 +164,19 @@ fn plant(study: &Study, planted: Planted) -> Study {
         Planted::GyroScale => scale(table, gyro, 1.01),
         Planted::WheelSign => scale(table, |c| c.name == "wheel2_rad_s", -1.0),
         Planted::GyroInDegrees => scale(table, gyro, 1.0_f64.to_degrees()),
-        Planted::WheelsInDegrees => scale(table, |c| c.name == "wheel2_rad_s", 1.0_f64.to_degrees()),
+        Planted::WheelsInDegrees => {
+            scale(table, |c| c.name == "wheel2_rad_s", 1.0_f64.to_degrees())
+        }
         // Telemetry tells less than the thruster gave.
         Planted::Thruster => scale(table, |c| c.name == "thr2_N", 1.0 / 1.1),
         Planted::GyroLag => delay(table, gyro),
         Planted::TrackerLag => delay(table, attitude),
         Planted::Noise => {
-            for sensor in study.sensors.iter_mut().filter(|s| s.kind == SensorKind::Gyro) {
+            for sensor in study
+                .sensors
+                .iter_mut()
+                .filter(|s| s.kind == SensorKind::Gyro)
+            {
                 sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 9.0);
             }
         }
@@ -199,14 +205,30 @@ fn delay(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
 
 /// Fast channels at a fifth of their rate, on the times of the first of them.
 fn thin(table: &mut Table) {
-    let fast = table.channels.iter().map(|c| c.time_s.len()).max().unwrap_or(0);
+    let fast = table
+        .channels
+        .iter()
+        .map(|c| c.time_s.len())
+        .max()
+        .unwrap_or(0);
     let grid: Vec<f64> = table
         .channels
         .iter()
         .find(|c| c.time_s.len() == fast)
-        .map(|c| c.time_s.iter().copied().skip(STRIDE).step_by(STRIDE).collect())
+        .map(|c| {
+            c.time_s
+                .iter()
+                .copied()
+                .skip(STRIDE)
+                .step_by(STRIDE)
+                .collect()
+        })
         .unwrap_or_default();
-    for channel in table.channels.iter_mut().filter(|c| c.time_s.len() + LATE >= fast) {
+    for channel in table
+        .channels
+        .iter_mut()
+        .filter(|c| c.time_s.len() + LATE >= fast)
+    {
         let keep: Vec<usize> = (0..channel.time_s.len())
             .filter(|k| {
                 let t = channel.time_s[*k];
@@ -242,7 +264,11 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, S
         if let Err(refusal) = check_conventions(table) {
             let text = refusal.to_string();
             // The check names the reading that fits best.
-            let name = if text.contains("deg/s") { FaultKind::Units.name() } else { "conventions" };
+            let name = if text.contains("deg/s") {
+                FaultKind::Units.name()
+            } else {
+                "conventions"
+            };
             return Ok(vec![(name.to_owned(), text)]);
         }
     }
@@ -257,7 +283,10 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, S
     })
     .map_err(|e| e.to_string())?;
     let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
-    Ok(found.into_iter().map(|f| (f.fault.name().to_owned(), f.text)).collect())
+    Ok(found
+        .into_iter()
+        .map(|f| (f.fault.name().to_owned(), f.text))
+        .collect())
 }
 
 /// Three of a hundred gyro readings off by twenty sigma in a random direction.
@@ -265,7 +294,9 @@ fn spoil(table: &mut Table, study: &Study, trial: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(study.seed ^ 0x5eed);
     rng.set_stream(trial);
     let gyro = study.sensors.iter().find(|s| s.kind == SensorKind::Gyro);
-    let Some(covariance) = gyro.and_then(|s| s.noise_covariance) else { return };
+    let Some(covariance) = gyro.and_then(|s| s.noise_covariance) else {
+        return;
+    };
     let size = OUTLIER * covariance[(0, 0)].sqrt();
     let samples = table.channel("omega_x").map_or(0, |c| c.values.len());
     for k in 0..samples {

@@ -66,7 +66,10 @@ fn payload(telemetry: &Path) -> Result<(), Box<dyn Error>> {
         answer = Some(estimate);
     }
     if let (Some(before), Some(after)) = (before, processor()) {
-        println!("poinsot_payload_processor,{:.4},s", (after - before) / FITS as f64);
+        println!(
+            "poinsot_payload_processor,{:.4},s",
+            (after - before) / FITS as f64
+        );
     }
     let answer = answer.ok_or("no answer")?;
     let body = answer.bodies.last().ok_or("no body")?;
@@ -106,7 +109,10 @@ fn growth(samples: usize) -> Result<(), Box<dyn Error>> {
     if let (Some(busy), Some(after)) = (busy, processor()) {
         println!("poinsot_growth_{samples}_processor,{:.2},s", after - busy);
     }
-    println!("poinsot_growth_{samples}_iterations,{},1", estimate.iterations);
+    println!(
+        "poinsot_growth_{samples}_iterations,{},1",
+        estimate.iterations
+    );
     if let (Some(before), Some(most)) = (before, memory("VmHWM")) {
         println!("poinsot_growth_{samples}_telemetry,{before:.1},MiB");
         println!("poinsot_growth_{samples}_peak,{most:.1},MiB");

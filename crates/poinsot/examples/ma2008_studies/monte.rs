@@ -139,6 +139,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             wheel_speed: Vec::new(),
         },
         firings: Vec::new(),
+        accelerations: None,
         observations: Observations {
             time_s: run.times.clone(),
             rate: raws.iter().map(|r| Some(r.w_NB_B)).collect(),
@@ -147,6 +148,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             position: vec![None; raws.len()],
             velocity_arm_B: Vector3::zeros(),
             position_arm_B: Vector3::zeros(),
+            orbit: Vec::new(),
             points: Vec::new(),
             joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
             joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),

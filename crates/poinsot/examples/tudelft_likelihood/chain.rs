@@ -46,7 +46,11 @@ impl Throws {
     pub fn groups(&self) -> Vec<(&str, &[Recording])> {
         let mut list: Vec<(&str, &[Recording])> =
             vec![("device_only", &self.device), ("proof_body", &self.proof)];
-        list.extend(self.objects.iter().map(|(k, t)| (k.name.as_str(), t.as_slice())));
+        list.extend(
+            self.objects
+                .iter()
+                .map(|(k, t)| (k.name.as_str(), t.as_slice())),
+        );
         list
     }
 }
@@ -68,7 +72,10 @@ pub fn prepare(folder: &Path) -> Result<Throws, Fault> {
     let truth = read_truth(folder)?;
     let mut objects = Vec::new();
     for name in ["config_empty", "config_a"] {
-        let known = read_truth(folder)?.objects.into_iter().find(|o| o.name == name);
+        let known = read_truth(folder)?
+            .objects
+            .into_iter()
+            .find(|o| o.name == name);
         objects.push((known.ok_or("an object is missing")?, group(name)?));
     }
     let (device, proof) = (group("device_only")?, group("proof_body")?);
@@ -169,7 +176,13 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     let each: Vec<f64> = proof_fits.iter().map(|b| chain.spin(b, known)).collect();
     let boxes: Vec<f64> = box_fits
         .iter()
-        .map(|b| Chain { box_mass: chain.box_mass, the_box: b }.spin(&block, known))
+        .map(|b| {
+            Chain {
+                box_mass: chain.box_mass,
+                the_box: b,
+            }
+            .spin(&block, known)
+        })
         .collect();
     let J_sigma = (variance_of_mean(&each) + variance_of_mean(&boxes)).sqrt();
     let found = chain.object(&block, known.mass, J);
@@ -183,7 +196,11 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
         };
         objects.push(Object {
             name: known.name.clone(),
-            throws: own.iter().zip(&fits).map(|(t, b)| answer(&t.name, b)).collect(),
+            throws: own
+                .iter()
+                .zip(&fits)
+                .map(|(t, b)| answer(&t.name, b))
+                .collect(),
             together: answer("all", &together),
         });
     }
@@ -217,7 +234,10 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>,
         I_cov: f.covariance,
         p_cov: spread * share,
     };
-    Ok((fits.iter().map(|f| body(f, 1.0)).collect(), body(&all, 1.0 / n)))
+    Ok((
+        fits.iter().map(|f| body(f, 1.0)).collect(),
+        body(&all, 1.0 / n),
+    ))
 }
 
 fn variance_of_mean(x: &[f64]) -> f64 {
@@ -248,7 +268,10 @@ impl Chain<'_> {
     /// `p_bo = p_bc (m_b + m_o) / m_o`.
     fn apart(&self, p_Sb: &Vector3<f64>, p_Sc: &Vector3<f64>, mass: f64) -> Matrix3<f64> {
         let whole = self.box_mass + mass;
-        parallel_axis(self.box_mass * mass / whole, &((p_Sc - p_Sb) * (whole / mass)))
+        parallel_axis(
+            self.box_mass * mass / whole,
+            &((p_Sc - p_Sb) * (whole / mass)),
+        )
     }
 
     /// One sigma of the principal moments, %, to first order in everything that went in.

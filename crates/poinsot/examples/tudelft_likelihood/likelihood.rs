@@ -40,7 +40,11 @@ pub struct Fitted {
 pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<Fitted, Fault> {
     let mut model = model.clone();
     model.environment.random_torque = Some(declared.torque);
-    for sensor in model.sensors.iter_mut().filter(|s| s.kind == SensorKind::Gyro) {
+    for sensor in model
+        .sensors
+        .iter_mut()
+        .filter(|s| s.kind == SensorKind::Gyro)
+    {
         let squares = declared.gyro.component_mul(&declared.gyro);
         sensor.noise_covariance = Some(Matrix3::from_diagonal(&squares));
         sensor.correlation_s = declared.gyro_correlation_s;
@@ -61,7 +65,11 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
     let mut I = Matrix3::zeros();
     for ((i, j), number) in TENSOR.iter().zip(&estimate.bodies[0].inertia) {
         let value = number.value.ok_or_else(|| {
-            format!("{}: {}", estimate.status.name(), estimate.warnings.join("; "))
+            format!(
+                "{}: {}",
+                estimate.status.name(),
+                estimate.warnings.join("; ")
+            )
         })?;
         I[(*i, *j)] = value;
         I[(*j, *i)] = value;
@@ -85,7 +93,9 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
 }
 
 fn residual(predictions: &[Prediction]) -> Vector3<f64> {
-    let channels = predictions.iter().flat_map(|p| p.channels.iter().find(|c| c.name == "gyro"));
+    let channels = predictions
+        .iter()
+        .flat_map(|p| p.channels.iter().find(|c| c.name == "gyro"));
     let rows: Vec<&Vec<Vec<f64>>> = channels.map(|c| &c.residual).collect();
     Vector3::from_fn(|k, _| {
         let all = rows.iter().flat_map(|r| &r[k]);

@@ -20,7 +20,10 @@ use throws::Fault;
 
 fn main() -> Result<(), Fault> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let folder = words.iter().find(|w| !w.starts_with("--")).map(PathBuf::from);
+    let folder = words
+        .iter()
+        .find(|w| !w.starts_with("--"))
+        .map(PathBuf::from);
     let folder = folder.unwrap_or_else(|| PathBuf::from("../shared/data/real/tudelft_throw"));
     if !folder.join("throws.parquet").exists() {
         println!("skipped: no shared data");
@@ -44,7 +47,10 @@ fn main() -> Result<(), Fault> {
 }
 
 fn print_object(object: &Object) {
-    println!("\n{}: errors of the principal moments, %, with one sigma, %", object.name);
+    println!(
+        "\n{}: errors of the principal moments, %, with one sigma, %",
+        object.name
+    );
     for a in object.throws.iter().chain([&object.together]) {
         print_answer(a);
     }
@@ -54,7 +60,11 @@ fn print_object(object: &Object) {
         object.worst_error(),
         100.0 * object.held(),
         3 * object.throws.len(),
-        object.throws.iter().filter(|t| t.held().iter().all(|h| *h)).count(),
+        object
+            .throws
+            .iter()
+            .filter(|t| t.held().iter().all(|h| *h))
+            .count(),
         object.throws.len()
     );
 }
@@ -67,7 +77,9 @@ fn print_answer(a: &Answer) {
 /// Restricted likelihood of other declarations, summed over throws of each group. The gyro's sigma is the root mean
 /// square of the residual that the declaration leaves, found in two rounds.
 fn choose(throws: &Throws) -> Result<(), Fault> {
-    println!("group, torque N m (J = 1e-6), its correlation s, gyro correlation s: -2 ln L, gyro rad/s");
+    println!(
+        "group, torque N m (J = 1e-6), its correlation s, gyro correlation s: -2 ln L, gyro rad/s"
+    );
     for (name, group) in throws.groups() {
         for (torque, correlation, colour) in DECLARATIONS {
             let mut own: Declared = declared(name);

@@ -83,6 +83,9 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
             wanted.extend(["x", "y", "z"].map(|k| format!("{prefix}_{k}")));
         }
     }
+    if model.environment.gravity_gradient {
+        wanted.extend(["x", "y", "z"].map(|k| format!("orbit_{k}")));
+    }
     for joint in &model.joints {
         let (position, rate) = joint_columns(&joint.name, joint.kind);
         wanted.insert(position);

@@ -1,6 +1,7 @@
 //! Every sensor at its own times, on the union of them: for maximum likelihood.
 
 use super::channels::{Channels, VectorChannels, joint_columns};
+use super::orbit::orbit_at;
 use super::points::point_channels;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
@@ -43,8 +44,14 @@ pub(super) fn observe(
     time_s.sort_by(f64::total_cmp);
     time_s.dedup_by(|a, b| *a - *b < SAME);
     let inputs = inputs(model, tree, channels, &time_s);
+    let orbit = orbit_at(model, channels, &time_s);
     let complete: Vec<usize> = (0..time_s.len())
         .filter(|&k| inputs.iter().all(|c| c[k].is_some()))
+        .filter(|&k| orbit.get(k).is_none_or(Option::is_some))
+        .collect();
+    let orbit = complete
+        .iter()
+        .filter_map(|&k| orbit.get(k).copied().flatten())
         .collect();
     let time_s: Vec<f64> = complete.iter().map(|&k| time_s[k]).collect();
     let rows = |from: usize, to: usize| -> Vec<f64> {
@@ -78,6 +85,7 @@ pub(super) fn observe(
             .unwrap_or_else(|| vec![None; time_s.len()]),
         velocity_arm_B: velocity.as_ref().map_or_else(Vector3::zeros, |v| v.p_BoS_B),
         position_arm_B: position.as_ref().map_or_else(Vector3::zeros, |r| r.p_BoS_B),
+        orbit,
         points: points.iter().map(|p| p.readings(model, &time_s)).collect(),
         joint_position: rows(0, dof),
         joint_rate: rows(dof, 2 * dof),

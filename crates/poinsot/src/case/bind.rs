@@ -6,7 +6,7 @@ use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::{Case, CaseError, refuse};
 use nalgebra::Quaternion;
-use poinsot_dynamics::{Plan, Start, StartVelocity};
+use poinsot_dynamics::{DrivenPlan, Plan, Start, StartVelocity};
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use toml::Spanned;
@@ -16,6 +16,8 @@ use toml::Spanned;
 pub struct Scenario {
     /// Motion of joints and wheels, firings.
     pub plan: Plan,
+    /// What drives the vehicle where torques or springs move some joint; it then stands for the plan.
+    pub driven: Option<DrivenPlan>,
     /// Attitude feedback that drives the wheels instead of the plan.
     pub control: Option<Control>,
     /// Pose and motion at time zero.
@@ -41,14 +43,19 @@ impl Case {
         };
         let file = &self.file;
         let output = file.output.span();
-        let (control, plan) = match planner.control(file) {
-            Some((control, plan)) => (Some(control), plan),
+        let (control, plan, driven) = match planner.control(file) {
+            Some((control, plan)) => (Some(control), plan, None),
             None => {
-                let wheels = &file.wheel_motion;
-                (
-                    None,
-                    planner.plan(&file.joint_motion, wheels, &file.firing, output),
-                )
+                let (wheels, firings) = (&file.wheel_motion, &file.firing);
+                let (plan, led) = planner.plan(&file.joint_motion, wheels, firings, output);
+                let torques = &file.joint_torque;
+                let drives = planner.drives(torques, &file.initial.joint, &plan, &led);
+                let driven = drives.map(|joints| DrivenPlan {
+                    joints,
+                    wheels: plan.wheels.clone(),
+                    firings: plan.firings.clone(),
+                });
+                (None, plan, driven)
             }
         };
         let start = start(&mut planner, &file.initial);
@@ -58,6 +65,7 @@ impl Case {
         }
         Ok(Scenario {
             plan,
+            driven,
             control,
             start,
             times: self.times(),

@@ -27,6 +27,8 @@ impl Planner<'_> {
         let given = file.control.as_ref()?;
         let also = [
             ("joint_motion", !file.joint_motion.is_empty(), "E0508"),
+            ("joint_torque", !file.joint_torque.is_empty(), "E0508"),
+            ("initial.joint", !file.initial.joint.is_empty(), "E0508"),
             ("firing", !file.firing.is_empty(), "E0508"),
             ("wheel_motion", !file.wheel_motion.is_empty(), "E0507"),
         ];
@@ -42,6 +44,15 @@ impl Planner<'_> {
                 ),
             };
             self.refuse(code, key, given.span(), problem, remedy);
+        }
+        let mut joints = self.model.joints.iter();
+        if let Some(joint) = joints.find(|j| j.spring_damper.is_some()) {
+            let problem = format!(
+                "joint \"{}\" has a spring and damper, and the simulation does not do this yet beside [control]: joints are locked",
+                joint.name
+            );
+            let remedy = "take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
+            self.refuse("E0508", "control", given.span(), problem, remedy);
         }
         let control = self.read_control(given.get_ref(), given.span());
         let tree = Tree::new(self.model);

@@ -2,7 +2,6 @@
 #![allow(non_snake_case)]
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 use toml::Spanned;
 
 /// The whole file.
@@ -20,7 +19,8 @@ pub(crate) struct CaseFile {
     pub wheel_motion: Vec<WheelMotionFile>,
     #[serde(default)]
     pub firing: Vec<FiringFile>,
-    pub joint_torque: Option<Spanned<IgnoredAny>>,
+    #[serde(default)]
+    pub joint_torque: Vec<JointTorqueFile>,
     pub control: Option<Spanned<ControlFile>>,
     pub integration: Option<IntegrationFile>,
     pub output: Spanned<OutputFile>,
@@ -39,6 +39,19 @@ pub(crate) struct InitialFile {
     pub linear_N_s: Option<Spanned<[f64; 3]>>,
     /// About the system's mass centre, in N.
     pub angular_N_m_s: Option<Spanned<[f64; 3]>>,
+    #[serde(default)]
+    pub joint: Vec<InitialJointFile>,
+}
+
+/// Start of a joint that torques move.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct InitialJointFile {
+    pub joint: Spanned<String>,
+    pub position_rad: Option<Spanned<f64>>,
+    pub position_m: Option<Spanned<f64>>,
+    pub rate_rad_s: Option<Spanned<f64>>,
+    pub rate_m_s: Option<Spanned<f64>>,
 }
 
 /// Motion of one joint.
@@ -57,6 +70,26 @@ pub(crate) struct JointMotionFile {
     pub sine_m: Option<Spanned<Vec<f64>>>,
     pub cosine_rad: Option<Spanned<Vec<f64>>>,
     pub cosine_m: Option<Spanned<Vec<f64>>>,
+}
+
+/// Torque of a joint's motor (prismatic: force): constant, sinusoid, table, or column of a file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct JointTorqueFile {
+    pub joint: Spanned<String>,
+    pub constant_N_m: Option<Spanned<f64>>,
+    pub constant_N: Option<Spanned<f64>>,
+    pub amplitude_N_m: Option<Spanned<f64>>,
+    pub amplitude_N: Option<Spanned<f64>>,
+    pub frequency_rad_s: Option<Spanned<f64>>,
+    pub phase_rad: Option<Spanned<f64>>,
+    pub time_s: Option<Spanned<Vec<f64>>>,
+    pub torque_N_m: Option<Spanned<Vec<f64>>>,
+    pub force_N: Option<Spanned<Vec<f64>>>,
+    pub file: Option<Spanned<String>>,
+    /// Column of the file; `<joint>_Nm` (prismatic: `<joint>_N`) without it.
+    pub column: Option<Spanned<String>>,
+    pub interpolation: Option<Spanned<String>>,
 }
 
 /// Speed of one wheel, or torque of its motor.

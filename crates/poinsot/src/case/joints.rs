@@ -12,19 +12,19 @@ impl Planner<'_> {
     pub(super) fn joint(
         &mut self,
         tree: &Tree,
-        table: &JointMotionFile,
+        given: &Spanned<String>,
         key: &str,
     ) -> Option<usize> {
-        let (name, key) = (table.joint.get_ref(), format!("{key}.joint"));
+        let (name, key) = (given.get_ref(), format!("{key}.joint"));
         let Some(j) = self.model.joint(name) else {
             let names = self.model.joints.iter().map(|j| j.name.as_str());
-            self.unknown("joint", &key, &table.joint, did_you_mean(name, names));
+            self.unknown("joint", &key, given, did_you_mean(name, names));
             return None;
         };
         let coordinate = tree.coordinates.iter().position(|k| *k == j);
         if coordinate.is_none() {
             let problem = "a fixed joint does not move";
-            self.refuse("E0507", &key, table.joint.span(), problem, "leave it out");
+            self.refuse("E0507", &key, given.span(), problem, "leave it out");
         }
         coordinate
     }

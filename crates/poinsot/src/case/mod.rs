@@ -11,10 +11,11 @@ mod file;
 mod joints;
 mod planner;
 mod sensor_output;
+mod torques;
 
 pub use bind::Scenario;
 pub use control::Control;
-pub use fault::{CASE_CODES, CaseError, CaseFault};
+pub use fault::{CaseError, CaseFault};
 pub use file::Format;
 pub use sensor_output::SensorOutput;
 pub(crate) use sensor_output::unit_suffix;
@@ -22,7 +23,6 @@ pub(crate) use sensor_output::unit_suffix;
 use fault::{CaseText, did_you_mean};
 use file::CaseFile;
 use poinsot_dynamics::Tolerance;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -136,7 +136,6 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
             ));
         }
     }
-    later_work(&text, &file, &mut faults);
     let folder = path.parent().unwrap_or(Path::new(""));
     let case = Case {
         model: folder.join(file.model.get_ref()),
@@ -152,17 +151,6 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
         Ok(case)
     } else {
         Err(refuse(faults))
-    }
-}
-
-fn later_work(text: &CaseText, file: &CaseFile, faults: &mut Vec<CaseFault>) {
-    let mut not_yet = |key: &str, span: Range<usize>, remedy: &str| {
-        let problem = "the simulation does not do this yet: joint motion is prescribed, not driven";
-        faults.push(text.fault("E0508", key, span, problem, remedy));
-    };
-    if let Some(x) = &file.joint_torque {
-        let remedy = "prescribe the motion with [[joint_motion]]";
-        not_yet("joint_torque", x.span(), remedy);
     }
 }
 

@@ -30,20 +30,21 @@ impl Planner<'_> {
         self.faults.push(fault);
     }
 
-    /// The plan of a case; joints without motion stay where the model locks them.
+    /// The plan of a case, and which joint coordinates it moves; joints without motion stay where the model
+    /// locks them.
     pub fn plan(
         &mut self,
         joints: &[JointMotionFile],
         wheels: &[WheelMotionFile],
         firings: &[FiringFile],
         output: Range<usize>,
-    ) -> Plan {
+    ) -> (Plan, Vec<bool>) {
         let tree = Tree::new(self.model);
         let mut plan = Plan::hold(self.model, &tree.coordinates);
         let mut moved = vec![false; plan.joints.len()];
         for (i, table) in joints.iter().enumerate() {
             let key = format!("joint_motion[{i}]");
-            let Some(k) = self.joint(&tree, table, &key) else {
+            let Some(k) = self.joint(&tree, &table.joint, &key) else {
                 continue;
             };
             if std::mem::replace(&mut moved[k], true) {
@@ -85,7 +86,7 @@ impl Planner<'_> {
             }
         }
         plan.firings = self.firings(firings);
-        plan
+        (plan, moved)
     }
 
     pub(super) fn unknown(
@@ -99,7 +100,7 @@ impl Planner<'_> {
         self.refuse("E0504", key, name.span(), problem, remedy);
     }
 
-    fn twice(&mut self, key: &str, name: &Spanned<String>) {
+    pub(super) fn twice(&mut self, key: &str, name: &Spanned<String>) {
         let problem = "a second motion for the same thing";
         self.refuse("E0504", key, name.span(), problem, "keep one of the two");
     }

@@ -57,30 +57,42 @@ pub fn write_report_data(
 /// # Errors
 /// A file is missing, of another format, or of another run.
 pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
-    let estimate: Value = read(&folder.join("estimate.json"))?;
-    let data: ReportData = read(&folder.join("report_data.json"))?;
-    let page = report_html(&estimate, data).map_err(|why| Error::Report {
-        path: folder.to_owned(),
-        why,
-    })?;
+    let bytes = |name: &str| {
+        let path = folder.join(name);
+        std::fs::read(&path).map_err(|source| match source.kind() {
+            std::io::ErrorKind::NotFound => Error::Report {
+                path: path.clone(),
+                why: "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
+            },
+            _ => Error::Io {
+                path: path.clone(),
+                what: "cannot be read",
+                source,
+            },
+        })
+    };
+    let page = report_page(
+        folder,
+        &bytes("estimate.json")?,
+        &bytes("report_data.json")?,
+    )?;
     let path = folder.join("report.html");
     write_file(&path, page.as_bytes())?;
     Ok(path)
 }
 
-fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => Error::Report {
-            path: path.to_owned(),
-            why: "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
-        },
-        _ => Error::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source,
-        },
-    })?;
-    serde_json::from_slice(&bytes).map_err(|e| Error::Report {
+/// The page of the two files of `identify`, as bytes.
+pub(crate) fn report_page(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<String, Error> {
+    let estimate: Value = parse(&folder.join("estimate.json"), estimate)?;
+    let data: ReportData = parse(&folder.join("report_data.json"), data)?;
+    report_html(&estimate, data).map_err(|why| Error::Report {
+        path: folder.to_owned(),
+        why,
+    })
+}
+
+fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, Error> {
+    serde_json::from_slice(bytes).map_err(|e| Error::Report {
         path: path.to_owned(),
         why: format!("{e}; write it anew with `poinsot identify`"),
     })

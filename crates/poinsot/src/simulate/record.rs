@@ -2,8 +2,8 @@
 
 use super::{every, stream};
 use crate::case::Scenario;
-use poinsot_dynamics::{Instrument, MotionSample, Tree, vector_reading};
-use poinsot_model::{JointKind, Model, SensorKind};
+use poinsot_dynamics::{ForceProfile, Instrument, JointDrive, MotionSample, Tree, vector_reading};
+use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, classify};
 use std::collections::{HashMap, HashSet};
@@ -17,6 +17,8 @@ enum Reader {
     Sensor(Box<Instrument>),
     /// The exact motion.
     Exact(fn(&MotionSample, &mut Vec<f64>)),
+    /// Motor torque of these joint coordinates.
+    Motor(Vec<usize>),
 }
 
 /// Channels that are read together.
@@ -61,6 +63,10 @@ impl Recorder {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
         }
+        let (motors, names) = motor_channels(model, scenario, tree);
+        if !scenario.sensors_only && !motors.is_empty() {
+            groups.push(Group::new(None, names, 1, Reader::Motor(motors)));
+        }
         // A scalar that some sensor reads is dropped from its exact group afterwards.
         Self {
             groups,
@@ -69,8 +75,8 @@ impl Recorder {
         }
     }
 
-    /// One row.
-    pub fn take(&mut self, sample: &MotionSample) {
+    /// One row; `motor` holds the torque of every joint coordinate's motor where they are known.
+    pub fn take(&mut self, sample: &MotionSample, motor: &[f64]) {
         for group in &mut self.groups {
             if !self.row.is_multiple_of(group.every) {
                 continue;
@@ -80,6 +86,10 @@ impl Recorder {
                 Reader::Exact(read) => {
                     self.reading.clear();
                     read(sample, &mut self.reading);
+                }
+                Reader::Motor(of) => {
+                    self.reading.clear();
+                    self.reading.extend(of.iter().filter_map(|k| motor.get(*k)));
                 }
             }
             if !self.reading.is_empty() {
@@ -203,6 +213,35 @@ pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String
     }
 }
 
+/// Every channel that a joint may have.
+pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
+    let (unit, effort) = match joint.kind {
+        JointKind::Prismatic => ("m", "N"),
+        _ => ("rad", "Nm"),
+    };
+    let name = &joint.name;
+    let mut channels = ["", "_s", "_s2"]
+        .map(|s| format!("{name}_{unit}{s}"))
+        .to_vec();
+    channels.push(format!("{name}_{effort}"));
+    channels
+}
+
+/// Joint coordinates with a motor and their channels; none where all motion is prescribed, as nobody then
+/// asked what it takes.
+fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize>, Vec<String>) {
+    let drives = scenario.driven.iter().flat_map(|plan| &plan.joints);
+    let with_motor = drives.enumerate().filter(|(_, drive)| match drive {
+        JointDrive::Force { motor, .. } => *motor != ForceProfile::none(),
+        JointDrive::Motion(_) => true,
+    });
+    let joints =
+        with_motor.filter_map(|(k, _)| Some((k, model.joints.get(*tree.coordinates.get(k)?)?)));
+    joints
+        .filter_map(|(k, joint)| Some((k, joint_channels(joint).pop()?)))
+        .unzip()
+}
+
 fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
     of.iter()
         .filter_map(|i| model.wheels.get(*i))
@@ -218,6 +257,10 @@ fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
     let (joints, wheel_list) = (&tree.coordinates, all(model.wheels.len()));
     let of = |kind, list: &[usize]| names(model, kind, list);
     let rates = of(SensorKind::JointRate, joints);
+    let orbit = match model.environment.gravity_gradient {
+        true => XYZ.map(|axis| format!("orbit_{axis}")).to_vec(),
+        false => Vec::new(),
+    };
     let accelerations = rates.iter().map(|name| format!("{name}2")).collect();
     vec![
         (of(SensorKind::Attitude, &[]), |s, out| {
@@ -242,6 +285,7 @@ fn exact_channels(model: &Model, tree: &Tree) -> Vec<Exact> {
             let origin = Vector3::zeros();
             out.extend(vector_reading(SensorKind::Accelerometer, s, 0, &origin).iter());
         }),
+        (orbit, |s, out| out.extend(s.p_orbit_N.iter())),
         (of(SensorKind::JointPosition, joints), |s, out| {
             out.extend(&s.q)
         }),

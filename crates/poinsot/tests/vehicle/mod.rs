@@ -120,6 +120,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
             R_PC_zero,
             axis_C,
             locked_at: 0.0,
+            spring_damper: None,
         });
     }
     model
@@ -175,6 +176,7 @@ pub fn with_wheels(mut model: Model) -> Model {
             axis_B: dice.direction(),
             spin_inertia: 0.05,
             estimate: false,
+            misalignment: Nuisance::Known,
         });
     }
     model

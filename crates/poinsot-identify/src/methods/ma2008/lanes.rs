@@ -1,94 +1,9 @@
-//! Eight numbers side by side, in plain arrays that the compiler turns into vector instructions.
+//! Linear systems and normal numbers for eight trials side by side.
 //!
 //! Loops by index and no closures: a closure does not inherit the instruction set of its caller.
 #![allow(clippy::needless_range_loop)]
 
-use std::ops::{Add, Div, Mul, Sub};
-
-/// Trials side by side.
-pub const LANES: usize = 8;
-
-/// One number of each of the eight trials.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-pub struct V(pub [f64; LANES]);
-
-impl V {
-    pub const ZERO: Self = Self([0.0; LANES]);
-
-    #[inline(always)]
-    pub fn all(x: f64) -> Self {
-        Self([x; LANES])
-    }
-
-    /// `self + a b` with one rounding; where the machine has no such instruction it is slow, not wrong.
-    #[inline(always)]
-    pub fn plus(self, a: Self, b: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] = a.0[k].mul_add(b.0[k], out[k]);
-        }
-        Self(out)
-    }
-
-    /// `self - a b` with one rounding.
-    #[inline(always)]
-    pub fn less(self, a: Self, b: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] = (-a.0[k]).mul_add(b.0[k], out[k]);
-        }
-        Self(out)
-    }
-}
-
-impl Add for V {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] += other.0[k];
-        }
-        Self(out)
-    }
-}
-
-impl Sub for V {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] -= other.0[k];
-        }
-        Self(out)
-    }
-}
-
-impl Mul for V {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] *= other.0[k];
-        }
-        Self(out)
-    }
-}
-
-impl Div for V {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        let mut out = self.0;
-        for k in 0..LANES {
-            out[k] /= other.0[k];
-        }
-        Self(out)
-    }
-}
+pub(super) use crate::lanes::{LANES, V};
 
 /// Solves a symmetric system by `L D L^T`; only the lower triangle is read.
 #[inline(always)]

@@ -1,0 +1,34 @@
+//! `poinsot validate`
+
+use super::{Outcome, print, print_json};
+use crate::arguments::Validate;
+use poinsot::validate::{
+    ValidateRequest, validate, validation_document, validation_json, write_validation,
+};
+
+pub fn run(arguments: &Validate) -> Outcome {
+    let validation = validate(&ValidateRequest {
+        model: arguments.model.clone(),
+        estimate: arguments.estimate.clone(),
+        against: arguments.against.clone(),
+        case: arguments.case.clone(),
+        map: arguments.map.clone(),
+        within_m: arguments.within_m,
+        within_rad: arguments.within_rad,
+        strict: arguments.strict,
+        recover: arguments.recover,
+    })?;
+    let written = match &arguments.out {
+        Some(folder) => write_validation(folder, &validation)?,
+        None => Vec::new(),
+    };
+    if arguments.json {
+        print_json(&validation_json(&validation));
+    } else if !arguments.quiet {
+        print(&validation_document(&validation).to_string());
+    }
+    for path in written.iter().filter(|_| !arguments.quiet) {
+        eprintln!("written: {}", path.display());
+    }
+    Ok(validation.exit_code())
+}

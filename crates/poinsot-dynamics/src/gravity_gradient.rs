@@ -1,0 +1,55 @@
+//! The torque of a gravity field that is not the same everywhere in the vehicle.
+
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Gravity-gradient torque about the system's mass centre, N m: `3 gm / r^5  r x (I r)` (Hughes 1986, sec. 8.1), to
+/// first order in the size of the vehicle over the distance.
+///
+/// `r` from the attracting body to the vehicle, m, and the inertia about the mass centre, kg m2, in one set of
+/// axes; the torque comes in the same.
+pub fn gravity_gradient_torque(gm: f64, r: &Vector3, I_SScm: &Matrix3) -> Vector3 {
+    let distance = r.norm();
+    if distance == 0.0 {
+        return Vector3::zeros();
+    }
+    let u = r / distance;
+    u.cross(&(I_SScm * u)) * (3.0 * gm / distance.powi(3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The definition: gravity on every point mass, its moment about their mass centre.
+    #[test]
+    fn exact_torque_is_that_of_gravity_on_point_masses() {
+        let gm = 3.986004418e14;
+        let r = Vector3::new(4.0e6, -3.0e6, 4.5e6);
+        let points = [
+            (3.0, Vector3::new(1.0, 0.2, -0.5)),
+            (5.0, Vector3::new(-0.4, 0.9, 0.3)),
+            (2.0, Vector3::new(0.1, -1.5, 0.8)),
+            (4.0, Vector3::new(-0.6, -0.2, -0.7)),
+        ];
+        let mass: f64 = points.iter().map(|(m, _)| m).sum();
+        let centre: Vector3 = points.iter().map(|(m, p)| p * *m).sum::<Vector3>() / mass;
+        let (mut torque, mut I) = (Vector3::zeros(), Matrix3::zeros());
+        // Larger than life, so that the difference of two pulls is not round-off.
+        let size = 1.0e3;
+        for (m, p) in points {
+            let arm = (p - centre) * size;
+            let place = r + arm;
+            // What all points feel alike has no moment: taken off to keep the digits.
+            let pull = -place * (gm / place.norm().powi(3)) + r * (gm / r.norm().powi(3));
+            torque += arm.cross(&(pull * m));
+            I += (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * m;
+        }
+        let found = gravity_gradient_torque(gm, &r, &I);
+        // The next order is 5/2 of size over distance.
+        assert!(
+            (found - torque).norm() < 2.0e-3 * torque.norm(),
+            "{found} {torque}"
+        );
+        assert!((found - torque).norm() > 0.0);
+    }
+}

@@ -1,0 +1,119 @@
+//! Mass matrix of the free-floating tree by composite bodies (Featherstone 2008, ch. 6 and 9.3), with the blocks
+//! `H_b` and `H_bm` of Xu et al. 2017, (13)-(26), taken about `Bo` in base axes.
+//!
+//! ```text
+//! [l; h]        = H_b [v; w] + H_bm q'                  Xu (15), (23): the momentum
+//! joint momenta = H_bm^T [v; w] + H_m q'
+//! ```
+
+use crate::kinematics::Kinematics;
+use crate::momentum::{Composite, composite};
+use crate::tree::{Motion, Tree};
+use poinsot_spatial::{InertialParameters, Matrix3, Matrix6, Vector3, Vector6, parallel_axis};
+
+/// The blocks of the mass matrix, and the scratch to fill them. No call allocates.
+#[derive(Debug, Clone)]
+pub struct MassMatrix {
+    /// Momentum about `Bo` per unit base twist, linear part first.
+    pub H_b: Matrix6,
+    /// Momentum about `Bo` per unit rate of each joint coordinate, `[l; h]`.
+    pub H_bm: Vec<Vector6>,
+    /// Symmetric block of the joint coordinates, row by row, `dof x dof`.
+    pub H_m: Vec<f64>,
+    carried: Vec<Composite>,
+}
+
+impl MassMatrix {
+    /// Scratch for a tree.
+    pub fn new(tree: &Tree) -> Self {
+        let nothing = Composite {
+            mass: 0.0,
+            mc: Vector3::zeros(),
+            I_SBo_B: Matrix3::zeros(),
+        };
+        Self {
+            H_b: Matrix6::zeros(),
+            H_bm: vec![Vector6::zeros(); tree.dof()],
+            H_m: vec![0.0; tree.dof() * tree.dof()],
+            carried: vec![nothing; tree.bodies()],
+        }
+    }
+
+    /// Fills the blocks at the placement of the kinematics.
+    pub fn set(&mut self, tree: &Tree, parameters: &[InertialParameters], kinematics: &Kinematics) {
+        self.set_carried(tree, parameters, kinematics);
+        self.H_b = composite(parameters, kinematics).locked_inertia();
+        self.H_m.fill(0.0);
+        let n = tree.dof();
+        for (i, link) in tree.links.iter().enumerate().skip(1) {
+            let (Motion::Revolute(k) | Motion::Prismatic(k)) = link.motion else {
+                continue;
+            };
+            let (force, mut torque) = self.of_unit_rate(tree, kinematics, i);
+            // Up the tree: what each joint on the way feels of this one.
+            let mut at = i;
+            while at > 0 {
+                let above = &tree.links[at];
+                let axis = above.axis_B(&kinematics.R[at]);
+                match above.motion {
+                    Motion::Revolute(j) => self.set_pair(n, j, k, axis.dot(&torque)),
+                    Motion::Prismatic(j) => self.set_pair(n, j, k, axis.dot(&force)),
+                    Motion::Fixed | Motion::Free => {}
+                }
+                let r = kinematics.p[at] - kinematics.p[above.parent];
+                torque += r.cross(&force);
+                at = above.parent;
+            }
+            let (l, h) = (force, torque);
+            self.H_bm[k] = Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z);
+        }
+    }
+
+    fn set_pair(&mut self, n: usize, j: usize, k: usize, value: f64) {
+        self.H_m[j * n + k] = value;
+        self.H_m[k * n + j] = value;
+    }
+
+    /// Each body with all it carries, about its own origin, in base axes.
+    fn set_carried(
+        &mut self,
+        tree: &Tree,
+        parameters: &[InertialParameters],
+        kinematics: &Kinematics,
+    ) {
+        for (i, body) in parameters.iter().enumerate() {
+            let R = &kinematics.R[i];
+            self.carried[i] = Composite {
+                mass: body.mass,
+                mc: R * body.mc_B,
+                I_SBo_B: R * body.I_BBo_B * R.transpose(),
+            };
+        }
+        for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
+            let r = kinematics.p[i] - kinematics.p[link.parent];
+            let child = self.carried[i];
+            let cross = Matrix3::identity() * (2.0 * r.dot(&child.mc))
+                - r * child.mc.transpose()
+                - child.mc * r.transpose();
+            let parent = &mut self.carried[link.parent];
+            parent.mass += child.mass;
+            parent.mc += child.mc + r * child.mass;
+            parent.I_SBo_B += child.I_SBo_B + parallel_axis(child.mass, &r) + cross;
+        }
+    }
+
+    /// Momentum `l`, `h` about body i's origin of what it carries, per unit rate of its joint.
+    fn of_unit_rate(&self, tree: &Tree, kinematics: &Kinematics, i: usize) -> (Vector3, Vector3) {
+        let (link, carried) = (&tree.links[i], &self.carried[i]);
+        let axis = link.axis_B(&kinematics.R[i]);
+        match link.motion {
+            Motion::Prismatic(_) => (axis * carried.mass, carried.mc.cross(&axis)),
+            _ => (axis.cross(&carried.mc), carried.I_SBo_B * axis),
+        }
+    }
+
+    /// `H_bm q'`: momentum `[l; h]` about `Bo` of the joint rates while the base is at rest.
+    pub fn coupling_times(&self, rates: &[f64]) -> Vector6 {
+        self.H_bm.iter().zip(rates).map(|(h, rate)| h * *rate).sum()
+    }
+}

@@ -1,0 +1,101 @@
+//! Eight numbers side by side, in plain arrays that the compiler turns into vector instructions.
+//!
+//! Loops by index and no closures: a closure does not inherit the instruction set of its caller.
+#![allow(clippy::needless_range_loop)]
+
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Numbers side by side.
+pub(crate) const LANES: usize = 8;
+
+/// Eight numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub(crate) struct V(pub(crate) [f64; LANES]);
+
+impl V {
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    #[inline(always)]
+    pub fn all(x: f64) -> Self {
+        Self([x; LANES])
+    }
+
+    /// `self + a b` with one rounding; where the machine has no such instruction it is slow, not wrong.
+    #[inline(always)]
+    pub fn plus(self, a: Self, b: Self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] = a.0[k].mul_add(b.0[k], out[k]);
+        }
+        Self(out)
+    }
+
+    /// `self - a b` with one rounding.
+    #[inline(always)]
+    pub fn less(self, a: Self, b: Self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] = (-a.0[k]).mul_add(b.0[k], out[k]);
+        }
+        Self(out)
+    }
+
+    /// Square root.
+    #[inline(always)]
+    pub fn root(self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] = out[k].sqrt();
+        }
+        Self(out)
+    }
+}
+
+impl Add for V {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] += other.0[k];
+        }
+        Self(out)
+    }
+}
+
+impl Sub for V {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] -= other.0[k];
+        }
+        Self(out)
+    }
+}
+
+impl Mul for V {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] *= other.0[k];
+        }
+        Self(out)
+    }
+}
+
+impl Div for V {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let mut out = self.0;
+        for k in 0..LANES {
+            out[k] /= other.0[k];
+        }
+        Self(out)
+    }
+}

@@ -1,0 +1,123 @@
+//! Least squares over ten unknowns and the momentum that goes before them, by the block triangle.
+
+use crate::block_qr::BlockQr;
+use faer::Mat;
+
+/// Singular values below this share of the largest are rounding.
+const ROUND_OFF: f64 = 1.0e-13;
+
+/// Rows of `[head | unknowns | right-hand side]`.
+pub(super) struct Rows {
+    qr: BlockQr,
+    head: usize,
+    unknowns: usize,
+    columns: Vec<f64>,
+}
+
+impl Rows {
+    pub fn new(head: usize, unknowns: usize) -> Self {
+        Self {
+            qr: BlockQr::new(head + unknowns + 1),
+            head,
+            unknowns,
+            columns: vec![0.0; head + unknowns + 1],
+        }
+    }
+
+    /// Adds `left x = right`; what `left` has beyond the columns is not read.
+    pub fn push(&mut self, left: &[f64], right: f64) {
+        let n = self.head + self.unknowns;
+        self.columns[..n].copy_from_slice(&left[..n]);
+        self.columns[n] = right;
+        let row = &self.columns;
+        self.qr.push(1, |_, j| row[j]);
+    }
+}
+
+/// A solution with what it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer<T> {
+    /// The solution.
+    pub value: T,
+    /// Singular values in natural units, descending.
+    pub singular: Vec<f64>,
+    /// How many directions were moved from the nominal values.
+    pub rank: usize,
+    /// Largest of all numbers in the equations was finite.
+    pub finite: bool,
+}
+
+impl<T> Answer<T> {
+    pub(super) fn map<U>(self, of: impl FnOnce(T) -> U) -> Answer<U> {
+        Answer {
+            value: of(self.value),
+            singular: self.singular,
+            rank: self.rank,
+            finite: self.finite,
+        }
+    }
+}
+
+/// The solution that moves the nominal values least, in natural units. `seen` holds the directions that may
+/// move at all, one column each.
+pub(super) fn answer(
+    rows: Rows,
+    natural: &[f64],
+    nominal: &[f64],
+    seen: Option<&Mat<f64>>,
+) -> Answer<Vec<f64>> {
+    let (h, n) = (rows.head, rows.unknowns);
+    let r = rows.qr.finish().r;
+    let block = Mat::from_fn(n, n, |i, j| r[(h + i, h + j)] * natural[j]);
+    let identity = Mat::<f64>::identity(n, n);
+    let seen = seen.unwrap_or(&identity);
+    let inside = &block * seen;
+    let mut x = nominal.to_vec();
+    let finite = (0..n).all(|i| {
+        r[(h + i, h + n)].is_finite() && (0..inside.ncols()).all(|j| inside[(i, j)].is_finite())
+    });
+    let Some(svd) = finite.then(|| inside.thin_svd().ok()).flatten() else {
+        return Answer {
+            value: x,
+            singular: Vec::new(),
+            rank: 0,
+            finite: false,
+        };
+    };
+    let d = inside.ncols();
+    let singular: Vec<f64> = (0..d).map(|k| svd.S()[k]).collect();
+    let floor = ROUND_OFF * singular.first().copied().unwrap_or(0.0);
+    let rank = singular.iter().filter(|s| **s > floor).count();
+    let directions = seen * svd.V();
+    // The second pass takes off the round-off of the first.
+    for _ in 0..2 {
+        let left: Vec<f64> = (0..n)
+            .map(|i| {
+                let model: f64 = (0..n).map(|j| r[(h + i, h + j)] * x[j]).sum();
+                r[(h + i, h + n)] - model
+            })
+            .collect();
+        for k in 0..rank {
+            let along: f64 = (0..n).map(|i| svd.U()[(i, k)] * left[i]).sum::<f64>() / singular[k];
+            for j in 0..n {
+                x[j] += natural[j] * directions[(j, k)] * along;
+            }
+        }
+    }
+    Answer {
+        value: x,
+        singular,
+        rank,
+        finite: true,
+    }
+}
+
+/// The directions that rows of any motion show, natural units, one column each.
+pub(super) fn shown(rows: &[[f64; 10]], natural: &[f64]) -> Option<Mat<f64>> {
+    let a = Mat::from_fn(rows.len(), 10, |i, j| rows[i][j] * natural[j]);
+    let svd = a.thin_svd().ok()?;
+    let k = (0..10)
+        .take_while(|&k| svd.S()[k] > 1.0e-9 * svd.S()[0])
+        .count();
+    Some(Mat::from_fn(10, k, |i, j| svd.V()[(i, j)]))
+}

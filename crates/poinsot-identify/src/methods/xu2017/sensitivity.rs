@@ -1,0 +1,198 @@
+//! Sec. 5.6: how momentum changes with each parameter, (63)-(75), and which joint path makes that large.
+
+use super::least_squares::shown;
+use super::sum;
+use super::two_body::{MomentumRow, Side, TwoBodyReading, rows, transported, transported_back};
+use faer::Mat;
+use nalgebra::SMatrix;
+use poinsot_dynamics::{Kinematics, Tree, composite, momentum, twist_from_momentum};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
+
+/// (68), corrected: with `m1 = M - m0` momentum changes with `m0` by `v0 - v1`.
+pub fn mass_coefficient(v0: &Vector3, v1: &Vector3) -> Vector3 {
+    v0 - v1
+}
+
+/// (72): `K_1..K_18` as three rows of six, columns xx, xy, xz, yy, yz, zz, for a body turned by `A0` that turns
+/// at `w0` (both in N). They are the partial derivatives (73) of `A0 I A0^T w0`.
+pub fn tensor_coefficients(A0: &Matrix3, w0: &Vector3) -> SMatrix<f64, 3, 6> {
+    let S = A0.transpose() * w0;
+    SMatrix::from_fn(|i, k| {
+        let a = A0.row(i);
+        match k {
+            0 => a[0] * S[0],
+            1 => a[1] * S[0] + a[0] * S[1],
+            2 => a[2] * S[0] + a[0] * S[2],
+            3 => a[1] * S[1],
+            4 => a[2] * S[1] + a[1] * S[2],
+            _ => a[2] * S[2],
+        }
+    })
+}
+
+/// (75): bounds of the coefficients for an angular rate of at most `rate`, columns as in
+/// [`tensor_coefficients`].
+pub fn tensor_bounds(rate: f64) -> [f64; 6] {
+    [rate, 2.0 * rate, 2.0 * rate, rate, 2.0 * rate, rate]
+}
+
+/// What a joint path shows of the base side of its joint when the robot starts at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathSensitivity {
+    /// Root mean square of the change of `[P; H]` per natural unit of each of the ten barycentric parameters,
+    /// N s or N m s.
+    pub coefficients: [f64; 10],
+    /// Singular values of the whole, natural units, of the directions that the joint can show at all.
+    pub singular: Vec<f64>,
+    /// Largest angular rate of the base, rad/s.
+    pub largest_rate: f64,
+}
+
+impl PathSensitivity {
+    /// The weakest direction: what a choice among paths should make large.
+    pub fn weakest(&self) -> f64 {
+        self.singular.last().copied().unwrap_or(0.0)
+    }
+}
+
+/// Sensitivity of a path of one joint, positions and rates at the samples, all other joints in the normal
+/// configuration, momentum zero; the robot's numbers are nominal.
+///
+/// `None` where the robot has no mass.
+pub fn path_sensitivity(
+    tree: &Tree,
+    bodies: &[InertialParameters],
+    normal: &[f64],
+    joint: usize,
+    path: &[(f64, f64)],
+) -> Option<PathSensitivity> {
+    let child = tree.links.iter().position(|l| {
+        l.motion == poinsot_dynamics::Motion::Revolute(joint)
+            || l.motion == poinsot_dynamics::Motion::Prismatic(joint)
+    })?;
+    let mut kinematics = Kinematics::new(tree);
+    kinematics.place(tree, normal);
+    let (R, p) = (kinematics.R[child], kinematics.p[child]);
+    let whole = composite(bodies, &kinematics);
+    let total = InertialParameters {
+        mass: whole.mass,
+        mc_B: whole.mc,
+        I_BBo_B: whole.I_SBo_B,
+    };
+    let compose = |x: &InertialParameters| [*x, transported_back(&sum(&total, x, -1.0), &R, &p)];
+    let inner = inner_of(tree, bodies, &kinematics, child).mass_properties()?;
+    let (m, L) = (inner.mass, inner.radius_of_gyration());
+    let natural: [f64; 10] = std::array::from_fn(|k| match k {
+        0 => m,
+        1..=3 => m * L,
+        _ => m * L * L,
+    });
+    let mut largest_rate: f64 = 0.0;
+    let mut q = normal.to_vec();
+    let mut rates = vec![0.0; normal.len()];
+    let mut readings = Vec::with_capacity(path.len());
+    for &(position, rate) in path {
+        q[joint] = position;
+        rates[joint] = rate;
+        kinematics.place(tree, &q);
+        let zero = Vector3::zeros();
+        kinematics.set_velocities(tree, &zero, &zero, &rates);
+        let c = momentum(bodies, &kinematics);
+        let (l, h) = (
+            c.fixed_rows::<3>(0).into_owned(),
+            c.fixed_rows::<3>(3).into_owned(),
+        );
+        let twist = twist_from_momentum(&composite(bodies, &kinematics), &zero, &zero, &l, &h)?;
+        largest_rate = largest_rate.max(twist.w.norm());
+        kinematics.set_velocities(tree, &twist.v, &twist.w, &rates);
+        let side = |b: usize| Side {
+            R: kinematics.R[b],
+            p: kinematics.p[b],
+            v: kinematics.v[b],
+            w: kinematics.w[b],
+        };
+        readings.push(TwoBodyReading {
+            R_NB: Default::default(),
+            p_NoBo_N: zero,
+            inner: side(0),
+            outer: side(child),
+            rest: [zero; 3],
+        });
+    }
+    let list = rows(&readings, compose);
+    Some(summary(&list, &natural, largest_rate))
+}
+
+fn summary(list: &[MomentumRow], natural: &[f64; 10], largest_rate: f64) -> PathSensitivity {
+    let flat: Vec<[f64; 10]> = list
+        .iter()
+        .flat_map(|row| [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| row.slope[(i, j)])))
+        .collect();
+    let coefficients = std::array::from_fn(|j| {
+        let square: f64 = flat.iter().map(|r| (r[j] * natural[j]).powi(2)).sum();
+        (square / list.len().max(1) as f64).sqrt()
+    });
+    let matrix = Mat::from_fn(flat.len(), 10, |i, j| flat[i][j] * natural[j]);
+    let rank = shown(&flat, natural).map_or(0, |s| s.ncols());
+    let singular = matrix
+        .thin_svd()
+        .map_or(Vec::new(), |svd| (0..rank).map(|k| svd.S()[k]).collect());
+    PathSensitivity {
+        coefficients,
+        singular,
+        largest_rate,
+    }
+}
+
+/// Bodies on the base side of the joint before `child`, as one about the base origin.
+fn inner_of(
+    tree: &Tree,
+    bodies: &[InertialParameters],
+    kinematics: &Kinematics,
+    child: usize,
+) -> InertialParameters {
+    let carried = |mut b: usize| {
+        while b != child && b != 0 {
+            b = tree.links[b].parent;
+        }
+        b == child
+    };
+    (0..bodies.len())
+        .filter(|&b| !carried(b))
+        .fold(InertialParameters::ZERO, |all, b| {
+            let own = transported(&bodies[b], &kinematics.R[b], &kinematics.p[b]);
+            sum(&all, &own, 1.0)
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (72)-(73) against a difference of `A0 I A0^T w0`, and (74)-(75) for every attitude.
+    #[test]
+    fn exact_coefficients_are_derivatives_and_stay_in_their_bounds() {
+        let I = Matrix3::new(30.0, 0.26, 0.37, 0.26, 28.0, -0.29, 0.37, -0.29, 32.0);
+        for k in 0..200 {
+            let turn = Vector3::new(0.3, -0.7, 0.5) * (0.1 * f64::from(k));
+            let A0 = nalgebra::Rotation3::new(turn).into_inner();
+            let w0 = Vector3::new((0.9 * f64::from(k)).sin(), 0.4, -0.6).normalize() * 0.03;
+            let K = tensor_coefficients(&A0, &w0);
+            let elements = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+            let bounds = tensor_bounds(0.03);
+            for (column, (i, j)) in elements.into_iter().enumerate() {
+                let mut changed = I;
+                changed[(i, j)] += 1.0;
+                if i != j {
+                    changed[(j, i)] += 1.0;
+                }
+                let slope = A0 * (changed - I) * A0.transpose() * w0;
+                assert!((K.column(column) - slope).norm() < 1.0e-15);
+                assert!(K.column(column).amax() <= bounds[column] * (1.0 + 1.0e-12));
+            }
+        }
+        let (v0, v1) = (Vector3::x(), Vector3::new(0.0, 2.0, 0.0));
+        let P = |m0: f64| v0 * m0 + v1 * (476.0 - m0);
+        assert!((mass_coefficient(&v0, &v1) - (P(401.0) - P(400.0))).norm() < 1.0e-12);
+    }
+}

@@ -1,0 +1,291 @@
+//! The equivalent single body: all joints locked, thrusters fire, (27)-(37).
+
+use super::least_squares::{Answer, Rows, answer};
+use super::swarm::{Objective, Particle};
+use super::{particle, properties, tensor_regressor};
+use crate::lanes::{LANES, V};
+use nalgebra::SMatrix;
+use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, skew};
+use pulp::{Arch, Simd, WithSimd};
+
+/// The locked robot: mass, mass centre from the base origin and central inertia, base axes.
+pub type Single = MassProperties;
+
+/// One sample of the locked robot under thrust, base axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push {
+    /// Angular velocity, rad/s.
+    pub w_NB_B: Vector3,
+    /// Angular acceleration, rad/s2.
+    pub dw_NB_B: Vector3,
+    /// Inertial acceleration of the sensor point (`v_s'`), m/s2; `None` without an accelerometer.
+    pub a_NS_B: Option<Vector3>,
+    /// Sensor point from the base origin (`r_s`), m.
+    pub p_BoS_B: Vector3,
+    /// Sum of the forces, N.
+    pub F_B: Vector3,
+    /// Sum of `r_i x f_i` about the base origin, N m.
+    pub T_B: Vector3,
+}
+
+/// (36) of one sample, or its integral, with the unknowns taken out:
+/// `g = G y + B c - A`, `h = M (D + E c) - J`, y the tensor in the order of (61), c the mass centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SingleRow {
+    /// What the tensor adds to the moment.
+    pub G: SMatrix<f64, 3, 6>,
+    /// What the mass centre adds to the moment.
+    pub B: Matrix3,
+    /// Moment of the thrust about the base origin.
+    pub A: Vector3,
+    /// Motion of the base origin; `None` where translation is not seen.
+    pub D: Option<Vector3>,
+    /// What the mass centre adds to the motion.
+    pub E: Matrix3,
+    /// Force of the thrust.
+    pub J: Vector3,
+}
+
+/// Where the rows come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// (35) as printed: angular acceleration and accelerometer.
+    Acceleration,
+    /// (35) integrated from the first sample: rates, velocity, attitude. Needs no acceleration.
+    Momentum,
+}
+
+/// Rows of (36), one a sample.
+pub fn accelerations(samples: &[Push]) -> Vec<SingleRow> {
+    let of = |s: &Push| {
+        let w = skew(&s.w_NB_B);
+        // w' x and w x (w x) together: what turns a place into an acceleration, (32).
+        let E = skew(&s.dw_NB_B) + w * w;
+        SingleRow {
+            // I w' + w x I w, (28).
+            G: tensor_regressor(&s.dw_NB_B) + w * tensor_regressor(&s.w_NB_B),
+            // (r_i - c) x f_i = r_i x f_i + [F]x c, (29).
+            B: -skew(&s.F_B),
+            A: s.T_B,
+            // v_s' - w' x (r_s - c) - w x (w x (r_s - c)), (35).
+            D: s.a_NS_B.map(|a| a - E * s.p_BoS_B),
+            E,
+            J: s.F_B,
+        }
+    };
+    samples.iter().map(of).collect()
+}
+
+/// Rows of (36) integrated over time from the first sample, in N: the change of momentum less the impulse.
+///
+/// Per sample: attitude, velocity of the base origin in N where it is seen, angular velocity in B, and the
+/// impulses `integral R f`, `integral R (r x f)`, `integral R [f]x` since the first sample.
+pub fn momenta(
+    R_NB: &[UnitQuaternion],
+    v_NBo_N: Option<&[Vector3]>,
+    w_NB_B: &[Vector3],
+    impulse: &[(Vector3, Vector3, Matrix3)],
+) -> Vec<SingleRow> {
+    let turned = |k: usize| *R_NB[k].to_rotation_matrix().matrix();
+    let spin = |k: usize| turned(k) * tensor_regressor(&w_NB_B[k]);
+    let arm = |k: usize| turned(k) * skew(&w_NB_B[k]);
+    (0..R_NB.len().min(w_NB_B.len()).min(impulse.len()))
+        .map(|k| SingleRow {
+            G: spin(k) - spin(0),
+            B: -impulse[k].2,
+            A: impulse[k].1,
+            D: v_NBo_N.map(|v| v[k] - v[0]),
+            E: arm(k) - arm(0),
+            J: impulse[k].0,
+        })
+        .collect()
+}
+
+/// What is known of the locked robot beforehand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Nothing.
+    All,
+    /// Mass and mass centre: the second use of the Conclusion.
+    Inertia,
+}
+
+/// The linear solution of (35): with the force equation divided by M it is linear in `I_cm`, `r_cm`, `1/M`.
+///
+/// In the momentum form the momentum of the first sample is a further unknown, so that its noise does not stand
+/// in every row. Directions that these rows do not show keep the values of `nominal`. One list of rows per
+/// segment.
+pub fn solve_single(
+    segments: &[Vec<SingleRow>],
+    form: Form,
+    nominal: &Single,
+    part: Part,
+) -> Answer<Single> {
+    let m = nominal.mass;
+    let x = particle(nominal);
+    let known = part == Part::Inertia;
+    let translation = !known && segments.iter().flatten().any(|r| r.D.is_some());
+    let per_segment = match (form, translation) {
+        (Form::Acceleration, _) => 0,
+        (Form::Momentum, true) => 6,
+        (Form::Momentum, false) => 3,
+    };
+    let offsets = per_segment * segments.len();
+    let unknowns = if known { 6 } else { 10 };
+    let mut system = Rows::new(offsets, unknowns);
+    let tagged = segments.iter().enumerate();
+    for (start, row) in tagged.flat_map(|(k, rows)| rows.iter().map(move |r| (per_segment * k, r)))
+    {
+        for i in 0..3 {
+            let mut left = vec![0.0; offsets + 10];
+            let mut right = row.A[i];
+            (0..6).for_each(|j| left[offsets + j] = row.G[(i, j)]);
+            for j in 0..3 {
+                if known {
+                    right -= row.B[(i, j)] * x[7 + j];
+                } else {
+                    left[offsets + 6 + j] = row.B[(i, j)];
+                }
+            }
+            if offsets > 0 {
+                left[start + i] = 1.0;
+            }
+            system.push(&left, right);
+        }
+        let Some(D) = row.D.filter(|_| !known) else {
+            continue;
+        };
+        for i in 0..3 {
+            let mut left = vec![0.0; offsets + 10];
+            (0..3).for_each(|j| left[offsets + 6 + j] = m * row.E[(i, j)]);
+            left[offsets + 9] = -m * row.J[i];
+            if offsets > 0 {
+                left[start + 3 + i] = 1.0;
+            }
+            system.push(&left, -m * D[i]);
+        }
+    }
+    let L = nominal.radius_of_gyration().max(1.0e-3);
+    let mut natural = [m * L * L; 10];
+    natural[6..9].fill(L);
+    natural[9] = 1.0 / m;
+    let start = [
+        x[1],
+        x[2],
+        x[3],
+        x[4],
+        x[5],
+        x[6],
+        x[7],
+        x[8],
+        x[9],
+        1.0 / m,
+    ];
+    let found = answer(system, &natural[..unknowns], &start[..unknowns], None);
+    found.map(|y| {
+        let mut x = x;
+        x[1..7].copy_from_slice(&y[..6]);
+        if !known {
+            x[0] = 1.0 / y[9];
+            x[7..].copy_from_slice(&y[6..9]);
+        }
+        properties(&x)
+    })
+}
+
+/// The cost (37), mean over the samples, for many particles at once: eight samples side by side.
+pub struct SingleObjective {
+    chunks: Vec<[V; 45]>,
+    samples: usize,
+}
+
+impl SingleObjective {
+    /// From the rows of [`accelerations`] or [`momenta`].
+    pub fn new(rows: &[SingleRow]) -> Self {
+        let chunks = rows.chunks(LANES).map(|chunk| {
+            let mut lanes = [V::ZERO; 45];
+            for (k, row) in chunk.iter().enumerate() {
+                let numbers = row.G.iter().chain(row.B.iter()).chain(row.A.iter());
+                let D = row.D.unwrap_or_default();
+                let E = row.D.map_or_else(Matrix3::zeros, |_| row.E);
+                let J = row.D.map_or_else(Vector3::zeros, |_| row.J);
+                let all = numbers.chain(D.iter()).chain(E.iter()).chain(J.iter());
+                for (lane, x) in lanes.iter_mut().zip(all) {
+                    lane.0[k] = *x;
+                }
+            }
+            lanes
+        });
+        Self {
+            chunks: chunks.collect(),
+            samples: rows.len(),
+        }
+    }
+}
+
+impl Objective for SingleObjective {
+    fn costs(&self, particles: &[Particle], out: &mut [f64]) {
+        Arch::new().dispatch(Costs {
+            objective: self,
+            particles,
+            out,
+        });
+    }
+
+    fn samples(&self) -> usize {
+        self.samples
+    }
+}
+
+/// The costs of a block of particles, compiled for the instructions that the machine has.
+struct Costs<'a> {
+    objective: &'a SingleObjective,
+    particles: &'a [Particle],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Costs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let mut sums = [V::ZERO; 64];
+        for (particles, out) in self.particles.chunks(64).zip(self.out.chunks_mut(64)) {
+            sums[..particles.len()].fill(V::ZERO);
+            // One chunk of samples stays in the nearest cache while all particles pass.
+            for chunk in &self.objective.chunks {
+                for (x, total) in particles.iter().zip(sums.iter_mut()) {
+                    *total = *total + cost(chunk, x);
+                }
+            }
+            for (out, total) in out.iter_mut().zip(&sums) {
+                *out = total.0.iter().sum::<f64>() / self.objective.samples.max(1) as f64;
+            }
+        }
+    }
+}
+
+/// (37): `|g| + |h|` of eight samples.
+#[inline(always)]
+fn cost(s: &[V; 45], x: &Particle) -> V {
+    let mass = V::all(x[0]);
+    let y: [V; 6] = [x[1], x[2], x[3], x[4], x[5], x[6]].map(V::all);
+    let c: [V; 3] = [x[7], x[8], x[9]].map(V::all);
+    let mut square_g = V::ZERO;
+    let mut square_h = V::ZERO;
+    for i in 0..3 {
+        let mut g = V::ZERO - s[27 + i];
+        let mut d = s[30 + i];
+        for j in 0..6 {
+            g = g.plus(s[3 * j + i], y[j]);
+        }
+        for j in 0..3 {
+            g = g.plus(s[18 + 3 * j + i], c[j]);
+            d = d.plus(s[33 + 3 * j + i], c[j]);
+        }
+        let h = (V::ZERO - s[42 + i]).plus(mass, d);
+        square_g = square_g.plus(g, g);
+        square_h = square_h.plus(h, h);
+    }
+    square_g.root() + square_h.root()
+}

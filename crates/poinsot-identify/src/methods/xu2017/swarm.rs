@@ -1,0 +1,278 @@
+//! Particle swarm of Sec. 4, (53)-(58).
+//!
+//! The paper prints neither swarm size nor weights nor ranges; [`Swarm::default`] says ours. Every particle has
+//! random numbers of its own (ChaCha8, stream = particle) and all particles of an iteration see the best of the
+//! one before, so that the answer has the same bits on any number of threads.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Position of a particle, (53): the ten numbers of (61) or (62).
+pub type Particle = [f64; 10];
+
+/// Particles that one task evaluates.
+const BLOCK: usize = 10;
+/// Work (particles times samples) above which an iteration is spread over threads.
+const WORTH: usize = 200_000;
+/// A coordinate nearer to its bound than this share of the range lies on it.
+const ON_BOUND: f64 = 1.0e-9;
+
+/// Something to minimise.
+pub trait Objective: Sync {
+    /// Cost of every particle.
+    fn costs(&self, particles: &[Particle], out: &mut [f64]);
+    /// Samples behind one cost.
+    fn samples(&self) -> usize;
+}
+
+/// How the swarm flies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swarm {
+    /// Particles, `n_p`.
+    pub particles: usize,
+    /// Most iterations, `N_max`.
+    pub iterations: usize,
+    /// Weight `w` of the old velocity at the first and the last iteration; linear between.
+    pub weight: [f64; 2],
+    /// `c1` and `c2`.
+    pub attraction: [f64; 2],
+    /// Stop after so many iterations without a better best.
+    pub patience: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Default for Swarm {
+    fn default() -> Self {
+        Self {
+            particles: 50,
+            iterations: 4000,
+            weight: [0.8, 0.6],
+            attraction: [1.49445, 1.49445],
+            patience: 400,
+            seed: 0,
+        }
+    }
+}
+
+/// Box that holds the particles. A coordinate with equal bounds is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Range {
+    /// Lower bounds.
+    pub low: Particle,
+    /// Upper bounds.
+    pub high: Particle,
+}
+
+impl Range {
+    /// `centre` less and plus `half`.
+    pub fn around(centre: &Particle, half: &Particle) -> Self {
+        Self {
+            low: std::array::from_fn(|d| centre[d] - half[d]),
+            high: std::array::from_fn(|d| centre[d] + half[d]),
+        }
+    }
+
+    fn width(&self, d: usize) -> f64 {
+        self.high[d] - self.low[d]
+    }
+
+    /// Whether a position lies inside.
+    pub fn holds(&self, x: &Particle) -> bool {
+        (0..10).all(|d| x[d] >= self.low[d] && x[d] <= self.high[d])
+    }
+
+    /// Coordinates that lie on a bound of the range.
+    pub fn touched(&self, x: &Particle) -> Vec<usize> {
+        let near = |d: &usize| {
+            let gap = (x[*d] - self.low[*d]).min(self.high[*d] - x[*d]);
+            self.width(*d) > 0.0 && gap <= ON_BOUND * self.width(*d)
+        };
+        (0..10).filter(near).collect()
+    }
+}
+
+/// Where the swarm ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flight {
+    /// Best position, (55).
+    pub best: Particle,
+    /// Its cost.
+    pub cost: f64,
+    /// Best cost after every iteration.
+    pub history: Vec<f64>,
+    /// Coordinates on a bound of the range.
+    pub on_bound: Vec<usize>,
+}
+
+/// Random numbers of one particle.
+struct Dice(ChaCha8Rng);
+
+impl Dice {
+    fn new(seed: u64, particle: usize) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(particle as u64);
+        Self(rng)
+    }
+
+    /// Evenly in [0, 1).
+    fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Minimises within a range; `watch` sees the best position after every iteration.
+pub fn fly(
+    swarm: &Swarm,
+    range: &Range,
+    objective: &dyn Objective,
+    mut watch: impl FnMut(usize, &Particle, f64),
+) -> Flight {
+    let n = swarm.particles.max(1);
+    let mut dice: Vec<Dice> = (0..n).map(|i| Dice::new(swarm.seed, i)).collect();
+    let mut x: Vec<Particle> = dice
+        .iter_mut()
+        .map(|die| std::array::from_fn(|d| range.low[d] + range.width(d) * die.unit()))
+        .collect();
+    let mut v = vec![[0.0; 10]; n];
+    let mut cost = vec![f64::INFINITY; n];
+    evaluate(objective, &x, &mut cost);
+    let mut own = x.clone();
+    let mut own_cost = cost.clone();
+    let mut leader = least(&own_cost);
+    let mut history = vec![own_cost[leader]];
+    let mut last_change = 0;
+    for k in 1..=swarm.iterations {
+        let share = k as f64 / swarm.iterations as f64;
+        let w = swarm.weight[0] + (swarm.weight[1] - swarm.weight[0]) * share;
+        let best = own[leader];
+        for i in 0..n {
+            step(
+                &mut x[i],
+                &mut v[i],
+                &own[i],
+                &best,
+                (w, swarm.attraction),
+                range,
+                &mut dice[i],
+            );
+        }
+        evaluate(objective, &x, &mut cost);
+        for i in 0..n {
+            if cost[i] < own_cost[i] {
+                own_cost[i] = cost[i];
+                own[i] = x[i];
+            }
+        }
+        let before = history[k - 1];
+        leader = least(&own_cost);
+        history.push(own_cost[leader]);
+        watch(k, &own[leader], own_cost[leader]);
+        if own_cost[leader] < before {
+            last_change = k;
+        }
+        if k - last_change >= swarm.patience {
+            break;
+        }
+    }
+    Flight {
+        best: own[leader],
+        cost: own_cost[leader],
+        on_bound: range.touched(&own[leader]),
+        history,
+    }
+}
+
+/// (57) and (58), held inside the range.
+#[inline]
+fn step(
+    x: &mut Particle,
+    v: &mut Particle,
+    own: &Particle,
+    best: &Particle,
+    (w, [c1, c2]): (f64, [f64; 2]),
+    range: &Range,
+    dice: &mut Dice,
+) {
+    for d in 0..10 {
+        let fastest = 0.5 * range.width(d);
+        let pull = c1 * dice.unit() * (own[d] - x[d]) + c2 * dice.unit() * (best[d] - x[d]);
+        v[d] = (w * v[d] + pull).clamp(-fastest, fastest);
+        x[d] += v[d];
+        if x[d] < range.low[d] || x[d] > range.high[d] {
+            x[d] = x[d].clamp(range.low[d], range.high[d]);
+            v[d] = 0.0;
+        }
+    }
+}
+
+fn evaluate(objective: &dyn Objective, x: &[Particle], cost: &mut [f64]) {
+    if x.len() * objective.samples() > WORTH {
+        x.par_chunks(BLOCK)
+            .zip(cost.par_chunks_mut(BLOCK))
+            .for_each(|(x, cost)| objective.costs(x, cost));
+    } else {
+        objective.costs(x, cost);
+    }
+}
+
+/// Index of the least cost; the first of equals.
+fn least(cost: &[f64]) -> usize {
+    let better = |a: usize, b: usize| if cost[b] < cost[a] { b } else { a };
+    (0..cost.len()).fold(0, better)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Bowl(Particle);
+
+    impl Objective for Bowl {
+        fn costs(&self, particles: &[Particle], out: &mut [f64]) {
+            for (x, out) in particles.iter().zip(out) {
+                let square: f64 = x.iter().zip(&self.0).map(|(a, b)| (a - b).powi(2)).sum();
+                *out = square.sqrt();
+            }
+        }
+
+        fn samples(&self) -> usize {
+            1_000_000
+        }
+    }
+
+    #[test]
+    fn exact_same_bits_on_any_number_of_threads() {
+        let bowl = Bowl(std::array::from_fn(|d| 0.1 * d as f64));
+        let range = Range::around(&[0.0; 10], &[2.0; 10]);
+        let swarm = Swarm {
+            iterations: 200,
+            seed: 7,
+            ..Swarm::default()
+        };
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| fly(&swarm, &range, &bowl, |_, _, _| {}))
+        };
+        let one = run(1);
+        assert_eq!(one, run(2));
+        assert_eq!(one, run(5));
+        assert!(one.history.windows(2).all(|w| w[1] <= w[0]));
+        let other = fly(&Swarm { seed: 8, ..swarm }, &range, &bowl, |_, _, _| {});
+        assert_ne!(one.best, other.best);
+    }
+
+    #[test]
+    fn exact_a_range_without_the_answer_ends_on_its_bound() {
+        let bowl = Bowl([1.0; 10]);
+        let mut range = Range::around(&[0.0; 10], &[2.0; 10]);
+        range.high[3] = 0.5;
+        let end = fly(&Swarm::default(), &range, &bowl, |_, _, _| {});
+        assert_eq!(end.on_bound, [3]);
+        assert!((end.best[0] - 1.0).abs() < 1.0e-9 && end.best[3] == 0.5);
+    }
+}

@@ -1,0 +1,238 @@
+//! The equivalent two-body system: one joint moves, momentum is conserved, (38)-(52).
+//!
+//! Momentum is linear in the barycentric parameters of both sides; the other side follows from the one that is
+//! searched by (43), (44), (46). So every sample becomes rows in ten numbers: [`rows`].
+
+use super::properties;
+use super::swarm::{Objective, Particle};
+use crate::lanes::{LANES, V};
+use nalgebra::{SMatrix, SVector};
+use poinsot_dynamics::body_momentum;
+use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
+use pulp::{Arch, Simd, WithSimd};
+
+/// Where a side's frame is and how it moves, (38), in base axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side {
+    /// `A~`: from the side's frame to the base.
+    pub R: Matrix3,
+    /// Origin of the frame from the base origin, m.
+    pub p: Vector3,
+    /// Velocity of the origin, m/s.
+    pub v: Vector3,
+    /// Angular velocity, rad/s.
+    pub w: Vector3,
+}
+
+/// One sample of the robot with both sides of the unlocked joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoBodyReading {
+    /// Attitude.
+    pub R_NB: UnitQuaternion,
+    /// Base origin in N, m.
+    pub p_NoBo_N: Vector3,
+    /// Base side: the base's own frame.
+    pub inner: Side,
+    /// Tip side: the frame of the body behind the joint.
+    pub outer: Side,
+    /// Linear momentum, angular momentum and first moment about the base origin of bodies that are known on
+    /// their own, in base axes.
+    pub rest: [Vector3; 3],
+}
+
+/// Momentum of one sample in the ten numbers `x` of one body, about the base origin in base axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MomentumRow {
+    /// Linear, first moment and angular without the body: `[l; s; h]`.
+    pub constant: SVector<f64, 9>,
+    /// What its ten parameters add.
+    pub slope: SMatrix<f64, 9, 10>,
+    /// Attitude.
+    pub R_NB: UnitQuaternion,
+    /// Base origin in N, m.
+    pub p_NoBo_N: Vector3,
+}
+
+/// (47) and (48) of both sides about the base origin, with the first moment of the whole for (42).
+fn momentum(
+    reading: &TwoBodyReading,
+    inner: &InertialParameters,
+    outer: &InertialParameters,
+) -> SVector<f64, 9> {
+    let [mut l, mut h, mut s] = reading.rest;
+    for (side, body) in [(&reading.inner, inner), (&reading.outer, outer)] {
+        let (dl, dh) = body_momentum(body, &side.R, &side.p, &side.v, &side.w);
+        l += dl;
+        h += dh;
+        s += side.R * body.mc_B + side.p * body.mass;
+    }
+    SVector::from_iterator(l.iter().chain(s.iter()).chain(h.iter()).copied())
+}
+
+/// Rows of (49) in the ten numbers of the searched body; `compose` gives both sides from it, (43)-(46).
+pub fn rows(
+    readings: &[TwoBodyReading],
+    compose: impl Fn(&InertialParameters) -> [InertialParameters; 2],
+) -> Vec<MomentumRow> {
+    let none = compose(&InertialParameters::ZERO);
+    let units: [[InertialParameters; 2]; 10] = std::array::from_fn(|k| {
+        let mut unit = [0.0; 10];
+        unit[k] = 1.0;
+        compose(&InertialParameters::from_array(&unit))
+    });
+    let of = |reading: &TwoBodyReading| {
+        let constant = momentum(reading, &none[0], &none[1]);
+        let mut slope = SMatrix::<f64, 9, 10>::zeros();
+        for (k, [inner, outer]) in units.iter().enumerate() {
+            slope.set_column(k, &(momentum(reading, inner, outer) - constant));
+        }
+        MomentumRow {
+            constant,
+            slope,
+            R_NB: reading.R_NB,
+            p_NoBo_N: reading.p_NoBo_N,
+        }
+    };
+    readings.iter().map(of).collect()
+}
+
+/// Parameters about the origin of one frame from those about the origin of another that stands at `p`, turned
+/// by `R`: the parallel-axis theorem of (44) before the mass is divided out.
+pub fn transported(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
+    let mc = R * body.mc_B;
+    let cross = Matrix3::identity() * (2.0 * p.dot(&mc)) - p * mc.transpose() - mc * p.transpose();
+    InertialParameters {
+        mass: body.mass,
+        mc_B: mc + p * body.mass,
+        I_BBo_B: R * body.I_BBo_B * R.transpose() + parallel_axis(body.mass, p) + cross,
+    }
+}
+
+/// The inverse of [`transported`].
+pub fn transported_back(body: &InertialParameters, R: &Matrix3, p: &Vector3) -> InertialParameters {
+    let inverse = R.transpose();
+    transported(body, &inverse, &-(inverse * p))
+}
+
+/// What the mass of the whole is where a row is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Whole {
+    /// Mass without the searched body, or of the whole where that is given, kg.
+    pub constant: f64,
+    /// 1 where the searched body adds its own mass, else 0.
+    pub slope: f64,
+}
+
+const L: usize = 9;
+const SLOPES: usize = 12 + 12 + 30;
+
+/// The cost (52), mean over the samples, for many particles at once: eight samples side by side.
+///
+/// `H` of (51) is taken about the origin of the inertial frame, which is the system's mass centre; (42) puts
+/// the base there, so `H = h - (s/M) x l` in base axes.
+pub struct TwoBodyObjective {
+    chunks: Vec<[V; L + SLOPES]>,
+    samples: usize,
+    whole: Whole,
+}
+
+impl TwoBodyObjective {
+    /// From rows about zero momentum; `total` is the mass of the whole where it is known.
+    pub fn new(rows: &[MomentumRow], total: Option<f64>, rest: f64) -> Self {
+        let whole = Whole {
+            constant: total.unwrap_or(rest),
+            slope: f64::from(u8::from(total.is_none())),
+        };
+        let chunks = rows.chunks(LANES).map(|chunk| {
+            let mut lanes = [V::ZERO; L + SLOPES];
+            for (k, row) in chunk.iter().enumerate() {
+                // No tensor shows in linear momentum and first moment: four columns, then ten.
+                let upper = row.slope.fixed_view::<6, 4>(0, 0);
+                let lower = row.slope.fixed_view::<3, 10>(6, 0);
+                let all = row.constant.iter().chain(upper.iter()).chain(lower.iter());
+                for (lane, x) in lanes.iter_mut().zip(all) {
+                    lane.0[k] = *x;
+                }
+            }
+            lanes
+        });
+        Self {
+            chunks: chunks.collect(),
+            samples: rows.len(),
+            whole,
+        }
+    }
+}
+
+impl Objective for TwoBodyObjective {
+    fn costs(&self, particles: &[Particle], out: &mut [f64]) {
+        Arch::new().dispatch(Costs {
+            objective: self,
+            particles,
+            out,
+        });
+    }
+
+    fn samples(&self) -> usize {
+        self.samples
+    }
+}
+
+/// The costs of a block of particles, compiled for the instructions that the machine has.
+struct Costs<'a> {
+    objective: &'a TwoBodyObjective,
+    particles: &'a [Particle],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Costs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let objective = self.objective;
+        for (particles, out) in self.particles.chunks(64).zip(self.out.chunks_mut(64)) {
+            let mut sums = [V::ZERO; 64];
+            let mut bodies = [([V::ZERO; 10], V::ZERO); 64];
+            for (x, body) in particles.iter().zip(bodies.iter_mut()) {
+                let mass = objective.whole.constant + objective.whole.slope * x[0];
+                let ten = properties(x).parameters().to_array();
+                *body = (ten.map(V::all), V::all(1.0 / mass));
+            }
+            // One chunk of samples stays in the nearest cache while all particles pass.
+            for chunk in &objective.chunks {
+                for (body, total) in bodies.iter().zip(sums.iter_mut()).take(particles.len()) {
+                    *total = *total + cost(chunk, &body.0, body.1);
+                }
+            }
+            for (out, total) in out.iter_mut().zip(&sums) {
+                *out = total.0.iter().sum::<f64>() / objective.samples.max(1) as f64;
+            }
+        }
+    }
+}
+
+/// (52): `|P| + |H|` of eight samples.
+#[inline(always)]
+fn cost(s: &[V; L + SLOPES], x: &[V; 10], inverse_mass: V) -> V {
+    let mut upper = [s[0], s[1], s[2], s[3], s[4], s[5]];
+    for j in 0..4 {
+        for i in 0..6 {
+            upper[i] = upper[i].plus(s[L + 6 * j + i], x[j]);
+        }
+    }
+    let mut h = [s[6], s[7], s[8]];
+    for j in 0..10 {
+        for i in 0..3 {
+            h[i] = h[i].plus(s[L + 24 + 3 * j + i], x[j]);
+        }
+    }
+    let [lx, ly, lz, sx, sy, sz] = upper;
+    let [cx, cy, cz] = [sx * inverse_mass, sy * inverse_mass, sz * inverse_mass];
+    let hx = h[0].less(cy, lz).plus(cz, ly);
+    let hy = h[1].less(cz, lx).plus(cx, lz);
+    let hz = h[2].less(cx, ly).plus(cy, lx);
+    let P = (lx * lx).plus(ly, ly).plus(lz, lz);
+    let H = (hx * hx).plus(hy, hy).plus(hz, hz);
+    P.root() + H.root()
+}

@@ -1,0 +1,274 @@
+//! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
+
+use super::{Buffers, Centre, Drive, Motion, State};
+use crate::parameters::UnknownKind;
+use crate::segment::Observations;
+use crate::vehicle::{Vehicle, wheel_slope};
+use poinsot_dynamics::{Kinematics, Twist, composite, momentum, wheel_momentum};
+use poinsot_spatial::{Matrix6, Vector3, Vector6};
+
+/// Step of the differences over a joint's position, rad or m.
+const STEP: f64 = 1.0e-5;
+
+/// What one unknown does to the inputs at an instant, per unit of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct InputChange {
+    /// Index of the unknown.
+    pub unknown: usize,
+    /// Joint coordinate, with the change of its position and rate.
+    pub joint: Option<(usize, f64, f64)>,
+    /// Wheel, with the change of its speed.
+    pub wheel: Option<(usize, f64)>,
+}
+
+/// What an unknown does to the force and torque from outside, through a joint's position.
+pub(super) struct OutsideChange {
+    pub unknown: usize,
+    /// Of the force in B, N.
+    pub F_B: Vector3,
+    /// Of the torque about the system's mass centre in B, N m.
+    pub T_B: Vector3,
+}
+
+impl Motion<'_> {
+    /// Inputs within the interval after grid time k, their faults taken off.
+    pub(super) fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
+        self.now = k;
+        self.set_orbit(k, at);
+        fill_inputs(self.observations, self.vehicle, k, at, buffer);
+        buffer.changes.clear();
+        for fault in &self.vehicle.input_faults {
+            let (unknown, value) = (fault.unknown, fault.value);
+            let changes = &mut buffer.changes;
+            let mut moved = |j: usize, q: f64, rate: f64| {
+                changes.push(InputChange {
+                    unknown,
+                    joint: Some((j, q, rate)),
+                    wheel: None,
+                });
+            };
+            match &self.vehicle.kinds[unknown] {
+                UnknownKind::RestingJoint(rest) if self.rests_now(rest) => {
+                    buffer.q[rest.joint] -= value;
+                    moved(rest.joint, -1.0, 0.0);
+                }
+                UnknownKind::JointOffset(j) => {
+                    buffer.q[*j] -= value;
+                    moved(*j, -1.0, 0.0);
+                }
+                // It reads late: the joint is where the reading will be.
+                UnknownKind::JointLag(joints) => {
+                    for &j in joints {
+                        let (rate, acceleration) = (buffer.rates[j], buffer.accelerations[j]);
+                        moved(j, rate, acceleration);
+                        buffer.q[j] += rate * value;
+                        buffer.rates[j] += acceleration * value;
+                    }
+                }
+                UnknownKind::WheelLag(wheels) => {
+                    for &w in wheels {
+                        let rate = buffer.wheel_rates[w];
+                        buffer.wheels[w] += rate * value;
+                        changes.push(InputChange {
+                            unknown,
+                            joint: None,
+                            wheel: Some((w, rate)),
+                        });
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// What the faults of the inputs do to the twist: for a joint's position the balance
+    /// `Y pi - [l; h_cm + c x l]` a little further, momentum held; for rates and speeds the input gains.
+    pub(super) fn input_columns(
+        &mut self,
+        drive: &Drive,
+        twist: &Twist,
+        centre: &Centre,
+        inverse_inertia: &Matrix6,
+        twists: &mut [Vector6],
+    ) {
+        for change in drive.changes {
+            let column = self.head + change.unknown;
+            if let Some((joint, dq, drate)) = change.joint {
+                if dq != 0.0 {
+                    let slope = self.balance_slope(drive, twist, centre, joint);
+                    twists[column] -= inverse_inertia * slope * dq;
+                }
+                if drate != 0.0 {
+                    twists[column] += self.rate_gain(inverse_inertia, joint) * drate;
+                }
+            }
+            if let Some((wheel, dspeed)) = change.wheel {
+                twists[column] += self.speed_gain(inverse_inertia, wheel) * dspeed;
+            }
+        }
+    }
+
+    fn balance_slope(
+        &mut self,
+        drive: &Drive,
+        twist: &Twist,
+        centre: &Centre,
+        joint: usize,
+    ) -> Vector6 {
+        let v = self.vehicle;
+        let mut q = drive.q.to_vec();
+        let mut ends = [Vector6::zeros(); 2];
+        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+            q[joint] = drive.q[joint] + sign * STEP;
+            self.still.place(v.tree, &q);
+            self.still
+                .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
+            let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
+            let c = composite(&v.bodies, &self.still).p_BoScm_B();
+            *end = momentum(&v.bodies, &self.still);
+            let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
+            end.fixed_rows_mut::<3>(3).copy_from(&h);
+        }
+        (ends[0] - ends[1]) / (2.0 * STEP)
+    }
+
+    /// What the faults of joint positions do to force and torque from outside.
+    pub(super) fn outside_changes(
+        &mut self,
+        state: &State,
+        drive: &Drive,
+        centre: &Centre,
+        w: &Vector3,
+    ) -> Vec<OutsideChange> {
+        let calm = drive.thrust.is_empty() && self.vehicle.gm.is_none();
+        if calm || drive.changes.is_empty() || self.columns_wanted == 0 {
+            return Vec::new();
+        }
+        let mut list = Vec::new();
+        for change in drive.changes {
+            let Some((joint, dq, _)) = change.joint else {
+                continue;
+            };
+            let (mut F_B, mut T_B) = (Vector3::zeros(), Vector3::zeros());
+            let mut q = drive.q.to_vec();
+            for weight in [0.5 / STEP, -0.5 / STEP] {
+                q[joint] = drive.q[joint] + STEP * weight.signum();
+                self.still.place(self.vehicle.tree, &q);
+                let whole = composite(&self.vehicle.bodies, &self.still);
+                let mut there = *centre;
+                there.c = whole.p_BoScm_B();
+                there.I_SScm_B = whole.I_SScm_B();
+                T_B += self.surroundings(state, w, &there) * weight;
+                for (at, declared) in drive.thrust {
+                    let (F, arm) = thruster_at(self.vehicle, &self.still, *at, *declared, &there.c);
+                    F_B += F * weight;
+                    T_B += arm.cross(&F) * weight;
+                }
+            }
+            list.push(OutsideChange {
+                unknown: change.unknown,
+                F_B: F_B * dq,
+                T_B: T_B * dq,
+            });
+        }
+        list
+    }
+}
+
+/// Force of a thruster at a placement, and its arm from the point c, in B.
+pub(super) fn thruster_at(
+    vehicle: &Vehicle,
+    kinematics: &Kinematics,
+    at: usize,
+    declared: f64,
+    c: &Vector3,
+) -> (Vector3, Vector3) {
+    let thruster = &vehicle.thrusters[at];
+    let (R, p) = (&kinematics.R[thruster.body], &kinematics.p[thruster.body]);
+    let F = R * thruster.direction_B * (declared * vehicle.thrust_factor[at]);
+    (F, p + R * thruster.p_BoT_B - c)
+}
+
+/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
+/// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
+fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+    let tree = vehicle.tree;
+    let (dof, wheels) = (tree.dof(), tree.rotors.len());
+    let derivatives = !vehicle.input_faults.is_empty();
+    if derivatives {
+        fill_derivatives(o, vehicle, k, at, buffer);
+    }
+    if at == 0.0 {
+        buffer
+            .q
+            .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
+        buffer
+            .rates
+            .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
+        buffer
+            .wheels
+            .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
+        return;
+    }
+    let h = o.time_s[k + 1] - o.time_s[k];
+    for j in 0..dof {
+        let (d0, c2, c3) = cubic(o, dof, j, k, h);
+        buffer.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
+        buffer.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
+    }
+    for j in 0..wheels {
+        let (a, b) = (
+            o.wheel_speed[k * wheels + j],
+            o.wheel_speed[(k + 1) * wheels + j],
+        );
+        buffer.wheels[j] = a + at * (b - a);
+        if vehicle.wheels_smooth {
+            let (left, right) = (
+                wheel_slope(o, wheels, j, k),
+                wheel_slope(o, wheels, j, k + 1),
+            );
+            let (d0, d1) = (left * h - (b - a), right * h - (b - a));
+            buffer.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
+        }
+    }
+}
+
+/// Coefficients of a joint's cubic in the interval after grid time k, over the share of it.
+fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64, f64) {
+    let (a, b) = (k * dof + j, (k + 1) * dof + j);
+    let dq = o.joint_position[b] - o.joint_position[a];
+    let (d0, d1) = (o.joint_rate[a] * h, o.joint_rate[b] * h);
+    (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
+}
+
+/// Second derivatives of the joints and slopes of the wheel speeds, for faults that shift them in time.
+fn fill_derivatives(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+    let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
+    buffer.accelerations.resize(dof, 0.0);
+    buffer.wheel_rates.resize(wheels, 0.0);
+    let last = o.time_s.len() - 1;
+    if last == 0 {
+        return;
+    }
+    // The last grid time is the end of the interval before it.
+    let (k, at) = if k == last { (last - 1, 1.0) } else { (k, at) };
+    let h = o.time_s[k + 1] - o.time_s[k];
+    for j in 0..dof {
+        let (_, c2, c3) = cubic(o, dof, j, k, h);
+        buffer.accelerations[j] = (2.0 * c2 + 6.0 * at * c3) / (h * h);
+    }
+    for j in 0..wheels {
+        let (a, b) = (
+            o.wheel_speed[k * wheels + j],
+            o.wheel_speed[(k + 1) * wheels + j],
+        );
+        buffer.wheel_rates[j] = (b - a) / h;
+        if vehicle.wheels_smooth {
+            let (left, right) = (
+                wheel_slope(o, wheels, j, k),
+                wheel_slope(o, wheels, j, k + 1),
+            );
+            buffer.wheel_rates[j] = left + at * (right - left);
+        }
+    }
+}

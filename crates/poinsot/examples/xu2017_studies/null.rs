@@ -1,0 +1,93 @@
+//! Which part of an error no motion can show: projection on the open directions, in natural units.
+
+use poinsot_identify::{Estimate, tensor_name};
+use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
+
+/// Orthonormal open directions of all ten parameters of all bodies, natural units.
+pub struct Null {
+    natural: Vec<f64>,
+    directions: Vec<Vec<f64>>,
+}
+
+impl Null {
+    /// From the open combinations of an answer on all data; natural units of the true bodies.
+    pub fn new(estimate: &Estimate, truth: &[MassProperties]) -> Self {
+        let names: Vec<String> = estimate
+            .bodies
+            .iter()
+            .flat_map(|b| {
+                (0..10).map(|k| match k {
+                    0 => format!("{}.m", b.name),
+                    1..=3 => format!("{}.{}", b.name, PARAMETER_NAMES[k]),
+                    _ => format!("{}.I_BBo_{}", b.name, tensor_name(k - 4)),
+                })
+            })
+            .collect();
+        let natural: Vec<f64> = truth
+            .iter()
+            .flat_map(|b| {
+                let (m, L) = (b.mass, b.radius_of_gyration());
+                (0..10).map(move |k| match k {
+                    0 => m,
+                    1..=3 => m * L,
+                    _ => m * L * L,
+                })
+            })
+            .collect();
+        let mut directions: Vec<Vec<f64>> = Vec::new();
+        for open in &estimate.identifiability.open {
+            let mut d = vec![0.0; names.len()];
+            for (name, c) in &open.coefficients {
+                if let Some(at) = names.iter().position(|n| n == name) {
+                    d[at] = c / natural[at];
+                }
+            }
+            // Gram and Schmidt, twice for round-off.
+            for _ in 0..2 {
+                for before in &directions {
+                    let share = dot(&d, before);
+                    d.iter_mut().zip(before).for_each(|(x, b)| *x -= share * b);
+                }
+                let length = dot(&d, &d).sqrt();
+                d.iter_mut().for_each(|x| *x /= length);
+            }
+            directions.push(d);
+        }
+        Self {
+            natural,
+            directions,
+        }
+    }
+
+    /// Number of open directions.
+    pub fn count(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// Squared scaled error, and the share of it along open directions.
+    pub fn share(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> (f64, f64) {
+        let error: Vec<f64> = found
+            .iter()
+            .zip(truth)
+            .flat_map(|(a, b)| {
+                let (a, b) = (a.to_array(), b.to_array());
+                (0..10).map(move |k| a[k] - b[k])
+            })
+            .zip(&self.natural)
+            .map(|(e, unit)| e / unit)
+            .collect();
+        let whole = dot(&error, &error);
+        let inside: f64 = self.directions.iter().map(|d| dot(&error, d).powi(2)).sum();
+        (whole, inside / whole)
+    }
+
+    /// Size of the error that the data can show, natural units, root of the sum of squares.
+    pub fn visible(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> f64 {
+        let (whole, share) = self.share(found, truth);
+        (whole * (1.0 - share).max(0.0)).sqrt()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

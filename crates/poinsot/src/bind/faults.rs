@@ -1,0 +1,55 @@
+//! Which faults of which sensors can be unknown: anything else that is asked for is refused, not ignored.
+
+use super::BindError;
+use poinsot_model::{Model, Nuisance, SensorKind};
+
+/// Faults that the fit knows, by kind of sensor.
+fn known(kind: SensorKind) -> &'static [&'static str] {
+    match kind {
+        SensorKind::Gyro | SensorKind::Accelerometer | SensorKind::VelocityIncrement => {
+            &["bias", "scale", "misalignment", "lag"]
+        }
+        SensorKind::JointPosition => &["bias", "lag"],
+        SensorKind::Attitude
+        | SensorKind::Position
+        | SensorKind::Velocity
+        | SensorKind::WheelSpeed
+        | SensorKind::Thrust => &["lag"],
+        SensorKind::JointRate => &[],
+    }
+}
+
+/// # Errors
+/// The first fault that is declared unknown and that no method estimates.
+pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
+    for sensor in &model.sensors {
+        let kind = sensor.kind;
+        for (what, declared) in [
+            ("bias", sensor.bias),
+            ("scale", sensor.scale),
+            ("misalignment", sensor.misalignment),
+            ("lag", sensor.lag),
+        ] {
+            if declared == Nuisance::Known || known(kind).contains(&what) {
+                continue;
+            }
+            let instead = match (kind, what) {
+                (SensorKind::Thrust, "scale") => "; write scale on the [[thruster]]",
+                (SensorKind::JointRate, _) => "; declare it on the joint_position sensor",
+                _ => "",
+            };
+            let can = match known(kind) {
+                [] => "nothing".to_owned(),
+                list => list.join(", "),
+            };
+            return Err(BindError::Unsupported {
+                what: format!(
+                    "sensor '{}': {what} cannot be unknown for a sensor of type {} (of it can be: {can}){instead}; take it out",
+                    sensor.name,
+                    kind.word()
+                ),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,375 @@
+//! The verb `validate`: does a model, or an estimate, move as another model or as telemetry?
+//!
+//! Three questions. Against a model, in a case: both move under the same torques, wheels and thrust. Against
+//! telemetry, in a case: the motion that the case gives beside the readings. Against telemetry alone: what
+//! the vehicle predicts for a record that was held back, driven by its measured joints, wheels and thrust.
+
+mod compared;
+mod estimate;
+mod file;
+mod motion;
+mod mover;
+mod open;
+mod telemetry;
+mod text;
+
+pub use compared::{Compared, Sigmas};
+pub use estimate::{EstimatedVehicle, of_estimate, read_estimate};
+pub use file::{validation_csv, validation_json, write_validation};
+pub use motion::{JointPath, Path as MotionPath, compare_motion, compare_paths, path};
+pub use mover::Mover;
+pub use open::{OpenEffect, held_back_effect, motion_effect};
+pub use telemetry::{HeldBackFindings, compare_held_back, compare_with_telemetry};
+pub use text::validation_document;
+
+use crate::case::{Case, read_case};
+use crate::error::Error;
+use crate::identify::{read_options, segment_files};
+use crate::simulate::SimulateError;
+use poinsot_identify::Completion;
+use poinsot_model::{Model, read_model, read_telemetry_map};
+use poinsot_telemetry::read;
+use std::path::PathBuf;
+
+/// Mean square in sigmas above which a difference is more than the declared noise.
+const MISFIT: f64 = 1.5;
+
+/// Why there is nothing to compare.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ValidateError {
+    /// The estimate.
+    #[error("E0701 {}: this estimate cannot be moved: {why}", path.display())]
+    Estimate {
+        /// File.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// A controller.
+    #[error(
+        "E0702 {}: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]",
+        file.display()
+    )]
+    Control {
+        /// The case file.
+        file: PathBuf,
+    },
+    /// No channel or no time in common.
+    #[error(
+        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; times count from the start of the case",
+        file.display()
+    )]
+    NothingInCommon {
+        /// The case file.
+        file: PathBuf,
+    },
+}
+
+/// The question.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ValidateRequest {
+    /// Model; that of the case where it is not given.
+    pub model: Option<PathBuf>,
+    /// Estimate of this model (folder or file), whose numbers replace the nominal ones.
+    pub estimate: Option<PathBuf>,
+    /// Another model (`.toml`), or telemetry files joined by commas.
+    pub against: String,
+    /// Case; not needed for held-back telemetry.
+    pub case: Option<PathBuf>,
+    /// File with a `[telemetry]` table that replaces the model's.
+    pub map: Option<PathBuf>,
+    /// Largest acceptable difference of positions and prismatic joints, m.
+    pub within_m: Option<f64>,
+    /// Largest acceptable difference of attitude and revolute joints, rad.
+    pub within_rad: Option<f64>,
+    /// No repairs.
+    pub strict: bool,
+    /// Read what a damaged file still holds.
+    pub recover: bool,
+}
+
+/// What was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Against {
+    /// Another model in a case.
+    Model,
+    /// Telemetry of a case.
+    TelemetryOfCase,
+    /// Telemetry alone.
+    HeldBack,
+}
+
+/// How it ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Compared; nothing says what would be acceptable.
+    Compared,
+    /// Within the limits given, or within the declared noise.
+    Agrees,
+    /// Beyond them.
+    Differs,
+    /// The motion depends on what the estimate leaves open.
+    Undetermined,
+}
+
+impl Verdict {
+    /// Name in the result file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Compared => "compared",
+            Self::Agrees => "agrees",
+            Self::Differs => "differs",
+            Self::Undetermined => "undetermined",
+        }
+    }
+}
+
+/// How an estimate that leaves numbers open was made whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Completed {
+    /// Numbers the estimate determines, and those it leaves open.
+    pub determined: usize,
+    /// Open directions.
+    pub open: usize,
+    /// How far the completed numbers lie from the nominal ones, natural units.
+    pub distance: f64,
+    /// What the prediction has of the open directions.
+    pub effect: OpenEffect,
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// What was asked.
+    pub kind: Against,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Path of the model.
+    pub model: String,
+    /// Path of the estimate, with its status.
+    pub estimate: Option<(String, String)>,
+    /// What it was compared with.
+    pub against: String,
+    /// Path of the case.
+    pub case: Option<String>,
+    /// One per quantity.
+    pub compared: Vec<Compared>,
+    /// Chi-square per degree of freedom of held-back telemetry.
+    pub chi2_per_dof: Option<f64>,
+    /// How open numbers were completed.
+    pub completed: Option<Completed>,
+    /// Limits given, m and rad.
+    pub limits: (Option<f64>, Option<f64>),
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// Assumptions and repairs of reading.
+    pub repairs: Vec<String>,
+}
+
+impl Validation {
+    /// Exit code of the command.
+    pub fn exit_code(&self) -> u8 {
+        u8::from(matches!(
+            self.verdict,
+            Verdict::Differs | Verdict::Undetermined
+        ))
+    }
+}
+
+/// Compares the motion of a model or an estimate with another model or with telemetry.
+///
+/// # Errors
+/// The question cannot be asked: files, names, or a motion that cannot be computed.
+pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
+    check(request)?;
+    let case = request.case.as_deref().map(read_case).transpose();
+    let case = case.map_err(SimulateError::from)?;
+    let path = match (&request.model, &case) {
+        (Some(path), _) => path.clone(),
+        (None, Some(case)) => case.model.clone(),
+        (None, None) => {
+            let why = "give --model, or a case that names one";
+            return Err(usage("--model", "", why));
+        }
+    };
+    let mut model = read_model(&path)?;
+    if let Some(map) = &request.map {
+        model.telemetry = read_telemetry_map(map)?;
+    }
+    let estimated = match &request.estimate {
+        Some(path) => Some(read_estimate(path, &model)?),
+        None => None,
+    };
+    let mover = match &estimated {
+        Some(estimated) => estimated.mover.clone(),
+        None => Mover::of_model(model.clone()),
+    };
+    let completion = estimated.as_ref().and_then(|e| e.completion.as_ref());
+    let asked = Asked {
+        request,
+        mover: &mover,
+        model: &model,
+        completion,
+    };
+    let mut validation = match (&case, request.against.ends_with(".toml")) {
+        (Some(case), true) => asked.against_model(case)?,
+        (Some(case), false) => asked.against_telemetry(case)?,
+        (None, false) => asked.held_back()?,
+        (None, true) => {
+            let why = "a case is needed that says which torques both vehicles get";
+            return Err(usage("CASE", "", why));
+        }
+    };
+    validation.model = path.display().to_string();
+    if let (Some(path), Some(estimated)) = (&request.estimate, &estimated) {
+        validation.estimate = Some((path.display().to_string(), estimated.status.clone()));
+        if !estimated.trustworthy {
+            let warning = "the estimate says that its covariance is not trustworthy";
+            validation.warnings.push(warning.to_owned());
+        }
+    }
+    Ok(validation)
+}
+
+/// The question with everything read.
+struct Asked<'a> {
+    request: &'a ValidateRequest,
+    mover: &'a Mover,
+    model: &'a Model,
+    completion: Option<&'a Completion>,
+}
+
+impl Asked<'_> {
+    fn against_model(&self, case: &Case) -> Result<Validation, Error> {
+        let other = Mover::of_model(read_model(PathBuf::from(&self.request.against))?);
+        let (own, theirs) = (path(case, self.mover)?, path(case, &other)?);
+        let compared = compare_paths(&own, &theirs);
+        let effect = self
+            .completion
+            .map(|c| motion_effect(case, self.model, c, &own));
+        let verdict = within(&compared, self.request);
+        let mut validation = self.answer(Against::Model, compared, verdict, effect.transpose()?);
+        validation.case = Some(case.path().display().to_string());
+        Ok(validation)
+    }
+
+    fn against_telemetry(&self, case: &Case) -> Result<Validation, Error> {
+        let table = self.table()?;
+        let compared = compare_with_telemetry(case, self.mover, &table)?;
+        let effect = match self.completion {
+            Some(c) => Some(motion_effect(
+                case,
+                self.model,
+                c,
+                &path(case, self.mover)?,
+            )?),
+            None => None,
+        };
+        let judged = compared.iter().filter_map(|c| c.sigmas);
+        let worst = judged.map(|s| s.rms * s.rms).reduce(f64::max);
+        let verdict = match worst {
+            Some(worst) if worst <= MISFIT => Verdict::Agrees,
+            Some(_) => Verdict::Differs,
+            None => within(&compared, self.request),
+        };
+        let mut validation = self.answer(Against::TelemetryOfCase, compared, verdict, effect);
+        validation.case = Some(case.path().display().to_string());
+        validation.repairs = table.repairs;
+        Ok(validation)
+    }
+
+    fn held_back(&self) -> Result<Validation, Error> {
+        let table = [self.table()?];
+        let found = compare_held_back(self.mover, &table)?;
+        let effect = self
+            .completion
+            .map(|c| held_back_effect(self.model, c, &table, found.chi2_per_dof));
+        let verdict = match found.chi2_per_dof <= MISFIT {
+            true => Verdict::Agrees,
+            false => Verdict::Differs,
+        };
+        let kind = Against::HeldBack;
+        let mut validation = self.answer(kind, found.compared, verdict, effect.transpose()?);
+        validation.chi2_per_dof = Some(found.chi2_per_dof);
+        validation.warnings = found.warnings;
+        validation.repairs = found.repairs;
+        Ok(validation)
+    }
+
+    fn table(&self) -> Result<poinsot_telemetry::Table, Error> {
+        let (model, request) = (self.model, self.request);
+        let options = read_options(model, &model.telemetry, request.strict, request.recover);
+        Ok(read(&segment_files(&request.against), &options)?)
+    }
+
+    fn answer(
+        &self,
+        kind: Against,
+        compared: Vec<Compared>,
+        verdict: Verdict,
+        effect: Option<OpenEffect>,
+    ) -> Validation {
+        let completed = self.completion.zip(effect).map(|(c, effect)| Completed {
+            determined: c.x.len().saturating_sub(c.open.len()),
+            open: c.open.len(),
+            distance: c.distance,
+            effect,
+        });
+        let open = completed.as_ref().is_some_and(|c| c.effect.matters());
+        Validation {
+            kind,
+            verdict: if open { Verdict::Undetermined } else { verdict },
+            model: String::new(),
+            estimate: None,
+            against: self.request.against.clone(),
+            case: None,
+            compared,
+            chi2_per_dof: None,
+            completed,
+            limits: (self.request.within_m, self.request.within_rad),
+            warnings: Vec::new(),
+            repairs: Vec::new(),
+        }
+    }
+}
+
+/// Whether every position and angle stays within the limits given.
+fn within(compared: &[Compared], request: &ValidateRequest) -> Verdict {
+    let mut verdict = Verdict::Compared;
+    for one in compared {
+        let limit = match one.unit {
+            "m" => request.within_m,
+            "rad" => request.within_rad,
+            _ => None,
+        };
+        let Some(limit) = limit else { continue };
+        // NaN is beyond every limit.
+        if one.largest > limit || one.largest.is_nan() {
+            return Verdict::Differs;
+        }
+        verdict = Verdict::Agrees;
+    }
+    verdict
+}
+
+fn check(request: &ValidateRequest) -> Result<(), Error> {
+    let limits = [
+        ("--within-m", request.within_m),
+        ("--within-rad", request.within_rad),
+    ];
+    for (option, limit) in limits {
+        if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
+            let why = "a limit must be a number that is not negative";
+            return Err(usage(option, &x.to_string(), why));
+        }
+    }
+    Ok(())
+}
+
+fn usage(option: &'static str, value: &str, why: &str) -> Error {
+    Error::Usage {
+        option,
+        value: value.to_owned(),
+        why: why.to_owned(),
+    }
+}

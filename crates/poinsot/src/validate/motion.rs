@@ -1,0 +1,171 @@
+//! Two vehicles under the same torques, wheels and thrust (Xu et al. 2017, sec. 5.5).
+
+use super::compared::Compared;
+use super::{Mover, ValidateError};
+use crate::case::{Case, Scenario};
+use crate::error::Error;
+use crate::simulate::{SimulateError, run};
+use poinsot_dynamics::Tree;
+use poinsot_model::JointKind;
+use poinsot_spatial::{UnitQuaternion, Vector3};
+
+/// The motion of a vehicle in a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Position of the base origin, in N, m.
+    pub p_NoBo_N: Vec<Vector3>,
+    /// `R_NB`.
+    pub R_NB: Vec<UnitQuaternion>,
+    /// Joints that move.
+    pub joints: Vec<JointPath>,
+}
+
+/// The motion of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPath {
+    /// Name.
+    pub name: String,
+    /// `rad` or `m`.
+    pub unit: &'static str,
+    /// Positions.
+    pub position: Vec<f64>,
+}
+
+/// Moves a vehicle through a case.
+///
+/// # Errors
+/// The case does not fit the vehicle, has a controller, or the motion cannot be computed.
+pub fn path(case: &Case, mover: &Mover) -> Result<Path, Error> {
+    let scenario = scenario(case, mover)?;
+    let tree = Tree::new(&mover.model);
+    let joints = tree
+        .coordinates
+        .iter()
+        .filter_map(|k| mover.model.joints.get(*k));
+    let mut path = Path {
+        time_s: Vec::new(),
+        p_NoBo_N: Vec::new(),
+        R_NB: Vec::new(),
+        joints: joints
+            .map(|joint| JointPath {
+                name: joint.name.clone(),
+                unit: match joint.kind {
+                    JointKind::Prismatic => "m",
+                    _ => "rad",
+                },
+                position: Vec::new(),
+            })
+            .collect(),
+    };
+    run(
+        case,
+        &mover.model,
+        Some(&mover.bodies),
+        &scenario,
+        |s, _| {
+            path.time_s.push(s.time);
+            path.p_NoBo_N.push(s.p_NoBo_N);
+            path.R_NB.push(s.R_NB);
+            for (joint, q) in path.joints.iter_mut().zip(&s.q) {
+                joint.position.push(*q);
+            }
+        },
+    )?;
+    Ok(path)
+}
+
+/// The case for a vehicle, with the forces of its thrusters.
+pub(super) fn scenario(case: &Case, mover: &Mover) -> Result<Scenario, Error> {
+    let mut scenario = case.bind(&mover.model).map_err(SimulateError::from)?;
+    if scenario.control.is_some() {
+        return Err(ValidateError::Control {
+            file: case.path().to_owned(),
+        }
+        .into());
+    }
+    let driven = scenario.driven.iter_mut().flat_map(|d| &mut d.firings);
+    for firing in driven.chain(&mut scenario.plan.firings) {
+        let factor = mover.thrust_factor.get(firing.thruster);
+        firing.force *= factor.copied().unwrap_or(1.0);
+    }
+    Ok(scenario)
+}
+
+/// What two vehicles do in a case: base position, base attitude and every joint that both have, over time.
+///
+/// # Errors
+/// As [`path`].
+pub fn compare_motion(case: &Case, model: &Mover, against: &Mover) -> Result<Vec<Compared>, Error> {
+    Ok(compare_paths(&path(case, model)?, &path(case, against)?))
+}
+
+/// The same of paths at the same times.
+pub fn compare_paths(model: &Path, against: &Path) -> Vec<Compared> {
+    let xyz = |name: &str| {
+        ["x", "y", "z"]
+            .map(|axis| format!("{name}_{axis}"))
+            .to_vec()
+    };
+    let rows = |v: &[Vector3]| (0..3).map(|k| v.iter().map(|v| v[k]).collect()).collect();
+    let mut list = Vec::new();
+    let pairs = || model.p_NoBo_N.iter().zip(&against.p_NoBo_N);
+    let off: Vec<Vector3> = pairs().map(|(a, b)| a - b).collect();
+    list.push(Compared::new(
+        "base position",
+        "m",
+        model.time_s.clone(),
+        (xyz("r"), rows(&model.p_NoBo_N), rows(&against.p_NoBo_N)),
+        (xyz("r"), rows(&off)),
+    ));
+    let pairs = || model.R_NB.iter().zip(&against.R_NB);
+    // The small rotation from the second attitude to the first, in base axes.
+    let turn: Vec<Vector3> = pairs().map(|(a, b)| turn(b, a)).collect();
+    let quaternions = |q: &[UnitQuaternion]| {
+        let component = |k| q.iter().map(|q| q.coords[k]).collect();
+        (0..4).map(component).collect()
+    };
+    let names = ["q_x", "q_y", "q_z", "q_w"].map(str::to_owned).to_vec();
+    list.push(Compared::new(
+        "base attitude",
+        "rad",
+        model.time_s.clone(),
+        (names, quaternions(&model.R_NB), quaternions(&against.R_NB)),
+        (xyz("turn"), rows(&turn)),
+    ));
+    for joint in &model.joints {
+        let same = |other: &&JointPath| other.name == joint.name && other.unit == joint.unit;
+        let Some(other) = against.joints.iter().find(same) else {
+            continue;
+        };
+        let pairs = joint.position.iter().zip(&other.position);
+        let off = pairs.map(|(a, b)| a - b).collect();
+        let name = vec![format!("{}_{}", joint.name, joint.unit)];
+        list.push(Compared::new(
+            &format!("joint {}", joint.name),
+            joint.unit,
+            model.time_s.clone(),
+            (
+                name.clone(),
+                vec![joint.position.clone()],
+                vec![other.position.clone()],
+            ),
+            (name, vec![off]),
+        ));
+    }
+    list
+}
+
+/// The rotation vector that takes attitude `from` to attitude `to`, in the axes of `from`, rad; exact for
+/// the smallest turns, where the scalar part of a quaternion tells nothing.
+pub(super) fn turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 {
+    let q = from.inverse() * to;
+    let (v, w) = (q.imag(), q.w);
+    let (v, w) = if w < 0.0 { (-v, -w) } else { (v, w) };
+    let size = v.norm();
+    if size == 0.0 {
+        return Vector3::zeros();
+    }
+    v * (2.0 * size.atan2(w) / size)
+}

@@ -1,0 +1,45 @@
+//! A vehicle that can be moved: of a model, or of an estimate that leaves numbers open.
+
+use poinsot_identify::CompletedVehicle;
+use poinsot_model::Model;
+use poinsot_spatial::InertialParameters;
+
+/// A vehicle with inertial parameters of its own. They need not be those of real bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mover {
+    /// Tree, wheels, thrusters, sensors.
+    pub model: Model,
+    /// Barycentric parameters, one set per body.
+    pub bodies: Vec<InertialParameters>,
+    /// Factor on the force of each thruster.
+    pub thrust_factor: Vec<f64>,
+}
+
+impl Mover {
+    /// The vehicle with the numbers of its model.
+    pub fn of_model(model: Model) -> Self {
+        let bodies = model.bodies.iter();
+        Self {
+            bodies: bodies.map(|b| b.nominal.parameters()).collect(),
+            thrust_factor: vec![1.0; model.thrusters.len()],
+            model,
+        }
+    }
+
+    /// The vehicle of a model with what an estimate found.
+    pub fn of_estimate(model: &Model, found: &CompletedVehicle) -> Self {
+        let mut mover = Self::of_model(model.clone());
+        mover.bodies.clone_from(&found.bodies);
+        for (k, spin) in &found.spin_inertia {
+            if let Some(wheel) = mover.model.wheels.get_mut(*k) {
+                wheel.spin_inertia = *spin;
+            }
+        }
+        for (k, factor) in &found.thrust_factor {
+            if let Some(own) = mover.thrust_factor.get_mut(*k) {
+                *own = *factor;
+            }
+        }
+        mover
+    }
+}

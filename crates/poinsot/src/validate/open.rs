@@ -1,0 +1,138 @@
+//! Does the prediction depend on what the estimate leaves open?
+//!
+//! The data determine combinations, and the motion should depend on these alone. It is tried: the completed
+//! numbers are moved along every open direction, and what the prediction makes of it is looked at.
+
+use super::motion::{Path, compare_paths, path};
+use super::{Mover, compare_held_back};
+use crate::case::Case;
+use crate::error::Error;
+use poinsot_identify::Completion;
+use poinsot_model::Model;
+use poinsot_telemetry::Table;
+
+/// How far each open direction is moved, of the natural unit of its own parameter.
+const MOVED: f64 = 0.1;
+/// Share of the motion that is more than the round-off of large numbers that cancel.
+const MATTERS: f64 = 1.0e-6;
+/// Change of chi-square per degree of freedom that is more than nothing.
+const MATTERS_CHI2: f64 = 1.0e-3;
+
+/// What the prediction has of the open directions.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OpenEffect {
+    /// How far each was moved, natural units of its own parameter.
+    pub moved: f64,
+    /// Largest change of each quantity: name, unit, change.
+    pub changes: Vec<(String, &'static str, f64)>,
+    /// Parameters whose direction the prediction depends on, the strongest first.
+    pub dependent: Vec<String>,
+}
+
+impl OpenEffect {
+    /// Whether the prediction is not determined.
+    pub fn matters(&self) -> bool {
+        !self.dependent.is_empty()
+    }
+}
+
+/// Moves the vehicle along every open direction of its completion; `own` is its motion as completed.
+///
+/// # Errors
+/// A motion cannot be computed.
+pub fn motion_effect(
+    case: &Case,
+    model: &Model,
+    completion: &Completion,
+    own: &Path,
+) -> Result<OpenEffect, Error> {
+    let travel = travel(own);
+    let mut effect = OpenEffect {
+        moved: MOVED,
+        ..OpenEffect::default()
+    };
+    let mut dependent: Vec<(f64, String)> = Vec::new();
+    for direction in &completion.open {
+        let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
+        // A vehicle that cannot move any more has certainly changed.
+        let Ok(other) = path(case, &moved) else {
+            dependent.push((f64::INFINITY, completion.name(direction).to_owned()));
+            continue;
+        };
+        let mut strongest = 0.0_f64;
+        for (one, travel) in compare_paths(own, &other).iter().zip(&travel) {
+            match effect.changes.iter_mut().find(|c| c.0 == one.name) {
+                Some(known) => known.2 = known.2.max(one.largest),
+                None => effect
+                    .changes
+                    .push((one.name.clone(), one.unit, one.largest)),
+            }
+            let share = one.largest / travel;
+            if share > strongest || share.is_nan() {
+                strongest = share;
+            }
+        }
+        if strongest > MATTERS || strongest.is_nan() {
+            dependent.push((strongest, completion.name(direction).to_owned()));
+        }
+    }
+    dependent.sort_by(|a, b| b.0.total_cmp(&a.0));
+    effect.dependent = dependent.into_iter().map(|d| d.1).collect();
+    Ok(effect)
+}
+
+/// How far each quantity of a path gets from where it starts, and at least 1e-3 m or rad: what does not move
+/// cannot depend on anything.
+fn travel(path: &Path) -> Vec<f64> {
+    let still = Path {
+        p_NoBo_N: path.p_NoBo_N.iter().map(|_| path.p_NoBo_N[0]).collect(),
+        R_NB: path.R_NB.iter().map(|_| path.R_NB[0]).collect(),
+        joints: path
+            .joints
+            .iter()
+            .map(|joint| super::JointPath {
+                position: joint.position.iter().map(|_| joint.position[0]).collect(),
+                ..joint.clone()
+            })
+            .collect(),
+        time_s: path.time_s.clone(),
+    };
+    let moved = compare_paths(path, &still);
+    moved.iter().map(|c| c.largest.max(1.0e-3)).collect()
+}
+
+/// The same of held-back telemetry: how chi-square per degree of freedom changes.
+///
+/// # Errors
+/// Model and telemetry do not fit together.
+pub fn held_back_effect(
+    model: &Model,
+    completion: &Completion,
+    tables: &[Table],
+    own: f64,
+) -> Result<OpenEffect, Error> {
+    let mut effect = OpenEffect {
+        moved: MOVED,
+        ..OpenEffect::default()
+    };
+    let mut largest = 0.0_f64;
+    let mut dependent: Vec<(f64, String)> = Vec::new();
+    for direction in &completion.open {
+        let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
+        let change = match compare_held_back(&moved, tables) {
+            Ok(found) => (found.chi2_per_dof - own).abs(),
+            Err(Error::Problem(_)) => f64::INFINITY,
+            Err(other) => return Err(other),
+        };
+        largest = largest.max(change);
+        if change > MATTERS_CHI2 || change.is_nan() {
+            dependent.push((change, completion.name(direction).to_owned()));
+        }
+    }
+    effect
+        .changes
+        .push(("chi-square per degree of freedom".to_owned(), "", largest));
+    dependent.sort_by(|a, b| b.0.total_cmp(&a.0));
+    effect.dependent = dependent.into_iter().map(|d| d.1).collect();
+    Ok(effect)
+}

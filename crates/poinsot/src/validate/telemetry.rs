@@ -1,0 +1,327 @@
+//! A vehicle against telemetry: its motion in a case, or a record that was held back.
+
+use super::compared::{Compared, Sigmas};
+use super::motion::{scenario, turn};
+use super::{Mover, ValidateError};
+use crate::bind::bind;
+use crate::case::Case;
+use crate::error::Error;
+use crate::simulate::{names, perfect_table};
+use nalgebra::Quaternion;
+use poinsot_dynamics::Tree;
+use poinsot_identify::{
+    CompletedVehicle, HeldBack, PredictedChannel, Prediction, Problem, SegmentFit, held_back,
+};
+use poinsot_model::{JointKind, Model, Sensor, SensorKind};
+use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_telemetry::{Channel, Table};
+
+/// Most points of a curve of held-back telemetry.
+const POINTS: usize = 100_000;
+
+/// The motion of a vehicle in a case beside the readings of telemetry, at the times of the readings.
+///
+/// # Errors
+/// The case does not fit the vehicle or cannot be computed, or the telemetry has no reading in its time.
+pub fn compare_with_telemetry(
+    case: &Case,
+    mover: &Mover,
+    table: &Table,
+) -> Result<Vec<Compared>, Error> {
+    let mut scenario = scenario(case, mover)?;
+    let inside = |t: &f64| (0.0..=case.duration_s).contains(t);
+    let mut times: Vec<f64> = table
+        .channels
+        .iter()
+        .flat_map(|c| c.time_s.iter().copied())
+        .collect();
+    times.retain(inside);
+    // The motion begins at zero, whenever the first reading is.
+    times.push(0.0);
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    scenario.times = times;
+    let exact = perfect_table(case, &mover.model, &mover.bodies, scenario)?;
+    let list: Vec<Compared> = groups(&mover.model)
+        .into_iter()
+        .filter_map(|group| group.compare(&exact, table, case.duration_s))
+        .collect();
+    if list.is_empty() {
+        return Err(ValidateError::NothingInCommon {
+            file: case.path().to_owned(),
+        }
+        .into());
+    }
+    Ok(list)
+}
+
+/// Channels that are compared together.
+struct Group<'m> {
+    name: String,
+    unit: &'static str,
+    channels: Vec<String>,
+    sensor: Option<&'m Sensor>,
+}
+
+/// What a base and its joints may be measured by.
+fn groups(model: &Model) -> Vec<Group<'_>> {
+    let kinds = [
+        (SensorKind::Attitude, "rad"),
+        (SensorKind::Gyro, "rad/s"),
+        (SensorKind::Position, "m"),
+        (SensorKind::Velocity, "m/s"),
+        (SensorKind::Accelerometer, "m/s2"),
+    ];
+    let mut list: Vec<Group> = kinds
+        .into_iter()
+        .map(|(kind, unit)| Group {
+            name: kind.word().to_owned(),
+            unit,
+            channels: names(model, kind, &[]),
+            sensor: model.sensors_of(kind).find(|s| s.body == 0),
+        })
+        .collect();
+    for (k, joint) in model.joints.iter().enumerate() {
+        let (position, rate) = match joint.kind {
+            JointKind::Fixed => continue,
+            JointKind::Prismatic => ("m", "m/s"),
+            JointKind::Revolute => ("rad", "rad/s"),
+        };
+        for (kind, unit) in [
+            (SensorKind::JointPosition, position),
+            (SensorKind::JointRate, rate),
+        ] {
+            let what = match kind {
+                SensorKind::JointRate => "rate of joint",
+                _ => "joint",
+            };
+            list.push(Group {
+                name: format!("{what} {}", joint.name),
+                unit,
+                channels: names(model, kind, &[k]),
+                sensor: model.sensors_of(kind).find(|s| s.of.contains(&k)),
+            });
+        }
+    }
+    list
+}
+
+/// A channel of the sensor, or of nobody in particular.
+fn find<'t>(table: &'t Table, sensor: Option<&Sensor>, name: &str) -> Option<&'t Channel> {
+    let own = sensor.and_then(|s| table.sensor_channel(&s.name, name));
+    own.or_else(|| table.channel(name))
+}
+
+/// Values at the wanted times; both ascending, every wanted time is there.
+fn at(channel: &Channel, wanted: &[f64]) -> Vec<f64> {
+    let index = |t: &f64| channel.time_s.partition_point(|own| own < t);
+    let value = |i: usize| channel.values.get(i).copied().unwrap_or(f64::NAN);
+    wanted.iter().map(|t| value(index(t))).collect()
+}
+
+impl Group<'_> {
+    fn compare(&self, exact: &Table, measured: &Table, until: f64) -> Option<Compared> {
+        let found: Option<Vec<&Channel>> = self
+            .channels
+            .iter()
+            .map(|name| find(measured, self.sensor, name))
+            .collect();
+        let found = found.filter(|c| !c.is_empty())?;
+        let computed: Option<Vec<&Channel>> = self
+            .channels
+            .iter()
+            .map(|name| find(exact, self.sensor, name))
+            .collect();
+        let computed = computed?;
+        let together = |t: &f64| {
+            (0.0..=until).contains(t)
+                && found
+                    .iter()
+                    .all(|c| c.time_s.binary_search_by(|own| own.total_cmp(t)).is_ok())
+        };
+        let times: Vec<f64> = found
+            .first()?
+            .time_s
+            .iter()
+            .copied()
+            .filter(together)
+            .collect();
+        if times.is_empty() {
+            return None;
+        }
+        let model: Vec<Vec<f64>> = computed.iter().map(|c| at(c, &times)).collect();
+        let against: Vec<Vec<f64>> = found.iter().map(|c| at(c, &times)).collect();
+        let (components, difference) = if self.channels.len() == 4 {
+            let pairs =
+                (0..times.len()).map(|k| turn(&quaternion(&against, k), &quaternion(&model, k)));
+            let turns: Vec<Vector3> = pairs.collect();
+            let rows = (0..3)
+                .map(|k| turns.iter().map(|v| v[k]).collect())
+                .collect();
+            (
+                ["turn_x", "turn_y", "turn_z"].map(str::to_owned).to_vec(),
+                rows,
+            )
+        } else {
+            let rows = model.iter().zip(&against);
+            let rows = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
+            (self.channels.clone(), rows.collect::<Vec<Vec<f64>>>())
+        };
+        let sigmas = self.sigmas(&difference);
+        let mut compared = Compared::new(
+            &self.name,
+            self.unit,
+            times,
+            (self.channels.clone(), model, against),
+            (components, difference),
+        );
+        compared.sigmas = sigmas;
+        Some(compared)
+    }
+
+    /// In the declared noise with that of rounding, axis by axis.
+    fn sigmas(&self, difference: &[Vec<f64>]) -> Option<Sigmas> {
+        let sensor = self.sensor?;
+        let covariance = sensor.noise_covariance.unwrap_or_default();
+        let step = sensor.quantisation * sensor.quantisation / 12.0;
+        let (mut square, mut count, mut largest) = (0.0, 0_usize, 0.0_f64);
+        for (k, row) in difference.iter().enumerate() {
+            let axis = if sensor.kind.is_scalar() { 0 } else { k };
+            let sigma = (covariance[(axis, axis)] + step).sqrt();
+            if sigma <= 0.0 {
+                return None;
+            }
+            for x in row {
+                square += (x / sigma).powi(2);
+                count += 1;
+                largest = largest.max((x / sigma).abs());
+            }
+        }
+        Some(Sigmas {
+            rms: (square / count.max(1) as f64).sqrt(),
+            largest,
+            whiteness_p: None,
+        })
+    }
+}
+
+fn quaternion(rows: &[Vec<f64>], k: usize) -> UnitQuaternion {
+    let part = |row: usize| {
+        rows.get(row)
+            .and_then(|r| r.get(k))
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
+    UnitQuaternion::new_normalize(Quaternion::new(part(3), part(0), part(1), part(2)))
+}
+
+/// What the comparison with held-back telemetry says beside the numbers.
+pub struct HeldBackFindings {
+    /// One per quantity and segment.
+    pub compared: Vec<Compared>,
+    /// Chi-square per degree of freedom, the worst over the segments.
+    pub chi2_per_dof: f64,
+    /// What the residuals say, and whether the start of the record could be fitted.
+    pub warnings: Vec<String>,
+    /// What was assumed in reading.
+    pub repairs: Vec<String>,
+}
+
+/// Telemetry beside what the vehicle predicts for it; pose, momentum and declared nuisances of the record are
+/// fitted, nothing of the vehicle is.
+///
+/// # Errors
+/// Model and telemetry do not fit together.
+pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFindings, Error> {
+    let tree = Tree::new(&mover.model);
+    let bound = bind(&mover.model, &tree, tables)?;
+    let factors = mover.thrust_factor.iter().copied().enumerate();
+    let vehicle = CompletedVehicle {
+        bodies: mover.bodies.clone(),
+        spin_inertia: Vec::new(),
+        thrust_factor: factors.collect(),
+    };
+    let problem = Problem {
+        model: &mover.model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    };
+    let found = held_back(&problem, &vehicle, POINTS)?;
+    let mut warnings = found.findings.clone();
+    if !found.settled {
+        warnings.push(
+            "the start of the record could not be fitted: nothing can be said of its end"
+                .to_owned(),
+        );
+    }
+    let chi2 = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
+    let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
+    repairs.extend(bound.repairs);
+    Ok(HeldBackFindings {
+        compared: compared(&found),
+        chi2_per_dof: if found.settled { chi2 } else { f64::INFINITY },
+        warnings,
+        repairs,
+    })
+}
+
+fn compared(found: &HeldBack) -> Vec<Compared> {
+    let segments = found.fit.iter().zip(&found.worst).zip(&found.predictions);
+    let many = found.fit.len() > 1;
+    segments
+        .flat_map(|((fit, worst), prediction)| of_segment(fit, worst, prediction, many))
+        .collect()
+}
+
+fn of_segment(
+    fit: &SegmentFit,
+    worst: &[f64],
+    prediction: &Prediction,
+    many: bool,
+) -> Vec<Compared> {
+    let curves = |name: &str| prediction.channels.iter().find(|c| c.name == name);
+    let channels = fit.channels.iter().zip(worst);
+    channels
+        .filter_map(|(channel, worst)| {
+            let mut one = of_curves(curves(channel.name)?);
+            if many {
+                one.name = format!("{} of {}", channel.name, fit.label);
+            }
+            one.sigmas = channel.chi2_per_number.map(|chi2| Sigmas {
+                rms: chi2.sqrt(),
+                largest: *worst,
+                whiteness_p: channel.whiteness_p,
+            });
+            Some(one)
+        })
+        .collect()
+}
+
+/// The report's curves are measured less predicted; here the model comes first.
+fn of_curves(curves: &PredictedChannel) -> Compared {
+    let own = |names: &[&str]| {
+        names
+            .iter()
+            .map(|n| (*n).to_owned())
+            .collect::<Vec<String>>()
+    };
+    let residual = if curves.residual.len() == curves.components.len() {
+        own(&curves.components)
+    } else {
+        own(&["turn_x", "turn_y", "turn_z"])
+    };
+    let negative = |row: &Vec<f64>| row.iter().map(|x| -x).collect();
+    Compared::new(
+        curves.name,
+        curves.residual_unit,
+        curves.time_s.clone(),
+        (
+            own(&curves.components),
+            curves.predicted.clone(),
+            curves.measured.clone(),
+        ),
+        (residual, curves.residual.iter().map(negative).collect()),
+    )
+}
