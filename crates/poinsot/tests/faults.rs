@@ -9,7 +9,7 @@ use planted::{Planted, experiment, row};
 
 #[track_caller]
 fn assert_named(planted: Planted, trials: u64) {
-    let row = row(&experiment().unwrap(), planted, trials);
+    let row = row(&experiment(planted).unwrap(), planted, trials);
     assert_eq!(
         row.named as u64,
         trials,
@@ -22,7 +22,7 @@ fn assert_named(planted: Planted, trials: u64) {
 /// False alarms were none in 1,000 trials.
 #[test]
 fn stat_nothing_is_said_where_nothing_is_wrong() {
-    let row = row(&experiment().unwrap(), Planted::Nothing, 40);
+    let row = row(&experiment(Planted::Nothing).unwrap(), Planted::Nothing, 40);
     assert_eq!(row.detected, 0, "{:?}", row.firsts);
 }
 
@@ -60,4 +60,9 @@ fn stat_strong_thruster_is_named() {
 #[test]
 fn stat_outliers_are_named() {
     assert_named(Planted::Outliers, 3);
+}
+
+#[test]
+fn stat_pendulum_of_two_percent_is_named_as_not_rigid() {
+    assert_named(Planted::Pendulum, 2);
 }
