@@ -9,7 +9,7 @@ use poinsot_spatial::Vector3;
 #[derive(Debug, Default)]
 pub(super) struct Colour {
     correlation_s: f64,
-    /// Time and whitened block (sensitivities, then residual) of the reading before.
+    /// Time and block (sensitivities, residual, slopes over the inputs' errors) of the reading before.
     before: Option<(f64, Vec<Vector3>)>,
 }
 
@@ -21,10 +21,14 @@ impl Colour {
         }
     }
 
-    /// Takes off what the reading before tells; the last entry of the block is the residual. Gives the logarithm
-    /// of the determinant of what is new, per axis.
+    /// Whether there is nothing to do.
+    pub fn is_white(&self) -> bool {
+        self.correlation_s <= 0.0
+    }
+
+    /// Takes off what the reading before tells. Gives the logarithm of the determinant of what is new, per axis.
     pub fn take(&mut self, t: f64, block: &mut [Vector3]) -> f64 {
-        if self.correlation_s <= 0.0 {
+        if self.is_white() {
             return 0.0;
         }
         let own = block.to_vec();

@@ -180,8 +180,7 @@ impl Compare<'_> {
         let errors = self.points.all[i].errors;
         let residual = reading.value - errors.reading(&force.value, &rate);
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-        let t = self.segment.observations.time_s[k];
-        self.three((ACCELEROMETER, t), &covariance, &residual, |j| {
+        self.three(ACCELEROMETER, &covariance, &residual, |j| {
             let fault = j
                 .checked_sub(head)
                 .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
@@ -213,8 +212,7 @@ impl Compare<'_> {
             .map(|(b, a)| b - a)
             .collect();
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-        // White: its time does not matter.
-        self.three((INCREMENT, 0.0), &covariance, &residual, |j| {
+        self.three(INCREMENT, &covariance, &residual, |j| {
             let fault = j
                 .checked_sub(head)
                 .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
@@ -247,7 +245,7 @@ impl Compare<'_> {
     fn input_variance(&self, motion: &mut Motion, instant: &Instant, point: &Point) -> Matrix3 {
         let noise = self.setting.noise;
         let mut sum = Matrix3::zeros();
-        for (joint, variance) in noise.joint_rate.iter().enumerate() {
+        for (joint, variance) in self.joint_rate.iter().enumerate() {
             if *variance > 0.0 {
                 let g = motion.point_gain(instant, joint, point);
                 sum += g * g.transpose() * *variance;
