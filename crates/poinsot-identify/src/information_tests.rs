@@ -3,7 +3,7 @@
 mod inputs;
 
 use crate::information::{Experiment, Point};
-use crate::parameters::{Equations, Parameters};
+use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
@@ -260,6 +260,7 @@ fn noise(tree: &Tree) -> Noise {
         joint_position: vec![0.0; tree.dof()],
         joint_rate: vec![0.0; tree.dof()],
         wheel_speed: vec![0.0],
+        correlation_s: [0.3, 0.0, 0.2, 0.5],
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
@@ -279,7 +280,18 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
         noise: &noise,
         relative_accuracy: 1.0,
     };
-    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    parameters.unknowns.push(Unknown {
+        kind: UnknownKind::RandomTorque(Gust {
+            segment: 0,
+            span: (2, 4),
+            axis: 1,
+        }),
+        name: "gust".to_owned(),
+        unit: "N m",
+        nominal: 0.0,
+        natural: 1.0,
+    });
     let experiment = Experiment::new(&problem, &parameters);
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {

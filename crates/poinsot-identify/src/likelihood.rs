@@ -1,5 +1,6 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
+mod colour;
 mod point_rows;
 
 use crate::block_qr::{BlockQr, Triangle};
@@ -9,6 +10,7 @@ use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{InputErrors, Noise, Segment};
 use crate::vehicle::{Vehicle, parabola_slope, tilted};
+use colour::Colour;
 use nalgebra::{Cholesky, Matrix6, SMatrix, SVector};
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
@@ -102,6 +104,8 @@ pub(crate) struct ChannelResidual {
     pub unit: &'static str,
     pub white: Vec<Vector3>,
     pub square: f64,
+    /// Logarithm of the determinant that the colour of the noise adds.
+    pub log_det: f64,
 }
 
 /// One segment at one value of all unknowns.
@@ -241,6 +245,8 @@ struct Compare<'a> {
     rows: usize,
     channels: Vec<ChannelResidual>,
     inputs: InputNoise,
+    /// Colour of gyro, attitude, velocity and position.
+    colours: [Colour; 4],
     /// Variance of each joint's rate in this segment.
     joint_rate: Vec<f64>,
     /// `ln det` of the covariance of all readings over that of the sensors alone.
@@ -372,6 +378,7 @@ impl<'a> Compare<'a> {
                 channel("velocity_increment", "m/s"),
             ],
             inputs: InputNoise::default(),
+            colours: setting.noise.correlation_s.map(Colour::new),
             joint_rate: joint_rate_noise(setting.noise, segment),
             log_det: 0.0,
             translation_lag: translation_lag(setting.parameters, x),
@@ -473,7 +480,7 @@ impl<'a> Compare<'a> {
             }
         }
         let errors = self.inputs.columns.iter().zip(&self.inputs.twists);
-        let slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
+        let mut slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
         let mut rows: Vec<Vector6> = Vec::with_capacity(twists.len() + 1);
         if self.qr.is_some() {
             let kinds = &self.setting.parameters.unknowns;
@@ -488,6 +495,13 @@ impl<'a> Compare<'a> {
             residual_w.unwrap_or_default(),
         );
         rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
+        let present = [
+            (VELOCITY, 0, residual_v.is_some()),
+            (GYRO, 3, residual_w.is_some()),
+        ];
+        for (channel, at, _) in present.iter().filter(|p| p.2) {
+            self.coloured((*channel, *at, k), &mut rows, &mut slopes);
+        }
         let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
             return;
         };
@@ -507,7 +521,7 @@ impl<'a> Compare<'a> {
             let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
             self.pose(
                 motion,
-                ATTITUDE,
+                (ATTITUDE, k),
                 &noise.attitude,
                 &residual,
                 |column, unknown| {
@@ -532,7 +546,7 @@ impl<'a> Compare<'a> {
                     _ => own,
                 }
             };
-            self.pose(motion, POSITION, &noise.position, &residual, seen);
+            self.pose(motion, (POSITION, k), &noise.position, &residual, seen);
         }
     }
 
@@ -540,12 +554,13 @@ impl<'a> Compare<'a> {
     fn pose(
         &mut self,
         motion: &Motion,
-        channel: usize,
+        (channel, k): (usize, usize),
         covariance: &Matrix3,
         residual: &Vector3,
         seen: impl Fn(&Column, Option<&UnknownKind>) -> Vector3,
     ) {
-        let slopes: Vec<Vector3> = self.inputs.columns.iter().map(|c| seen(c, None)).collect();
+        let errors = self.inputs.columns.iter();
+        let mut slopes: Vec<Vector3> = errors.map(|c| seen(c, None)).collect();
         let mut rows: Vec<Vector3> = Vec::with_capacity(motion.columns.len() + 1);
         if self.qr.is_some() {
             let kinds = &self.setting.parameters.unknowns;
@@ -557,8 +572,34 @@ impl<'a> Compare<'a> {
             );
         }
         rows.push(*residual);
+        self.coloured((channel, 0, k), &mut rows, &mut slopes);
         if let Some(white) = self.take(&slopes, covariance, covariance, rows) {
             self.note(channel, residual, white);
+        }
+    }
+
+    /// Takes off what the reading of this channel before says of coloured noise, in rows `at` to `at + 2`. The
+    /// white noise that joint rates add is taken as new at every reading.
+    fn coloured<const M: usize>(
+        &mut self,
+        (channel, at, k): (usize, usize, usize),
+        rows: &mut [SVector<f64, M>],
+        slopes: &mut [SVector<f64, M>],
+    ) {
+        let colour = &mut self.colours[channel];
+        if colour.is_white() {
+            return;
+        }
+        let all = || rows.iter().chain(slopes.iter());
+        let mut block: Vec<Vector3> = all()
+            .map(|r| Vector3::new(r[at], r[at + 1], r[at + 2]))
+            .collect();
+        let log_det = colour.take(self.segment.observations.time_s[k], &mut block);
+        self.channels[channel].log_det += 3.0 * log_det;
+        for (row, new) in rows.iter_mut().chain(slopes.iter_mut()).zip(&block) {
+            for axis in 0..3 {
+                row[at + axis] = new[axis];
+            }
         }
     }
 

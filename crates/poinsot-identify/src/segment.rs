@@ -151,6 +151,8 @@ pub struct Noise {
     pub joint_rate: Vec<f64>,
     /// Variance of each wheel speed, rad2/s2.
     pub wheel_speed: Vec<f64>,
+    /// Correlation time of the noise of gyro, attitude, velocity and position, s; zero where it is white.
+    pub correlation_s: [f64; 4],
     /// Seen over declared variance of the gyro.
     pub seen_gyro: f64,
     /// Seen over declared variance of the velocity.
