@@ -19,6 +19,7 @@ mod inverse_dynamics;
 mod jacobian;
 mod joint_drive;
 mod joint_motion;
+mod joint_slopes;
 mod kinematics;
 mod mass_matrix;
 mod momentum;
@@ -52,6 +53,7 @@ pub use inverse_dynamics::{InverseDynamics, Wrench};
 pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
 pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
 pub use joint_motion::{Fourier, JointMotion};
+pub use joint_slopes::{JointSlope, JointSlopes};
 pub use kinematics::Kinematics;
 pub use mass_matrix::MassMatrix;
 pub use momentum::{

@@ -289,6 +289,15 @@ fn joint(
         channels.find(None, &position_name),
         channels.find(None, &rate_name),
     ) {
+        (Some(q), rate) if super::input_errors::is_locked(model, at, q) => {
+            if rate.is_some_and(|r| r.values.iter().any(|x| *x != 0.0)) {
+                repairs.push(format!(
+                    "{label}: {} reads one position throughout: taken as locked, its '{rate_name}' as zero",
+                    joint.name
+                ));
+            }
+            (resample(q, times, None), vec![Some(0.0); times.len()])
+        }
         (Some(q), Some(rate)) => (
             resample_hermite(q, rate, times, None),
             resample(rate, times, None),
