@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 
 static pin::Model arm() {
   pin::Model model;
+  model.gravity.setZero();
   pin::JointIndex parent = 0;
   for (int i = 0; i < 7; ++i) {
     pin::SE3 placement = pin::SE3::Identity();

@@ -90,7 +90,7 @@ struct Buffers {
 }
 
 /// How much faster than ever measured a vehicle may turn for the motion to be followed.
-const FASTER: f64 = 30.0;
+const FASTER: f64 = 5.0;
 
 /// Largest measured rate, rad/s; `None` without a gyro.
 fn fastest_measured(o: &Observations) -> Option<f64> {

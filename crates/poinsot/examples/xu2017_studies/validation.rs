@@ -60,7 +60,7 @@ pub fn run(out: &Path, seeds: u64) {
         row(&format!("{name} (base {base:.2} kg)"), largest(&linear));
     }
     let example = all_unknown(&full.model);
-    let tables = thinned(runs(&example, &crate::setup::ALL), 2);
+    let tables = thinned(runs(&example, &crate::setup::ALL), crate::setup::EVERY);
     let centred = crate::setup::Data::new(example, &tables);
     let flown = swarms(&centred, 0.5, seeds, Order::Outward);
     let all: Vec<[f64; 3]> = flown.iter().map(|f| largest(&moved(&f.bodies))).collect();

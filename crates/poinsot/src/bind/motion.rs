@@ -314,8 +314,14 @@ fn joint(
             let unused = rate.map_or(String::new(), |_| {
                 format!("; its '{rate_name}' is not used without a position")
             });
+            let springs = match joint.spring_damper {
+                Some(_) => {
+                    " although its spring lets it move: give its readings, or a model without it"
+                }
+                None => "",
+            };
             repairs.push(format!(
-                "{label}: no channel '{position_name}': {} taken as locked at {}{unused}",
+                "{label}: no channel '{position_name}': {} taken as locked at {}{unused}{springs}",
                 joint.name, joint.locked_at
             ));
             (
