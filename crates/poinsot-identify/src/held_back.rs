@@ -41,6 +41,7 @@ pub fn held_back(
     points: Option<usize>,
 ) -> Result<HeldBack, ProblemError> {
     problem.check_samples()?;
+    problem.check_observations()?;
     let (model, segments) = prepared(problem, vehicle);
     let problem = Problem {
         model: &model,
