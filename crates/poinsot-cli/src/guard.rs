@@ -41,7 +41,13 @@ fn remember(info: &PanicHookInfo<'_>) {
 /// Text without control characters other than line ends: names in files must not speak to the terminal.
 pub fn plain(text: &str) -> String {
     text.chars()
-        .map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c })
+        .map(|c| {
+            if c.is_control() && c != '\n' {
+                '\u{fffd}'
+            } else {
+                c
+            }
+        })
         .collect()
 }
 
@@ -62,11 +68,16 @@ mod tests {
     #[test]
     #[allow(clippy::panic)]
     fn exact_a_panic_is_one_line_and_exit_code_4() {
-        let failure = guarded(|| panic!("two\nlines")).err().map(|f| (f.exit_code, f.message));
+        let failure = guarded(|| panic!("two\nlines"))
+            .err()
+            .map(|f| (f.exit_code, f.message));
         let (code, message) = failure.unwrap_or_default();
         assert_eq!(code, 4);
         let line = message.rsplit_once(':').map_or("", |m| m.0);
-        assert!(line.starts_with("E0009 internal error: two lines (poinsot-cli/src/guard.rs"), "{message}");
+        assert!(
+            line.starts_with("E0009 internal error: two lines (poinsot-cli/src/guard.rs"),
+            "{message}"
+        );
         assert!(message.ends_with(
             "; this is a fault of poinsot: please report it with the command and, if you can, the input"
         ));

@@ -25,7 +25,10 @@ const LARGEST: u64 = 16 * 1024 * 1024;
 /// Everything that is wrong with the file, each with line and column.
 pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
     let path = path.as_ref();
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf")) {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+    {
         return crate::read_urdf(path).model;
     }
     let text = read_text(path)?;

@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 fn shared(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/corpora").join(path);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/corpora")
+        .join(path);
     if path.exists() {
         return Some(path);
     }
@@ -50,19 +52,27 @@ const NAMES: [(&str, UrdfDefect); 13] = [
     ("zero mass", UrdfDefect::ZeroMass),
 ];
 const MORE: [(&str, UrdfDefect); 2] = [
-    ("moving joint without <axis> (defaults to x)", UrdfDefect::NoAxis),
+    (
+        "moving joint without <axis> (defaults to x)",
+        UrdfDefect::NoAxis,
+    ),
     ("radius of gyration > 5 m", UrdfDefect::LargeGyration),
 ];
 
 #[test]
 fn xval_real_robots_have_the_defects_of_the_scan() {
-    let Some(folder) = shared("urdf_files_dataset") else { return };
+    let Some(folder) = shared("urdf_files_dataset") else {
+        return;
+    };
     let text = std::fs::read_to_string(folder.join("defects_found.json")).unwrap();
     let scan: Value = serde_json::from_str(&text).unwrap();
     let base = folder.join("all");
     let files: Vec<PathBuf> = all_files(&base)
         .into_iter()
-        .filter(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf")))
+        .filter(|p| {
+            p.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+        })
         .collect();
     assert_eq!(files.len(), 322);
     let name_of = |path: &Path| path.strip_prefix(&base).unwrap().display().to_string();
@@ -76,7 +86,8 @@ fn xval_real_robots_have_the_defects_of_the_scan() {
             Ok(model) => {
                 loaded += 1;
                 // What is loaded can be written and read again.
-                parse_model(&write_model(model), "m.toml").unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+                parse_model(&write_model(model), "m.toml")
+                    .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
             }
             Err(error) => {
                 refused += 1;
@@ -103,19 +114,33 @@ fn xval_real_robots_have_the_defects_of_the_scan() {
         let more: Vec<_> = ours.difference(&theirs).collect();
         let less: Vec<_> = theirs.difference(&ours).collect();
         if !more.is_empty() || !less.is_empty() {
-            wrong.push_str(&format!("{name}: only here {more:?}; only in the scan {less:?}\n"));
+            wrong.push_str(&format!(
+                "{name}: only here {more:?}; only in the scan {less:?}\n"
+            ));
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
-    assert!(scan.as_object().unwrap().keys().all(|k| NAMES.iter().chain(&MORE).any(|(n, _)| n == k)));
+    assert!(
+        scan.as_object()
+            .unwrap()
+            .keys()
+            .all(|k| NAMES.iter().chain(&MORE).any(|(n, _)| n == k))
+    );
 }
 
 #[test]
 fn cli_xml_that_breaks_parsers_is_refused_in_time() {
-    let Some(folder) = shared("xml_roxmltree") else { return };
+    let Some(folder) = shared("xml_roxmltree") else {
+        return;
+    };
     let mut files = 0;
-    for path in all_files(&folder).iter().filter(|p| p.extension().is_some_and(|e| e == "xml")) {
-        let Ok(text) = std::fs::read_to_string(path) else { continue };
+    for path in all_files(&folder)
+        .iter()
+        .filter(|p| p.extension().is_some_and(|e| e == "xml"))
+    {
+        let Ok(text) = std::fs::read_to_string(path) else {
+            continue;
+        };
         let start = Instant::now();
         let urdf = parse_urdf(&text, "x.urdf");
         assert!(start.elapsed().as_secs_f64() < 1.0, "{}", path.display());

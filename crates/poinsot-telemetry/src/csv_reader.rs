@@ -39,7 +39,8 @@ pub(crate) fn read(
     while next(path, &mut reader, &mut record)? {
         last_row = record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
-        let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns) else {
+        let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns)
+        else {
             selection.check(path, last_row, columns.rows.len(), plan.channels.len())?;
             continue;
         };

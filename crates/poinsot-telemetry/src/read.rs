@@ -85,7 +85,13 @@ impl Selection {
 
     /// # Errors
     /// The rows kept fill the memory allowed.
-    pub(crate) fn check(&self, path: &Path, row: u64, rows: usize, channels: usize) -> Result<(), TelemetryError> {
+    pub(crate) fn check(
+        &self,
+        path: &Path,
+        row: u64,
+        rows: usize,
+        channels: usize,
+    ) -> Result<(), TelemetryError> {
         let per_row = 8 * (channels + 2);
         if rows.saturating_mul(per_row) <= self.bytes {
             return Ok(());

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 fn shared(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/corpora").join(path);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/corpora")
+        .join(path);
     if path.exists() {
         return Some(path);
     }
@@ -38,7 +40,10 @@ fn outcome(path: &Path, kind: &str) -> Result<usize, String> {
     {
         // No column is called time_s: take the first that the message names.
         let text = error.to_string();
-        let name = text.split(" map one of [").nth(1).and_then(|t| t.split([',', ']']).next());
+        let name = text
+            .split(" map one of [")
+            .nth(1)
+            .and_then(|t| t.split([',', ']']).next());
         options.columns = vec![ColumnMap {
             channel: "time_s".to_owned(),
             column: name.unwrap_or_default().to_owned(),
@@ -67,7 +72,10 @@ fn count(files: &[PathBuf], kind: &str) -> (usize, usize) {
 
 #[test]
 fn cli_parquet_files_of_fuzzers_and_of_bad_data() {
-    let (Some(arrow), Some(bad)) = (shared("arrow_testing/data/parquet"), shared("parquet_testing/bad_data")) else {
+    let (Some(arrow), Some(bad)) = (
+        shared("arrow_testing/data/parquet"),
+        shared("parquet_testing/bad_data"),
+    ) else {
         return;
     };
     let mut fuzzed = files(&arrow.join("fuzzing"));
@@ -80,7 +88,9 @@ fn cli_parquet_files_of_fuzzers_and_of_bad_data() {
 
 #[test]
 fn cli_csv_files_of_fuzzers() {
-    let Some(folder) = shared("arrow_testing/data/csv/fuzzing") else { return };
+    let Some(folder) = shared("arrow_testing/data/csv/fuzzing") else {
+        return;
+    };
     let all = files(&folder);
     assert_eq!(all.len(), 7);
     println!("(read, refused): {:?}", count(&all, "csv"));
@@ -88,7 +98,9 @@ fn cli_csv_files_of_fuzzers() {
 
 #[test]
 fn cli_csv_spectrum() {
-    let Some(folder) = shared("csv_spectrum/csvs") else { return };
+    let Some(folder) = shared("csv_spectrum/csvs") else {
+        return;
+    };
     let all = files(&folder);
     assert_eq!(all.len(), 12);
     println!("(read, refused): {:?}", count(&all, "csv"));

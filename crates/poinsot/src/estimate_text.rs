@@ -76,7 +76,15 @@ pub fn estimate_document(identified: &Identified) -> Document {
         .findings
         .iter()
         .filter(|f| f.count > 0)
-        .map(|f| format!("{} ({}): {}: {}", f.check.name(), f.policy.name(), f.channel, f.text))
+        .map(|f| {
+            format!(
+                "{} ({}): {}: {}",
+                f.check.name(),
+                f.policy.name(),
+                f.channel,
+                f.text
+            )
+        })
         .collect();
     if !found.is_empty() {
         document.push(Section::list("found in the telemetry", found));

@@ -86,7 +86,9 @@ fn asked(body: &Value) -> bool {
     let known = |v: &Value| v == "known";
     let inertia = body["inertia_kg_m2"]["source"].as_object();
     !(known(&body["mass_kg"]["source"])
-        && body["com_m"]["source"].as_array().is_some_and(|s| s.iter().all(known))
+        && body["com_m"]["source"]
+            .as_array()
+            .is_some_and(|s| s.iter().all(known))
         && inertia.is_some_and(|s| s.values().all(known)))
 }
 

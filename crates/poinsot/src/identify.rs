@@ -99,10 +99,7 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
 ///
 /// # Errors
 /// As [`identify`]; a check found something that its policy refuses.
-pub fn identify_reading(
-    request: &IdentifyRequest,
-    reading: &Reading,
-) -> Result<Identified, Error> {
+pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<Identified, Error> {
     check_method(request)?;
     let policies =
         Policies::new(&reading.policies, request.strict).map_err(|why| Error::Usage {

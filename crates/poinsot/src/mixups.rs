@@ -13,10 +13,22 @@ const FACTORS: [(f64, &str); 10] = [
         "wheel speeds in deg/s that are read as rad/s, or body rates in rad/s that are mapped as deg/s",
     ),
     (PI / 180.0, "body rates in deg/s that are read as rad/s"),
-    (2.0 * PI, "wheel speeds in rad/s that are mapped as turns per second"),
-    (0.5 / PI, "wheel speeds in turns per second that are read as rad/s"),
-    (1.0e3, "a factor of a thousand (g for kg, mN for N) in the model or the telemetry"),
-    (1.0e-3, "a factor of a thousand (kg for g, N for mN) in the model or the telemetry"),
+    (
+        2.0 * PI,
+        "wheel speeds in rad/s that are mapped as turns per second",
+    ),
+    (
+        0.5 / PI,
+        "wheel speeds in turns per second that are read as rad/s",
+    ),
+    (
+        1.0e3,
+        "a factor of a thousand (g for kg, mN for N) in the model or the telemetry",
+    ),
+    (
+        1.0e-3,
+        "a factor of a thousand (kg for g, N for mN) in the model or the telemetry",
+    ),
     (1.0e4, "kg cm2 for kg m2 in the model"),
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];

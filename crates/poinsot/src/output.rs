@@ -30,7 +30,10 @@ pub fn write_result(
     page: bool,
 ) -> Result<Vec<PathBuf>, Error> {
     let estimate = estimate_text(folder, identified)?;
-    let data = json(folder, serde_json::to_string(&report_data(identified, command)))?;
+    let data = json(
+        folder,
+        serde_json::to_string(&report_data(identified, command)),
+    )?;
     let mut files = vec![("report_data.json", data)];
     if page {
         let html = report_page(folder, estimate.as_bytes(), files[0].1.as_bytes())?;
@@ -51,7 +54,10 @@ pub fn write_result(
 }
 
 fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
-    json(folder, serde_json::to_string_pretty(&estimate_json(identified)))
+    json(
+        folder,
+        serde_json::to_string_pretty(&estimate_json(identified)),
+    )
 }
 
 fn json(folder: &Path, text: serde_json::Result<String>) -> Result<String, Error> {

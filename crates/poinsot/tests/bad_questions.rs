@@ -1,5 +1,10 @@
 //! The same question in other units, and questions that lack what they need: equal answers, honest ones, or an error.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    non_snake_case
+)]
 
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;
@@ -11,7 +16,9 @@ use poinsot_telemetry::Table;
 use std::path::{Path, PathBuf};
 
 fn example(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(path)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples")
+        .join(path)
 }
 
 fn ask(model: &Model, table: &Table, method: &str) -> Identified {
@@ -79,7 +86,12 @@ impl Units {
         let mut scaled = table.clone();
         for channel in &mut scaled.channels {
             let (time, value) = (self.of(0, 0, 1), self.of_unit(&channel.unit));
-            channel.time_s = channel.time_s.iter().map(|t| t * time).collect::<Vec<_>>().into();
+            channel.time_s = channel
+                .time_s
+                .iter()
+                .map(|t| t * time)
+                .collect::<Vec<_>>()
+                .into();
             channel.values.iter_mut().for_each(|x| *x *= value);
         }
         scaled
@@ -139,9 +151,12 @@ fn largest_difference(si: &Identified, other: &Identified, units: Units) -> f64 
         for range in [0..1, 1..4, 4..10] {
             let size = |pick: fn(&Number) -> Option<f64>| {
                 let all = kinds[range.clone()].iter();
-                all.filter_map(|((n, f), _)| pick(n).map(|x| (x * f).abs())).fold(1e-300, f64::max)
+                all.filter_map(|((n, f), _)| pick(n).map(|x| (x * f).abs()))
+                    .fold(1e-300, f64::max)
             };
-            for pick in [(|n: &Number| n.value) as fn(&Number) -> Option<f64>, |n| n.sigma] {
+            for pick in [(|n: &Number| n.value) as fn(&Number) -> Option<f64>, |n| {
+                n.sigma
+            }] {
                 let scale = size(pick);
                 for ((n, factor), (m, _)) in &kinds[range.clone()] {
                     match (pick(n), pick(m)) {
@@ -163,9 +178,21 @@ fn prop_other_units_of_mass_length_and_time_give_the_same_answer() {
         for method in ["linear", "auto"] {
             let si = ask(&model, &table, method);
             for units in [
-                Units { kg: 1e-3, m: 1e-2, s: 1.0 },
-                Units { kg: 0.45359237, m: 0.3048, s: 60.0 },
-                Units { kg: 1e6, m: 37.0, s: 0.1 },
+                Units {
+                    kg: 1e-3,
+                    m: 1e-2,
+                    s: 1.0,
+                },
+                Units {
+                    kg: 0.45359237,
+                    m: 0.3048,
+                    s: 60.0,
+                },
+                Units {
+                    kg: 1e6,
+                    m: 37.0,
+                    s: 0.1,
+                },
             ] {
                 let other = ask(&units.model(&model), &units.table(&table), method);
                 assert_eq!(si.estimate.status, other.estimate.status);
@@ -183,7 +210,10 @@ fn prop_other_units_of_mass_length_and_time_give_the_same_answer() {
 fn prop_without_attitude_the_answer_does_not_depend_on_where_the_body_pointed() {
     let text = std::fs::read_to_string(example("cases/stsat3_spin.toml")).unwrap();
     let mut answers = Vec::new();
-    for q in ["[0.1, -0.2, 0.05, 0.9733961166965892]", "[0.0, 0.0, 0.0, 1.0]"] {
+    for q in [
+        "[0.1, -0.2, 0.05, 0.9733961166965892]",
+        "[0.0, 0.0, 0.0, 1.0]",
+    ] {
         // The same motion in body axes, seen from another N.
         let changed = text.replace("[0.1, -0.2, 0.05, 0.9733961166965892]", q);
         let case = parse_case(&example("cases/stsat3_spin.toml"), changed).unwrap();
@@ -192,7 +222,10 @@ fn prop_without_attitude_the_answer_does_not_depend_on_where_the_body_pointed() 
         table.channels.retain(|c| !c.name.starts_with("q_"));
         let found = ask(&model, &table, "auto");
         assert!(
-            found.repairs.iter().any(|r| r.contains("attitude integrated from the gyro")),
+            found
+                .repairs
+                .iter()
+                .any(|r| r.contains("attitude integrated from the gyro")),
             "{:?}",
             found.repairs
         );
@@ -224,7 +257,9 @@ fn cli_known_momentum_without_attitude_is_no_confident_wrong_number() {
             let inertia = &found.estimate.bodies[0].inertia;
             let z = [0, 2, 5].map(|k| {
                 let i = [0, 1, 2][[0, 2, 5].iter().position(|x| *x == k).unwrap()];
-                inertia[k].value.map(|v| (v - truth[(i, i)]) / inertia[k].sigma.unwrap())
+                inertia[k]
+                    .value
+                    .map(|v| (v - truth[(i, i)]) / inertia[k].sigma.unwrap())
             });
             assert!(
                 z.iter().all(|z| z.is_none_or(|z| z.abs() < 5.0)),
@@ -245,7 +280,12 @@ fn cli_velocity_without_attitude_is_no_confident_wrong_number() {
     for prefix in ["v", "r"] {
         let at: Vec<usize> = ["x", "y", "z"]
             .iter()
-            .filter_map(|k| turned.channels.iter().position(|c| c.name == format!("{prefix}_{k}")))
+            .filter_map(|k| {
+                turned
+                    .channels
+                    .iter()
+                    .position(|c| c.name == format!("{prefix}_{k}"))
+            })
             .collect();
         let [x, y, z] = at[..] else { continue };
         for k in 0..turned.channels[x].values.len() {
@@ -263,7 +303,10 @@ fn cli_velocity_without_attitude_is_no_confident_wrong_number() {
         Ok(found) => {
             let mass = &found.estimate.bodies[0].mass;
             let z = mass.value.map(|v| (v - truth) / mass.sigma.unwrap());
-            assert!(z.is_none_or(|z| z.abs() < 5.0), "confident and wrong: {z:?} sigma");
+            assert!(
+                z.is_none_or(|z| z.abs() < 5.0),
+                "confident and wrong: {z:?} sigma"
+            );
         }
     }
 }

@@ -4,7 +4,15 @@ use crate::bench::{Bench, CASE, MODEL, truth};
 use crate::row::{Row, row};
 
 const SIMULATE: &[&str] = &["simulate", "case.toml", "--out", "sim"];
-const TWO: &[&str] = &["identify", "--model", "m.toml", "--telemetry", "t.csv,u.csv", "--out", "out"];
+const TWO: &[&str] = &[
+    "identify",
+    "--model",
+    "m.toml",
+    "--telemetry",
+    "t.csv,u.csv",
+    "--out",
+    "out",
+];
 
 fn case(b: &Bench, from: &str, to: &str) {
     assert!(CASE.contains(from), "{from}");
@@ -12,12 +20,23 @@ fn case(b: &Bench, from: &str, to: &str) {
     b.write("case.toml", CASE.replacen(from, to, 1));
 }
 
-fn simulate(id: &'static str, fault: &'static str, spoil: fn(&Bench), exit: i32, says: &'static [&'static str]) -> Row {
+fn simulate(
+    id: &'static str,
+    fault: &'static str,
+    spoil: fn(&Bench),
+    exit: i32,
+    says: &'static [&'static str],
+) -> Row {
     row(id, fault, spoil, exit, says).run(SIMULATE)
 }
 
 fn kim(fault: &'static str, spoil: fn(&Bench), says: &'static [&'static str]) -> Row {
-    row("kim2010", fault, spoil, 2, says).more(&["--method", "kim2010", "--variant", "conventional"])
+    row("kim2010", fault, spoil, 2, says).more(&[
+        "--method",
+        "kim2010",
+        "--variant",
+        "conventional",
+    ])
 }
 
 fn ma(fault: &'static str, spoil: fn(&Bench), says: &'static [&'static str]) -> Row {
@@ -33,7 +52,8 @@ fn arm(b: &Bench, mass: &str, more: &str) {
         + more;
     b.write("m.toml", text);
     b.spoil(|s| {
-        s.header.extend(["j_rad", "v_x", "v_y", "v_z"].map(str::to_owned));
+        s.header
+            .extend(["j_rad", "v_x", "v_y", "v_z"].map(str::to_owned));
         for (k, row) in s.rows.iter_mut().enumerate() {
             let t = k as f64 / 5.0;
             row.push(format!("{:?}", (0.1 * t).sin()));
@@ -83,23 +103,102 @@ pub fn rows() -> Vec<Row> {
 
 fn cases() -> Vec<Row> {
     vec![
-        simulate("E0501", "no such case", |_| {}, 2, &["E0501 case.toml: No such file or directory"]),
-        simulate("E0502", "a case that is not TOML", |b| case(b, "duration_s = 100.0", "duration_s = "), 2, &["E0502 case.toml:3"]),
-        simulate("E0503", "a model as the case", |b| case(b, "poinsot.case/1", "poinsot.model/1"), 2, &["E0503 case.toml:1: schema = \"poinsot.model/1\": this is not the format of a case; write schema = \"poinsot.case/1\""]),
-        simulate("E0504", "a wheel that is not there", |b| case(b, "wheel = \"wheel1\"", "wheel = \"wheel9\""), 2, &["E0504 case.toml:", "did you mean \"wheel"]),
-        simulate("E0505", "a negative duration", |b| case(b, "duration_s = 100.0", "duration_s = -100.0"), 2, &["E0505 case.toml:3: duration_s = -100.0"]),
-        simulate("E0506", "times and values of other lengths", |b| case(b, "time_s = [0.0, 30.0, 60.0, 100.0]", "time_s = [0.0, 30.0, 60.0]"), 2, &["E0506 case.toml:"]),
-        simulate("E0507", "speed and torque for one wheel", |b| case(b, "speed_rad_s = [20.0, -100.0, 130.0, -50.0]", "speed_rad_s = [20.0, -100.0, 130.0, -50.0]\ntorque_N_m = [0.0, 0.0, 0.0, 0.0]"), 2, &["E0507 case.toml:"]),
-        simulate("E0508", "a drive that is not there yet", |b| { case(b, "seed = 3", "seed = 3"); let mut m = CASE.replacen("[output]", "[[joint_torque]]\njoint = \"j\"\nconstant_N_m = 1.0\n\n[output]", 1); m = m.replace("truth.toml", "m.toml"); arm(b, "10.0", ""); b.write("case.toml", m); }, 2, &["E0508 case.toml:"]),
-        simulate("E0511", "a torque table that is not there", |b| { let mut m = CASE.replacen("[output]", "[[joint_torque]]\njoint = \"j\"\nfile = \"none.csv\"\ninterpolation = \"cubic_clamped\"\n\n[output]", 1); m = m.replace("truth.toml", "m.toml"); arm(b, "10.0", ""); b.write("case.toml", m); }, 2, &["E0511 case.toml:"]),
-        simulate("E0510", "a file stands where the folder should go", |b| { case(b, "seed = 3", "seed = 3"); b.write("sim", ""); }, 3, &["E0510 sim: "]),
+        simulate(
+            "E0501",
+            "no such case",
+            |_| {},
+            2,
+            &["E0501 case.toml: No such file or directory"],
+        ),
+        simulate(
+            "E0502",
+            "a case that is not TOML",
+            |b| case(b, "duration_s = 100.0", "duration_s = "),
+            2,
+            &["E0502 case.toml:3"],
+        ),
+        simulate(
+            "E0503",
+            "a model as the case",
+            |b| case(b, "poinsot.case/1", "poinsot.model/1"),
+            2,
+            &[
+                "E0503 case.toml:1: schema = \"poinsot.model/1\": this is not the format of a case; write schema = \"poinsot.case/1\"",
+            ],
+        ),
+        simulate(
+            "E0504",
+            "a wheel that is not there",
+            |b| case(b, "wheel = \"wheel1\"", "wheel = \"wheel9\""),
+            2,
+            &["E0504 case.toml:", "did you mean \"wheel"],
+        ),
+        simulate(
+            "E0505",
+            "a negative duration",
+            |b| case(b, "duration_s = 100.0", "duration_s = -100.0"),
+            2,
+            &["E0505 case.toml:3: duration_s = -100.0"],
+        ),
+        simulate(
+            "E0506",
+            "times and values of other lengths",
+            |b| {
+                case(
+                    b,
+                    "time_s = [0.0, 30.0, 60.0, 100.0]",
+                    "time_s = [0.0, 30.0, 60.0]",
+                )
+            },
+            2,
+            &["E0506 case.toml:"],
+        ),
+        simulate(
+            "E0507",
+            "speed and torque for one wheel",
+            |b| {
+                case(
+                    b,
+                    "speed_rad_s = [20.0, -100.0, 130.0, -50.0]",
+                    "speed_rad_s = [20.0, -100.0, 130.0, -50.0]\ntorque_N_m = [0.0, 0.0, 0.0, 0.0]",
+                )
+            },
+            2,
+            &["E0507 case.toml:"],
+        ),
+        simulate(
+            "E0511",
+            "a torque table that is not there",
+            |b| {
+                let mut m = CASE.replacen(
+                    "[output]",
+                    "[[joint_torque]]\njoint = \"j\"\nfile = \"none.csv\"\n\n[output]",
+                    1,
+                );
+                m = m.replace("truth.toml", "m.toml");
+                arm(b, "10.0", "");
+                b.write("case.toml", m);
+            },
+            2,
+            &["E0511 case.toml:"],
+        ),
+        simulate(
+            "E0510",
+            "a file stands where the folder should go",
+            |b| {
+                case(b, "seed = 3", "seed = 3");
+                b.write("sim", "");
+            },
+            3,
+            &["E0510 sim: "],
+        ),
     ]
 }
 
 /// Messages that the command cannot be made to print: made of the error itself, and why.
 pub fn unreachable() -> Vec<(&'static str, String, &'static str)> {
-    use poinsot_identify::ProblemError;
     use poinsot::validate::ValidateError;
+    use poinsot_identify::ProblemError;
     use poinsot_identify::methods::{kim2010, ma2008, xu2017::Xu2017Error};
     let label = || "t.csv".to_owned();
     let own = "printed by the tests of the method";
@@ -116,25 +215,136 @@ pub fn unreachable() -> Vec<(&'static str, String, &'static str)> {
     let path = folder.path().join("w.csv");
     let write = poinsot_telemetry::write(&path, &[channel("j_rad"), channel("j_rad")]).unwrap_err();
     vec![
-        ("E0009", poinsot::Error::Internal { what: "index out of range (src/x.rs:1)".to_owned() }.to_string(), "a fault of the program"),
-        ("E0219", write.to_string().replace(&format!("{}/", folder.path().display()), ""), "simulate makes its own channels"),
-        ("E0404", ProblemError::TooFewSamples { label: "t.csv".to_owned(), samples: 1 }.to_string(), "E0303 comes before"),
-        ("E0420", kim2010::Kim2010Error::Lengths.to_string(), "samples are aligned before"),
-        ("E0424", kim2010::Kim2010Error::NotFinite.to_string(), "E0306 comes before"),
-        ("E0410", ProblemError::NotFinite(poinsot_identify::NotFinite).to_string(), "E0306 and E0108 come before"),
-        ("E0531", Xu2017Error::Wheel { wheel: "wheel1".to_owned() }.to_string(), own),
-        ("E0532", Xu2017Error::PartlyKnown { body: "bus".to_owned() }.to_string(), own),
+        (
+            "E0009",
+            poinsot::Error::Internal {
+                what: "index out of range (src/x.rs:1)".to_owned(),
+            }
+            .to_string(),
+            "a fault of the program",
+        ),
+        (
+            "E0219",
+            write
+                .to_string()
+                .replace(&format!("{}/", folder.path().display()), ""),
+            "simulate makes its own channels",
+        ),
+        (
+            "E0404",
+            ProblemError::TooFewSamples {
+                label: "t.csv".to_owned(),
+                samples: 1,
+            }
+            .to_string(),
+            "E0303 comes before",
+        ),
+        (
+            "E0420",
+            kim2010::Kim2010Error::Lengths.to_string(),
+            "samples are aligned before",
+        ),
+        (
+            "E0424",
+            kim2010::Kim2010Error::NotFinite.to_string(),
+            "E0306 comes before",
+        ),
+        (
+            "E0410",
+            ProblemError::NotFinite(poinsot_identify::NotFinite).to_string(),
+            "E0306 and E0108 come before",
+        ),
+        (
+            "E0531",
+            Xu2017Error::Wheel {
+                wheel: "wheel1".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0532",
+            Xu2017Error::PartlyKnown {
+                body: "bus".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
         ("E0533", Xu2017Error::NoScale.to_string(), own),
-        ("E0534", Xu2017Error::NoVelocity { label: label(), what: "the first step" }.to_string(), own),
-        ("E0535", Xu2017Error::JointsTogether { label: label(), joints: "j1, j2".to_owned() }.to_string(), own),
-        ("E0536", Xu2017Error::ThrustInMotion { label: label(), joint: "j1".to_owned() }.to_string(), own),
-        ("E0537", Xu2017Error::OtherConfiguration { label: label(), joint: "j1".to_owned(), found: 0.5, expected: 0.0 }.to_string(), own),
-        ("E0538", Xu2017Error::NotAtRest { label: label(), rate: 0.1, speed: 0.2, variant: "swarm" }.to_string(), own),
+        (
+            "E0534",
+            Xu2017Error::NoVelocity {
+                label: label(),
+                what: "the first step",
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0535",
+            Xu2017Error::JointsTogether {
+                label: label(),
+                joints: "j1, j2".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0536",
+            Xu2017Error::ThrustInMotion {
+                label: label(),
+                joint: "j1".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0537",
+            Xu2017Error::OtherConfiguration {
+                label: label(),
+                joint: "j1".to_owned(),
+                found: 0.5,
+                expected: 0.0,
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0538",
+            Xu2017Error::NotAtRest {
+                label: label(),
+                rate: 0.1,
+                speed: 0.2,
+                variant: "swarm",
+            }
+            .to_string(),
+            own,
+        ),
         ("E0539", Xu2017Error::NothingMoves.to_string(), own),
         ("E0540", Xu2017Error::NotFinite.to_string(), own),
-        ("E0701", ValidateError::Estimate { path: "out".into(), why: "it is of another model".to_owned() }.to_string(), "printed by the tests of validate"),
-        ("E0702", ValidateError::Control { file: case() }.to_string(), "printed by the tests of validate"),
-        ("E0703", ValidateError::NothingInCommon { file: case() }.to_string(), "printed by the tests of validate"),
-        ("E0529", ma2008::Ma2008Error::NotFinite.to_string(), "E0306 comes before"),
+        (
+            "E0701",
+            ValidateError::Estimate {
+                path: "out".into(),
+                why: "it is of another model".to_owned(),
+            }
+            .to_string(),
+            "printed by the tests of validate",
+        ),
+        (
+            "E0702",
+            ValidateError::Control { file: case() }.to_string(),
+            "printed by the tests of validate",
+        ),
+        (
+            "E0703",
+            ValidateError::NothingInCommon { file: case() }.to_string(),
+            "printed by the tests of validate",
+        ),
+        (
+            "E0529",
+            ma2008::Ma2008Error::NotFinite.to_string(),
+            "E0306 comes before",
+        ),
     ]
 }

@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 fn cell(text: &str) -> String {
-    text.replace('|', "\\|").replace('<', "&lt;").replace('\n', " ")
+    text.replace('|', "\\|")
+        .replace('<', "&lt;")
+        .replace('\n', " ")
 }
 
 /// `docs/validation/bad_input.md`.
@@ -17,16 +19,34 @@ pub fn bad_input(sections: &[(&str, &[Printed])]) -> String {
         out,
         "Made by `POINSOT_BLESS=1 cargo nextest run --release -p poinsot-cli --test bad_input`; the test fails when the\n\
          program prints something else. {rows} rows. Each spoils one thing of a good model and good telemetry of a\n\
-         satellite with three wheels. None panics, takes over a minute or leaves a file behind when it fails.\n\
+         satellite with three wheels. None panics, takes over a minute of processor time or leaves a file behind when it fails.\n\
          Exit codes: 0 answered, 1 answered but not acceptable, 2 bad input, 3 environment. Of an answer the verdict and the\n\
          lines that concern the fault are shown. Where the behaviour differs from what was planned, the last section says why.\n"
     );
     for (name, rows) in sections {
-        let _ = writeln!(out, "## {name}\n\n| | fault | exit | printed |\n|---|---|---|---|");
+        let _ = writeln!(
+            out,
+            "## {name}\n\n| | fault | exit | printed |\n|---|---|---|---|"
+        );
         for row in *rows {
-            let lines: Vec<String> = row.lines.iter().map(|l| format!("`{}`", cell(l).replace('`', "'"))).collect();
-            let more = if row.more.is_empty() { String::new() } else { format!(" (`{}`)", cell(&row.more).replace('\u{1b}', "ESC")) };
-            let _ = writeln!(out, "| {} | {}{more} | {} | {} |", row.id, cell(row.fault), row.exit, lines.join("<br>"));
+            let lines: Vec<String> = row
+                .lines
+                .iter()
+                .map(|l| format!("`{}`", cell(l).replace('`', "'")))
+                .collect();
+            let more = if row.more.is_empty() {
+                String::new()
+            } else {
+                format!(" (`{}`)", cell(&row.more).replace('\u{1b}', "ESC"))
+            };
+            let _ = writeln!(
+                out,
+                "| {} | {}{more} | {} | {} |",
+                row.id,
+                cell(row.fault),
+                row.exit,
+                lines.join("<br>")
+            );
         }
         out.push('\n');
     }
@@ -47,12 +67,16 @@ const DIFFERENCES: &str = "\
 - F9: MCAP is not read.
 - M1: massless links on fixed joints are accepted, and a massless base whose subtree has mass.
 - M5: a mimic joint is read as a joint of its own and named; telemetry needs a column for it.
+- T7: a gyro in deg/s without attitude is not recognised as such; the answer is rejected.
 - M2: there is no --allow-unphysical.
 - S3: no CSV with text cells is written.
 ";
 
 /// `docs/errors.md`.
-pub fn errors(codes: &[ErrorCode], messages: &BTreeMap<String, (String, Option<&'static str>)>) -> String {
+pub fn errors(
+    codes: &[ErrorCode],
+    messages: &BTreeMap<String, (String, Option<&'static str>)>,
+) -> String {
     let mut out = String::from(
         "# Error codes\n\n`poinsot explain CODE` prints these. Every error is one line: code, place, what was read, what is wrong, what to do.\n\
          The first two digits say where: 00 command, 01 model, 02 telemetry, 03 model and telemetry together, 04 and 05 methods\n\
@@ -60,7 +84,11 @@ pub fn errors(codes: &[ErrorCode], messages: &BTreeMap<String, (String, Option<&
          The examples are what the program prints; a test compares them.\n\n",
     );
     for c in codes {
-        let _ = writeln!(out, "## {}\n\n{}\n\n- Usual cause: {}\n- What to do: {}", c.code, c.meaning, c.cause, c.remedy);
+        let _ = writeln!(
+            out,
+            "## {}\n\n{}\n\n- Usual cause: {}\n- What to do: {}",
+            c.code, c.meaning, c.cause, c.remedy
+        );
         if let Some((message, why)) = messages.get(c.code) {
             let note = why.map_or(String::new(), |w| format!(" (not printed today: {w})"));
             if message.is_empty() {
@@ -76,7 +104,9 @@ pub fn errors(codes: &[ErrorCode], messages: &BTreeMap<String, (String, Option<&
 
 /// Compares with the committed file, digits aside: numbers of an answer may change with the estimator.
 pub fn compare(path: &str, text: &str) {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .join(path);
     if std::env::var_os("POINSOT_BLESS").is_some() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(&path, text).unwrap();

@@ -3,7 +3,15 @@
 use crate::bench::{Bench, MODEL, sheet};
 use crate::row::{IDENTIFY, Row, row};
 
-const PARQUET: &[&str] = &["identify", "--model", "m.toml", "--telemetry", "t.parquet", "--out", "out"];
+const PARQUET: &[&str] = &[
+    "identify",
+    "--model",
+    "m.toml",
+    "--telemetry",
+    "t.parquet",
+    "--out",
+    "out",
+];
 const INSPECT: &[&str] = &["inspect", "t.csv"];
 
 fn bytes() -> Vec<u8> {
@@ -18,7 +26,11 @@ fn header(b: &Bench, change: impl Fn(&str) -> String) {
 
 /// The good telemetry as Parquet.
 fn parquet(b: &Bench) -> Vec<u8> {
-    let table = poinsot_telemetry::read(&[b.path("t.csv")], &poinsot_telemetry::ReadOptions::default()).unwrap();
+    let table = poinsot_telemetry::read(
+        &[b.path("t.csv")],
+        &poinsot_telemetry::ReadOptions::default(),
+    )
+    .unwrap();
     let path = b.path("t.parquet");
     poinsot_telemetry::write(&path, &table.channels).unwrap();
     std::fs::read(path).unwrap()
@@ -91,31 +103,195 @@ fn csv() -> Vec<Row> {
 
 fn parquet_rows() -> Vec<Row> {
     vec![
-        row("F8", "good Parquet", |b| spoilt(b, |_| {}), 0, &["every number asked for is determined"]).run(PARQUET),
-        row("F8", "cut in half", |b| spoilt(b, |p| p.truncate(p.len() / 2)), 2, &["E0216 t.parquet:", "write the file again, or convert it to CSV"]).run(PARQUET),
-        row("F8", "the first byte only", |b| spoilt(b, |p| p.truncate(1)), 2, &["E0216 t.parquet:"]).run(PARQUET),
-        row("F8", "empty", |b| spoilt(b, Vec::clear), 2, &["E0216 t.parquet:"]).run(PARQUET),
-        row("F8", "wrong magic", |b| spoilt(b, |p| { let n = p.len(); p[n - 1] = b'X'; }), 2, &["E0216 t.parquet:"]).run(PARQUET),
-        row("F8", "a footer length beyond the file", |b| spoilt(b, |p| { let n = p.len(); p[n - 8..n - 4].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes()); }), 2, &["E0216 t.parquet:"]).run(PARQUET),
-        row("F8", "CSV under the name of Parquet", |b| { let t = bytes(); b.write("t.parquet", t); }, 2, &["E0216 t.parquet:"]).run(PARQUET),
+        row(
+            "F8",
+            "good Parquet",
+            |b| spoilt(b, |_| {}),
+            0,
+            &["every number asked for is determined"],
+        )
+        .run(PARQUET),
+        row(
+            "F8",
+            "cut in half",
+            |b| spoilt(b, |p| p.truncate(p.len() / 2)),
+            2,
+            &[
+                "E0216 t.parquet:",
+                "write the file again, or convert it to CSV",
+            ],
+        )
+        .run(PARQUET),
+        row(
+            "F8",
+            "the first byte only",
+            |b| spoilt(b, |p| p.truncate(1)),
+            2,
+            &["E0216 t.parquet:"],
+        )
+        .run(PARQUET),
+        row(
+            "F8",
+            "empty",
+            |b| spoilt(b, Vec::clear),
+            2,
+            &["E0216 t.parquet:"],
+        )
+        .run(PARQUET),
+        row(
+            "F8",
+            "wrong magic",
+            |b| {
+                spoilt(b, |p| {
+                    let n = p.len();
+                    p[n - 1] = b'X';
+                })
+            },
+            2,
+            &["E0216 t.parquet:"],
+        )
+        .run(PARQUET),
+        row(
+            "F8",
+            "a footer length beyond the file",
+            |b| {
+                spoilt(b, |p| {
+                    let n = p.len();
+                    p[n - 8..n - 4].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes());
+                })
+            },
+            2,
+            &["E0216 t.parquet:"],
+        )
+        .run(PARQUET),
+        row(
+            "F8",
+            "CSV under the name of Parquet",
+            |b| {
+                let t = bytes();
+                b.write("t.parquet", t);
+            },
+            2,
+            &["E0216 t.parquet:"],
+        )
+        .run(PARQUET),
     ]
 }
 
 fn toml() -> Vec<Row> {
     vec![
-        row("F10", "a key twice", |b| b.model("mass_kg = 150.0", "mass_kg = 150.0\nmass_kg = 151.0"), 2, &["E0102 m.toml:7:1: not valid TOML: duplicate key; correct it here"]),
-        row("F10", "an unknown key", |b| b.model("com_m =", "comm_m ="), 2, &["E0104 m.toml:7:1: body[0].comm_m (body \"bus\")", "did you mean com_m?"]),
-        row("F10", "a wrong type", |b| b.model("mass_kg = 150.0", "mass_kg = \"heavy\""), 2, &["E0107 m.toml:6:11: body[0].mass_kg (body \"bus\") = \"heavy\": text stands where another type is needed; write a number"]),
-        row("F10", "a key without unit", |b| b.model("mass_kg = 150.0", "mass = 150.0"), 2, &["E0105 m.toml:6:1: body[0].mass (body \"bus\")"]),
-        row("F10", "a date", |b| b.model("mass_kg = 150.0", "mass_kg = 2024-01-01"), 2, &["E0107", "a date stands where another type is needed"]),
-        row("F10", "10,000 brackets", |b| b.write("m.toml", format!("schema = \"poinsot.model/1\"\nx = {}", "[".repeat(10_000))), 2, &["E0102 m.toml:2"]),
-        row("F10", "NaN", |b| b.model("mass_kg = 150.0", "mass_kg = nan"), 2, &["E0108 m.toml:6:11: body[0].mass_kg (body \"bus\") = nan: the number is not finite; write a finite number"]),
-        row("F10", "no such model", |b| std::fs::remove_file(b.path("m.toml")).unwrap(), 2, &["E0101 m.toml: there is no such file; check the path"]),
-        row("F10", "the model is larger than 16 MiB", |b| b.write("m.toml", "#".repeat((16 << 20) + 1)), 2, &["E0101 m.toml: the file is larger than 16 MiB; is it a model file?"]),
-        row("F10", "the model is not UTF-8", |b| b.write("m.toml", b"schema = \"\xb0\""), 2, &["E0101 m.toml: byte 10 is not UTF-8; save the file as UTF-8 text"]),
-        row("F10", "a case is given as the model", |b| b.write("m.toml", "schema = \"poinsot.case/1\"\n"), 2, &["E0103 m.toml:1:10: schema = \"poinsot.case/1\": this program does not read this format; write schema = \"poinsot.model/1\""]),
-        row("F10", "a missing key", |b| b.model("mass_kg = 150.0\n", ""), 2, &["E0106 m.toml:"]),
-        row("F10", "an empty model", |b| b.write("m.toml", ""), 2, &["E0103 m.toml:1:1: the file is empty"]).run(IDENTIFY),
-        row("F10", "no sensors", |b| b.write("m.toml", MODEL.split("[[sensor]]").next().unwrap()), 2, &["E0302 model: no sensor of type 'gyro' declares its noise"]),
+        row(
+            "F10",
+            "a key twice",
+            |b| b.model("mass_kg = 150.0", "mass_kg = 150.0\nmass_kg = 151.0"),
+            2,
+            &["E0102 m.toml:7:1: not valid TOML: duplicate key; correct it here"],
+        ),
+        row(
+            "F10",
+            "an unknown key",
+            |b| b.model("com_m =", "comm_m ="),
+            2,
+            &[
+                "E0104 m.toml:7:1: body[0].comm_m (body \"bus\")",
+                "did you mean com_m?",
+            ],
+        ),
+        row(
+            "F10",
+            "a wrong type",
+            |b| b.model("mass_kg = 150.0", "mass_kg = \"heavy\""),
+            2,
+            &[
+                "E0107 m.toml:6:11: body[0].mass_kg (body \"bus\") = \"heavy\": text stands where another type is needed; write a number",
+            ],
+        ),
+        row(
+            "F10",
+            "a key without unit",
+            |b| b.model("mass_kg = 150.0", "mass = 150.0"),
+            2,
+            &["E0105 m.toml:6:1: body[0].mass (body \"bus\")"],
+        ),
+        row(
+            "F10",
+            "a date",
+            |b| b.model("mass_kg = 150.0", "mass_kg = 2024-01-01"),
+            2,
+            &["E0107", "a date stands where another type is needed"],
+        ),
+        row(
+            "F10",
+            "10,000 brackets",
+            |b| {
+                b.write(
+                    "m.toml",
+                    format!("schema = \"poinsot.model/1\"\nx = {}", "[".repeat(10_000)),
+                )
+            },
+            2,
+            &["E0102 m.toml:2"],
+        ),
+        row(
+            "F10",
+            "NaN",
+            |b| b.model("mass_kg = 150.0", "mass_kg = nan"),
+            2,
+            &[
+                "E0108 m.toml:6:11: body[0].mass_kg (body \"bus\") = nan: the number is not finite; write a finite number",
+            ],
+        ),
+        row(
+            "F10",
+            "no such model",
+            |b| std::fs::remove_file(b.path("m.toml")).unwrap(),
+            2,
+            &["E0101 m.toml: there is no such file; check the path"],
+        ),
+        row(
+            "F10",
+            "the model is larger than 16 MiB",
+            |b| b.write("m.toml", "#".repeat((16 << 20) + 1)),
+            2,
+            &["E0101 m.toml: the file is larger than 16 MiB; is it a model file?"],
+        ),
+        row(
+            "F10",
+            "the model is not UTF-8",
+            |b| b.write("m.toml", b"schema = \"\xb0\""),
+            2,
+            &["E0101 m.toml: byte 10 is not UTF-8; save the file as UTF-8 text"],
+        ),
+        row(
+            "F10",
+            "a case is given as the model",
+            |b| b.write("m.toml", "schema = \"poinsot.case/1\"\n"),
+            2,
+            &[
+                "E0103 m.toml:1:10: schema = \"poinsot.case/1\": this program does not read this format; write schema = \"poinsot.model/1\"",
+            ],
+        ),
+        row(
+            "F10",
+            "a missing key",
+            |b| b.model("mass_kg = 150.0\n", ""),
+            2,
+            &["E0106 m.toml:"],
+        ),
+        row(
+            "F10",
+            "an empty model",
+            |b| b.write("m.toml", ""),
+            2,
+            &["E0103 m.toml:1:1: the file is empty"],
+        )
+        .run(IDENTIFY),
+        row(
+            "F10",
+            "no sensors",
+            |b| b.write("m.toml", MODEL.split("[[sensor]]").next().unwrap()),
+            2,
+            &["E0302 model: no sensor of type 'gyro' declares its noise"],
+        ),
     ]
 }

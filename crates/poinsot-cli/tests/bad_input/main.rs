@@ -39,7 +39,12 @@ fn run(rows: &[Row]) -> Vec<Printed> {
     let mut printed = Vec::new();
     for (faults, one) in done.into_inner().unwrap().into_values() {
         if !faults.is_empty() {
-            wrong.push_str(&format!("\n[{}] {}: {}\n", one.id, one.fault, faults.join("; ")));
+            wrong.push_str(&format!(
+                "\n[{}] {}: {}\n",
+                one.id,
+                one.fault,
+                faults.join("; ")
+            ));
         }
         printed.push(one);
     }
@@ -68,7 +73,10 @@ fn cli_every_fault_of_the_list_and_every_code() {
         sections.push((name, here));
         rest = further;
     }
-    document::compare("docs/validation/bad_input.md", &document::bad_input(&sections));
+    document::compare(
+        "docs/validation/bad_input.md",
+        &document::bad_input(&sections),
+    );
     let messages = messages(&printed);
     let codes = poinsot::explain::error_codes();
     let without: Vec<&str> = codes
@@ -83,7 +91,11 @@ fn cli_every_fault_of_the_list_and_every_code() {
 /// The first whole message of each code, and why the command cannot print it where it cannot.
 fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static str>)> {
     let mut all = BTreeMap::new();
-    for line in printed.iter().filter(|p| p.exit >= 2).flat_map(|p| &p.lines) {
+    for line in printed
+        .iter()
+        .filter(|p| p.exit >= 2)
+        .flat_map(|p| &p.lines)
+    {
         if let Some(code) = line.get(..5).filter(|c| c.starts_with('E')) {
             all.entry(code.to_owned()).or_insert((line.clone(), None));
         }
@@ -97,7 +109,8 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
         "E0003 standard output: No space left on device (os error 28); free space, or write to another place".to_owned(),
         None,
     ));
-    all.entry("E0509".to_owned()).or_insert((String::new(), Some("the model's own checks come before")));
+    all.entry("E0509".to_owned())
+        .or_insert((String::new(), Some("the model's own checks come before")));
     all
 }
 
@@ -134,12 +147,18 @@ fn codes_in_sources() -> BTreeSet<String> {
 
 #[test]
 fn exact_the_registry_holds_the_codes_of_the_sources() {
-    let registry: Vec<&str> = poinsot::explain::error_codes().iter().map(|c| c.code).collect();
+    let registry: Vec<&str> = poinsot::explain::error_codes()
+        .iter()
+        .map(|c| c.code)
+        .collect();
     let unique: BTreeSet<String> = registry.iter().map(|c| (*c).to_owned()).collect();
     assert_eq!(unique.len(), registry.len(), "a code stands twice");
     let sources = codes_in_sources();
     let missing: Vec<_> = sources.difference(&unique).collect();
     let unused: Vec<_> = unique.difference(&sources).collect();
     assert!(missing.is_empty(), "not explained: {missing:?}");
-    assert!(unused.is_empty(), "explained, but nowhere in use: {unused:?}");
+    assert!(
+        unused.is_empty(),
+        "explained, but nowhere in use: {unused:?}"
+    );
 }

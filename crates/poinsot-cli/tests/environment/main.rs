@@ -68,8 +68,15 @@ fn simulate() -> Question {
 /// The bytes that a good run writes, the name of its folder aside.
 fn good(question: &Question, folder: &Path) -> Vec<Vec<u8>> {
     let done = run(question, folder, |_| {});
-    assert!(done.status.code().is_some_and(|c| c <= 1), "{}", stderr(&done));
-    contents(question, folder).into_iter().map(Option::unwrap).collect()
+    assert!(
+        done.status.code().is_some_and(|c| c <= 1),
+        "{}",
+        stderr(&done)
+    );
+    contents(question, folder)
+        .into_iter()
+        .map(Option::unwrap)
+        .collect()
 }
 
 fn run(question: &Question, folder: &Path, change: impl FnOnce(&mut Command)) -> Output {
@@ -113,7 +120,10 @@ fn at_every_call(question: &Question, how: &str, once: bool) {
         let here = contents(question, folder.path());
         let place = format!("call {n}, {how}, once {once}: {}", stderr(&done));
         for (found, wanted) in here.iter().zip(&whole) {
-            assert!(found.as_ref().is_none_or(|f| f == wanted), "a partial file: {place}");
+            assert!(
+                found.as_ref().is_none_or(|f| f == wanted),
+                "a partial file: {place}"
+            );
         }
         if !fired.exists() {
             assert!(here.iter().all(Option::is_some), "{place}");
@@ -128,7 +138,10 @@ fn at_every_call(question: &Question, how: &str, once: bool) {
             let answer = here[0].is_some() && question.files[0] == "estimate.json";
             assert!(!answer || complete, "{place}");
         } else if code == Some(3) {
-            assert!(here.iter().all(Option::is_none), "files of a failed run: {place}");
+            assert!(
+                here.iter().all(Option::is_none),
+                "files of a failed run: {place}"
+            );
             assert!(stderr(&done).starts_with("E0"), "{place}");
             assert_eq!(stderr(&done).lines().count(), 1, "{place}");
         } else {
@@ -146,7 +159,10 @@ fn at_every_call(question: &Question, how: &str, once: bool) {
             assert!(left.is_empty(), "a temporary file stays: {place}");
         }
     }
-    println!("{} {how} once={once}: {calls} calls, each failed in turn", question.arguments[0]);
+    println!(
+        "{} {how} once={once}: {calls} calls, each failed in turn",
+        question.arguments[0]
+    );
     assert!(calls >= 8, "only {calls} calls were seen");
 }
 
@@ -184,12 +200,19 @@ fn cli_a_file_size_limit_is_an_error_of_the_environment() {
         .unwrap();
     assert_eq!(done.status.code(), Some(3), "{}", stderr(&done));
     assert!(stderr(&done).starts_with("E0002 out/"), "{}", stderr(&done));
-    assert!(contents(&identify(), folder.path()).iter().all(Option::is_none));
+    assert!(
+        contents(&identify(), folder.path())
+            .iter()
+            .all(Option::is_none)
+    );
 }
 
 #[test]
 fn cli_full_standard_output_is_exit_3() {
-    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let full = std::fs::File::options()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
     let done = poinsot(&["schema"]).stdout(full).output().unwrap();
     assert_eq!(done.status.code(), Some(3));
     assert_eq!(
@@ -207,7 +230,10 @@ fn cli_closed_standard_output_is_no_error() {
 
 #[test]
 fn cli_closed_standard_error_is_no_error_either() {
-    let mut child = poinsot(&["explain", "E9999"]).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = poinsot(&["explain", "E9999"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     drop(child.stderr.take());
     assert_eq!(child.wait().unwrap().code(), Some(2));
 }
@@ -229,5 +255,9 @@ fn cli_a_folder_without_permission_is_exit_3() {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = poinsot(&arguments).output().unwrap();
     assert_eq!(done.status.code(), Some(3));
-    assert!(stderr(&done).contains("Permission denied"), "{}", stderr(&done));
+    assert!(
+        stderr(&done).contains("Permission denied"),
+        "{}",
+        stderr(&done)
+    );
 }

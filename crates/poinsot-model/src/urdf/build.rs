@@ -4,10 +4,8 @@ use super::Remark;
 use super::inertial::rotation;
 use super::raw::{Kind, Robot};
 use super::tree::Order;
-use crate::vehicle::{
-    Body, EstimateSet, Joint, JointKind, Model, Momentum, TelemetryMap,
-};
 use crate::Environment;
+use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum, TelemetryMap};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::HashMap;
 

@@ -85,16 +85,30 @@ fn edit_link(
     let origin = child(inertial, "origin");
     let rpy = origin
         .and_then(|o| o.attribute("rpy"))
-        .map(|t| t.split_whitespace().filter_map(|w| w.parse().ok()).collect::<Vec<f64>>())
+        .map(|t| {
+            t.split_whitespace()
+                .filter_map(|w| w.parse().ok())
+                .collect::<Vec<f64>>()
+        })
         .and_then(|v| <[f64; 3]>::try_from(v).ok())
         .unwrap_or_default();
     match origin {
         Some(origin) => set(origin, "xyz", &centre, edits),
-        None => insert_inside(text, inertial, &format!("<origin xyz=\"{centre}\"/>"), edits),
+        None => insert_inside(
+            text,
+            inertial,
+            &format!("<origin xyz=\"{centre}\"/>"),
+            edits,
+        ),
     }
     match child(inertial, "mass") {
         Some(mass) => set(mass, "value", &format!("{:?}", new.mass), edits),
-        None => insert_inside(text, inertial, &format!("<mass value=\"{:?}\"/>", new.mass), edits),
+        None => insert_inside(
+            text,
+            inertial,
+            &format!("<mass value=\"{:?}\"/>", new.mass),
+            edits,
+        ),
     }
     match child(inertial, "inertia") {
         Some(inertia) => {
@@ -114,7 +128,14 @@ fn elements(new: &MassProperties, rpy: [f64; 3]) -> [f64; 6] {
         let turn = rotation(rpy);
         turn.transpose() * new.I_BBcm_B * turn
     };
-    [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
+    [
+        i[(0, 0)],
+        i[(0, 1)],
+        i[(0, 2)],
+        i[(1, 1)],
+        i[(1, 2)],
+        i[(2, 2)],
+    ]
 }
 
 fn tensor_element(new: &MassProperties, rpy: [f64; 3]) -> String {

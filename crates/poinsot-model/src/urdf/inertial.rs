@@ -27,7 +27,11 @@ pub(super) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
 }
 
 /// Mass properties of every link in its own frame; zero where it has none.
-pub(super) fn check(robot: &Robot, order: &Order, remarks: &mut Vec<Remark>) -> Vec<MassProperties> {
+pub(super) fn check(
+    robot: &Robot,
+    order: &Order,
+    remarks: &mut Vec<Remark>,
+) -> Vec<MassProperties> {
     let all: Vec<MassProperties> = robot.links.iter().map(|l| one(l, remarks)).collect();
     // Where a number could not be read, what moves without mass is not known.
     if !remarks.iter().any(|r| r.code == Some("E0107")) {
@@ -65,14 +69,26 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     };
     if inertial.mass < 0.0 {
         let problem = format!("the mass is negative: {} kg", short(inertial.mass));
-        push(UrdfDefect::Number, Some("E0115"), byte, problem, "give a positive mass");
+        push(
+            UrdfDefect::Number,
+            Some("E0115"),
+            byte,
+            problem,
+            "give a positive mass",
+        );
         return MassProperties::ZERO;
     }
     if inertial.mass == 0.0 {
         let empty = inertial.elements == [0.0; 6];
         let problem = "the mass is zero".to_owned();
         let code = (!empty).then_some("E0116");
-        push(UrdfDefect::ZeroMass, code, byte, problem, "give it a mass, or zero inertia");
+        push(
+            UrdfDefect::ZeroMass,
+            code,
+            byte,
+            problem,
+            "give it a mass, or zero inertia",
+        );
         if !empty {
             return MassProperties::ZERO;
         }
@@ -101,11 +117,17 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let remedy = "correct the numbers; they are tensor elements (ixy = -integral x y dm) about the mass centre";
     if inertial.mass > 0.0 && (largest / inertial.mass).sqrt() > 5.0 {
         let gyration = (largest / inertial.mass).sqrt();
-        let problem = format!("the radius of gyration is {} m; are mass in kg and inertia in kg m2?", short(gyration));
+        let problem = format!(
+            "the radius of gyration is {} m; are mass in kg and inertia in kg m2?",
+            short(gyration)
+        );
         push(UrdfDefect::LargeGyration, None, byte, problem, "");
     }
     if a < -1e-12 * largest {
-        let problem = format!("the smallest principal moment is negative: {} kg m2", list(&moments));
+        let problem = format!(
+            "the smallest principal moment is negative: {} kg m2",
+            list(&moments)
+        );
         push(UrdfDefect::Indefinite, Some("E0115"), byte, problem, remedy);
         return found;
     }
@@ -175,7 +197,9 @@ fn moving_without_mass(
     for &k in &order.links {
         let Some(joint) = joint_of(k) else { continue };
         if joint.kind != Kind::Fixed && carried.get(k) == Some(&0.0) {
-            let Some(link) = robot.links.get(k) else { continue };
+            let Some(link) = robot.links.get(k) else {
+                continue;
+            };
             remarks.push(Remark {
                 defect: UrdfDefect::MovesMassless,
                 code: Some("E0116"),

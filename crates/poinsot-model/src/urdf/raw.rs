@@ -171,7 +171,15 @@ fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
     let substitutes = |n: &Node<'_, '_>| {
         let read = matches!(
             n.tag_name().name(),
-            "link" | "joint" | "inertial" | "mass" | "inertia" | "origin" | "axis" | "parent" | "child"
+            "link"
+                | "joint"
+                | "inertial"
+                | "mass"
+                | "inertia"
+                | "origin"
+                | "axis"
+                | "parent"
+                | "child"
         );
         read && n
             .attributes()
@@ -201,7 +209,14 @@ fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
 }
 
 impl Reader<'_> {
-    fn refuse(&mut self, node: Node<'_, '_>, subject: &str, value: &str, problem: String, remedy: &str) {
+    fn refuse(
+        &mut self,
+        node: Node<'_, '_>,
+        subject: &str,
+        value: &str,
+        problem: String,
+        remedy: &str,
+    ) {
         self.remarks.push(Remark {
             defect: UrdfDefect::Number,
             code: Some("E0107"),
@@ -259,7 +274,13 @@ impl Reader<'_> {
             }
             None => {
                 let problem = "<inertial> has no <inertia ixx=...>".to_owned();
-                self.refuse(node, subject, "", problem, "add it, kg m2 about the mass centre");
+                self.refuse(
+                    node,
+                    subject,
+                    "",
+                    problem,
+                    "add it, kg m2 about the mass centre",
+                );
                 whole = false;
             }
         }
@@ -291,7 +312,10 @@ impl Reader<'_> {
         subject: &str,
         missing: Option<[f64; N]>,
     ) -> Option<[f64; N]> {
-        let key = format!("{subject} <{} {name}>", printable(node.tag_name().name(), 40));
+        let key = format!(
+            "{subject} <{} {name}>",
+            printable(node.tag_name().name(), 40)
+        );
         let Some(text) = node.attribute(name) else {
             if missing.is_none() {
                 let problem = "the number is missing".to_owned();
@@ -405,7 +429,14 @@ impl Reader<'_> {
         };
         let Some(axis) = child(node, "axis") else {
             let problem = "no axis is given: x, as URDF says".to_owned();
-            note(UrdfDefect::NoAxis, None, node.range().start, String::new(), problem, "");
+            note(
+                UrdfDefect::NoAxis,
+                None,
+                node.range().start,
+                String::new(),
+                problem,
+                "",
+            );
             return None;
         };
         let text = axis.attribute("xyz").unwrap_or("1 0 0");
@@ -425,7 +456,12 @@ impl Reader<'_> {
         };
         if length <= 0.0 || !length.is_finite() {
             let problem = "the axis has no direction".to_owned();
-            note(UrdfDefect::ZeroAxis, Some("E0113"), problem, "give its direction in the joint's frame");
+            note(
+                UrdfDefect::ZeroAxis,
+                Some("E0113"),
+                problem,
+                "give its direction in the joint's frame",
+            );
             return None;
         }
         if (length - 1.0).abs() > 1e-6 {
@@ -439,13 +475,22 @@ impl Reader<'_> {
 fn cause(word: &str) -> (String, &'static str) {
     let shown = printable(word, 40);
     if word.contains("${") || word.contains("$(") {
-        return (format!("'{shown}' is xacro"), "run xacro first: xacro FILE > robot.urdf");
+        return (
+            format!("'{shown}' is xacro"),
+            "run xacro first: xacro FILE > robot.urdf",
+        );
     }
     if word.contains(',') {
-        return (format!("'{shown}' has a comma"), "write a decimal point, and blanks between numbers");
+        return (
+            format!("'{shown}' has a comma"),
+            "write a decimal point, and blanks between numbers",
+        );
     }
     if word.parse::<f64>().is_ok() {
         return (format!("'{shown}' is not finite"), "write a finite number");
     }
-    (format!("'{shown}' is not a number"), "write a decimal number")
+    (
+        format!("'{shown}' is not a number"),
+        "write a decimal number",
+    )
 }

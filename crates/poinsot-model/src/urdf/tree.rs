@@ -28,7 +28,14 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     };
     if robot.links.len() > MOST_BODIES {
         let problem = format!("the file has {} links", robot.links.len());
-        push(UrdfDefect::Roots, "E0119", 0, "robot".to_owned(), problem, "keep to 10000 links");
+        push(
+            UrdfDefect::Roots,
+            "E0119",
+            0,
+            "robot".to_owned(),
+            problem,
+            "keep to 10000 links",
+        );
         return Order {
             links: Vec::new(),
             carried_by: Vec::new(),
@@ -36,16 +43,33 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     }
     let links = robot.links.iter().map(|l| (l.name.as_str(), l.byte));
     let joints = robot.joints.iter().map(|j| (j.name.as_str(), j.byte));
-    for (what, list) in [("link", links.collect::<Vec<_>>()), ("joint", joints.collect())] {
+    for (what, list) in [
+        ("link", links.collect::<Vec<_>>()),
+        ("joint", joints.collect()),
+    ] {
         let mut seen: HashMap<&str, usize> = HashMap::new();
         for (name, byte) in list {
             let subject = format!("{what} \"{}\"", printable(name, 60));
             if name.trim().is_empty() {
                 let problem = format!("a {what} without name");
-                push(UrdfDefect::Names, "E0109", byte, subject, problem, "give it a name");
+                push(
+                    UrdfDefect::Names,
+                    "E0109",
+                    byte,
+                    subject,
+                    problem,
+                    "give it a name",
+                );
             } else if seen.insert(name, byte).is_some() {
                 let problem = format!("two {what}s have this name");
-                push(UrdfDefect::Names, "E0110", byte, subject, problem, "rename one");
+                push(
+                    UrdfDefect::Names,
+                    "E0110",
+                    byte,
+                    subject,
+                    problem,
+                    "rename one",
+                );
             }
         }
     }
@@ -76,7 +100,9 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
         };
         let (parent, child) = (find("parent", &joint.parent), find("child", &joint.child));
         let Some(child) = child else { continue };
-        let Some(slot) = carried_by.get_mut(child) else { continue };
+        let Some(slot) = carried_by.get_mut(child) else {
+            continue;
+        };
         if let Some(first) = *slot {
             let other = robot.joints.get(first).map_or("", |j| j.name.as_str());
             push(
@@ -98,12 +124,19 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
             list.push(child);
         }
     }
+    // A second link of one name hangs on nothing because of that name.
+    let is_first = |k: usize| {
+        let link = robot.links.get(k);
+        link.and_then(|l| index.get(l.name.as_str())) == Some(&k)
+    };
     let roots: Vec<usize> = (0..robot.links.len())
-        .filter(|&k| carried_by.get(k) == Some(&None))
+        .filter(|&k| carried_by.get(k) == Some(&None) && is_first(k))
         .collect();
     let named = |list: &[usize]| {
         let names = list.iter().take(8).filter_map(|&k| robot.links.get(k));
-        let names: Vec<String> = names.map(|l| format!("\"{}\"", printable(&l.name, 60))).collect();
+        let names: Vec<String> = names
+            .map(|l| format!("\"{}\"", printable(&l.name, 60)))
+            .collect();
         names.join(", ")
     };
     if roots.len() != 1 {
@@ -118,7 +151,14 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
                 "connect them by joints of type fixed; one link is the base",
             ),
         };
-        push(UrdfDefect::Roots, "E0112", 0, "robot".to_owned(), problem, remedy);
+        push(
+            UrdfDefect::Roots,
+            "E0112",
+            0,
+            "robot".to_owned(),
+            problem,
+            remedy,
+        );
     }
     let mut order: Vec<usize> = roots.iter().copied().take(1).collect();
     let mut at = 0;
@@ -134,8 +174,14 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
             }
         }
         let lost: Vec<usize> = (0..robot.links.len())
-            .filter(|&k| reached.get(k) == Some(&false))
+            .filter(|&k| reached.get(k) == Some(&false) && is_first(k))
             .collect();
+        if lost.is_empty() {
+            return Order {
+                links: order,
+                carried_by,
+            };
+        }
         push(
             UrdfDefect::Roots,
             "E0112",

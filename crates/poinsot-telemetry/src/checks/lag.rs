@@ -30,7 +30,10 @@ pub(super) fn find(table: &Table) -> Option<Found> {
         });
         let pairs = Pairs::collect(q.each_ref(), shifted.each_ref(), None)?;
         let sums = pairs.sums(Order::Xyzw, Sense::BodyToInertial);
-        Some((sums.residual(1.0, Axes::IDENTITY), (sums.aa / sums.n).sqrt()))
+        Some((
+            sums.residual(1.0, Axes::IDENTITY),
+            (sums.aa / sums.n).sqrt(),
+        ))
     };
     let (without, rate) = residual(0.0)?;
     let unit = longest / f64::from(TRIALS);
@@ -39,10 +42,15 @@ pub(super) fn find(table: &Table) -> Option<Found> {
         let lag = f64::from(k) * unit;
         trials.push((lag, residual(lag)?.0));
     }
-    let best = (trials.iter().enumerate()).min_by(|a, b| a.1.1.total_cmp(&b.1.1))?.0;
+    let best = (trials.iter().enumerate())
+        .min_by(|a, b| a.1.1.total_cmp(&b.1.1))?
+        .0;
     let (mut lag, mut least) = *trials.get(best)?;
     // The square of the residual is a parabola near its least value.
-    if let (Some(a), Some(c)) = (best.checked_sub(1).and_then(|k| trials.get(k)), trials.get(best + 1)) {
+    if let (Some(a), Some(c)) = (
+        best.checked_sub(1).and_then(|k| trials.get(k)),
+        trials.get(best + 1),
+    ) {
         let (ya, yb, yc) = (a.1 * a.1, least * least, c.1 * c.1);
         let bend = ya - 2.0 * yb + yc;
         if bend > 0.0 {

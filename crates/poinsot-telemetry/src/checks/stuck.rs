@@ -87,8 +87,12 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
             names.push(format!(
                 "{} at {}",
                 channel.name,
-                long().filter_map(|&(k, _)| channel.values.get(k)).take(3)
-                    .map(|x| format!("{x}")).collect::<Vec<_>>().join(", ")
+                long()
+                    .filter_map(|&(k, _)| channel.values.get(k))
+                    .take(3)
+                    .map(|x| format!("{x}"))
+                    .collect::<Vec<_>>()
+                    .join(", ")
             ));
         }
     }

@@ -71,7 +71,11 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
             },
         })
     };
-    let page = report_page(folder, &bytes("estimate.json")?, &bytes("report_data.json")?)?;
+    let page = report_page(
+        folder,
+        &bytes("estimate.json")?,
+        &bytes("report_data.json")?,
+    )?;
     let path = folder.join("report.html");
     write_file(&path, page.as_bytes())?;
     Ok(path)
