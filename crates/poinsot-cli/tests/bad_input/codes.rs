@@ -167,6 +167,19 @@ fn cases() -> Vec<Row> {
             &["E0507 case.toml:"],
         ),
         simulate(
+            "E0508",
+            "a controller beside joint torques",
+            |b| {
+                let more = "[control]\nnatural_frequency_rad_s = 0.04\ndamping_ratio = 0.7\n\n[[joint_torque]]\njoint = \"j\"\nconstant_N_m = 1.0\n\n[output]";
+                case(b, "[output]", more);
+            },
+            2,
+            &[
+                "E0508 case.toml:",
+                "the simulation does not do this yet beside [control]",
+            ],
+        ),
+        simulate(
             "E0511",
             "a torque table that is not there",
             |b| {
