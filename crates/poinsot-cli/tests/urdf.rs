@@ -40,14 +40,26 @@ fn answer(folder: &Path, robot: &str) -> Value {
     std::fs::write(folder.join("m.toml"), model).unwrap();
     good(&poinsot(
         folder,
-        &["identify", "--model", "m.toml", "--telemetry", "sim/telemetry.csv", "--method", "linear", "--out", "out"],
+        &[
+            "identify",
+            "--model",
+            "m.toml",
+            "--telemetry",
+            "sim/telemetry.csv",
+            "--method",
+            "linear",
+            "--out",
+            "out",
+        ],
     ));
     let text = std::fs::read_to_string(folder.join("out/estimate.json")).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
 fn inertia(estimate: &Value, name: &str) -> f64 {
-    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"][name].as_f64().unwrap()
+    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"][name]
+        .as_f64()
+        .unwrap()
 }
 
 #[test]
@@ -56,7 +68,9 @@ fn cli_export_changes_the_numbers_and_no_other_byte() {
     let estimate = answer(folder.path(), ROBOT);
     let told = good(&poinsot(
         folder.path(),
-        &["export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf"],
+        &[
+            "export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf",
+        ],
     ));
     assert_eq!(told, "written: new.urdf\n");
     let mut expected = ROBOT.to_owned();
@@ -80,20 +94,39 @@ fn cli_export_changes_the_numbers_and_no_other_byte() {
 
 #[test]
 fn cli_export_turns_the_tensor_into_the_axes_of_the_file() {
-    let robot = ROBOT.replacen("<mass", "<origin xyz='0 0 0' rpy=\"0.4 -0.7 1.9\"/><mass", 1);
+    let robot = ROBOT.replacen(
+        "<mass",
+        "<origin xyz='0 0 0' rpy=\"0.4 -0.7 1.9\"/><mass",
+        1,
+    );
     let folder = tempfile::tempdir().unwrap();
     let estimate = answer(folder.path(), &robot);
     good(&poinsot(
         folder.path(),
-        &["export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf"],
+        &[
+            "export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf",
+        ],
     ));
     let new = std::fs::read_to_string(folder.path().join("new.urdf")).unwrap();
     assert!(new.contains("rpy=\"0.4 -0.7 1.9\""));
-    let read = poinsot_model::read_urdf(folder.path().join("new.urdf")).model.unwrap();
+    let read = poinsot_model::read_urdf(folder.path().join("new.urdf"))
+        .model
+        .unwrap();
     let tensor = read.bodies[0].nominal.I_BBcm_B;
-    for (key, at) in [("xx", (0, 0)), ("xy", (0, 1)), ("yy", (1, 1)), ("xz", (0, 2)), ("yz", (1, 2)), ("zz", (2, 2))] {
+    for (key, at) in [
+        ("xx", (0, 0)),
+        ("xy", (0, 1)),
+        ("yy", (1, 1)),
+        ("xz", (0, 2)),
+        ("yz", (1, 2)),
+        ("zz", (2, 2)),
+    ] {
         let wanted = inertia(&estimate, key);
-        assert!((tensor[at] - wanted).abs() < 1e-12, "{key}: {} {wanted}", tensor[at]);
+        assert!(
+            (tensor[at] - wanted).abs() < 1e-12,
+            "{key}: {} {wanted}",
+            tensor[at]
+        );
     }
 }
 
@@ -102,10 +135,16 @@ fn cli_export_of_what_is_not_determined_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     answer(folder.path(), ROBOT);
     let path = folder.path().join("out/estimate.json");
-    let mut estimate: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let mut estimate: Value =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"]["xy"] = Value::Null;
     std::fs::write(&path, estimate.to_string()).unwrap();
-    let done = poinsot(folder.path(), &["export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf"]);
+    let done = poinsot(
+        folder.path(),
+        &[
+            "export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf",
+        ],
+    );
     assert_eq!(done.status.code(), Some(2));
     assert_eq!(
         String::from_utf8_lossy(&done.stderr),
