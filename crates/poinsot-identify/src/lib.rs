@@ -21,6 +21,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod input_noise;
 mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
@@ -68,9 +69,11 @@ pub use parameters::{
 pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
-    maximum_likelihood_predicted,
+    maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{
+    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Translation,
+};
 pub use spectrum::{NotFinite, Spectrum};

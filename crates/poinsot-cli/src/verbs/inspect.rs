@@ -32,7 +32,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let inspection = inspect(&table);
     if arguments.json {
         print_json(&inspection);
-    } else {
+    } else if !arguments.quiet {
         print(&format!("{inspection}\n"));
     }
     Ok(0)

@@ -5,6 +5,7 @@
 mod acceleration;
 mod channels;
 mod faults;
+mod input_errors;
 mod motion;
 mod noise;
 mod observe;
