@@ -126,8 +126,8 @@ pub struct Identify {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
-    /// What is done about a finding of a telemetry check: placeholder, held, stuck, saturation, outlier (report,
-    /// exclude, refuse), gap, lag, wheel_sign (report, refuse), units (refuse, report).
+    /// What is done about a finding of a telemetry check: held, stuck, saturation, outlier (exclude, report,
+    /// refuse), placeholder (report, exclude, refuse), gap, lag (report, refuse), units (refuse, report).
     #[arg(long, value_name = "CHECK=POLICY")]
     pub policy: Vec<String>,
     /// How telemetry is taken out of its files.

@@ -472,58 +472,33 @@ impl Articulated {
     /// The acceleration at which no force acts on the base: `IA [a; alpha] = -bias`.
     #[inline]
     fn free_acceleration(&self) -> Option<(Vector3, Vector3)> {
+        // L D L^T of the whole in two blocks. It is stable where an explicit inverse of M is not: a light base on
+        // a heavy arm loses two more digits with that.
         let (M, C, J) = (&self.M, &self.C, &self.J);
-        // Lower triangle. Elimination from the top is stable where an explicit inverse of M is not: a light base
-        // on a heavy arm loses two more digits with it.
-        let mut K = [
-            [M.xx, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [M.xy, M.yy, 0.0, 0.0, 0.0, 0.0],
-            [M.xz, M.yz, M.zz, 0.0, 0.0, 0.0],
-            [C.m11, C.m21, C.m31, J.xx, 0.0, 0.0],
-            [C.m12, C.m22, C.m32, J.xy, J.yy, 0.0],
-            [C.m13, C.m23, C.m33, J.xz, J.yz, J.zz],
-        ];
-        let sizes = [M.xx + M.yy + M.zz, J.xx + J.yy + J.zz];
-        let (F, N) = (&self.F, &self.N);
-        let mut x = [-F.x, -F.y, -F.z, -N.x, -N.y, -N.z];
-        if !solve_symmetric(&mut K, &sizes, &mut x) {
+        let upper = M.factor();
+        let column = |j| upper.forward(&Vector3::new(C[(0, j)], C[(1, j)], C[(2, j)]));
+        let Y = [column(0), column(1), column(2)];
+        let Z = Y.map(|y| y.component_mul(&upper.inverse));
+        let rest = Symmetric {
+            xx: J.xx - Y[0].dot(&Z[0]),
+            xy: J.xy - Y[1].dot(&Z[0]),
+            yy: J.yy - Y[1].dot(&Z[1]),
+            xz: J.xz - Y[2].dot(&Z[0]),
+            yz: J.yz - Y[2].dot(&Z[1]),
+            zz: J.zz - Y[2].dot(&Z[2]),
+        };
+        let lower = rest.factor();
+        let all = |pivots: Vector3, size| pivots.iter().all(|d| resists(*d, size));
+        if !all(upper.pivots, M.xx + M.yy + M.zz) || !all(lower.pivots, J.xx + J.yy + J.zz) {
             return None;
         }
-        let [ax, ay, az, bx, by, bz] = x;
-        Some((Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)))
+        let f = -upper.forward(&self.F);
+        let n = -self.N - Vector3::new(Z[0].dot(&f), Z[1].dot(&f), Z[2].dot(&f));
+        let alpha = lower.back(&lower.forward(&n).component_mul(&lower.inverse));
+        let z = f.component_mul(&upper.inverse);
+        let a = upper.back(&(z - Z[0] * alpha.x - Z[1] * alpha.y - Z[2] * alpha.z));
+        Some((a, alpha))
     }
-}
-
-/// Solves `K x = b` in place by `L D L^T` without square roots; `K` is given by its lower triangle and lost. False
-/// where a pivot is round-off beside the size (trace) of its half.
-#[inline]
-fn solve_symmetric(K: &mut [[f64; 6]; 6], sizes: &[f64; 2], x: &mut [f64; 6]) -> bool {
-    let mut regular = true;
-    for j in 0..6 {
-        regular &= resists(K[j][j], sizes[j / 3]);
-        let inverse = 1.0 / K[j][j];
-        let mut l = [0.0; 6];
-        for i in j + 1..6 {
-            l[i] = K[i][j] * inverse;
-        }
-        for i in j + 1..6 {
-            for k in j + 1..=i {
-                K[i][k] -= l[i] * K[k][j];
-            }
-        }
-        for i in j + 1..6 {
-            x[i] -= l[i] * x[j];
-            K[i][j] = l[i];
-        }
-        K[j][j] = inverse;
-    }
-    for j in (0..6).rev() {
-        x[j] *= K[j][j];
-        for i in j + 1..6 {
-            x[j] -= K[i][j] * x[i];
-        }
-    }
-    regular
 }
 
 /// Whether an inertia is more than round-off beside another; never for NaN.

@@ -65,7 +65,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         nuisance,
         identifiability,
         fit: solved.fit.clone(),
-        covariance_trustworthy: chi2 <= MISFIT && !rejected && solved.settled,
+        // A line in the residual is evidence enough, however small it is beside the noise.
+        covariance_trustworthy: chi2 <= MISFIT && !rejected && !solved.not_rigid && solved.settled,
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }

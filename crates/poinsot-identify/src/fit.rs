@@ -31,8 +31,10 @@ pub(crate) fn fit(
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let mut best: Option<Fitted> = None;
-    for (at, evaluated) in starting_points(experiment, linear) {
-        let here = linearised(experiment, &at, evaluated)?;
+    for at in starting_points(experiment, linear) {
+        let Some(here) = experiment.linearise(&at) else {
+            continue;
+        };
         let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
         let settled = found.settled;
         best = best.filter(|b| b.settled || !settled).or(Some(found));
@@ -52,26 +54,20 @@ pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Opti
 }
 
 /// The linear solution and the nominal numbers, the better one first.
-fn starting_points(
-    experiment: &Experiment,
-    linear: Option<&Solved>,
-) -> Vec<(Point, Vec<Evaluated>)> {
+fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Point> {
     let points = linear
         .map(|solved| experiment.point(solved))
         .into_iter()
         .chain([experiment.nominal_point()]);
-    let mut found: Vec<(f64, Point, Vec<Evaluated>)> = points
+    let mut found: Vec<(f64, Point)> = points
         .filter_map(|point| {
-            let evaluated = experiment.evaluate(&point, true)?;
+            let evaluated = experiment.evaluate(&point, false)?;
             let chi2 = experiment.chi2(&point, &evaluated)?;
-            Some((chi2, point, evaluated))
+            Some((chi2, point))
         })
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found
-        .into_iter()
-        .map(|(_, point, evaluated)| (point, evaluated))
-        .collect()
+    found.into_iter().map(|(_, point)| point).collect()
 }
 
 /// Pose, momentum and biases that fit best at the nominal mass properties, which are held.

@@ -46,8 +46,7 @@ pub fn held_back(
         segments: &segments,
         ..*problem
     };
-    let mut parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
-    parameters.add_resting_joints(problem.segments, problem.noise);
+    let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.loss = Loss::Gaussian;
     let mut fitted = fit(&experiment, None, ITERATIONS)?;

@@ -21,6 +21,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod input_noise;
 mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
@@ -72,5 +73,7 @@ pub use prediction::{
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{
+    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Translation,
+};
 pub use spectrum::{NotFinite, Spectrum};

@@ -8,8 +8,9 @@
 use crate::answer;
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::fit::{Fitted, ITERATIONS, chi2, fit};
+use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_from};
 use crate::information::{Experiment, Point};
+use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -57,7 +58,6 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
         Err(other) => return Err(other),
     };
     let mut parameters = parameters;
-    parameters.add_resting_joints(problem.segments, problem.noise);
     parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
@@ -66,14 +66,9 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     let mut assumptions = Vec::new();
     if !problem.model.wheels.is_empty() {
         // Between readings a wheel may run straight (torque held) or smoothly: the data decide.
+        let held = experiment.cost_of(&fitted);
         experiment.wheels_smooth = true;
-        let smooth = fit(&experiment, linear.as_ref(), ITERATIONS)?;
-        let cost = |experiment: &Experiment, f: &Fitted| {
-            experiment
-                .chi2(&f.at, &f.evaluated)
-                .unwrap_or(f64::INFINITY)
-        };
-        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+        if let Some(smooth) = smoother(&experiment, linear.as_ref(), &fitted, held) {
             fitted = smooth;
             assumptions.push("wheel speeds taken as smooth between readings".to_owned());
         } else {
@@ -91,6 +86,26 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     solved.assumptions = assumptions;
     solved.wheels_smooth = experiment.wheels_smooth;
     Ok((solved, at))
+}
+
+/// The fit with smooth wheel speeds, where it is better than `held`. Where the other fit has settled, one look from
+/// its end tells whether it can be.
+fn smoother(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    other: &Fitted,
+    held: f64,
+) -> Option<Fitted> {
+    let found = if other.settled {
+        let here = experiment.linearise(&other.at)?;
+        let promising = here.cost - here.promised < held;
+        promising
+            .then(|| fit_from(experiment, other.at.clone(), ITERATIONS))
+            .flatten()?
+    } else {
+        fit(experiment, linear, ITERATIONS).ok()?
+    };
+    (experiment.cost_of(&found) < held).then_some(found)
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.

@@ -7,16 +7,17 @@
 //! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
 mod acceleration;
+mod input_slopes;
 mod inputs;
 mod surroundings;
 
 pub(crate) use acceleration::Point;
 
-use crate::parameters::{Gust, Rest, UnknownKind};
+use crate::parameters::{Gust, UnknownKind};
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval};
 use inputs::{InputChange, OutsideChange};
-use nalgebra::{Quaternion, SMatrix, SVector};
+use nalgebra::{Quaternion, SVector};
 use poinsot_dynamics::{
     Kinematics, Twist, composite, momentum, momentum_regressor, twist_from_momentum,
     wheel_momentum, wheel_regressor,
@@ -89,7 +90,7 @@ struct Buffers {
 }
 
 /// How much faster than ever measured a vehicle may turn for the motion to be followed.
-const FASTER: f64 = 30.0;
+const FASTER: f64 = 5.0;
 
 /// Largest measured rate, rad/s; `None` without a gyro.
 fn fastest_measured(o: &Observations) -> Option<f64> {
@@ -212,10 +213,6 @@ impl<'a> Motion<'a> {
     pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
         let b = &self.buffer;
         (&b.q, &b.rates, &b.wheels)
-    }
-
-    fn rests_now(&self, rest: &Rest) -> bool {
-        rest.segment == self.segment && rest.span.0 <= self.now && self.now <= rest.span.1
     }
 
     fn blows(&self, gust: &Gust) -> bool {
@@ -359,13 +356,18 @@ impl<'a> Motion<'a> {
             &joints.fixed_rows::<3>(0).into(),
             &(joints.fixed_rows::<3>(3) + wheels),
         )?;
-        let inverse_inertia = whole.locked_inertia().cholesky()?.inverse();
+        let inverse_inertia = whole.inverse_locked_inertia()?;
         let centre = Centre {
             c,
             l,
             h_cm,
             mass: whole.mass,
             I_SScm_B: whole.I_SScm_B(),
+        };
+        let instant = Instant {
+            twist,
+            inverse_inertia,
+            centre,
         };
         if !columns.is_empty() {
             self.kinematics
@@ -377,36 +379,22 @@ impl<'a> Motion<'a> {
                 drive.wheels,
                 &mut self.wheel_columns,
             );
-            self.twist_columns(state, (&centre, drive), &inverse_inertia, columns, twists);
+            self.twist_columns(state, &instant, drive, columns, twists);
             self.input_columns(drive, &twist, &centre, &inverse_inertia, twists);
         }
-        Some(Instant {
-            twist,
-            inverse_inertia,
-            centre,
-        })
+        Some(instant)
     }
 
     fn twist_columns(
         &self,
         state: &State,
-        (centre, drive): (&Centre, &Drive),
-        inverse_inertia: &Matrix6,
+        instant: &Instant,
+        drive: &Drive,
         columns: &[Column],
         twists: &mut [Vector6],
     ) {
-        let Rt = matrix(&state.R_NB).transpose();
-        let arm = skew(&centre.c);
-        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
-        let mut X = SMatrix::<f64, 6, 12>::zeros();
-        let turned = skew(&centre.l);
-        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-        X.fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&(skew(&centre.h_cm) + arm * turned));
-        X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
-        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
-        X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
-        let map = inverse_inertia * X;
+        let map = self.state_map(state, instant);
+        let (centre, inverse_inertia) = (&instant.centre, &instant.inverse_inertia);
         for (j, (column, twist)) in columns.iter().zip(twists.iter_mut()).enumerate() {
             *twist = map * column;
             if let Some(u) = j.checked_sub(self.head) {

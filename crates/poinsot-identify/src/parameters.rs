@@ -2,7 +2,7 @@
 //! parameters of every body.
 
 use crate::point_sensor::Fault;
-use crate::segment::{Noise, Segment};
+use crate::segment::Segment;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, JointKind, Model, Nuisance, SensorKind};
 use poinsot_spatial::{
@@ -78,19 +78,6 @@ pub enum UnknownKind {
     InertialForce(usize),
     /// Component in N of a random torque about the mass centre during a stretch of time, N m.
     RandomTorque(Gust),
-    /// Error of a joint's reading while it rests, rad or m: rounding that stays as long as the joint does.
-    RestingJoint(Rest),
-}
-
-/// A stretch in which a joint's reading does not change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rest {
-    /// Index of the segment.
-    pub segment: usize,
-    /// Joint coordinate.
-    pub joint: usize,
-    /// First and last grid time.
-    pub span: (usize, usize),
 }
 
 /// A stretch of time in which the random torque is one number an axis.
@@ -127,7 +114,6 @@ impl UnknownKind {
                 | Self::WheelTilt(..)
                 | Self::InertialForce(_)
                 | Self::RandomTorque(_)
-                | Self::RestingJoint(_)
         )
     }
 
@@ -135,7 +121,7 @@ impl UnknownKind {
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(
             self,
-            Self::RestingJoint(_) | Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
+            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
         )
     }
 }
@@ -456,29 +442,6 @@ impl Parameters {
         );
     }
 
-    /// Adds an unknown for every joint that rests long enough for its reading error to matter.
-    ///
-    /// White noise averages out; a rounded reading at rest is wrong by the same amount at every sample. A
-    /// joint that never moves counts as locked where it is.
-    pub fn add_resting_joints(&mut self, segments: &[Segment], noise: &Noise) {
-        let dof = noise.joint_position.len();
-        for (at, segment) in segments.iter().enumerate() {
-            for joint in 0..dof {
-                if noise.joint_position[joint] > 0.0 {
-                    for span in rests(&segment.observations.joint_position, dof, joint) {
-                        let rest = Rest {
-                            segment: at,
-                            joint,
-                            span,
-                        };
-                        let name = format!("joint {joint} at rest in segment {at} from {}", span.0);
-                        self.push(UnknownKind::RestingJoint(rest), name, "rad or m", 0.0, 1.0);
-                    }
-                }
-            }
-        }
-    }
-
     /// Adds the random torque of the surroundings: one number an axis for every stretch of a correlation time.
     pub fn add_random_torque(&mut self, model: &Model, segments: &[Segment]) {
         let Some(random) = model.environment.random_torque else {
@@ -703,31 +666,6 @@ fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
             from = k + 1;
         }
     }
-    found
-}
-
-/// Samples in a row with one reading that make a rest.
-const RESTING: usize = 20;
-
-/// Stretches of equal readings of one joint, of at least [`RESTING`] samples; none where it never moves.
-fn rests(positions: &[f64], dof: usize, joint: usize) -> Vec<(usize, usize)> {
-    let q: Vec<f64> = positions
-        .iter()
-        .skip(joint)
-        .step_by(dof.max(1))
-        .copied()
-        .collect();
-    let mut found = Vec::new();
-    let mut from = 0;
-    for k in 1..=q.len() {
-        if k == q.len() || q[k] != q[from] {
-            if k - from >= RESTING {
-                found.push((from, k - 1));
-            }
-            from = k;
-        }
-    }
-    found.retain(|span| *span != (0, q.len() - 1));
     found
 }
 

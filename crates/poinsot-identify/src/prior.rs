@@ -79,10 +79,6 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
             UnknownKind::InertialTorque(_) => Some(around.disturbance_torque_inertial),
             UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
             UnknownKind::DragTorque(_) => Some(around.drag_torque),
-            UnknownKind::RestingJoint(rest) => {
-                let variance = problem.noise.joint_position[rest.joint];
-                Some(Nuisance::Prior(variance.sqrt()))
-            }
             UnknownKind::ThrusterScale(k) => Some(problem.model.thrusters[k].scale),
             _ => None,
         };

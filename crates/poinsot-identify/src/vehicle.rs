@@ -118,6 +118,11 @@ impl<'a> Vehicle<'a> {
         }
     }
 
+    /// Whether the surroundings push with something that depends on how the vehicle stands or moves.
+    pub fn has_surroundings(&self) -> bool {
+        self.gm.is_some() || self.torque_B != Vector3::zeros() || self.drag != Vector3::zeros()
+    }
+
     /// Torque of the surroundings on the base in B, N m.
     pub fn torque(&self, w: &Vector3) -> Vector3 {
         self.torque_B - self.drag.component_mul(w) * w.norm()

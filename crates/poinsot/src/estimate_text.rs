@@ -77,9 +77,6 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(section);
     }
     document.push(fit(identified));
-    if let Some(d) = &identified.estimate.diagnostics {
-        document.push(crate::diagnostics_file::diagnostics_section(d));
-    }
     let found: Vec<String> = identified
         .findings
         .iter()
@@ -96,6 +93,9 @@ pub fn estimate_document(identified: &Identified) -> Document {
         .collect();
     if !found.is_empty() {
         document.push(Section::list("found in the telemetry", found));
+    }
+    if let Some(d) = &identified.estimate.diagnostics {
+        document.push(crate::diagnostics_file::diagnostics_section(d));
     }
     if !identified.repairs.is_empty() {
         document.push(Section::list(

@@ -1,6 +1,6 @@
 //! The verb `identify`: model and telemetry in, mass properties out.
 
-use crate::bind::{Bound, acceleration_channels, bind, wanted_channels};
+use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
 use crate::mixups;
 use crate::progress::step;
@@ -144,7 +144,7 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         let label = table_label(table);
         findings.extend(checks::apply(table, &label, &policies)?);
     }
-    let (mut identified, bound) = identify_bound(model, tables, request)?;
+    let mut identified = identify_tables(model, tables, request)?;
     let label = identified.inputs.iter().flatten().map(|s| s.path.as_str());
     let label = label.collect::<Vec<_>>().join(",");
     for f in &findings {
@@ -154,7 +154,7 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         }
     }
     identified.findings = findings;
-    against_model(&mut identified, &bound, request, &policies, &label)?;
+    against_model(&mut identified, &policies, &label)?;
     Ok(identified)
 }
 
@@ -166,32 +166,17 @@ fn table_label(table: &Table) -> String {
 /// Checks of the telemetry that need the answer.
 fn against_model(
     identified: &mut Identified,
-    bound: &Bound,
-    request: &IdentifyRequest,
     policies: &Policies,
     label: &str,
 ) -> Result<(), Error> {
     let estimate = &identified.estimate;
-    let mut found = mixups::units(estimate);
-    if !estimate.covariance_trustworthy && request.method != "kim2010" {
-        let tree = Tree::new(&identified.model);
-        let problem = Problem {
-            model: &identified.model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: request.relative_accuracy,
-        };
-        found.extend(mixups::wheels(&problem, estimate));
-    }
+    let found = mixups::units(estimate);
     for mut finding in found {
         finding.policy = policies.of(finding.check);
         if finding.policy == Policy::Refuse {
             return Err(checks::refused(label, &finding).into());
         }
-        if finding.check == Check::Units {
-            identified.estimate.covariance_trustworthy = false;
-        }
+        identified.estimate.covariance_trustworthy = false;
         let text = format!("{}: {}", finding.check.name(), finding.text);
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
@@ -208,14 +193,6 @@ pub fn identify_tables(
     tables: Vec<Table>,
     request: &IdentifyRequest,
 ) -> Result<Identified, Error> {
-    identify_bound(model, tables, request).map(|(identified, _)| identified)
-}
-
-fn identify_bound(
-    model: Model,
-    tables: Vec<Table>,
-    request: &IdentifyRequest,
-) -> Result<(Identified, Bound), Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
     let problem = Problem {
@@ -256,12 +233,12 @@ fn identify_bound(
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
     let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
-    repairs.extend(bound.repairs.iter().cloned());
+    repairs.extend(bound.repairs);
     repairs.extend(estimate.assumptions.iter().cloned());
     let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
     ignored.sort();
     ignored.dedup();
-    let identified = Identified {
+    Ok(Identified {
         model,
         estimate,
         predictions,
@@ -269,8 +246,7 @@ fn identify_bound(
         repairs,
         ignored,
         findings: Vec::new(),
-    };
-    Ok((identified, bound))
+    })
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {

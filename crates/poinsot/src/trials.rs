@@ -5,10 +5,12 @@
 
 mod band;
 mod statistics;
+mod sums;
 mod text;
 
 pub use band::Band;
-pub use statistics::{ParameterStatistics, Statistics, statistics};
+pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
+pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
 
 use crate::bind::bind;

@@ -76,7 +76,8 @@ pub fn rows() -> Vec<Row> {
         row("E0212", "a map to a column that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"wx\", unit = \"rad/s\" }\n"), 2, &["E0212 map of channel 'omega_x': no column 'wx' in t.csv"]),
         row("E0213", "rows chosen by a text that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry]\nwhere = { omega_x = \"A\" }\n"), 2, &["E0213 where omega_x = 'A': no row of t.csv matches; the first values there are"]),
         row("E0304", "absolute orbital positions", |b| { b.model("[momentum]", "[[sensor]]\nname = \"gps\"\ntype = \"position\"\nnoise_m = 1.0\n\n[momentum]"); b.spoil(|s| { s.header.extend(["r_x", "r_y", "r_z"].map(str::to_owned)); s.rows.iter_mut().for_each(|r| r.extend(["7000000.0", "0.0", "0.0"].map(str::to_owned))); }); }, 2, &["E0304 t.csv: channel 'r': |r| = 7.000e6 m at t = 0 s"]),
-        row("E0305", "gravity", |b| b.write("m.toml", MODEL.to_owned() + "\n[environment]\ngravity_gradient = true\n"), 2, &["E0305 model: [environment]"]),
+        row("E0305", "a gyro on a link", |b| { arm(b, "10.0", ""); b.model("type = \"gyro\"", "type = \"gyro\"\nbody = \"link\""); }, 2, &["E0305 model: sensor 'gyro' sits on body 'link'"]),
+        row("E0307", "known momentum and no attitude", |b| { b.spoil(|s| s.without("q_")); b.model("angular_N_m_s = \"estimate\"", "angular_N_m_s = [0.2, -0.3, 0.25]"); }, 2, &["E0307 t.csv: no attitude channel (q_x q_y q_z q_w), but [momentum] angular_N_m_s = [0.2, -0.3, 0.25] in the axes of N"]),
         row("E0401", "the mass centre alone, linear", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replace("estimate = true", "estimate = [\"com\"]"); b.write("m.toml", m); }, 2, &["E0401 body 'bus': estimate asks for the mass centre while the inertia about it is held"]).more(&["--method", "linear"]),
         row("E0402", "nothing to estimate", |b| b.model("estimate = [\"inertia\"]\n", ""), 2, &["E0402 the model has nothing to estimate: every body is given as known; set estimate = true on at least one body"]),
         row("E0403", "several bodies without velocity, linear", |b| { arm(b, "10.0", ""); b.spoil(|s| { s.header.push("j_rad".into()); s.rows.iter_mut().enumerate().for_each(|(k, r)| r.push(format!("{:?}", (0.02 * k as f64).sin()))); }); }, 2, &["E0403 no velocity: no channels v_x v_y v_z"]).more(&["--method", "linear"]),
@@ -84,7 +85,7 @@ pub fn rows() -> Vec<Row> {
         row("E0601", "a report of nothing", |_| {}, 2, &["E0601 out/estimate.json: no report can be made of this: it is not there; `poinsot identify --out DIR` writes it"]).run(&["report", "out"]),
         row("E0601", "an export of nothing", |b| b.write("r.urdf", crate::models::ROBOT), 2, &["E0601 out/estimate.json"]).run(&["export", "out", "--to", "urdf", "--onto", "r.urdf"]),
         kim("a body that never turns about x", |b| b.spoil(|s| { s.map("omega_x", |_, _| 0.0); s.map("q_", |_, _| 0.5); }), &["E0422 kim2010: the body never turns about its x axis"]),
-        kim("wheels at rest", |b| b.spoil(|s| s.map("wheel", |_, _| 1.0)), &["E0423 kim2010: the momentum of the wheels never changes"]),
+        kim("wheels at rest", |b| b.spoil(|s| s.map("wheel", |_, _| 0.0)), &["E0423 kim2010: the momentum of the wheels never changes"]),
         kim("two samples", |b| b.spoil(|s| s.rows.truncate(2)), &["E0421 kim2010: at least three samples are needed"]),
         kim("a vehicle of two bodies", |b| arm(b, "10.0", ""), &["E0425 kim2010 is for one rigid body with wheels and no external torque"]),
         ma("a vehicle without arm", |b| b.model("estimate = [\"inertia\"]", "estimate = true"), &["E0523 model: the bodies beyond the base 'bus' have no mass"]),
@@ -183,6 +184,18 @@ fn cases() -> Vec<Row> {
             &["E0508 case.toml:"],
         ),
         simulate(
+            "E0511",
+            "a torque table that is not there",
+            |b| {
+                let mut m = CASE.replacen("[output]", "[[joint_torque]]\njoint = \"j\"\nfile = \"none.csv\"\ninterpolation = \"cubic_clamped\"\n\n[output]", 1);
+                m = m.replace("truth.toml", "m.toml");
+                arm(b, "10.0", "");
+                b.write("case.toml", m);
+            },
+            2,
+            &["E0511 case.toml:"],
+        ),
+        simulate(
             "E0510",
             "a file stands where the folder should go",
             |b| {
@@ -197,8 +210,12 @@ fn cases() -> Vec<Row> {
 
 /// Messages that the command cannot be made to print: made of the error itself, and why.
 pub fn unreachable() -> Vec<(&'static str, String, &'static str)> {
+    use poinsot::validate::ValidateError;
     use poinsot_identify::ProblemError;
-    use poinsot_identify::methods::{kim2010, ma2008};
+    use poinsot_identify::methods::{kim2010, ma2008, xu2017::Xu2017Error};
+    let label = || "t.csv".to_owned();
+    let own = "printed by the tests of the method";
+    let case = || "case.toml".into();
     let channel = |name: &str| poinsot_telemetry::Channel {
         name: name.to_owned(),
         sensor: String::new(),
@@ -244,6 +261,98 @@ pub fn unreachable() -> Vec<(&'static str, String, &'static str)> {
             "E0424",
             kim2010::Kim2010Error::NotFinite.to_string(),
             "E0306 comes before",
+        ),
+        (
+            "E0410",
+            ProblemError::NotFinite(poinsot_identify::NotFinite).to_string(),
+            "E0306 and E0108 come before",
+        ),
+        (
+            "E0531",
+            Xu2017Error::Wheel {
+                wheel: "wheel1".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0532",
+            Xu2017Error::PartlyKnown {
+                body: "bus".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        ("E0533", Xu2017Error::NoScale.to_string(), own),
+        (
+            "E0534",
+            Xu2017Error::NoVelocity {
+                label: label(),
+                what: "the first step",
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0535",
+            Xu2017Error::JointsTogether {
+                label: label(),
+                joints: "j1, j2".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0536",
+            Xu2017Error::ThrustInMotion {
+                label: label(),
+                joint: "j1".to_owned(),
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0537",
+            Xu2017Error::OtherConfiguration {
+                label: label(),
+                joint: "j1".to_owned(),
+                found: 0.5,
+                expected: 0.0,
+            }
+            .to_string(),
+            own,
+        ),
+        (
+            "E0538",
+            Xu2017Error::NotAtRest {
+                label: label(),
+                rate: 0.1,
+                speed: 0.2,
+                variant: "swarm",
+            }
+            .to_string(),
+            own,
+        ),
+        ("E0539", Xu2017Error::NothingMoves.to_string(), own),
+        ("E0540", Xu2017Error::NotFinite.to_string(), own),
+        (
+            "E0701",
+            ValidateError::Estimate {
+                path: "out".into(),
+                why: "it is of another model".to_owned(),
+            }
+            .to_string(),
+            "printed by the tests of validate",
+        ),
+        (
+            "E0702",
+            ValidateError::Control { file: case() }.to_string(),
+            "printed by the tests of validate",
+        ),
+        (
+            "E0703",
+            ValidateError::NothingInCommon { file: case() }.to_string(),
+            "printed by the tests of validate",
         ),
         (
             "E0529",

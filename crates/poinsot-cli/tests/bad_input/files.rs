@@ -194,7 +194,7 @@ fn toml() -> Vec<Row> {
             2,
             &[
                 "E0104 m.toml:7:1: body[0].comm_m (body \"bus\")",
-                "did you mean \"com_m\"?",
+                "did you mean com_m?",
             ],
         ),
         row(

@@ -38,7 +38,7 @@ pub fn rows() -> Vec<Row> {
             "telemetry that asks for an impossible body",
             |b| b.spoil(|s| s.map("wheel", |_, w| -w)),
             1,
-            &["no distribution of positive mass"],
+            &["the sign of wheel"],
         ),
         row(
             "R3",
@@ -74,7 +74,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.model("noise_rad_s = 0.0001", "noise_rad_s = 1e-300"),
             2,
             &[
-                "E0410 the equations hold a number that is not finite; check units and magnitudes of the telemetry",
+                "E0118 m.toml:31:15: sensor[0].noise_rad_s (sensor \"gyro\") = 1e-300: the noise is below 1e-100; give the noise of a real instrument",
             ],
         ),
     ]

@@ -33,7 +33,10 @@ pub(super) fn check(
     remarks: &mut Vec<Remark>,
 ) -> Vec<MassProperties> {
     let all: Vec<MassProperties> = robot.links.iter().map(|l| one(l, remarks)).collect();
-    moving_without_mass(robot, order, &all, remarks);
+    // Where a number could not be read, what moves without mass is not known.
+    if !remarks.iter().any(|r| r.code == Some("E0107")) {
+        moving_without_mass(robot, order, &all, remarks);
+    }
     all
 }
 

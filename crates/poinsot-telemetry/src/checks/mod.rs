@@ -36,8 +36,6 @@ pub enum Check {
     Lag,
     /// Numbers that ask for another unit; found against the model.
     Units,
-    /// The sign or axis of a wheel; found against the model by the residual of momentum.
-    WheelSign,
 }
 
 /// What is done about a finding.
@@ -71,7 +69,7 @@ impl Policy {
 
 impl Check {
     /// Every check, in the order in which they are made.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Gap,
         Self::Placeholder,
         Self::Held,
@@ -80,7 +78,6 @@ impl Check {
         Self::Outlier,
         Self::Lag,
         Self::Units,
-        Self::WheelSign,
     ];
 
     /// Name on the command line and in the result.
@@ -94,18 +91,17 @@ impl Check {
             Self::Saturation => "saturation",
             Self::Lag => "lag",
             Self::Units => "units",
-            Self::WheelSign => "wheel_sign",
         }
     }
 
     /// Policies that mean something for this check, the usual one first.
     pub fn policies(self) -> &'static [Policy] {
         match self {
-            Self::Held | Self::Stuck | Self::Saturation => {
+            Self::Held | Self::Stuck | Self::Saturation | Self::Outlier => {
                 &[Policy::Exclude, Policy::Report, Policy::Refuse]
             }
-            Self::Placeholder | Self::Outlier => &[Policy::Report, Policy::Exclude, Policy::Refuse],
-            Self::Gap | Self::Lag | Self::WheelSign => &[Policy::Report, Policy::Refuse],
+            Self::Placeholder => &[Policy::Report, Policy::Exclude, Policy::Refuse],
+            Self::Gap | Self::Lag => &[Policy::Report, Policy::Refuse],
             Self::Units => &[Policy::Refuse, Policy::Report],
         }
     }
@@ -258,7 +254,7 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
             .filter_map(|sensor| stuck::find(table, sensor, check))
             .collect(),
         Check::Lag => lag::find(table).into_iter().collect(),
-        Check::Units | Check::WheelSign => Vec::new(),
+        Check::Units => Vec::new(),
     }
 }
 
