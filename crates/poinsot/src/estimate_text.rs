@@ -18,12 +18,12 @@ pub fn estimate_document(identified: &Identified) -> Document {
     };
     let mut document = Document::new(verdict(identified)).toned(tone);
     for body in e.bodies.iter().filter(|b| b.asked) {
-        document.push(body_section(body));
+        document.push(body_section(body, e.status));
     }
     if let Some((whole, _)) = &e.system
         && e.bodies.len() > 1
     {
-        let mut section = body_section(whole);
+        let mut section = body_section(whole, e.status);
         section.title =
             "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
         document.push(section);
@@ -122,13 +122,17 @@ fn verdict(identified: &Identified) -> String {
     )
 }
 
-fn body_section(body: &BodyEstimate) -> Section {
+fn body_section(body: &BodyEstimate, status: Status) -> Section {
+    let open = match status {
+        Status::Rejected | Status::IterationLimit => "withheld",
+        _ => "not identifiable",
+    };
     let mut table = Table::new(&["", "value", "1 sigma", "nominal", "difference", "unit"]);
     let mut row = |name: String, n: &Number, unit: &str| {
         let (value, sigma) = number_with_sigma(n.value, n.sigma);
         let (value, sigma, difference) = match n.source {
             Source::Known => (significant(n.nominal, 6), "known".to_owned(), String::new()),
-            Source::Open => ("not identifiable".to_owned(), String::new(), String::new()),
+            Source::Open => (open.to_owned(), String::new(), String::new()),
             _ => (value, sigma, difference(n)),
         };
         table.push(vec![

@@ -60,7 +60,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let body = render(
         "mass.html",
         include_str!("templates/mass.html"),
-        context! { tables, known, nuisance, momentum, truth => answer.truth.is_known() },
+        context! { tables, withheld => e.withheld(), known, nuisance, momentum, truth => answer.truth.is_known() },
     )?;
     Ok(Part {
         id: "mass",

@@ -37,6 +37,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         include_str!("templates/verdict.html"),
         context! {
             tone, word,
+            withheld => e.withheld(),
             sentences => sentences(answer),
             combinations => format!("{} of {}", e.identifiability.rank, e.identifiability.parameters),
             samples,
@@ -69,12 +70,18 @@ fn sentences(answer: &Answer) -> Vec<String> {
             "Nothing that was asked for is determined by these data; section 4 says why.".to_owned()
         }
         "rejected" => {
-            "The rigid model contradicts the data: no number is given. The warnings in section 7 name what was found."
-                .to_owned()
+            let found: Vec<String> = e
+                .warnings
+                .iter()
+                .take(2)
+                .map(|w| format!("{}.", sentence(w)))
+                .collect();
+            format!(
+                "The rigid model contradicts the data, and its numbers are withheld. {} Section 7 has all that was found.",
+                found.join(" ")
+            )
         }
-        "iteration_limit" => {
-            "The iteration did not settle: no number is given.".to_owned()
-        }
+        "iteration_limit" => "The iteration did not settle: no number is given.".to_owned(),
         other => format!("Status {other}."),
     }];
     if let Some(open) = i.not_identifiable.first().filter(|_| e.status == "partial") {
