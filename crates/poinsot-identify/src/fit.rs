@@ -70,6 +70,30 @@ fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Poin
     found.into_iter().map(|(_, point)| point).collect()
 }
 
+/// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
+pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point, ProblemError> {
+    let mut at = experiment.nominal_point();
+    let evaluate = |at: &Point| experiment.evaluate(at, true);
+    let mut here = linearised(
+        experiment,
+        &at,
+        evaluate(&at).ok_or(ProblemError::NoMotion)?,
+    )?;
+    for _ in 0..limit {
+        let held = vec![0.0; here.rows.spectrum.natural.len()];
+        let next = moved(experiment, &at, &here.rows, &held);
+        let Some(evaluated) = evaluate(&next) else {
+            break;
+        };
+        let there = linearised(experiment, &next, evaluated)?;
+        if there.cost.is_nan() || there.cost >= here.cost {
+            break;
+        }
+        (at, here) = (next, there);
+    }
+    Ok(at)
+}
+
 /// Where the iteration ended.
 pub(crate) struct Fitted {
     pub at: Point,

@@ -69,7 +69,7 @@ pub use parameters::{
 pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
-    maximum_likelihood_predicted,
+    maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
