@@ -144,9 +144,10 @@ pub struct Rows {
     /// Take every n-th row.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: usize,
-    /// Most memory for the samples of one file, MiB.
-    #[arg(long, value_name = "MIB", default_value_t = poinsot_telemetry::MEMORY_MIB)]
-    pub memory_mib: usize,
+    /// Most memory for the samples of one file, MiB: 256, of `identify` 64, which needs about ten times as much
+    /// in all.
+    #[arg(long, value_name = "MIB")]
+    pub memory_mib: Option<usize>,
     /// Encoding of CSV text.
     #[arg(long, value_enum, default_value_t = TextEncoding::Utf8)]
     pub encoding: TextEncoding,

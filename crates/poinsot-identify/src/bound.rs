@@ -18,6 +18,7 @@ use crate::problem::{Problem, ProblemError};
 /// The question cannot be asked.
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
+    problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;

@@ -42,6 +42,7 @@ pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate
 /// The solved problem, and the value of all unknowns where the fit ended.
 pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
+    problem.check_observations()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solved)
             if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>

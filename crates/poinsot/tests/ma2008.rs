@@ -362,6 +362,7 @@ fn noise(seen: f64) -> Noise {
         joint_position: vec![0.0; 6],
         joint_rate: vec![JOINT_RATE.powi(2); 6],
         wheel_speed: Vec::new(),
+        correlation_s: [0.0; 4],
         seen_gyro: seen,
         seen_velocity: seen,
         seen_joint_rate: seen,

@@ -183,9 +183,9 @@ fn stat_a_case_against_its_telemetry() {
         assert_eq!(found.len(), 2);
         for one in found {
             let sigmas = one.sigmas.unwrap();
-            // 6000 numbers: one sigma of the mean square is 0.018.
+            // 3000 numbers: one sigma of the mean square is 0.026.
             assert!(
-                (sigmas.rms * sigmas.rms - 1.0).abs() < 0.08,
+                (sigmas.rms * sigmas.rms - 1.0).abs() < 0.11,
                 "{}: {}",
                 one.name,
                 sigmas.rms

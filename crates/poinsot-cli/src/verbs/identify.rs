@@ -7,6 +7,9 @@ use poinsot::{
     write_figures, write_result,
 };
 
+/// Usual limit of the memory for the samples of one file, MiB.
+const IDENTIFY_MIB: usize = 64;
+
 pub fn run(arguments: &Identify) -> Outcome {
     let rows = &arguments.rows;
     let reading = Reading {
@@ -14,7 +17,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         encoding: rows.encoding.into(),
         time_s: rows.time_s,
         every: rows.every,
-        memory_mib: rows.memory_mib,
+        memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
     };
     let request = IdentifyRequest {
         model: arguments.model.clone(),

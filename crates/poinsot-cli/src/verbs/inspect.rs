@@ -12,7 +12,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
         encoding: rows.encoding.into(),
         time_s: rows.time_s,
         every: rows.every,
-        memory_mib: rows.memory_mib,
+        memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),
         ..ReadOptions::default()
     };
     if let Some(path) = &arguments.map {

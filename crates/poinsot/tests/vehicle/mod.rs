@@ -151,6 +151,7 @@ pub fn sensors(sigma: f64) -> Vec<Sensor> {
 
 pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
     Sensor {
+        correlation_s: 0.0,
         name: kind.word().to_owned(),
         kind,
         body: 0,
