@@ -39,7 +39,7 @@ impl Data {
 }
 
 pub fn model(path: &str) -> Model {
-    read_model(&examples().join(path)).expect("the example is there")
+    read_model(examples().join(path)).expect("the example is there")
 }
 
 /// The runs named, each one segment.
