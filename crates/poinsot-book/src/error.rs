@@ -46,7 +46,7 @@ pub enum BookError {
         /// Name.
         example: String,
         /// Why.
-        source: poinsot::Error,
+        source: Box<poinsot::Error>,
     },
     /// A page has two headings of one name, so that links to it are ambiguous, or no heading.
     #[error("{0}: a page begins with one heading of the first level")]

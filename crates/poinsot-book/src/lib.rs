@@ -8,7 +8,6 @@
 
 pub mod commands;
 pub mod error;
-pub mod errors;
 pub mod formats;
 pub mod links;
 pub mod math;

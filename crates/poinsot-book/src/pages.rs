@@ -2,7 +2,7 @@
 
 use crate::error::BookError;
 use crate::repository::{ROOT_PAGES, root};
-use crate::{commands, errors, formats, validation};
+use crate::{commands, formats, validation};
 use std::path::PathBuf;
 
 /// Path and text of every generated page.
@@ -13,7 +13,6 @@ pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
     let docs = root().join("docs");
     let mut pages = vec![
         (docs.join("commands.md"), commands::page()),
-        (docs.join("errors.md"), errors::page()),
         (docs.join("formats.md"), formats::page()?),
         (docs.join("validation.md"), validation::page()?),
     ];

@@ -113,7 +113,7 @@ impl Example {
         })
         .map_err(|source| BookError::Example {
             example: self.name.to_owned(),
-            source,
+            source: Box::new(source),
         })?;
         Ok(estimate_json(&identified))
     }

@@ -3,10 +3,9 @@
 mod inputs;
 
 use crate::information::{Experiment, Point};
-use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
 use crate::linear::linear;
 use crate::maximum_likelihood::maximum_likelihood;
-use crate::parameters::{Equations, Parameters};
+use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};

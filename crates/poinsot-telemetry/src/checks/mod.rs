@@ -267,12 +267,11 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
     }
 }
 
+/// Samples of a channel that are at fault, and what is wrong with them.
+type Find = fn(&Channel) -> Option<(Vec<usize>, String)>;
+
 /// A check that looks at one channel of a vector sensor at a time: indices of samples and words.
-fn per_channel(
-    table: &Table,
-    check: Check,
-    find: fn(&Channel) -> Option<(Vec<usize>, String)>,
-) -> Vec<Found> {
+fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Found> {
     let mut all = Vec::new();
     for sensor in runs::sensors(table).iter().filter(|s| !s.is_attitude) {
         for &k in &sensor.channels {
