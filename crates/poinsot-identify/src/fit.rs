@@ -4,6 +4,7 @@
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
 //! not move.
 
+use crate::coordinates::{ChartSteps, Coordinates, at_the_edge, physical_share, stays_inside};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
@@ -50,7 +51,7 @@ fn starting_points(
     linear: Option<&Solved>,
 ) -> Vec<(Point, Vec<Evaluated>)> {
     let points = linear
-        .map(|solved| experiment.point(solved))
+        .map(|solved| physical(experiment, experiment.point(solved)))
         .into_iter()
         .chain([experiment.nominal_point()]);
     let mut found: Vec<(f64, Point, Vec<Evaluated>)> = points
@@ -67,6 +68,29 @@ fn starting_points(
         .collect()
 }
 
+/// A start whose bodies are physical: as far from the nominal numbers towards it as they stay so.
+fn physical(experiment: &Experiment, mut start: Point) -> Point {
+    if experiment.coordinates == Coordinates::LogCholesky {
+        let nominal = experiment.parameters.nominal_vector();
+        let share = physical_share(experiment.parameters, &nominal, &start.x);
+        if share < 1.0 {
+            for (x, from) in start.x.iter_mut().zip(&nominal) {
+                *x = from + share * (*x - from);
+            }
+        }
+    }
+    start
+}
+
+/// Bodies that the data press against the edge of what positive mass can have.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Held {
+    /// Their names.
+    pub bodies: Vec<String>,
+    /// How much chi-square would fall beyond the edge, to first order.
+    pub cost: f64,
+}
+
 /// Where the iteration ended.
 pub(crate) struct Fitted {
     pub at: Point,
@@ -77,6 +101,7 @@ pub(crate) struct Fitted {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub settled: bool,
+    pub held: Option<Held>,
 }
 
 /// All segments at a point, the triangle of the shared unknowns, and its spectrum.
@@ -84,6 +109,8 @@ pub(crate) struct Local {
     evaluated: Vec<Evaluated>,
     shared: Shared,
     spectrum: Spectrum,
+    /// Steps in free coordinates, where a plain step would leave the physical bodies.
+    chart: Option<ChartSteps>,
 }
 
 impl LeastSquares for Experiment<'_> {
@@ -106,7 +133,11 @@ impl LeastSquares for Experiment<'_> {
 
     fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
         let local = &here.rows;
-        let step = local.spectrum.damped(&local.shared.rhs(), damping);
+        let rhs = local.shared.rhs();
+        let step = match &local.chart {
+            Some(chart) => chart.step(&local.spectrum, &rhs, damping),
+            None => local.spectrum.damped(&rhs, damping),
+        };
         Step {
             to: moved(self, at, local, &step),
             promised: promised_decrease(self, local, damping),
@@ -126,10 +157,22 @@ fn linearised(
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
+    let chart = match experiment.coordinates {
+        Coordinates::Linear => None,
+        Coordinates::LogCholesky => {
+            let (natural, x) = (&spectrum.natural, &at.x);
+            let step = spectrum.damped(&shared.rhs(), 0.0);
+            let plain = stays_inside(experiment.parameters, natural, x, &step);
+            (!plain)
+                .then(|| ChartSteps::new(experiment.parameters, &spectrum, x))
+                .flatten()
+        }
+    };
     let local = Local {
         evaluated,
         shared,
         spectrum,
+        chart,
     };
     Ok(Linearised {
         cost,
@@ -156,6 +199,7 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
         None
     };
     Ok(Fitted {
+        held: held(experiment, &at, &local),
         at,
         evaluated: local.evaluated,
         shared: local.shared,
@@ -167,6 +211,20 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
             End::NoLowerCost | End::RoundOff => here.promised < NEGLIGIBLE * here.cost.max(1.0),
             End::IterationLimit => false,
         },
+    })
+}
+
+fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option<Held> {
+    let chart = local.chart.as_ref()?;
+    let bodies = at_the_edge(experiment.parameters, &at.x);
+    let rhs = local.shared.rhs();
+    let (beyond, within) = (
+        local.spectrum.decrease(&rhs, 0.0),
+        chart.decrease(&local.spectrum, &rhs, 0.0),
+    );
+    (!bodies.is_empty()).then_some(Held {
+        bodies,
+        cost: beyond - within,
     })
 }
 
@@ -192,7 +250,12 @@ fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f6
     let biases: f64 = (0..shared.nuisances)
         .map(|i| shared.r[(i, n)].powi(2))
         .sum();
-    heads + biases + local.spectrum.decrease(&shared.rhs(), damping)
+    let rhs = shared.rhs();
+    let bodies = match &local.chart {
+        Some(chart) => chart.decrease(&local.spectrum, &rhs, damping),
+        None => local.spectrum.decrease(&rhs, damping),
+    };
+    heads + biases + bodies
 }
 
 /// The point after a step of the mass properties: biases and heads follow.

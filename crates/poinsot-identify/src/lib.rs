@@ -11,6 +11,7 @@ mod block_qr;
 mod bound;
 mod combination;
 mod completion;
+mod coordinates;
 mod diagnosis;
 mod double_double;
 mod estimate;
@@ -47,6 +48,7 @@ pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
+pub use coordinates::{Coordinates, FitOptions};
 pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,

@@ -258,6 +258,7 @@ fn conclude(
         settled: true,
         warnings: Vec::new(),
         not_rigid: false,
+        held: None,
         assumptions: Vec::new(),
         wheels_smooth: false,
         regressor_noise: block_noise,

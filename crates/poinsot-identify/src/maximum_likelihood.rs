@@ -6,6 +6,7 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
+use crate::coordinates::FitOptions;
 use crate::diagnosis::{Diagnosis, diagnose};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit};
@@ -33,17 +34,23 @@ pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
     maximum_likelihood_with(problem, Loss::Gaussian)
 }
 
-/// The same with a loss that bounds what a few bad readings can do.
+/// The same with a loss that bounds what a few bad readings can do, or other coordinates of the steps.
 ///
 /// # Errors
 /// As [`maximum_likelihood`].
-pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate, ProblemError> {
-    let (solved, _) = solve(problem, loss)?;
+pub fn maximum_likelihood_with(
+    problem: &Problem,
+    options: impl Into<FitOptions>,
+) -> Result<Estimate, ProblemError> {
+    let (solved, _) = solve(problem, options.into())?;
     Ok(answer::write(problem, &solved))
 }
 
 /// The solved problem, and the value of all unknowns where the fit ended.
-pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
+pub(crate) fn solve(
+    problem: &Problem,
+    options: FitOptions,
+) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solved)
@@ -64,7 +71,8 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     parameters.add_resting_joints(problem.segments, problem.noise);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
-    experiment.loss = loss;
+    experiment.loss = options.loss;
+    experiment.coordinates = options.coordinates;
     let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
     if !problem.model.wheels.is_empty() {
@@ -220,6 +228,7 @@ pub(crate) fn conclude(
         settled: fitted.settled,
         warnings: found.findings,
         not_rigid: found.not_rigid,
+        held: fitted.held,
         assumptions: Vec::new(),
         wheels_smooth: false,
         regressor_noise: Vec::new(),

@@ -5,7 +5,8 @@ use crate::error::Error;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
-    Estimate, Loss, Prediction, Problem, Status, linear_predicted, maximum_likelihood_predicted,
+    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, Status, linear_predicted,
+    maximum_likelihood_predicted,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
@@ -38,6 +39,8 @@ pub struct IdentifyRequest {
     pub variant: Option<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
+    /// Coordinates of the steps of a maximum-likelihood fit.
+    pub coordinates: Coordinates,
     /// No repairs.
     pub strict: bool,
     /// Read what a damaged file still holds.
@@ -130,8 +133,12 @@ pub fn identify_tables(
         ),
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
-            let loss = loss.unwrap_or_default();
-            let (mut estimate, predictions) = maximum_likelihood_predicted(&problem, loss, points)?;
+            let options = FitOptions {
+                loss: loss.unwrap_or_default(),
+                coordinates: request.coordinates,
+            };
+            let (mut estimate, predictions) =
+                maximum_likelihood_predicted(&problem, options, points)?;
             estimate.variant.clone_from(&request.variant);
             (estimate, predictions)
         }

@@ -19,4 +19,5 @@ pub use estimate_file::estimate_json;
 pub use estimate_text::estimate_document;
 pub use identify::{Identified, IdentifyRequest, identify, identify_tables, segment_files};
 pub use output::{write_estimate, write_file};
+pub use poinsot_identify::Coordinates;
 pub use report::{write_report, write_report_data};

@@ -145,7 +145,7 @@ fn exact_held_attitude_shows_four_combinations() {
     let found = &answer.identifiability;
     assert_eq!(
         (found.parameters, found.rank),
-        (6, 5),
+        (6, 4),
         "{:?}",
         found.sigmas_natural
     );
@@ -200,8 +200,8 @@ fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
     let truth = in_orbit(with_wheels(satellite(9)));
     let flight = coast(&truth, Vector3::new(2.0e-3, -3.0e-3, 1.0e-3));
     let mut flight = Flight {
-        duration_s: 2000.0,
-        rate_hz: 0.5,
+        duration_s: 1500.0,
+        rate_hz: 0.1,
         ..flight
     };
     for (k, wheel) in flight.plan.wheels.iter_mut().enumerate() {

@@ -3,8 +3,8 @@
 use super::{Outcome, print, print_json};
 use crate::arguments::Identify;
 use poinsot::{
-    IdentifyRequest, estimate_document, estimate_json, identify, segment_files, write_estimate,
-    write_report, write_report_data,
+    Coordinates, IdentifyRequest, estimate_document, estimate_json, identify, segment_files,
+    write_estimate, write_report, write_report_data,
 };
 
 pub fn run(arguments: &Identify) -> Outcome {
@@ -19,6 +19,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         method: arguments.method.clone(),
         variant: arguments.variant.clone(),
         relative_accuracy: arguments.relative_accuracy,
+        coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
         strict: arguments.strict,
         recover: arguments.recover,
     })?;
