@@ -351,16 +351,15 @@ pub(crate) fn at_the_edge(parameters: &Parameters, x: &[f64]) -> Vec<String> {
 /// The linear problem in free coordinates, restricted to the directions that are identified.
 pub(crate) struct ChartSteps {
     chart: Chart,
-    /// `diag(s) V^T G`, decomposed.
-    left: Mat<f64>,
-    singular: Vec<f64>,
-    right: Mat<f64>,
+    /// `diag(s) V^T G`: what the identified directions see of each coordinate.
+    A: Mat<f64>,
+    /// Which coordinates are logarithms.
+    logarithm: Vec<bool>,
     x: Vec<f64>,
 }
 
-/// Damping, in squared chi per squared unit of a coordinate, below which no chart step goes: what moves chi-square
-/// by less than one over a factor of e is held.
-const HELD: f64 = 1.0;
+/// Share of the largest singular value below which a coordinate is not seen.
+const UNSEEN: f64 = 1.0e-12;
 
 impl ChartSteps {
     /// `None` where the bodies have no chart here.
@@ -374,49 +373,90 @@ impl ChartSteps {
                 .sum();
             spectrum.singular[k] * along
         });
-        let svd = A.thin_svd().ok()?;
-        let rank = spectrum.rank.min(chart.width);
+        let mut logarithm = Vec::new();
+        for body in &chart.bodies {
+            match body.free.is_empty() {
+                true => logarithm.push(true),
+                false => logarithm.extend(body.free.iter().map(|k| *k <= 3)),
+            }
+        }
+        logarithm.resize(chart.width, false);
         Some(Self {
-            left: svd.U().to_owned(),
-            singular: (0..rank).map(|k| svd.S()[k]).collect(),
-            right: svd.V().to_owned(),
+            A,
+            logarithm,
             chart,
             x: x.to_vec(),
         })
     }
 
-    fn damping(damping: f64) -> f64 {
-        damping.max(HELD)
+    /// Change of the mass unknowns, natural units, of a damped step, and how much the linear model says that it
+    /// lowers chi-square.
+    ///
+    /// No logarithm moves by more than [`LONGEST`]. One that wants to is held there and the rest solved again: what
+    /// is pressed against the edge falls quickly, and the others settle as if it stood still.
+    pub fn step(&self, spectrum: &Spectrum, rhs: &[f64], damping: f64) -> (Vec<f64>, f64) {
+        let (rows, width) = (self.A.nrows(), self.chart.width);
+        let b: Vec<f64> = (0..rows).map(|k| spectrum.left_along(rhs, k)).collect();
+        let mut theta = vec![0.0; width];
+        let mut free: Vec<usize> = (0..width).collect();
+        loop {
+            let left: Vec<f64> = (0..rows).map(|i| b[i] - self.seen(&theta, i)).collect();
+            let found = self.solve(&free, &left, damping);
+            let long = |(j, d): (&usize, &f64)| self.logarithm[*j] && d.abs() > LONGEST;
+            let held: Vec<usize> = free
+                .iter()
+                .zip(&found)
+                .filter(|pair| long(*pair))
+                .map(|(j, d)| {
+                    theta[*j] = LONGEST.copysign(*d);
+                    *j
+                })
+                .collect();
+            if held.is_empty() {
+                for (j, d) in free.iter().zip(&found) {
+                    theta[*j] = *d;
+                }
+                break;
+            }
+            free.retain(|j| !held.contains(j));
+        }
+        let square = |x: f64| x * x;
+        let decrease = (0..rows)
+            .map(|i| square(b[i]) - square(b[i] - self.seen(&theta, i)))
+            .sum();
+        let change = self.chart.retract(&theta, &spectrum.natural, &self.x);
+        (change, decrease)
     }
 
-    fn along(&self, k: usize, spectrum: &Spectrum, rhs: &[f64]) -> f64 {
-        (0..spectrum.rank)
-            .map(|i| self.left[(i, k)] * spectrum.left_along(rhs, i))
+    /// Row i of `A theta`.
+    fn seen(&self, theta: &[f64], i: usize) -> f64 {
+        theta
+            .iter()
+            .enumerate()
+            .map(|(j, t)| self.A[(i, j)] * t)
             .sum()
     }
 
-    /// Change of the mass unknowns, natural units, of a damped step.
-    pub fn step(&self, spectrum: &Spectrum, rhs: &[f64], damping: f64) -> Vec<f64> {
-        let damping = Self::damping(damping);
-        let mut theta = vec![0.0; self.chart.width];
-        for (k, s) in self.singular.iter().enumerate() {
-            let step = self.along(k, spectrum, rhs) * s / (s * s + damping);
-            for (j, t) in theta.iter_mut().enumerate() {
-                *t += self.right[(j, k)] * step;
+    /// The shortest damped solution over some of the coordinates; zero where they cannot be decomposed.
+    fn solve(&self, free: &[usize], b: &[f64], damping: f64) -> Vec<f64> {
+        let rows = b.len();
+        let part = Mat::from_fn(rows, free.len(), |i, k| self.A[(i, free[k])]);
+        let mut out = vec![0.0; free.len()];
+        let Ok(svd) = part.thin_svd() else {
+            return out;
+        };
+        let count = rows.min(free.len());
+        let largest = if count > 0 { svd.S()[0] } else { 0.0 };
+        for k in 0..count {
+            let s = svd.S()[k];
+            if s <= UNSEEN * largest {
+                continue;
+            }
+            let along: f64 = (0..rows).map(|i| svd.U()[(i, k)] * b[i]).sum();
+            for (j, o) in out.iter_mut().enumerate() {
+                *o += svd.V()[(j, k)] * along * s / (s * s + damping);
             }
         }
-        self.chart.retract(&theta, &spectrum.natural, &self.x)
-    }
-
-    /// How much the linear model says that step lowers chi-square.
-    pub fn decrease(&self, spectrum: &Spectrum, rhs: &[f64], damping: f64) -> f64 {
-        let damping = Self::damping(damping);
-        let singular = self.singular.iter().enumerate();
-        singular
-            .map(|(k, s)| {
-                let left = damping / (s * s + damping);
-                self.along(k, spectrum, rhs).powi(2) * (1.0 - left * left)
-            })
-            .sum()
+        out
     }
 }

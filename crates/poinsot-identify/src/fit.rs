@@ -135,7 +135,7 @@ impl LeastSquares for Experiment<'_> {
         let local = &here.rows;
         let rhs = local.shared.rhs();
         let step = match &local.chart {
-            Some(chart) => chart.step(&local.spectrum, &rhs, damping),
+            Some(chart) => chart.step(&local.spectrum, &rhs, damping).0,
             None => local.spectrum.damped(&rhs, damping),
         };
         Step {
@@ -220,7 +220,7 @@ fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option<Held> {
     let rhs = local.shared.rhs();
     let (beyond, within) = (
         local.spectrum.decrease(&rhs, 0.0),
-        chart.decrease(&local.spectrum, &rhs, 0.0),
+        chart.step(&local.spectrum, &rhs, 0.0).1,
     );
     (!bodies.is_empty()).then_some(Held {
         bodies,
@@ -252,7 +252,7 @@ fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f6
         .sum();
     let rhs = shared.rhs();
     let bodies = match &local.chart {
-        Some(chart) => chart.decrease(&local.spectrum, &rhs, damping),
+        Some(chart) => chart.step(&local.spectrum, &rhs, damping).1,
         None => local.spectrum.decrease(&rhs, damping),
     };
     heads + biases + bodies

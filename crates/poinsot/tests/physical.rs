@@ -95,7 +95,7 @@ fn stat_a_plate_stays_physical() {
         let mut model = truth.clone();
         model.bodies[0].nominal.I_BBcm_B += Matrix3::identity() * 0.5;
         let (mut impossible, mut held, mut inside) = (0, 0, 0);
-        let trials = 12;
+        let trials = 8;
         for seed in 0..trials {
             let mut table = noisy(clean.clone(), 100 + seed, sigma);
             if estimate == inertia {
