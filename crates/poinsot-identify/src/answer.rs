@@ -9,6 +9,7 @@ use crate::estimate::{
 };
 use crate::parameters::Equations;
 use crate::problem::Problem;
+use crate::remedies;
 use crate::solved::Solved;
 use crate::words;
 
@@ -44,7 +45,10 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     } else {
         (judge, bodies)
     };
-    let identifiability = identifiability(problem, solved, &judge);
+    let mut identifiability = identifiability(problem, solved, &judge);
+    if !rejected {
+        remedies::try_changes(problem, solved, &mut identifiability.open);
+    }
     let status = status(&bodies, &identifiability, rejected, solved.settled);
     let rows = covariance_rows(&solved.parameters, &bodies, &solved.x);
     let nuisance = nuisances(&judge, solved);

@@ -1,10 +1,11 @@
 //! Steps that keep every unknown body physical.
 //!
 //! Answer, covariance and identifiability are stated in the ten linear parameters of each body; only the *steps* of
-//! the fit are taken in other coordinates. A step that leaves every body well inside what positive mass can have
-//! is taken as it is. One that would not is taken in log-Cholesky coordinates (Rucker and Wensing 2022), in which
-//! no step leaves: near the edge the coordinate that is pressed against it loses its weight, and the damping
-//! holds it there while the others settle.
+//! the fit are taken in other coordinates. A step that leaves every body inside what positive mass can have is taken
+//! as it is; one that would not goes nine tenths of the way to the edge, where that is worth it. Close to the edge
+//! steps are taken in log-Cholesky coordinates (Rucker and Wensing 2022), in which none leaves: the coordinate
+//! that is pressed against the edge falls and loses its weight, and the others settle as if it stood still. Far
+//! from the edge the logarithms would only bend a problem that is straight.
 
 use crate::loss::Loss;
 use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
@@ -56,8 +57,12 @@ impl From<Loss> for FitOptions {
     }
 }
 
-/// Smallest eigenvalue of the new pseudo-inertia over the present one that is well inside.
-const INSIDE: f64 = 0.25;
+/// Smallest eigenvalue of the new pseudo-inertia over the present one that is inside.
+const INSIDE: f64 = 1.0e-3;
+/// The same over the nominal one for a start.
+const START: f64 = 0.05;
+/// Part of a plain step to the edge that is worth taking.
+pub(crate) const WORTH: f64 = 0.2;
 /// Longest step of a logarithm.
 const LONGEST: f64 = 1.5;
 /// Smallest principal second moment, over mass times squared radius of gyration, that is not at the edge.
@@ -282,25 +287,14 @@ fn bodies_at(parameters: &Parameters, x: &[f64]) -> Vec<InertialParameters> {
     }
 }
 
-/// Whether a change of the mass unknowns, natural units, leaves every unknown body well inside.
-pub(crate) fn stays_inside(
-    parameters: &Parameters,
-    natural: &[f64],
-    x: &[f64],
-    step: &[f64],
-) -> bool {
+/// How much of a change of the mass unknowns, natural units, leaves every unknown body inside: 1 for all of it,
+/// else the part that goes nine tenths of the way to the edge.
+pub(crate) fn inside(parameters: &Parameters, natural: &[f64], x: &[f64], step: &[f64]) -> f64 {
     let mut moved = x.to_vec();
     for ((m, z), unit) in moved.iter_mut().zip(step).zip(natural) {
         *m += z * unit;
     }
-    let (before, after) = (bodies_at(parameters, x), bodies_at(parameters, &moved));
-    let unknown = parameters.estimate.iter().map(EstimateSet::any);
-    before
-        .iter()
-        .zip(&after)
-        .zip(unknown)
-        .filter(|(_, unknown)| *unknown)
-        .all(|((before, after), _)| smallest_share(before, after).is_none_or(|s| s > INSIDE))
+    share_to(parameters, x, &moved, INSIDE)
 }
 
 /// Smallest eigenvalue of one pseudo-inertia over another; `None` where the other is not positive definite.
@@ -315,14 +309,18 @@ fn smallest_share(before: &InertialParameters, after: &InertialParameters) -> Op
     Some(SymmetricEigen::new(symmetric).eigenvalues.min())
 }
 
-/// How far from the given physical point towards another the bodies stay physical, at most 1.
+/// How far from a physical point towards another the bodies stay physical, at most 1.
 pub(crate) fn physical_share(parameters: &Parameters, from: &[f64], to: &[f64]) -> f64 {
+    share_to(parameters, from, to, START)
+}
+
+fn share_to(parameters: &Parameters, from: &[f64], to: &[f64], least: f64) -> f64 {
     let (a, b) = (bodies_at(parameters, from), bodies_at(parameters, to));
     let mut share: f64 = 1.0;
     for ((a, b), set) in a.iter().zip(&b).zip(&parameters.estimate) {
         // (1 - s) + s l > 0 for the smallest eigenvalue l of b over a.
-        if let Some(least) = smallest_share(a, b).filter(|l| set.any() && *l < 0.05) {
-            share = share.min(0.9 / (1.0 - least.max(-1.0e6)));
+        if let Some(l) = smallest_share(a, b).filter(|l| set.any() && *l < least) {
+            share = share.min(0.9 / (1.0 - l.max(-1.0e9)));
         }
     }
     share

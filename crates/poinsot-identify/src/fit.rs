@@ -4,7 +4,7 @@
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
 //! not move.
 
-use crate::coordinates::{ChartSteps, Coordinates, at_the_edge, physical_share, stays_inside};
+use crate::coordinates::{ChartSteps, Coordinates, WORTH, at_the_edge, inside, physical_share};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
@@ -133,16 +133,32 @@ impl LeastSquares for Experiment<'_> {
 
     fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
         let local = &here.rows;
-        let rhs = local.shared.rhs();
-        let step = match &local.chart {
-            Some(chart) => chart.step(&local.spectrum, &rhs, damping).0,
-            None => local.spectrum.damped(&rhs, damping),
-        };
+        let (step, lowered) = self.mass_step(&at.x, local, damping);
         Step {
             to: moved(self, at, local, &step),
-            promised: promised_decrease(self, local, damping),
+            promised: promised_decrease(self, local, lowered),
             bend: 0.0,
         }
+    }
+}
+
+impl Experiment<'_> {
+    /// Step of the mass unknowns, natural units, and how much the linear model says that it lowers chi-square.
+    fn mass_step(&self, x: &[f64], local: &Local, damping: f64) -> (Vec<f64>, f64) {
+        let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
+        if let Some(chart) = &local.chart {
+            return chart.step(spectrum, &rhs, damping);
+        }
+        let mut step = spectrum.damped(&rhs, damping);
+        let mut lowered = spectrum.decrease(&rhs, damping);
+        if self.coordinates == Coordinates::LogCholesky {
+            let share = inside(self.parameters, &spectrum.natural, x, &step);
+            if share < 1.0 {
+                step.iter_mut().for_each(|z| *z *= share);
+                lowered *= share * (2.0 - share);
+            }
+        }
+        (step, lowered)
     }
 }
 
@@ -162,8 +178,7 @@ fn linearised(
         Coordinates::LogCholesky => {
             let (natural, x) = (&spectrum.natural, &at.x);
             let step = spectrum.damped(&shared.rhs(), 0.0);
-            let plain = stays_inside(experiment.parameters, natural, x, &step);
-            (!plain)
+            (inside(experiment.parameters, natural, x, &step) < WORTH)
                 .then(|| ChartSteps::new(experiment.parameters, &spectrum, x))
                 .flatten()
         }
@@ -177,7 +192,10 @@ fn linearised(
     Ok(Linearised {
         cost,
         round_off: ROUND_OFF * (1.0 + cost),
-        promised: promised_decrease(experiment, &local, 0.0),
+        promised: {
+            let (_, lowered) = experiment.mass_step(&at.x, &local, 0.0);
+            promised_decrease(experiment, &local, lowered)
+        },
         weakest: local.spectrum.weakest(),
         rows: local,
     })
@@ -233,8 +251,8 @@ pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
     evaluated.iter().map(|e| e.chi2).sum()
 }
 
-/// How much the linear model says a damped step lowers chi-square; only mass properties are damped.
-fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f64 {
+/// How much the linear model says a step lowers chi-square of which the mass properties' part is given.
+fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
     let shared = &local.shared;
     let heads: f64 = local
         .evaluated
@@ -250,12 +268,7 @@ fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f6
     let biases: f64 = (0..shared.nuisances)
         .map(|i| shared.r[(i, n)].powi(2))
         .sum();
-    let rhs = shared.rhs();
-    let bodies = match &local.chart {
-        Some(chart) => chart.step(&local.spectrum, &rhs, damping).1,
-        None => local.spectrum.decrease(&rhs, damping),
-    };
-    heads + biases + bodies
+    heads + biases + lowered
 }
 
 /// The point after a step of the mass properties: biases and heads follow.

@@ -36,6 +36,7 @@ mod prior;
 mod problem;
 mod quantity;
 mod refine;
+mod remedies;
 mod residual;
 mod rows;
 mod segment;

@@ -128,17 +128,23 @@ fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
 /// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
 /// know at their nominal values.
 fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
-    let body = rotation_properties(&solved.parameters, &solved.x);
+    solved.x = lifted_vector(&solved.parameters, &solved.x, parameters);
+    solved.parameters = parameters.clone();
+    solved
+}
+
+/// The same for the values of the unknowns alone.
+pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameters) -> Vec<f64> {
+    let body = rotation_properties(from, x);
     let pi = body.parameters().to_array();
     let with_centre = parameters.estimate[0].com;
-    let known: Vec<(String, f64)> = solved
-        .parameters
+    let known: Vec<(&str, f64)> = from
         .unknowns
         .iter()
-        .zip(&solved.x)
-        .map(|(u, x)| (u.name.clone(), *x))
+        .zip(x)
+        .map(|(u, x)| (u.name.as_str(), *x))
         .collect();
-    solved.x = parameters
+    parameters
         .unknowns
         .iter()
         .map(|unknown| match &unknown.kind {
@@ -154,9 +160,7 @@ fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
                 found.map_or(unknown.nominal, |(_, x)| *x)
             }
         })
-        .collect();
-    solved.parameters = parameters.clone();
-    solved
+        .collect()
 }
 
 pub(crate) fn conclude(
