@@ -22,6 +22,15 @@ const PRESSED: f64 = 3.0;
 /// Share of the signal that a model must explain not to be rejected then.
 const EXPLAINED: f64 = 0.5;
 
+/// The answer with remedies that were tried: for readers, not for the trials of a campaign.
+pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimate {
+    let mut estimate = write(problem, solved);
+    if estimate.status != Status::Rejected {
+        remedies::try_changes(problem, solved, &mut estimate.identifiability.open);
+    }
+    estimate
+}
+
 pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let chi2 = solved.chi2_per_dof();
     let unexplained = solved.explained.is_some_and(|share| share < EXPLAINED);
@@ -45,10 +54,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     } else {
         (judge, bodies)
     };
-    let mut identifiability = identifiability(problem, solved, &judge);
-    if !rejected {
-        remedies::try_changes(problem, solved, &mut identifiability.open);
-    }
+    let identifiability = identifiability(problem, solved, &judge);
     let status = status(&bodies, &identifiability, rejected, solved.settled);
     let rows = covariance_rows(&solved.parameters, &bodies, &solved.x);
     let nuisance = nuisances(&judge, solved);

@@ -97,7 +97,7 @@ pub fn maximum_likelihood_predicted(
     let mut experiment = Experiment::new(problem, &solved.parameters);
     experiment.wheels_smooth = solved.wheels_smooth;
     let predictions = predict(&experiment, &at, points);
-    Ok((answer::write(problem, &solved), predictions))
+    Ok((answer::write_with_remedies(problem, &solved), predictions))
 }
 
 /// The linear method with what its answer predicts, at most `points` points a curve.

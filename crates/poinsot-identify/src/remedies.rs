@@ -21,8 +21,10 @@ use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::{EstimateSet, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
-/// Samples of a record that is tried; their noise is scaled to a record as long as the one at hand.
-const SAMPLES: usize = 60;
+/// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at
+/// hand over the same time.
+const SAMPLES: usize = 40;
+const SPAN: f64 = 120.0;
 /// Share of a direction's square that must be identified for it to count as closed.
 const CLOSED: f64 = 0.99;
 /// Noise of the velocity sensor tried, m/s.
@@ -33,7 +35,7 @@ const ACCELERATION: f64 = 1.0e-4;
 const RATE: f64 = 0.05;
 /// Size of a joint's motion that is tried, rad or m, and its turns in the record.
 const SWING: (f64, f64) = (0.3, 3.0);
-/// Force that is tried, N, its arm, m, and the share of the record that it lasts.
+/// Largest force that is tried, N, its arm, m, and the share of the record that it lasts.
 const PUSH: (f64, f64, f64) = (1.0, 0.5, 0.1);
 /// Accuracy of a number that is given, natural units.
 const GIVEN: f64 = 1.0e-3;
@@ -366,7 +368,8 @@ impl<'a> Ground<'a> {
             let mut turning = trial.clone();
             turning.head.h_SScm_N += trial.head.R_NB * (I * w);
             let text = format!(
-                "record as long again with the base turning about its {} axis too, at {fastest:.2} rad/s",
+                "record {:.0} s more with the base turning about its {} axis too, at {fastest:.2} rad/s",
+                trial.span(),
                 axis_name(axis)
             );
             add(text, &turning);
@@ -394,7 +397,8 @@ impl<'a> Ground<'a> {
                 _ => "rad",
             };
             let text = format!(
-                "record as long again with {} swinging by {size} {unit}",
+                "record {:.0} s more with {} swinging by {size} {unit}",
+                trial.span(),
                 joint.name
             );
             add(text, &moving);
@@ -441,9 +445,14 @@ impl<'a> Ground<'a> {
 
     /// A known force: of every thruster that does not fire, or of one that the vehicle does not have.
     fn pushes(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
-        let (force, arm, share) = PUSH;
+        let (most, arm, share) = PUSH;
         let o = &trial.segment.observations;
         let start_s = o.time_s[0];
+        let lasting = (trial.span() * share).max(f64::MIN_POSITIVE);
+        // No more than turns the base at the rate that is tried about its axes.
+        let kinematics = Kinematics::new(self.problem.tree);
+        let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
+        let force = (RATE * I.trace() / 3.0 / (arm * lasting)).clamp(1.0e-6, most);
         // Edges on the grid.
         let last = ((o.time_s.len() as f64 * share).ceil() as usize).min(o.time_s.len() - 1);
         let mut push = |thruster: usize, trial: &Trial, text: String| {
@@ -456,7 +465,7 @@ impl<'a> Ground<'a> {
             }];
             let lasting = trial.segment.observations.time_s[last] - start_s;
             add(
-                format!("{text}, {force} N for {lasting:.1} s, of known force"),
+                format!("{text}, {force:.1e} N for {lasting:.1} s, of known force"),
                 &with,
             );
         };
@@ -537,6 +546,14 @@ struct Trial {
     thrusters: Vec<Thruster>,
 }
 
+impl Trial {
+    /// Duration, s.
+    fn span(&self) -> f64 {
+        let t = &self.segment.observations.time_s;
+        t.last().copied().unwrap_or(0.0) - t.first().copied().unwrap_or(0.0)
+    }
+}
+
 /// The rows of a solved problem over the unknowns given, barycentric for those of a rotation alone.
 fn known_rows(solved: &Solved, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
     let own = &solved.parameters;
@@ -582,8 +599,9 @@ fn known_rows(solved: &Solved, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
 /// how many there are of those at hand.
 fn thinned(segment: &Segment, sight: Sight) -> Option<(Segment, f64)> {
     let o = &segment.observations;
+    let first = o.time_s.first()?;
     let all: Vec<usize> = (0..o.time_s.len())
-        .filter(|&k| o.rate[k].is_some())
+        .filter(|&k| o.rate[k].is_some() && o.time_s[k] - first <= SPAN)
         .collect();
     let stride = all.len().div_ceil(SAMPLES).max(1);
     let picked: Vec<usize> = all.iter().copied().step_by(stride).collect();
