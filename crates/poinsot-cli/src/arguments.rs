@@ -1,12 +1,27 @@
 //! The words of the command line.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
 use std::path::PathBuf;
 
+/// Exit codes with their meaning.
+pub const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "answered: every number asked for is determined"),
+    (
+        1,
+        "answered, but not acceptable: partial, not identifiable, rejected, not settled, or too many samples left out",
+    ),
+    (
+        2,
+        "the question cannot be asked: usage, model, case or telemetry",
+    ),
+    (3, "disk or permission"),
+    (4, "an error of the program"),
+];
+
 /// Mass, centre of mass and inertia of spacecraft and space robots, from telemetry.
 #[derive(Debug, Parser)]
-#[command(name = "poinsot", version, about)]
+#[command(name = "poinsot", version)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -19,7 +34,7 @@ pub enum Verb {
     /// Identify the unknown mass properties of a vehicle from its telemetry.
     ///
     /// Exit code 0: every number asked for is determined. 1: answered, but not all of it is (partial, not
-    /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission.
+    /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission. 4: internal error.
     Identify(Identify),
     /// Simulate a case: joints led or driven by torques, springs, wheels, thrusters, sensors with noise.
     Simulate(Simulate),
@@ -40,8 +55,29 @@ pub enum Verb {
     Inspect(Inspect),
     /// Check a model file and say what it describes.
     Check(Check),
+    /// Make a model file (poinsot.model/1) of a URDF file.
+    Import(Import),
+    /// Write the answer of `identify` into the file of another program.
+    ///
+    /// Exit code 1: some bodies are not fully determined and were left as they are.
+    Export(Export),
+    /// Say what an error code means, its usual cause and what to do; all codes without one.
+    Explain(Explain),
     /// Print the JSON Schema of the model file.
     Schema,
+    /// Print the completions of a shell, to be read by it at its start.
+    Completions(Completions),
+    /// Write the manual pages, one per command.
+    Man(Man),
+}
+
+/// A format of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FigureFile {
+    /// Scalable.
+    Svg,
+    /// Pixels.
+    Png,
 }
 
 /// Arguments of `identify`.
@@ -73,6 +109,9 @@ pub struct Identify {
     /// Also write DIR/report.html, the answer as a page.
     #[arg(long, requires = "out")]
     pub report: bool,
+    /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
+    pub figures: Vec<FigureFile>,
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
@@ -92,6 +131,121 @@ pub struct Identify {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
+    /// What is done about a finding of a telemetry check: held, stuck, saturation, outlier (exclude, report,
+    /// refuse), placeholder (report, exclude, refuse), gap, lag (report, refuse), units (refuse, report).
+    #[arg(long, value_name = "CHECK=POLICY")]
+    pub policy: Vec<String>,
+    /// How telemetry is taken out of its files.
+    #[command(flatten)]
+    pub rows: Rows,
+}
+
+/// Which rows of telemetry are taken, and how their text is read.
+#[derive(Debug, Args)]
+pub struct Rows {
+    /// Take the rows between these times, s.
+    #[arg(long, value_name = "FROM,TO", value_parser = span)]
+    pub time_s: Option<[f64; 2]>,
+    /// Take every n-th row.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub every: usize,
+    /// Most memory for the samples of one file, MiB.
+    #[arg(long, value_name = "MIB", default_value_t = poinsot_telemetry::MEMORY_MIB)]
+    pub memory_mib: usize,
+    /// Encoding of CSV text.
+    #[arg(long, value_enum, default_value_t = TextEncoding::Utf8)]
+    pub encoding: TextEncoding,
+}
+
+/// Encodings of CSV text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum TextEncoding {
+    /// UTF-8.
+    Utf8,
+    /// ISO 8859-1.
+    Latin1,
+}
+
+impl From<TextEncoding> for poinsot_telemetry::Encoding {
+    fn from(encoding: TextEncoding) -> Self {
+        match encoding {
+            TextEncoding::Utf8 => Self::Utf8,
+            TextEncoding::Latin1 => Self::Latin1,
+        }
+    }
+}
+
+fn span(text: &str) -> Result<[f64; 2], String> {
+    let wanted = || "two times in seconds, the first before the second: FROM,TO".to_owned();
+    let (from, to) = text.split_once(',').ok_or_else(wanted)?;
+    let parse = |t: &str| t.trim().parse::<f64>().map_err(|_| wanted());
+    let (from, to) = (parse(from)?, parse(to)?);
+    if from < to {
+        Ok([from, to])
+    } else {
+        Err(wanted())
+    }
+}
+
+/// Arguments of `import`.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// Robot (URDF).
+    #[arg(value_name = "ROBOT.urdf")]
+    pub urdf: PathBuf,
+    /// Model file to write; standard output without.
+    #[arg(long, short = 'o', value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
+    /// Print what was written as JSON on standard output.
+    #[arg(long, requires = "out")]
+    pub json: bool,
+    /// Print nothing but errors, and the file where no --out is given.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct Export {
+    /// Folder with estimate.json.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Kind of file.
+    #[arg(long, value_enum)]
+    pub to: Format,
+    /// The file that the vehicle came from: bodies are found by the names of its links, and nothing but their
+    /// mass properties changes.
+    #[arg(long, value_name = "ROBOT.urdf")]
+    pub onto: PathBuf,
+    /// File to write; standard output without.
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print what was written as JSON on standard output.
+    #[arg(long, requires = "out")]
+    pub json: bool,
+    /// Print nothing but errors, and the file where no --out is given.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Files of other programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Robot description of ROS.
+    Urdf,
+}
+
+/// Arguments of `explain`.
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Code, for example E0203.
+    pub code: Option<String>,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors: the exit code says whether there is such a code.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Arguments of `simulate`.
@@ -102,8 +256,11 @@ pub struct Simulate {
     /// Folder for telemetry and truth.json; made if it is not there.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Print nothing but errors.
+    /// Print what was written as JSON on standard output.
     #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -118,6 +275,9 @@ pub struct Predict {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code is the answer.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Arguments of `validate`.
@@ -167,8 +327,14 @@ pub struct Report {
     /// Folder with estimate.json and report_data.json, as `identify --out` writes them.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Print nothing but errors.
+    /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
+    pub figures: Vec<FigureFile>,
+    /// Print what was written as JSON on standard output.
     #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -183,6 +349,12 @@ pub struct Inspect {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code is the answer.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// How telemetry is taken out of its files.
+    #[command(flatten)]
+    pub rows: Rows,
 }
 
 /// Arguments of `check`.
@@ -193,4 +365,28 @@ pub struct Check {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code is the answer.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub struct Man {
+    /// Folder for poinsot.1 and the pages of its commands; made if it is not there.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Print what was written as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }

@@ -168,14 +168,14 @@ impl<'s> DrivenStage<'s> {
     #[inline]
     fn read_state(&mut self, y: &[f64]) {
         let vehicle = self.vehicle;
-        let mut rest = y[WHEELS..].iter();
+        let mut at = WHEELS;
         for (wheel, h_w) in vehicle.plan.wheels.iter().zip(&mut self.wheel_momentum) {
-            if let (WheelMotion::Torque { .. }, Some(found)) = (wheel, rest.as_slice().first()) {
-                *h_w = *found;
-                rest.next();
+            if matches!(wheel, WheelMotion::Torque { .. }) {
+                *h_w = y[at];
+                at += 1;
             }
         }
-        let (q, rates) = rest.as_slice().split_at(vehicle.free.len());
+        let (q, rates) = y[at..].split_at(vehicle.free.len());
         let motion = &mut self.sample.motion;
         for (k, (q, rate)) in vehicle.free.iter().zip(q.iter().zip(rates)) {
             motion.q[*k] = *q;
@@ -478,18 +478,19 @@ impl Flow for DrivenStage<'_> {
         for (out, block) in dy[POSITION..WHEELS].chunks_exact_mut(3).zip(&blocks) {
             out.copy_from_slice(block.as_slice());
         }
-        let mut out = dy[WHEELS..].iter_mut();
+        let mut at = WHEELS;
         for (wheel, torque) in vehicle.plan.wheels.iter().zip(&self.wheel_input) {
-            if matches!(wheel, WheelMotion::Torque { .. })
-                && let Some(out) = out.next()
-            {
-                *out = *torque;
+            if matches!(wheel, WheelMotion::Torque { .. }) {
+                dy[at] = *torque;
+                at += 1;
             }
         }
-        let rates = vehicle.free.iter().map(|k| motion.rates[*k]);
-        let accelerations = vehicle.free.iter().map(|k| motion.accelerations[*k]);
-        for (out, value) in out.zip(rates.chain(accelerations)) {
-            *out = value;
+        let (rates, accelerations) = dy[at..].split_at_mut(vehicle.free.len());
+        for (k, (rate, acceleration)) in
+            vehicle.free.iter().zip(rates.iter_mut().zip(accelerations))
+        {
+            *rate = motion.rates[*k];
+            *acceleration = motion.accelerations[*k];
         }
         Ok(())
     }

@@ -60,10 +60,8 @@ struct Node {
     I_S: Symmetric,
     l: Vector3,
     h: Vector3,
-    /// Articulated inertia.
-    M: Symmetric,
-    C: Matrix3,
-    J: Symmetric,
+    /// What the children add to inertia and bias.
+    carried: Articulated,
     /// Joint axis, and position from the parent's origin.
     axis: Vector3,
     r: Vector3,
@@ -79,6 +77,16 @@ struct Node {
     da: Vector3,
     dalpha: Vector3,
     /// Bias force and torque about Co; before the solution minus the wrench from outside.
+    F: Vector3,
+    N: Vector3,
+}
+
+/// Articulated inertia `[[M, C], [C^T, J]]` and bias `[F; N]` about the body's origin.
+#[derive(Debug, Clone, Copy)]
+struct Articulated {
+    M: Symmetric,
+    C: Matrix3,
+    J: Symmetric,
     F: Vector3,
     N: Vector3,
 }
@@ -102,9 +110,7 @@ impl ForwardDynamics {
             I_S: Symmetric::default(),
             l: zero,
             h: zero,
-            M: Symmetric::default(),
-            C: Matrix3::zeros(),
-            J: Symmetric::default(),
+            carried: Articulated::NOTHING,
             axis: zero,
             r: zero,
             U_l: zero,
@@ -171,7 +177,8 @@ impl ForwardDynamics {
             node.l = Vector3::zeros();
             node.h = Vector3::zeros();
         }
-        for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
+        for i in (1..tree.links.len()).rev() {
+            let link = &tree.links[i];
             let (before, rest) = self.nodes.split_at_mut(i);
             let (parent, node) = (&mut before[link.parent], &mut rest[0]);
             match link.motion {
@@ -260,44 +267,42 @@ impl ForwardDynamics {
             node.N += node.I.times(&alpha) + w.cross(&node.I.times(w)) + node.mc.cross(&a);
             node.a = a;
             node.alpha = alpha;
-            node.M = Symmetric::diagonal(node.mass);
-            node.C = Matrix3::new(
-                0.0, node.mc.z, -node.mc.y, -node.mc.z, 0.0, node.mc.x, node.mc.y, -node.mc.x, 0.0,
-            );
-            node.J = node.I;
+            node.carried = Articulated::NOTHING;
         }
     }
 
     /// From the leaves to the base: articulated inertia and bias of everything behind each joint.
     #[inline]
     fn project(&mut self, tree: &Tree, inputs: &[JointInput]) -> Result<(), Singular> {
-        for (i, link) in tree.links.iter().enumerate().skip(1).rev() {
+        for i in (1..tree.links.len()).rev() {
+            let link = &tree.links[i];
             let (before, rest) = self.nodes.split_at_mut(i);
             let (parent, node) = (&mut before[link.parent], &mut rest[0]);
+            let mut whole = node.articulated();
             match link.motion {
-                Motion::Revolute(k) => match inputs[k] {
-                    JointInput::Force(tau) => {
-                        node.U_l = node.C * node.axis;
-                        node.U_a = node.J.times(&node.axis);
-                        let D = node.axis.dot(&node.U_a);
-                        let size = node.J.xx + node.J.yy + node.J.zz;
-                        node.free(k, D, size, tau - node.axis.dot(&node.N))?;
+                Motion::Revolute(k) => {
+                    if let JointInput::Force(tau) = inputs[k] {
+                        let U = (whole.C * node.axis, whole.J.times(&node.axis));
+                        let D = node.axis.dot(&U.1);
+                        let size = whole.J.xx + whole.J.yy + whole.J.zz;
+                        let u = tau - node.axis.dot(&whole.N);
+                        node.free(&mut whole, U, D, size, u)
+                            .ok_or(Singular::Joint(k))?;
                     }
-                    JointInput::Acceleration(_) => {}
-                },
-                Motion::Prismatic(k) => match inputs[k] {
-                    JointInput::Force(tau) => {
-                        node.U_l = node.M.times(&node.axis);
-                        node.U_a = node.C.tr_mul(&node.axis);
-                        let D = node.axis.dot(&node.U_l);
-                        let size = node.M.xx + node.M.yy + node.M.zz;
-                        node.free(k, D, size, tau - node.axis.dot(&node.F))?;
+                }
+                Motion::Prismatic(k) => {
+                    if let JointInput::Force(tau) = inputs[k] {
+                        let U = (whole.M.times(&node.axis), whole.C.tr_mul(&node.axis));
+                        let D = node.axis.dot(&U.0);
+                        let size = whole.M.xx + whole.M.yy + whole.M.zz;
+                        let u = tau - node.axis.dot(&whole.F);
+                        node.free(&mut whole, U, D, size, u)
+                            .ok_or(Singular::Joint(k))?;
                     }
-                    JointInput::Acceleration(_) => {}
-                },
+                }
                 Motion::Fixed | Motion::Free => {}
             }
-            node.pass_on(parent);
+            whole.pass_on(&node.r, &mut parent.carried);
         }
         Ok(())
     }
@@ -311,10 +316,14 @@ impl ForwardDynamics {
         joint_accelerations: &mut [f64],
     ) -> Result<(), Singular> {
         let base = self.nodes.first_mut().ok_or(Singular::Base)?;
-        (base.da, base.dalpha) = base.free_acceleration().ok_or(Singular::Base)?;
+        (base.da, base.dalpha) = base
+            .articulated()
+            .free_acceleration()
+            .ok_or(Singular::Base)?;
         base.a += base.da;
         base.alpha += base.dalpha;
-        for (i, link) in tree.links.iter().enumerate().skip(1) {
+        for i in 1..tree.links.len() {
+            let link = &tree.links[i];
             let (before, rest) = self.nodes.split_at_mut(i);
             let (parent, node) = (&before[link.parent], &mut rest[0]);
             let mut da = parent.da + parent.dalpha.cross(&node.r);
@@ -343,22 +352,52 @@ impl ForwardDynamics {
 }
 
 impl Node {
-    /// A joint that is free to follow `u`, what the force along it exceeds the bias by.
+    /// This body with what its children add.
     #[inline]
-    fn free(&mut self, k: usize, D: f64, size: f64, u: f64) -> Result<(), Singular> {
+    fn articulated(&self) -> Articulated {
+        let (carried, mc) = (&self.carried, &self.mc);
+        let mut whole = *carried;
+        whole.M.xx += self.mass;
+        whole.M.yy += self.mass;
+        whole.M.zz += self.mass;
+        // C = -[mc]x.
+        whole.C.m12 += mc.z;
+        whole.C.m13 -= mc.y;
+        whole.C.m21 -= mc.z;
+        whole.C.m23 += mc.x;
+        whole.C.m31 += mc.y;
+        whole.C.m32 -= mc.x;
+        whole.J += self.I;
+        whole.F += self.F;
+        whole.N += self.N;
+        whole
+    }
+
+    /// A joint that is free to follow `u`, what the force along it exceeds the bias by: keeps its projection, and
+    /// takes from `whole` what the parent does not feel. `None` where nothing resists.
+    #[inline]
+    fn free(
+        &mut self,
+        whole: &mut Articulated,
+        U: (Vector3, Vector3),
+        D: f64,
+        size: f64,
+        u: f64,
+    ) -> Option<()> {
         if !resists(D, size) {
-            return Err(Singular::Joint(k));
+            return None;
         }
-        self.D_inverse = 1.0 / D;
+        let s = 1.0 / D;
+        (self.U_l, self.U_a) = U;
+        self.D_inverse = s;
         self.u = u;
-        // U and D are of the whole; what the parent feels lacks them.
-        let s = self.D_inverse;
-        self.M = self.M.minus_square(s, &self.U_l);
-        self.J = self.J.minus_square(s, &self.U_a);
-        self.C -= self.U_l * (self.U_a * s).transpose();
-        self.F += self.U_l * (u * s);
-        self.N += self.U_a * (u * s);
-        Ok(())
+        let (V_l, V_a) = (U.0 * s, U.1 * s);
+        whole.M.subtract_outer(&V_l, &U.0);
+        whole.J.subtract_outer(&V_a, &U.1);
+        whole.C -= U.0 * V_a.transpose();
+        whole.F += V_l * u;
+        whole.N += V_a * u;
+        Some(())
     }
 
     /// Adds the inertia and momentum of a child with all it carries, moved from `Co` to `Po`.
@@ -381,11 +420,20 @@ impl Node {
         self.l += child.l;
         self.h += child.h + r.cross(&child.l);
     }
+}
 
-    /// Adds articulated inertia and bias, moved from `Co` to `Po`, to those of the parent.
+impl Articulated {
+    const NOTHING: Self = Self {
+        M: Symmetric::ZERO,
+        C: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        J: Symmetric::ZERO,
+        F: Vector3::new(0.0, 0.0, 0.0),
+        N: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// Adds inertia and bias, moved from `Co` to `Po` over `r = p_PoCo`, to what the parent carries.
     #[inline]
-    fn pass_on(&self, parent: &mut Self) {
-        let r = &self.r;
+    fn pass_on(&self, r: &Vector3, parent: &mut Self) {
         // C_P = C - M [r]x; J_P = J + [r]x C_P + ([r]x C)^T.
         let M = &self.M;
         let Mr = Matrix3::new(
@@ -424,58 +472,33 @@ impl Node {
     /// The acceleration at which no force acts on the base: `IA [a; alpha] = -bias`.
     #[inline]
     fn free_acceleration(&self) -> Option<(Vector3, Vector3)> {
+        // L D L^T of the whole in two blocks. It is stable where an explicit inverse of M is not: a light base on
+        // a heavy arm loses two more digits with that.
         let (M, C, J) = (&self.M, &self.C, &self.J);
-        // Lower triangle. Elimination from the top is stable where an explicit inverse of M is not: a light base
-        // on a heavy arm loses two more digits with it.
-        let mut K = [
-            [M.xx, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [M.xy, M.yy, 0.0, 0.0, 0.0, 0.0],
-            [M.xz, M.yz, M.zz, 0.0, 0.0, 0.0],
-            [C.m11, C.m21, C.m31, J.xx, 0.0, 0.0],
-            [C.m12, C.m22, C.m32, J.xy, J.yy, 0.0],
-            [C.m13, C.m23, C.m33, J.xz, J.yz, J.zz],
-        ];
-        let sizes = [M.xx + M.yy + M.zz, J.xx + J.yy + J.zz];
-        let (F, N) = (&self.F, &self.N);
-        let mut x = [-F.x, -F.y, -F.z, -N.x, -N.y, -N.z];
-        if !solve_symmetric(&mut K, &sizes, &mut x) {
+        let upper = M.factor();
+        let column = |j| upper.forward(&Vector3::new(C[(0, j)], C[(1, j)], C[(2, j)]));
+        let Y = [column(0), column(1), column(2)];
+        let Z = Y.map(|y| y.component_mul(&upper.inverse));
+        let rest = Symmetric {
+            xx: J.xx - Y[0].dot(&Z[0]),
+            xy: J.xy - Y[1].dot(&Z[0]),
+            yy: J.yy - Y[1].dot(&Z[1]),
+            xz: J.xz - Y[2].dot(&Z[0]),
+            yz: J.yz - Y[2].dot(&Z[1]),
+            zz: J.zz - Y[2].dot(&Z[2]),
+        };
+        let lower = rest.factor();
+        let all = |pivots: Vector3, size| pivots.iter().all(|d| resists(*d, size));
+        if !all(upper.pivots, M.xx + M.yy + M.zz) || !all(lower.pivots, J.xx + J.yy + J.zz) {
             return None;
         }
-        let [ax, ay, az, bx, by, bz] = x;
-        Some((Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)))
+        let f = -upper.forward(&self.F);
+        let n = -self.N - Vector3::new(Z[0].dot(&f), Z[1].dot(&f), Z[2].dot(&f));
+        let alpha = lower.back(&lower.forward(&n).component_mul(&lower.inverse));
+        let z = f.component_mul(&upper.inverse);
+        let a = upper.back(&(z - Z[0] * alpha.x - Z[1] * alpha.y - Z[2] * alpha.z));
+        Some((a, alpha))
     }
-}
-
-/// Solves `K x = b` in place by `L D L^T` without square roots; `K` is given by its lower triangle and lost. False
-/// where a pivot is round-off beside the size (trace) of its half.
-#[inline]
-fn solve_symmetric(K: &mut [[f64; 6]; 6], sizes: &[f64; 2], x: &mut [f64; 6]) -> bool {
-    let mut regular = true;
-    for j in 0..6 {
-        regular &= resists(K[j][j], sizes[j / 3]);
-        let inverse = 1.0 / K[j][j];
-        let mut l = [0.0; 6];
-        for i in j + 1..6 {
-            l[i] = K[i][j] * inverse;
-        }
-        for i in j + 1..6 {
-            for k in j + 1..=i {
-                K[i][k] -= l[i] * K[k][j];
-            }
-        }
-        for i in j + 1..6 {
-            x[i] -= l[i] * x[j];
-            K[i][j] = l[i];
-        }
-        K[j][j] = inverse;
-    }
-    for j in (0..6).rev() {
-        x[j] *= K[j][j];
-        for i in j + 1..6 {
-            x[j] -= K[i][j] * x[i];
-        }
-    }
-    regular
 }
 
 /// Whether an inertia is more than round-off beside another; never for NaN.

@@ -114,6 +114,29 @@ impl Composite {
     }
 }
 
+impl Composite {
+    /// `H^-1` in closed form: `w = J (h - c x l)`, `v = l / m + c x w` with `J` the inverse of the central inertia.
+    ///
+    /// `None` where mass or central inertia are not positive.
+    #[inline]
+    pub fn inverse_locked_inertia(&self) -> Option<Matrix6> {
+        if self.mass.is_nan() || self.mass <= 0.0 {
+            return None;
+        }
+        let J = self.I_SScm_B().cholesky()?.inverse();
+        let c = skew(&self.p_BoScm_B());
+        let cJ = c * J;
+        let mut inverse = Matrix6::zeros();
+        inverse
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&(Matrix3::identity() / self.mass - cJ * c));
+        inverse.fixed_view_mut::<3, 3>(0, 3).copy_from(&cJ);
+        inverse.fixed_view_mut::<3, 3>(3, 0).copy_from(&-(J * c));
+        inverse.fixed_view_mut::<3, 3>(3, 3).copy_from(&J);
+        Some(inverse)
+    }
+}
+
 /// The base twist that gives momentum `l`, `h` (about `Bo`, in B) once the part that needs no base
 /// motion, `l_joints`, `h_joints` (joint rates and wheels), is taken off: `V = H^-1 (momentum - c)`.
 ///

@@ -1,7 +1,7 @@
 //! Symmetric 3 x 3 matrices by their six elements, and the products that the dynamics needs.
 
 use poinsot_spatial::{Matrix3, Vector3};
-use std::ops::{AddAssign, SubAssign};
+use std::ops::AddAssign;
 
 /// A symmetric 3 x 3 matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -15,16 +15,15 @@ pub(crate) struct Symmetric {
 }
 
 impl Symmetric {
-    /// A multiple of the unit matrix.
-    #[inline]
-    pub fn diagonal(value: f64) -> Self {
-        Self {
-            xx: value,
-            yy: value,
-            zz: value,
-            ..Self::default()
-        }
-    }
+    /// Nothing.
+    pub const ZERO: Self = Self {
+        xx: 0.0,
+        xy: 0.0,
+        yy: 0.0,
+        xz: 0.0,
+        yz: 0.0,
+        zz: 0.0,
+    };
 
     /// The lower triangle of a matrix that is symmetric.
     #[inline]
@@ -87,30 +86,21 @@ impl Symmetric {
         }
     }
 
-    /// `self - scale x x^T`.
+    /// Subtracts `a b^T`, symmetric because `a` and `b` are parallel.
     #[inline]
-    pub fn minus_square(&self, scale: f64, x: &Vector3) -> Self {
-        let s = x * scale;
-        Self {
-            xx: self.xx - s.x * x.x,
-            xy: self.xy - s.x * x.y,
-            yy: self.yy - s.y * x.y,
-            xz: self.xz - s.x * x.z,
-            yz: self.yz - s.y * x.z,
-            zz: self.zz - s.z * x.z,
-        }
+    pub fn subtract_outer(&mut self, a: &Vector3, b: &Vector3) {
+        self.xx -= a.x * b.x;
+        self.xy -= a.x * b.y;
+        self.yy -= a.y * b.y;
+        self.xz -= a.x * b.z;
+        self.yz -= a.y * b.z;
+        self.zz -= a.z * b.z;
     }
 
-    /// The solution of `self x = b` by the cofactors; `None` where the matrix is not positive definite.
+    /// The factors of `L D L^T`, without square roots. Whether the pivots are positive is for the
+    /// caller to see.
     #[inline]
-    pub fn solve(&self, b: &Vector3) -> Option<Vector3> {
-        Some(self.inverse()?.times(b))
-    }
-
-    /// The inverse by the factors of `L D L^T`; `None` where the matrix is not positive definite.
-    #[inline]
-    pub fn inverse(&self) -> Option<Self> {
-        // L D L^T without square roots: three divisions.
+    pub fn factor(&self) -> Factor {
         let d1 = self.xx;
         let i1 = 1.0 / d1;
         let (l21, l31) = (self.xy * i1, self.xz * i1);
@@ -119,20 +109,52 @@ impl Symmetric {
         let e32 = self.yz - l21 * self.xz;
         let l32 = e32 * i2;
         let d3 = self.zz - l31 * self.xz - l32 * e32;
-        let i3 = 1.0 / d3;
-        if !(d1 > 0.0 && d2 > 0.0 && d3 > 0.0) {
+        Factor {
+            l21,
+            l31,
+            l32,
+            inverse: Vector3::new(i1, i2, 1.0 / d3),
+            pivots: Vector3::new(d1, d2, d3),
+        }
+    }
+
+    /// The solution of `self x = b`; `None` where the matrix is not positive definite.
+    #[inline]
+    pub fn solve(&self, b: &Vector3) -> Option<Vector3> {
+        let factor = self.factor();
+        if !factor.pivots.iter().all(|d| *d > 0.0) {
             return None;
         }
-        // Rows of L^-1: (1), (-l21, 1), (m, -l32, 1).
-        let m = l21 * l32 - l31;
-        Some(Self {
-            xx: i1 + l21 * l21 * i2 + m * m * i3,
-            xy: -l21 * i2 - m * l32 * i3,
-            yy: i2 + l32 * l32 * i3,
-            xz: m * i3,
-            yz: -l32 * i3,
-            zz: i3,
-        })
+        let y = factor.forward(b);
+        Some(factor.back(&y.component_mul(&factor.inverse)))
+    }
+}
+
+/// `L D L^T` of a symmetric matrix.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Factor {
+    l21: f64,
+    l31: f64,
+    l32: f64,
+    /// Reciprocals of the pivots.
+    pub inverse: Vector3,
+    /// Positive, all of them, for a positive definite matrix.
+    pub pivots: Vector3,
+}
+
+impl Factor {
+    /// `L^-1 b`.
+    #[inline]
+    pub fn forward(&self, b: &Vector3) -> Vector3 {
+        let y = b.y - self.l21 * b.x;
+        Vector3::new(b.x, y, b.z - self.l31 * b.x - self.l32 * y)
+    }
+
+    /// `L^-T b`.
+    #[inline]
+    pub fn back(&self, b: &Vector3) -> Vector3 {
+        let y = b.y - self.l32 * b.z;
+        Vector3::new(b.x - self.l21 * y - self.l31 * b.z, y, b.z)
     }
 }
 
@@ -145,18 +167,6 @@ impl AddAssign for Symmetric {
         self.xz += other.xz;
         self.yz += other.yz;
         self.zz += other.zz;
-    }
-}
-
-impl SubAssign for Symmetric {
-    #[inline]
-    fn sub_assign(&mut self, other: Self) {
-        self.xx -= other.xx;
-        self.xy -= other.xy;
-        self.yy -= other.yy;
-        self.xz -= other.xz;
-        self.yz -= other.yz;
-        self.zz -= other.zz;
     }
 }
 
@@ -173,15 +183,13 @@ mod tests {
         let near = |a: Matrix3, b: Matrix3| assert!((a - b).amax() < 4e-15, "{a} {b}");
         near(s.full(), full);
         near(s.turned(&R).full(), R * full * R.transpose());
-        near(
-            s.minus_square(0.3, &x).full(),
-            full - x * x.transpose() * 0.3,
-        );
-        near(s.inverse().unwrap().full() * full, Matrix3::identity());
+        let mut less = s;
+        less.subtract_outer(&(x * 0.3), &x);
+        near(less.full(), full - x * x.transpose() * 0.3);
         assert!((s.times(&x) - full * x).amax() < 1e-15);
         assert!((s.times(&s.solve(&x).unwrap()) - x).amax() < 1e-15);
-        assert!(Symmetric::diagonal(-1.0).inverse().is_none());
-        assert!(Symmetric::diagonal(f64::NAN).inverse().is_none());
-        assert!(Symmetric::default().inverse().is_none());
+        assert!(Symmetric::of(&-full).solve(&x).is_none());
+        assert!(Symmetric::of(&(full * f64::NAN)).solve(&x).is_none());
+        assert!(Symmetric::default().solve(&x).is_none());
     }
 }

@@ -128,7 +128,7 @@ impl Link {
 
     /// Joint axis in the base where this body stands at `R_BC`.
     #[inline]
-    pub(crate) fn axis_B(&self, R_BC: &Matrix3) -> Vector3 {
+    pub fn axis_B(&self, R_BC: &Matrix3) -> Vector3 {
         match self.along {
             Some(Along::X) => R_BC.column(0).into_owned(),
             Some(Along::Y) => R_BC.column(1).into_owned(),

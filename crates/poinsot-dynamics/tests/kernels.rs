@@ -192,6 +192,15 @@ fn exact_twist_from_momentum_is_the_inverse() {
         let amplify = (h.I_SBo_B.norm() / moments.min()).max(1.0);
         let speed = 1.0 + s.v_NBo_B.norm() + s.w_NB_B.norm();
         let tolerance = TOLERANCE * amplify * speed;
+        let inverse = h.inverse_locked_inertia().unwrap() * (whole - joints);
+        assert!(
+            (inverse.fixed_rows::<3>(3) - s.w_NB_B).norm() < tolerance,
+            "tree {i}"
+        );
+        assert!(
+            (inverse.fixed_rows::<3>(0) - s.v_NBo_B).norm() < 10.0 * tolerance,
+            "tree {i}"
+        );
         assert!((twist.w - s.w_NB_B).norm() < tolerance, "tree {i}");
         assert!((twist.v - s.v_NBo_B).norm() < 10.0 * tolerance, "tree {i}");
     }
@@ -213,5 +222,55 @@ fn wheel(host: usize, axis: [f64; 3], spin_inertia: f64) -> KitWheel {
         host,
         axis_C: Vector3::from(axis).normalize(),
         spin_inertia,
+    }
+}
+
+/// Momentum with wheels and first moment at one setting of the joints.
+fn moved(r: &Ready, kinematics: &mut Kinematics, q: &[f64], rates: &[f64]) -> (Vector6, Vector3) {
+    let s = &r.case.state;
+    kinematics.place(&r.tree, q);
+    kinematics.set_velocities(&r.tree, &s.v_NBo_B, &s.w_NB_B, rates);
+    let h = wheel_momentum(&r.tree, kinematics, &[0.04], &[-300.0]);
+    let all = momentum(&r.parameters, kinematics);
+    let whole = composite(&r.parameters, kinematics);
+    (all + Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z), whole.mc)
+}
+
+#[test]
+fn exact_joint_slopes_are_differences_of_the_momentum() {
+    let mut slopes = JointSlopes::default();
+    for (i, case) in load_trees().unwrap().into_iter().enumerate().step_by(11) {
+        let last = case.bodies.len() - 1;
+        let r = ready(case, &[wheel(last, [2.0, -1.0, 2.0], 0.04)]);
+        let s = &r.case.state;
+        slopes.fill(&r.tree, &r.parameters, &r.kinematics, &[0.04], &[-300.0]);
+        let mut kinematics = r.kinematics.clone();
+        let step = 1.0e-5;
+        for (k, slope) in slopes.of.iter().enumerate() {
+            let mut at = |dq: f64, dr: f64| {
+                let (mut q, mut rates) = (s.q.clone(), s.qd.clone());
+                q[k] += dq;
+                rates[k] += dr;
+                moved(&r, &mut kinematics, &q, &rates)
+            };
+            let (further, back) = (at(step, 0.0), at(-step, 0.0));
+            let (faster, slower) = (at(0.0, step), at(0.0, -step));
+            let (half, scale) = (0.5 / step, [r.scale[0], r.scale[1] + 12.0]);
+            // Measured: 1e-8 of the size of the momentum, the error of the differences.
+            let close = |a: &Vector6, b: &Vector6| apart(a, b, scale) < 1.0e-6;
+            assert!(
+                close(&slope.position, &((further.0 - back.0) * half)),
+                "tree {i}, joint {k}"
+            );
+            assert!(
+                close(&slope.rate, &((faster.0 - slower.0) * half)),
+                "tree {i}, joint {k}"
+            );
+            let mc = (further.1 - back.1) * half;
+            assert!(
+                (slope.first_moment - mc).norm() < 1.0e-6 * (1.0 + mc.norm()),
+                "tree {i}"
+            );
+        }
     }
 }

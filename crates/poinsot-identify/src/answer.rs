@@ -78,10 +78,13 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         nuisance,
         identifiability,
         fit: solved.fit.clone(),
+        // A line in the residual is evidence enough, however small it is beside the noise.
         covariance_trustworthy: chi2 <= MISFIT
             && !rejected
+            && !solved.not_rigid
             && solved.settled
             && solved.held.is_none(),
+        diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
 }

@@ -46,8 +46,8 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
                     gradient[at] = 1.0;
                     judge.sigma_with(&gradient, 0.0)
                 }
-                // Rounding at rest is nobody's question.
-                UnknownKind::RestingJoint(_) => return None,
+                // One gust is nobody's question.
+                UnknownKind::RandomTorque(_) => return None,
                 ref kind if kind.is_nuisance() => {
                     let k = at - mass;
                     judge

@@ -1,7 +1,7 @@
 //! The Cramer-Rao bound of an experiment: what its readings will tell, whatever estimator reads them.
 
 use crate::answer;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::Diagnostics;
 use crate::estimate::Estimate;
 use crate::fit::fit;
 use crate::information::Experiment;
@@ -23,7 +23,7 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     let mut at_truth = fit(&experiment, None, 0)?;
     at_truth.settled = true;
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solved = conclude(&experiment, at_truth, explained, Diagnosis::default());
+    let mut solved = conclude(&experiment, at_truth, explained, Diagnostics::default());
     solved.method = "cramer_rao";
     Ok(answer::write_with_remedies(problem, &solved))
 }

@@ -1,5 +1,7 @@
 //! The answer: numbers with their sigma and source, and what the data leave open.
 
+use crate::diagnosis::Diagnostics;
+
 /// How a question was answered. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -273,6 +275,8 @@ pub struct Estimate {
     pub warnings: Vec<String>,
     /// What the method assumed of its inputs.
     pub assumptions: Vec<String>,
+    /// What the residuals say beyond the fit; `None` of a method that does not ask them.
+    pub diagnostics: Option<Diagnostics>,
     /// A published method's own numbers.
     pub method_report: Option<MethodReport>,
 }

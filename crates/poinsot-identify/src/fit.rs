@@ -32,8 +32,10 @@ pub(crate) fn fit(
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let mut best: Option<Fitted> = None;
-    for (at, evaluated) in starting_points(experiment, linear) {
-        let here = linearised(experiment, &at, evaluated)?;
+    for at in starting_points(experiment, linear) {
+        let Some(here) = experiment.linearise(&at) else {
+            continue;
+        };
         let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
         let settled = found.settled;
         best = best.filter(|b| b.settled || !settled).or(Some(found));
@@ -45,27 +47,52 @@ pub(crate) fn fit(
     best.ok_or(ProblemError::NoMotion)
 }
 
+/// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
+pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Option<Fitted> {
+    let evaluated = experiment.evaluate(&at, true)?;
+    let here = linearised(experiment, &at, evaluated).ok()?;
+    fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
+}
+
 /// The linear solution and the nominal numbers, the better one first.
-fn starting_points(
-    experiment: &Experiment,
-    linear: Option<&Solved>,
-) -> Vec<(Point, Vec<Evaluated>)> {
+fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Point> {
     let points = linear
         .map(|solved| physical(experiment, experiment.point(solved)))
         .into_iter()
         .chain([experiment.nominal_point()]);
-    let mut found: Vec<(f64, Point, Vec<Evaluated>)> = points
+    let mut found: Vec<(f64, Point)> = points
         .filter_map(|point| {
-            let evaluated = experiment.evaluate(&point, true)?;
+            let evaluated = experiment.evaluate(&point, false)?;
             let chi2 = experiment.chi2(&point, &evaluated)?;
-            Some((chi2, point, evaluated))
+            Some((chi2, point))
         })
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found
-        .into_iter()
-        .map(|(_, point, evaluated)| (point, evaluated))
-        .collect()
+    found.into_iter().map(|(_, point)| point).collect()
+}
+
+/// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
+pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point, ProblemError> {
+    let mut at = experiment.nominal_point();
+    let evaluate = |at: &Point| experiment.evaluate(at, true);
+    let mut here = linearised(
+        experiment,
+        &at,
+        evaluate(&at).ok_or(ProblemError::NoMotion)?,
+    )?;
+    for _ in 0..limit {
+        let held = vec![0.0; here.rows.spectrum.natural.len()];
+        let next = moved(experiment, &at, &here.rows, &held);
+        let Some(evaluated) = evaluate(&next) else {
+            break;
+        };
+        let there = linearised(experiment, &next, evaluated)?;
+        if there.cost.is_nan() || there.cost >= here.cost {
+            break;
+        }
+        (at, here) = (next, there);
+    }
+    Ok(at)
 }
 
 /// A start whose bodies are physical: as far from the nominal numbers towards it as they stay so.

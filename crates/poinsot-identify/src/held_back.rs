@@ -9,7 +9,7 @@ use crate::estimate::SegmentFit;
 use crate::fit::{Fitted, ITERATIONS, fit};
 use crate::information::Experiment;
 use crate::loss::Loss;
-use crate::maximum_likelihood::channel_fit;
+use crate::maximum_likelihood::{channel_fit, fitted_numbers};
 use crate::parameters::Parameters;
 use crate::prediction::{Prediction, predict};
 use crate::problem::{Problem, ProblemError};
@@ -46,8 +46,7 @@ pub fn held_back(
         segments: &segments,
         ..*problem
     };
-    let mut parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
-    parameters.add_resting_joints(problem.segments, problem.noise);
+    let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.loss = Loss::Gaussian;
     let mut fitted = fit(&experiment, None, ITERATIONS)?;
@@ -61,7 +60,7 @@ pub fn held_back(
             experiment.wheels_smooth = false;
         }
     }
-    let found = diagnose(&experiment, &fitted);
+    let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
     let predictions = predict(&experiment, &fitted.at, points);
     let evaluated = segments.iter().zip(&fitted.evaluated);
     let fit = evaluated
@@ -81,7 +80,7 @@ pub fn held_back(
         fit,
         worst: worst.collect(),
         predictions,
-        findings: found.findings,
+        findings: found.findings.into_iter().map(|f| f.text).collect(),
         settled: fitted.settled,
     })
 }

@@ -120,6 +120,12 @@ impl<'a> Experiment<'a> {
         Some(readings + calibration + design)
     }
 
+    /// What a fit has reached; infinite where a prior forbids its end.
+    pub fn cost_of(&self, fitted: &crate::fit::Fitted) -> f64 {
+        self.chi2(&fitted.at, &fitted.evaluated)
+            .unwrap_or(f64::INFINITY)
+    }
+
     /// Whether any mass property has a declared prior.
     pub fn has_design_prior(&self) -> bool {
         let bodies = &self.problem.model.bodies;

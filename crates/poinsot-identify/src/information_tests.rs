@@ -1,7 +1,9 @@
 //! Sensitivities of every kind of unknown against differences of chi-square.
 
+mod inputs;
+
 use crate::information::{Experiment, Point};
-use crate::parameters::{Equations, Parameters, Rest, Unknown, UnknownKind};
+use crate::parameters::{Equations, Parameters};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
@@ -151,15 +153,21 @@ fn reading(from: usize, to: usize, value: Vector3<f64>) -> PointReading {
 
 /// A smooth motion that no vehicle makes: residuals are large, so every slope matters.
 fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
-    let samples = 9;
-    let time_s: Vec<f64> = (0..samples).map(|k| 0.2 * k as f64).collect();
+    finer(model, tree, translation, 1)
+}
+
+/// The same motion at so many samples for each.
+fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment {
+    let samples = 8 * fine + 1;
+    let h = 0.2 / fine as f64;
+    let time_s: Vec<f64> = (0..samples).map(|k| h * k as f64).collect();
     let wave = |k: usize, phase: f64| {
-        let t = 0.2 * k as f64;
+        let t = h * k as f64;
         Vector3::new((t + phase).sin(), (0.7 * t - phase).cos(), (1.3 * t).sin()) * 0.3
     };
     let all = |phase: f64| (0..samples).map(|k| Some(wave(k, phase))).collect();
     let dof = tree.dof();
-    let joint = |k: usize, j: usize| 0.3 * (0.2 * k as f64 * (1.0 + j as f64)).sin();
+    let joint = |k: usize, j: usize| 0.3 * (h * k as f64 * (1.0 + j as f64)).sin();
     let joint_position: Vec<f64> = (0..samples)
         .flat_map(|k| (0..dof).map(move |j| joint(k, j)))
         .collect();
@@ -167,7 +175,7 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
         .flat_map(|k| {
             (0..dof).map(move |j| {
                 let f = 1.0 + j as f64;
-                0.3 * f * (0.2 * k as f64 * f).cos()
+                0.3 * f * (h * k as f64 * f).cos()
             })
         })
         .collect();
@@ -200,7 +208,7 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
             // Near and heavy: a torque of the size of the others.
             orbit: (0..samples)
                 .map(|k| {
-                    let (s, c) = (0.2 * k as f64).sin_cos();
+                    let (s, c) = (h * k as f64).sin_cos();
                     let (x, y) = (Vector3::new(0.6, 0.8, 0.0), Vector3::new(0.0, 0.6, 0.8));
                     ((x * c + y * s) * 10.0, (y * c - x * s) * 10.0)
                 })
@@ -228,8 +236,10 @@ fn segment(model: &Model, tree: &Tree, translation: bool) -> Segment {
             joint_position,
             joint_rate,
             wheel_speed: (0..samples * model.wheels.len())
-                .map(|k| 20.0 + 3.0 * k as f64)
+                .map(|k| 20.0 + 15.0 * h * k as f64)
                 .collect(),
+            joint_errors: Vec::new(),
+            wheel_errors: Vec::new(),
         },
         accelerations: None,
         firings: vec![Firing {
@@ -269,18 +279,7 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
         noise: &noise,
         relative_accuracy: 1.0,
     };
-    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
-    parameters.unknowns.push(Unknown {
-        kind: UnknownKind::RestingJoint(Rest {
-            segment: 0,
-            joint: 0,
-            span: (2, 8),
-        }),
-        name: "rest".to_owned(),
-        unit: "rad",
-        nominal: 0.0,
-        natural: 1.0,
-    });
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let experiment = Experiment::new(&problem, &parameters);
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {

@@ -114,6 +114,13 @@ pub fn levenberg_marquardt<P: LeastSquares>(
             break End::IterationLimit;
         }
         iterations += 1;
+        tracing::info!(
+            target: "poinsot::progress",
+            stage = "fitting, iteration",
+            done = iterations as u64,
+            total = limit as u64,
+            at_most = true
+        );
 
         let felt = here.weakest * here.weakest;
         let mut growth = 2.0;
@@ -156,6 +163,13 @@ fn attempt<P: LeastSquares>(
     damping: f64,
 ) -> Option<(P::Point, Linearised<P::Rows>, f64)> {
     let step = problem.step(at, here, damping);
+    if damping == 0.0 {
+        // A full step is rarely refused: its cost comes with the linearisation that follows.
+        let there = problem.linearise(&step.to)?;
+        let gain = (here.cost - there.cost + here.round_off) / (step.promised + here.round_off);
+        let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;
+        return believed.then_some((step.to, there, gain));
+    }
     let cost = problem.cost(&step.to)?;
     let gain = (here.cost - cost + here.round_off) / (step.promised + here.round_off);
     let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;

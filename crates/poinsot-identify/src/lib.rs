@@ -12,6 +12,7 @@ mod bound;
 mod combination;
 mod completion;
 mod coordinates;
+mod deviance;
 mod diagnosis;
 mod double_double;
 mod estimate;
@@ -21,6 +22,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod input_noise;
 mod lanes;
 mod levenberg_marquardt;
 mod likelihood;
@@ -50,6 +52,10 @@ pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
 pub use coordinates::{Coordinates, FitOptions};
+pub use diagnosis::{
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
+    Suspect,
+};
 pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
@@ -66,9 +72,11 @@ pub use parameters::{
 pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
-    maximum_likelihood_predicted,
+    maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
-pub use segment::{Accelerations, Firing, Noise, Observations, Samples, Segment, Translation};
+pub use segment::{
+    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Translation,
+};
 pub use spectrum::{NotFinite, Spectrum};

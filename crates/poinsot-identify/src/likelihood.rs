@@ -3,12 +3,13 @@
 mod point_rows;
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::input_noise::InputNoise;
 use crate::loss::Loss;
 use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
 use crate::parameters::{Parameters, UnknownKind};
-use crate::segment::{Noise, Segment};
+use crate::segment::{InputErrors, Noise, Segment};
 use crate::vehicle::{Vehicle, parabola_slope, tilted};
-use nalgebra::{Cholesky, Matrix6};
+use nalgebra::{Cholesky, Matrix6, SMatrix, SVector};
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
@@ -144,6 +145,8 @@ pub(crate) fn evaluate(
     };
     let mut motion = Motion::new(&vehicle, segment, columns, unknown.count(), index);
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
+    let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
+    compare.inputs = InputNoise::new(setting.noise, segment, forced, compare.followed());
     compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
     compare.points.predict(&vehicle, segment, &state)?;
     let samples = segment.observations.time_s.len();
@@ -237,7 +240,11 @@ struct Compare<'a> {
     qr: Option<BlockQr>,
     rows: usize,
     channels: Vec<ChannelResidual>,
-    six: Vec<Vector6>,
+    inputs: InputNoise,
+    /// Variance of each joint's rate in this segment.
+    joint_rate: Vec<f64>,
+    /// `ln det` of the covariance of all readings over that of the sensors alone.
+    log_det: f64,
     /// How late velocity and position read, s.
     translation_lag: [f64; 2],
     ideal: Ideal,
@@ -364,10 +371,20 @@ impl<'a> Compare<'a> {
                 channel("accelerometer", "m/s2"),
                 channel("velocity_increment", "m/s"),
             ],
-            six: Vec::with_capacity(width),
+            inputs: InputNoise::default(),
+            joint_rate: joint_rate_noise(setting.noise, segment),
+            log_det: 0.0,
             translation_lag: translation_lag(setting.parameters, x),
             ideal: Ideal::default(),
             points: PointCompare::new(setting.parameters, segment, x),
+        }
+    }
+
+    /// Sequences that go through the filter of the inputs: sensitivities and the residual.
+    fn followed(&self) -> usize {
+        match self.qr {
+            Some(_) => self.head + self.setting.parameters.len() + 1,
+            None => 1,
         }
     }
 
@@ -381,11 +398,15 @@ impl<'a> Compare<'a> {
         let measured = o.rate[k].is_some() || o.velocity[k].is_some();
         let posed = o.attitude[k].is_some() || o.position[k].is_some();
         let pointed = self.points.wanted(&self.segment.observations.points, k);
-        if !measured && !posed && !pointed {
+        let errs = !self.inputs.is_silent();
+        if !measured && !posed && !pointed && !errs {
             return Some(());
         }
         let (instant, twists) = motion.velocity(state, k)?;
         let twists = twists.to_vec();
+        if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
+            self.inputs.reach(motion, state, &instant, k);
+        }
         if measured {
             self.twist_rows(motion, state, &instant, &twists, k);
         }
@@ -399,7 +420,7 @@ impl<'a> Compare<'a> {
     /// Velocity and rate together: the noise of joints and wheels is common to both.
     fn twist_rows(
         &mut self,
-        motion: &mut Motion,
+        motion: &Motion,
         state: &State,
         instant: &Instant,
         twists: &[Vector6],
@@ -410,88 +431,66 @@ impl<'a> Compare<'a> {
         let R = matrix(&state.R_NB);
         let arm = o.velocity_arm_B;
         let v_S = instant.twist.v + instant.twist.w.cross(&arm);
-        let mut C = Matrix6::zeros();
-        // Velocity is compared in body axes: there its noise and that of the joints add plainly.
-        let velocity_B = R.transpose() * noise.velocity * R;
-        C.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
-        C.fixed_view_mut::<3, 3>(3, 3).copy_from(&noise.gyro);
-        for joint in 0..self.setting.tree.dof() {
-            if noise.joint_rate[joint] > 0.0 {
-                let g = at_sensor(&motion.input_gain(instant, joint), &arm);
-                C += g * g.transpose() * noise.joint_rate[joint];
-            }
-        }
-        for wheel in 0..self.setting.tree.rotors.len() {
-            if noise.wheel_speed[wheel] > 0.0 {
-                let g = at_sensor(&motion.wheel_gain(instant, wheel), &arm);
-                C += g * g.transpose() * noise.wheel_speed[wheel];
-            }
-        }
+        let acceleration = self.acceleration(k);
+        let expected = self.gyro.reading(&instant.twist.w, &acceleration);
         let gain_of_v = R.transpose() * slope(&o.time_s, &self.ideal.velocity, k);
         let residual_v =
             o.velocity[k].map(|v| R.transpose() * v - v_S + gain_of_v * self.translation_lag[0]);
-        let acceleration = self.acceleration(k);
-        let expected = self.gyro.reading(&instant.twist.w, &acceleration);
         let residual_w = o.rate[k].map(|w| w - expected);
-        // A missing half is given a variance without information, and is not counted.
-        let blind = C.diagonal().max() * 1.0e12;
-        for (missing, at) in [(residual_v.is_none(), 0), (residual_w.is_none(), 3)] {
-            if missing {
-                C.fixed_view_mut::<3, 6>(at, 0).fill(0.0);
-                C.fixed_view_mut::<6, 3>(0, at).fill(0.0);
-                C.fixed_view_mut::<3, 3>(at, at)
-                    .copy_from(&(Matrix3::identity() * blind));
+        // How a change of state and twist shows in the two readings; nothing where one is missing.
+        let seen = |column: &Column, twist: &Vector6, unknown: Option<&UnknownKind>| {
+            let mut d = at_sensor(twist, &arm);
+            // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
+            let dphi: Vector3 = column.fixed_rows::<3>(0).into();
+            let mut dv = d.fixed_rows::<3>(0) + dphi.cross(&v_S);
+            if unknown == Some(&UnknownKind::VelocityLag) {
+                dv -= gain_of_v;
+            }
+            let dw: Vector3 = d.fixed_rows::<3>(3).into();
+            let dw = self
+                .gyro
+                .change(&instant.twist.w, &acceleration, &dw, unknown);
+            d.fixed_rows_mut::<3>(0)
+                .copy_from(&residual_v.map_or_else(Vector3::zeros, |_| dv));
+            d.fixed_rows_mut::<3>(3)
+                .copy_from(&residual_w.map_or_else(Vector3::zeros, |_| dw));
+            d
+        };
+        // Velocity is compared in body axes: there its noise and that of the joints add plainly. A missing half
+        // is given a variance without information, and is not counted.
+        let blind = Matrix3::identity() * (1.0e12 * (noise.velocity + noise.gyro).diagonal().max());
+        let velocity_B = residual_v.map_or(blind, |_| R.transpose() * noise.velocity * R);
+        let mut sensors = Matrix6::zeros();
+        sensors.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
+        sensors
+            .fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&residual_w.map_or(blind, |_| noise.gyro));
+        let mut white_noise = sensors;
+        for (gain, variance) in self.inputs.rate_gain.iter().zip(&self.joint_rate) {
+            if *variance > 0.0 {
+                let g = seen(&Column::zeros(), gain, None);
+                white_noise += g * g.transpose() * *variance;
             }
         }
-        let Some(L) = Cholesky::new(C).map(|c| c.l()) else {
+        let errors = self.inputs.columns.iter().zip(&self.inputs.twists);
+        let slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
+        let mut rows: Vec<Vector6> = Vec::with_capacity(twists.len() + 1);
+        if self.qr.is_some() {
+            let kinds = &self.setting.parameters.unknowns;
+            let columns = motion.columns.iter().zip(twists).enumerate();
+            rows.extend(columns.map(|(j, (column, twist))| {
+                let unknown = j.checked_sub(self.head).map(|u| &kinds[u].kind);
+                seen(column, twist, unknown)
+            }));
+        }
+        let (v, w) = (
+            residual_v.unwrap_or_default(),
+            residual_w.unwrap_or_default(),
+        );
+        rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
+        let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
             return;
         };
-        let residual = Vector6::from_iterator(
-            residual_v
-                .unwrap_or_default()
-                .iter()
-                .chain(residual_w.unwrap_or_default().iter())
-                .copied(),
-        );
-        let white = L.solve_lower_triangular(&residual).unwrap_or(residual);
-        if self.qr.is_some() {
-            let turn = skew(&v_S);
-            self.six.clear();
-            for (j, (column, twist)) in motion.columns.iter().zip(twists).enumerate() {
-                let mut d = at_sensor(twist, &arm);
-                // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
-                let dphi: Vector3 = column.fixed_rows::<3>(0).into();
-                let sum = d.fixed_rows::<3>(0) - turn * dphi;
-                d.fixed_rows_mut::<3>(0).copy_from(&sum);
-                let unknown = j
-                    .checked_sub(self.head)
-                    .map(|u| &self.setting.parameters.unknowns[u].kind);
-                let dw: Vector3 = d.fixed_rows::<3>(3).into();
-                let seen = self
-                    .gyro
-                    .change(&instant.twist.w, &acceleration, &dw, unknown);
-                d.fixed_rows_mut::<3>(3).copy_from(&seen);
-                if unknown == Some(&UnknownKind::VelocityLag) {
-                    let late = d.fixed_rows::<3>(0) - gain_of_v;
-                    d.fixed_rows_mut::<3>(0).copy_from(&late);
-                }
-                if residual_v.is_none() {
-                    d.fixed_rows_mut::<3>(0).fill(0.0);
-                }
-                if residual_w.is_none() {
-                    d.fixed_rows_mut::<3>(3).fill(0.0);
-                }
-                self.six.push(L.solve_lower_triangular(&d).unwrap_or(d));
-            }
-            self.six.push(white);
-            let loss = self.setting.loss;
-            let weights =
-                [0, 3].map(|at| loss.weight(white.fixed_rows::<3>(at).norm_squared()).sqrt());
-            let six = &self.six;
-            if let Some(qr) = &mut self.qr {
-                qr.push(6, |i, j| six[j][i] * weights[i / 3]);
-            }
-        }
         if let Some(r) = residual_v {
             self.note(VELOCITY, &r, white.fixed_rows::<3>(0).into());
         }
@@ -506,36 +505,64 @@ impl<'a> Compare<'a> {
         if let Some(measured) = o.attitude[k] {
             let late = self.ideal.rate.get(k).copied().unwrap_or_default();
             let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
-            let columns = &motion.columns;
-            let kinds = &self.setting.parameters.unknowns;
-            let head = self.head;
-            self.three(ATTITUDE, &noise.attitude, &residual, |j| {
-                let own: Vector3 = columns[j].fixed_rows::<3>(0).into();
-                match j.checked_sub(head).map(|u| &kinds[u].kind) {
-                    Some(UnknownKind::AttitudeLag) => own - late,
-                    _ => own,
-                }
-            });
+            self.pose(
+                motion,
+                ATTITUDE,
+                &noise.attitude,
+                &residual,
+                |column, unknown| {
+                    let own: Vector3 = column.fixed_rows::<3>(0).into();
+                    match unknown {
+                        Some(UnknownKind::AttitudeLag) => own - late,
+                        _ => own,
+                    }
+                },
+            );
         }
         if let Some(measured) = o.position[k] {
             let R = matrix(&state.R_NB);
             let arm = o.position_arm_B;
             let moving = slope(&o.time_s, &self.ideal.position, k);
             let residual = measured - state.p_NoBo_N - R * arm + moving * self.translation_lag[1];
-            let columns = &motion.columns;
-            let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-            self.three(POSITION, &noise.position, &residual, |j| {
-                let dphi: Vector3 = columns[j].fixed_rows::<3>(0).into();
-                let own = columns[j].fixed_rows::<3>(3) + R * dphi.cross(&arm);
-                match j.checked_sub(head).map(|u| &kinds[u].kind) {
+            let seen = |column: &Column, unknown: Option<&UnknownKind>| {
+                let dphi: Vector3 = column.fixed_rows::<3>(0).into();
+                let own = column.fixed_rows::<3>(3) + R * dphi.cross(&arm);
+                match unknown {
                     Some(UnknownKind::PositionLag) => own - moving,
                     _ => own,
                 }
-            });
+            };
+            self.pose(motion, POSITION, &noise.position, &residual, seen);
         }
     }
 
-    /// Three rows with a covariance of their own; a sensor taken as exact is left out.
+    /// Three rows of a sensor of the pose.
+    fn pose(
+        &mut self,
+        motion: &Motion,
+        channel: usize,
+        covariance: &Matrix3,
+        residual: &Vector3,
+        seen: impl Fn(&Column, Option<&UnknownKind>) -> Vector3,
+    ) {
+        let slopes: Vec<Vector3> = self.inputs.columns.iter().map(|c| seen(c, None)).collect();
+        let mut rows: Vec<Vector3> = Vec::with_capacity(motion.columns.len() + 1);
+        if self.qr.is_some() {
+            let kinds = &self.setting.parameters.unknowns;
+            let columns = motion.columns.iter().enumerate();
+            rows.extend(
+                columns.map(|(j, column)| {
+                    seen(column, j.checked_sub(self.head).map(|u| &kinds[u].kind))
+                }),
+            );
+        }
+        rows.push(*residual);
+        if let Some(white) = self.take(&slopes, covariance, covariance, rows) {
+            self.note(channel, residual, white);
+        }
+    }
+
+    /// Three rows that the errors of the inputs reach only through `covariance`.
     fn three(
         &mut self,
         channel: usize,
@@ -543,22 +570,52 @@ impl<'a> Compare<'a> {
         residual: &Vector3,
         column: impl Fn(usize) -> Vector3,
     ) {
-        let Some(L) = Cholesky::new(*covariance).map(|c| c.l()) else {
-            return;
-        };
-        let white = L.solve_lower_triangular(residual).unwrap_or(*residual);
-        let columns = self.head + self.setting.parameters.len();
-        if let Some(qr) = &mut self.qr {
-            let block: Vec<Vector3> = (0..columns)
-                .map(|j| {
-                    let d = column(j);
-                    L.solve_lower_triangular(&d).unwrap_or(d)
-                })
-                .collect();
-            let weight = self.setting.loss.weight(white.norm_squared()).sqrt();
-            qr.push(3, |i, j| weight * block.get(j).map_or(white[i], |d| d[i]));
+        let mut rows: Vec<Vector3> = (1..self.followed()).map(|j| column(j - 1)).collect();
+        rows.push(*residual);
+        if let Some(white) = self.take(&[], covariance, covariance, rows) {
+            self.note(channel, residual, white);
         }
-        self.note(channel, residual, white);
+    }
+
+    /// Readings at one time, sensitivities first and the residual last: what earlier readings say of the inputs'
+    /// errors is taken off, the rest is whitened and goes into the triangle. Gives the white residual; `None` for
+    /// a sensor taken as exact, which is left out.
+    ///
+    /// `noise` is the covariance of what is new at this time, `sensors` the part of it that no input causes.
+    fn take<const M: usize>(
+        &mut self,
+        slopes: &[SVector<f64, M>],
+        noise: &SMatrix<f64, M, M>,
+        sensors: &SMatrix<f64, M, M>,
+        mut rows: Vec<SVector<f64, M>>,
+    ) -> Option<SVector<f64, M>> {
+        let alone = Cholesky::new(*sensors)?.l();
+        let spread = self.inputs.spread(slopes);
+        let mut root = Cholesky::new(noise + spread)?.l();
+        self.log_det += 2.0
+            * (0..M)
+                .map(|i| (root[(i, i)] / alone[(i, i)]).ln())
+                .sum::<f64>();
+        let residual = self.inputs.expected(slopes, *rows.last()?);
+        let white = root.solve_lower_triangular(&residual)?;
+        // A reading with less weight is one with more noise: so the filter does not believe it either.
+        let loss = self.setting.loss;
+        let weights: [f64; M] = std::array::from_fn(|i| {
+            let own = (0..M).filter(|j| j / 3 == i / 3);
+            loss.weight(own.map(|j| white[j] * white[j]).sum())
+        });
+        if weights.iter().any(|w| *w != 1.0) {
+            let inflated =
+                SMatrix::from_fn(|i, j| noise[(i, j)] / (weights[i] * weights[j]).sqrt());
+            root = Cholesky::new(inflated + spread)?.l();
+        }
+        let identity = SMatrix::<f64, M, M>::identity();
+        let inverse_root = root.solve_lower_triangular(&identity)?;
+        self.inputs.take(slopes, &inverse_root, &mut rows);
+        if let Some(qr) = &mut self.qr {
+            qr.push(M, |i, j| rows[j][i]);
+        }
+        Some(white)
     }
 
     fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {
@@ -570,7 +627,7 @@ impl<'a> Compare<'a> {
 
     fn finish(self) -> Option<Evaluated> {
         let loss = self.setting.loss;
-        let (mut chi2, mut cost) = (0.0, 0.0);
+        let (mut chi2, mut cost) = (0.0, self.log_det);
         for white in self.channels.iter().flat_map(|c| &c.white) {
             let square = white.norm_squared();
             chi2 += loss.weight(square) * square;
@@ -595,4 +652,12 @@ fn at_sensor(twist: &Vector6, arm: &Vector3) -> Vector6 {
     let w: Vector3 = twist.fixed_rows::<3>(3).into();
     let v: Vector3 = twist.fixed_rows::<3>(0) + w.cross(arm);
     Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+}
+
+/// Variance of the joint rates in a segment: a locked joint has none.
+fn joint_rate_noise(noise: &Noise, segment: &Segment) -> Vec<f64> {
+    let errors = &segment.observations.joint_errors;
+    let still = |k: usize| matches!(errors.get(k), Some(InputErrors::Locked | InputErrors::None));
+    let all = noise.joint_rate.iter().enumerate();
+    all.map(|(k, v)| if still(k) { 0.0 } else { *v }).collect()
 }

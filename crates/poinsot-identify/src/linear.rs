@@ -259,6 +259,7 @@ fn conclude(
         warnings: Vec::new(),
         not_rigid: false,
         held: None,
+        diagnostics: None,
         assumptions: Vec::new(),
         wheels_smooth: false,
         regressor_noise: block_noise,

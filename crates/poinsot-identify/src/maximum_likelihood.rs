@@ -7,10 +7,11 @@
 
 use crate::answer;
 use crate::coordinates::FitOptions;
-use crate::diagnosis::{Diagnosis, diagnose};
+use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::fit::{Fitted, ITERATIONS, chi2, fit};
+use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_from};
 use crate::information::{Experiment, Point};
+use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -21,10 +22,6 @@ use crate::problem::{Problem, ProblemError};
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Vector3;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-/// Lags of the whiteness test.
-const LAGS: usize = 10;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -68,7 +65,7 @@ pub(crate) fn solve(
         Err(other) => return Err(other),
     };
     let mut parameters = parameters;
-    parameters.add_resting_joints(problem.segments, problem.noise);
+    parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;
@@ -77,14 +74,9 @@ pub(crate) fn solve(
     let mut assumptions = Vec::new();
     if !problem.model.wheels.is_empty() {
         // Between readings a wheel may run straight (torque held) or smoothly: the data decide.
+        let held = experiment.cost_of(&fitted);
         experiment.wheels_smooth = true;
-        let smooth = fit(&experiment, linear.as_ref(), ITERATIONS)?;
-        let cost = |experiment: &Experiment, f: &Fitted| {
-            experiment
-                .chi2(&f.at, &f.evaluated)
-                .unwrap_or(f64::INFINITY)
-        };
-        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+        if let Some(smooth) = smoother(&experiment, linear.as_ref(), &fitted, held) {
             fitted = smooth;
             assumptions.push("wheel speeds taken as smooth between readings".to_owned());
         } else {
@@ -96,12 +88,32 @@ pub(crate) fn solve(
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let found = diagnose(&experiment, &fitted);
+    let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
     let at = fitted.at.clone();
     let mut solved = conclude(&experiment, fitted, explained, found);
     solved.assumptions = assumptions;
     solved.wheels_smooth = experiment.wheels_smooth;
     Ok((solved, at))
+}
+
+/// The fit with smooth wheel speeds, where it is better than `held`. Where the other fit has settled, one look from
+/// its end tells whether it can be.
+fn smoother(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    other: &Fitted,
+    held: f64,
+) -> Option<Fitted> {
+    let found = if other.settled {
+        let here = experiment.linearise(&other.at)?;
+        let promising = here.cost - here.promised < held;
+        promising
+            .then(|| fit_from(experiment, other.at.clone(), ITERATIONS))
+            .flatten()?
+    } else {
+        fit(experiment, linear, ITERATIONS).ok()?
+    };
+    (experiment.cost_of(&found) < held).then_some(found)
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
@@ -167,11 +179,11 @@ pub(crate) fn conclude(
     experiment: &Experiment,
     fitted: Fitted,
     explained: Option<f64>,
-    found: Diagnosis,
+    found: Diagnostics,
 ) -> Solved {
     let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
-    let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
+    let numbers = fitted_numbers(experiment, &fitted);
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
     let starts = fitted
         .evaluated
@@ -216,10 +228,7 @@ pub(crate) fn conclude(
         .collect();
     Solved {
         method: "maximum_likelihood",
-        residual: (
-            chi2(&fitted.evaluated),
-            rows.saturating_sub(heads + fitted.spectrum.rank + fitted.shared.nuisances),
-        ),
+        residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,
         shared: fitted.shared,
@@ -230,15 +239,26 @@ pub(crate) fn conclude(
         fit,
         iterations: fitted.iterations,
         settled: fitted.settled,
-        warnings: found.findings,
-        not_rigid: found.not_rigid,
+        warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
+        not_rigid: found
+            .findings
+            .iter()
+            .any(|f| f.fault == FaultKind::NotRigid),
         held: fitted.held,
+        diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,
     }
+}
+
+/// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
+/// directions of the mass properties that are not left open.
+pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
+    let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
+    heads + fitted.spectrum.rank + fitted.shared.nuisances
 }
 
 pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
@@ -251,33 +271,4 @@ pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
         chi2_per_number: Some(chi2 / count),
         whiteness_p: whiteness(&channel.white),
     }
-}
-
-/// Ljung and Box 1978: `Q = n (n + 2) sum r_k^2 / (n - k)` over ten lags, summed over the axes, against
-/// chi-square. `None` for records too short or without residual.
-fn whiteness(white: &[Vector3]) -> Option<f64> {
-    let n = white.len();
-    if n < 4 * LAGS {
-        return None;
-    }
-    let mut q = 0.0;
-    for axis in 0..3 {
-        let mean = white.iter().map(|w| w[axis]).sum::<f64>() / n as f64;
-        let series: Vec<f64> = white.iter().map(|w| w[axis] - mean).collect();
-        let variance: f64 = series.iter().map(|e| e * e).sum();
-        if variance < 1.0e-12 * n as f64 {
-            return None;
-        }
-        for lag in 1..=LAGS {
-            let r = series
-                .iter()
-                .zip(&series[lag..])
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
-                / variance;
-            q += n as f64 * (n as f64 + 2.0) * r * r / (n - lag) as f64;
-        }
-    }
-    let chi2 = ChiSquared::new(3.0 * LAGS as f64).ok()?;
-    Some(chi2.sf(q))
 }

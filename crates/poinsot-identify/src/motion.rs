@@ -7,16 +7,17 @@
 //! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
 
 mod acceleration;
+mod input_slopes;
 mod inputs;
 mod surroundings;
 
 pub(crate) use acceleration::Point;
 
-use crate::parameters::{Rest, UnknownKind};
+use crate::parameters::{Gust, UnknownKind};
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval};
 use inputs::{InputChange, OutsideChange};
-use nalgebra::{Quaternion, SMatrix, SVector};
+use nalgebra::{Quaternion, SVector};
 use poinsot_dynamics::{
     Kinematics, Twist, composite, momentum, momentum_regressor, twist_from_momentum,
     wheel_momentum, wheel_regressor,
@@ -49,6 +50,8 @@ struct Drive<'s> {
 /// Scratch of one propagation.
 pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
+    /// Largest measured rate, rad/s.
+    measured: Option<f64>,
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
@@ -60,6 +63,8 @@ pub(crate) struct Motion<'a> {
     pub columns: Vec<Column>,
     /// Index in `columns` of the first unknown.
     head: usize,
+    /// Random torque in the interval after each grid time, N, N m; empty where there is none.
+    gusts: Vec<Vector3>,
     /// Index of the segment, and grid time of the interval in hand.
     segment: usize,
     now: usize,
@@ -82,6 +87,14 @@ struct Buffers {
     stage: [Vec<Column>; 4],
     at: Vec<Column>,
     twist_columns: Vec<Vector6>,
+}
+
+/// How much faster than ever measured a vehicle may turn for the motion to be followed.
+const FASTER: f64 = 5.0;
+
+/// Largest measured rate, rad/s; `None` without a gyro.
+fn fastest_measured(o: &Observations) -> Option<f64> {
+    o.rate.iter().flatten().map(|w| w.norm()).reduce(f64::max)
 }
 
 /// Velocity at an instant with what is needed of it.
@@ -128,6 +141,7 @@ impl<'a> Motion<'a> {
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
+            measured: fastest_measured(o),
             observations: o,
             buffer: Buffers {
                 q: vec![0.0; tree.dof()],
@@ -141,6 +155,7 @@ impl<'a> Motion<'a> {
                 twist_columns: vec![Vector6::zeros(); columns.len()],
             },
             head,
+            gusts: gusts(vehicle, index, o.time_s.len()),
             segment: index,
             now: 0,
             columns_wanted: columns.len(),
@@ -176,7 +191,15 @@ impl<'a> Motion<'a> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
         let rate = self.fastest(state, k)?;
-        let steps = (h * rate / 0.02).ceil().clamp(1.0, 1.0e4) as usize;
+        let steps = (h * rate / 0.02).ceil();
+        // Values of the unknowns that make it spin far faster than measured are not worth following.
+        let most = self
+            .measured
+            .map_or(1.0e4, |w| (50.0 + FASTER * h * w / 0.02).min(1.0e4));
+        if !steps.is_finite() || steps > most {
+            return None;
+        }
+        let steps = steps.max(1.0) as usize;
         let mut now = self.late_thrust(state, k);
         for i in 0..steps {
             let from = i as f64 / steps as f64;
@@ -192,8 +215,8 @@ impl<'a> Motion<'a> {
         (&b.q, &b.rates, &b.wheels)
     }
 
-    fn rests_now(&self, rest: &Rest) -> bool {
-        rest.segment == self.segment && rest.span.0 <= self.now && self.now <= rest.span.1
+    fn blows(&self, gust: &Gust) -> bool {
+        gust.segment == self.segment && gust.span.0 <= self.now && self.now <= gust.span.1
     }
 
     fn fastest(&mut self, state: &State, k: usize) -> Option<f64> {
@@ -333,13 +356,18 @@ impl<'a> Motion<'a> {
             &joints.fixed_rows::<3>(0).into(),
             &(joints.fixed_rows::<3>(3) + wheels),
         )?;
-        let inverse_inertia = whole.locked_inertia().cholesky()?.inverse();
+        let inverse_inertia = whole.inverse_locked_inertia()?;
         let centre = Centre {
             c,
             l,
             h_cm,
             mass: whole.mass,
             I_SScm_B: whole.I_SScm_B(),
+        };
+        let instant = Instant {
+            twist,
+            inverse_inertia,
+            centre,
         };
         if !columns.is_empty() {
             self.kinematics
@@ -351,36 +379,22 @@ impl<'a> Motion<'a> {
                 drive.wheels,
                 &mut self.wheel_columns,
             );
-            self.twist_columns(state, (&centre, drive), &inverse_inertia, columns, twists);
+            self.twist_columns(state, &instant, drive, columns, twists);
             self.input_columns(drive, &twist, &centre, &inverse_inertia, twists);
         }
-        Some(Instant {
-            twist,
-            inverse_inertia,
-            centre,
-        })
+        Some(instant)
     }
 
     fn twist_columns(
         &self,
         state: &State,
-        (centre, drive): (&Centre, &Drive),
-        inverse_inertia: &Matrix6,
+        instant: &Instant,
+        drive: &Drive,
         columns: &[Column],
         twists: &mut [Vector6],
     ) {
-        let Rt = matrix(&state.R_NB).transpose();
-        let arm = skew(&centre.c);
-        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
-        let mut X = SMatrix::<f64, 6, 12>::zeros();
-        let turned = skew(&centre.l);
-        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-        X.fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&(skew(&centre.h_cm) + arm * turned));
-        X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
-        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
-        X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
-        let map = inverse_inertia * X;
+        let map = self.state_map(state, instant);
+        let (centre, inverse_inertia) = (&instant.centre, &instant.inverse_inertia);
         for (j, (column, twist)) in columns.iter().zip(twists.iter_mut()).enumerate() {
             *twist = map * column;
             if let Some(u) = j.checked_sub(self.head) {
@@ -490,7 +504,12 @@ impl<'a> Motion<'a> {
                 dF += change.F_B;
                 dT += change.T_B;
             }
-            let (dP, dH) = (R * dF, R * dT);
+            let (mut dP, mut dH) = (R * dF, R * dT);
+            match kind {
+                Some(UnknownKind::InertialForce(k)) => dP[*k] += 1.0,
+                Some(UnknownKind::RandomTorque(gust)) if self.blows(gust) => dH[gust.axis] += 1.0,
+                _ => {}
+            }
             slope.fixed_rows_mut::<3>(6).copy_from(&dP);
             slope.fixed_rows_mut::<3>(9).copy_from(&dH);
         }
@@ -550,4 +569,16 @@ pub(crate) fn small_turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 
 /// Matrix of a unit quaternion.
 pub(crate) fn matrix(R: &UnitQuaternion) -> Matrix3 {
     *R.to_rotation_matrix().matrix()
+}
+
+/// Random torque in the interval after each grid time of a segment; empty where there is none.
+fn gusts(vehicle: &Vehicle, segment: usize, times: usize) -> Vec<Vector3> {
+    let mut all = Vec::new();
+    for (gust, value) in vehicle.gusts.iter().filter(|g| g.0.segment == segment) {
+        all.resize(times, Vector3::zeros());
+        for torque in all.iter_mut().take(gust.span.1 + 1).skip(gust.span.0) {
+            torque[gust.axis] += value;
+        }
+    }
+    all
 }

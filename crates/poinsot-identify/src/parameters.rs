@@ -2,7 +2,7 @@
 //! parameters of every body.
 
 use crate::point_sensor::Fault;
-use crate::segment::{Noise, Segment};
+use crate::segment::Segment;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, JointKind, Model, Nuisance, SensorKind};
 use poinsot_spatial::{
@@ -74,19 +74,21 @@ pub enum UnknownKind {
     ThrusterLag(Vec<usize>),
     /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
     WheelTilt(usize, usize),
-    /// Error of a joint's reading while it rests, rad or m: rounding that stays as long as the joint does.
-    RestingJoint(Rest),
+    /// Component in N of a constant force, N. Only tested for.
+    InertialForce(usize),
+    /// Component in N of a random torque about the mass centre during a stretch of time, N m.
+    RandomTorque(Gust),
 }
 
-/// A stretch in which a joint's reading does not change.
+/// A stretch of time in which the random torque is one number an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rest {
+pub struct Gust {
     /// Index of the segment.
     pub segment: usize,
-    /// Joint coordinate.
-    pub joint: usize,
-    /// First and last grid time.
+    /// First and last interval between grid times.
     pub span: (usize, usize),
+    /// Axis of N.
+    pub axis: usize,
 }
 
 impl UnknownKind {
@@ -110,7 +112,8 @@ impl UnknownKind {
                 | Self::WheelLag(_)
                 | Self::ThrusterLag(_)
                 | Self::WheelTilt(..)
-                | Self::RestingJoint(_)
+                | Self::InertialForce(_)
+                | Self::RandomTorque(_)
         )
     }
 
@@ -118,7 +121,7 @@ impl UnknownKind {
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(
             self,
-            Self::RestingJoint(_) | Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
+            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
         )
     }
 }
@@ -439,24 +442,21 @@ impl Parameters {
         );
     }
 
-    /// Adds an unknown for every joint that rests long enough for its reading error to matter.
-    ///
-    /// White noise averages out; a rounded reading at rest is wrong by the same amount at every sample. A
-    /// joint that never moves counts as locked where it is.
-    pub fn add_resting_joints(&mut self, segments: &[Segment], noise: &Noise) {
-        let dof = noise.joint_position.len();
+    /// Adds the random torque of the surroundings: one number an axis for every stretch of a correlation time.
+    pub fn add_random_torque(&mut self, model: &Model, segments: &[Segment]) {
+        let Some(random) = model.environment.random_torque else {
+            return;
+        };
         for (at, segment) in segments.iter().enumerate() {
-            for joint in 0..dof {
-                if noise.joint_position[joint] > 0.0 {
-                    for span in rests(&segment.observations.joint_position, dof, joint) {
-                        let rest = Rest {
-                            segment: at,
-                            joint,
-                            span,
-                        };
-                        let name = format!("joint {joint} at rest in segment {at} from {}", span.0);
-                        self.push(UnknownKind::RestingJoint(rest), name, "rad or m", 0.0, 1.0);
-                    }
+            for span in stretches(&segment.observations.time_s, random.correlation_s) {
+                for axis in 0..3 {
+                    let gust = Gust {
+                        segment: at,
+                        span,
+                        axis,
+                    };
+                    let name = format!("random torque in segment {at} from {}", span.0);
+                    self.push(UnknownKind::RandomTorque(gust), name, "N m", 0.0, 1.0);
                 }
             }
         }
@@ -655,28 +655,17 @@ fn gradient_gm(model: &Model) -> Option<f64> {
     around.point_mass_gm.filter(|_| around.gravity_gradient)
 }
 
-/// Samples in a row with one reading that make a rest.
-const RESTING: usize = 20;
-
-/// Stretches of equal readings of one joint, of at least [`RESTING`] samples; none where it never moves.
-fn rests(positions: &[f64], dof: usize, joint: usize) -> Vec<(usize, usize)> {
-    let q: Vec<f64> = positions
-        .iter()
-        .skip(joint)
-        .step_by(dof.max(1))
-        .copied()
-        .collect();
+/// Intervals between grid times in stretches of half a correlation time, first and last of each: an even
+/// number of stretches in all would do, but a grid with gaps has no even ones.
+fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut from = 0;
-    for k in 1..=q.len() {
-        if k == q.len() || q[k] != q[from] {
-            if k - from >= RESTING {
-                found.push((from, k - 1));
-            }
-            from = k;
+    for k in 0..time_s.len().saturating_sub(1) {
+        if time_s[k + 1] - time_s[from] >= 0.5 * correlation_s || k + 2 == time_s.len() {
+            found.push((from, k));
+            from = k + 1;
         }
     }
-    found.retain(|span| *span != (0, q.len() - 1));
     found
 }
 

@@ -49,6 +49,7 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
         let joint = problem.tree.coordinates.get(k)?;
         reads(SensorKind::JointPosition, &[*joint])
     };
+    random_torque(problem, parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let around = &problem.model.environment;
         let declared = match unknown.kind {
@@ -78,10 +79,6 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
             UnknownKind::InertialTorque(_) => Some(around.disturbance_torque_inertial),
             UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
             UnknownKind::DragTorque(_) => Some(around.drag_torque),
-            UnknownKind::RestingJoint(rest) => {
-                let variance = problem.noise.joint_position[rest.joint];
-                Some(Nuisance::Prior(variance.sqrt()))
-            }
             UnknownKind::ThrusterScale(k) => Some(problem.model.thrusters[k].scale),
             _ => None,
         };
@@ -93,6 +90,37 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
         }
     }
     out
+}
+
+/// The random torque as a Gauss-Markov process: from stretch to stretch `t' = a t + sqrt(1 - a^2) sigma n` with
+/// `a = exp(-dt/T)` (Jazwinski 1970, example 3.19); within a stretch it is constant.
+fn random_torque(problem: &Problem, parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
+    let Some(random) = problem.model.environment.random_torque else {
+        return;
+    };
+    let mut before: [Option<(usize, crate::parameters::Gust)>; 3] = [None; 3];
+    for (at, unknown) in parameters.unknowns.iter().enumerate() {
+        let UnknownKind::RandomTorque(gust) = unknown.kind else {
+            continue;
+        };
+        let middle = |g: &crate::parameters::Gust| {
+            let t = &problem.segments[g.segment].observations.time_s;
+            0.5 * (t[g.span.0] + t[g.span.1 + 1])
+        };
+        let mut gradient = vec![0.0; x.len()];
+        gradient[at] = 1.0;
+        let mut value = x[at];
+        let mut sigma = random.sigma_N_m;
+        let last = before[gust.axis].filter(|(_, g)| g.segment == gust.segment);
+        if let Some((k, earlier)) = last {
+            let a = (-(middle(&gust) - middle(&earlier)) / random.correlation_s).exp();
+            gradient[k] = -a;
+            value -= a * x[k];
+            sigma *= (1.0 - a * a).sqrt();
+        }
+        out.gaussian(&Quantity { value, gradient }, 0.0, sigma);
+        before[gust.axis] = Some((at, gust));
+    }
 }
 
 /// Priors of mass properties (CAD). `None` where an entropic prior meets a body that is not physical.

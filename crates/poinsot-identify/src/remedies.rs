@@ -635,6 +635,7 @@ fn thinned(segment: &Segment, sight: Sight) -> Option<(Segment, f64)> {
         joint_position: rows(&o.joint_position, dof),
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
+        ..Observations::default()
     };
     let share = samples as f64 / all.len() as f64;
     let segment = Segment {

@@ -75,6 +75,36 @@ pub struct Observations {
     pub joint_rate: Vec<f64>,
     /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
     pub wheel_speed: Vec<f64>,
+    /// How the errors of each joint's position hang together; independent where the list is shorter.
+    pub joint_errors: Vec<InputErrors>,
+    /// The same for each wheel's speed.
+    pub wheel_errors: Vec<InputErrors>,
+}
+
+/// How the errors of an input's readings hang together along the grid of a segment.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum InputErrors {
+    /// Every value errs on its own.
+    #[default]
+    Independent,
+    /// The input is given, not read: a joint without a column.
+    None,
+    /// One error for the whole segment, and no rate: the reading never changes.
+    Locked,
+    /// Correlation of the error at each grid time with that at the next: one while a rounded reading stays, between
+    /// zero and one on a grid finer than the readings.
+    Kept(Vec<f64>),
+}
+
+impl InputErrors {
+    /// Correlation of the error at grid time k with that at the next.
+    pub(crate) fn memory(&self, k: usize) -> f64 {
+        match self {
+            Self::Independent | Self::None => 0.0,
+            Self::Locked => 1.0,
+            Self::Kept(all) => all.get(k).copied().unwrap_or(0.0),
+        }
+    }
 }
 
 /// Accelerations at the times of the samples: Xu 2017 alone uses them.

@@ -187,6 +187,8 @@ pub(crate) struct Solved {
     pub assumptions: Vec<String>,
     /// Bodies that the data press against the edge of what positive mass can have.
     pub held: Option<Held>,
+    /// What the residuals say; `None` of a method that does not ask them.
+    pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

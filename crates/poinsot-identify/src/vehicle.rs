@@ -1,6 +1,6 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
-use crate::parameters::{Parameters, UnknownKind};
+use crate::parameters::{Gust, Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
@@ -34,6 +34,8 @@ pub(crate) struct Vehicle<'a> {
     pub tilt_slopes: Vec<Vector3>,
     /// Thrusters that act late: the unknown, which thrusters, by how much, s.
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
+    /// Random torques.
+    pub gusts: Vec<(Gust, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
 }
@@ -81,6 +83,15 @@ impl<'a> Vehicle<'a> {
             drag,
             wheels_smooth: false,
             noisy_joints: Vec::new(),
+            gusts: parameters
+                .unknowns
+                .iter()
+                .zip(x)
+                .filter_map(|(u, value)| match u.kind {
+                    UnknownKind::RandomTorque(gust) => Some((gust, *value)),
+                    _ => None,
+                })
+                .collect(),
             input_faults: parameters
                 .unknowns
                 .iter()
@@ -105,6 +116,11 @@ impl<'a> Vehicle<'a> {
                 .collect(),
             gm: parameters.gm,
         }
+    }
+
+    /// Whether the surroundings push with something that depends on how the vehicle stands or moves.
+    pub fn has_surroundings(&self) -> bool {
+        self.gm.is_some() || self.torque_B != Vector3::zeros() || self.drag != Vector3::zeros()
     }
 
     /// Torque of the surroundings on the base in B, N m.

@@ -4,12 +4,12 @@ use crate::check_rotation::check_axis;
 use crate::check_tree::unknown_name;
 use crate::file::{
     EnvironmentFile, Gravity, MomentumFile, MomentumVectorFile, MomentumWord, NuisanceFile,
-    NuisanceWord, OrbitFile, ThrusterFile, WheelFile,
+    NuisanceWord, OrbitFile, RandomTorqueFile, ThrusterFile, WheelFile,
 };
 use crate::finding::{Findings, Key};
 use crate::number::short;
 use crate::vehicle::{
-    Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, Thruster, Wheel,
+    Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, RandomTorque, Thruster, Wheel,
 };
 use poinsot_spatial::Vector3;
 
@@ -303,5 +303,24 @@ pub(crate) fn check_environment(
             "sigma_kg_m2",
             findings,
         ),
+        random_torque: random_torque(file.random_torque.as_ref(), &key, findings),
     }
+}
+
+fn random_torque(
+    file: Option<&RandomTorqueFile>,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<RandomTorque> {
+    let file = file?;
+    let key = key.at("random_torque");
+    let mut number = |value: f64, name: &str, what: &str| {
+        positive(value, &key.at(name), "E0118", what, findings)
+    };
+    let sigma_N_m = number(file.sigma_N_m, "sigma_N_m", "one sigma");
+    let correlation_s = number(file.correlation_s, "correlation_s", "a correlation time");
+    Some(RandomTorque {
+        sigma_N_m: sigma_N_m?,
+        correlation_s: correlation_s?,
+    })
 }

@@ -80,6 +80,9 @@ pub(crate) fn check_sensors(
     sensors
 }
 
+/// Smallest noise that is taken for one.
+const SMALLEST_NOISE: f64 = 1e-100;
+
 fn kind_of(file: SensorType) -> SensorKind {
     match file {
         SensorType::Gyro => SensorKind::Gyro,
@@ -358,12 +361,12 @@ fn check_noise(
     }
     match noise {
         NoiseFile::Scalar(sigma) => {
-            let sigma = positive(*sigma, &here, "E0118", "the noise", findings)?;
+            let sigma = noise_sigma(*sigma, &here, findings)?;
             Some(Matrix3::from_diagonal_element(sigma * sigma))
         }
         NoiseFile::Axes(sigmas) => {
             for (k, sigma) in sigmas.iter().enumerate() {
-                positive(*sigma, &here.index(k), "E0118", "the noise", findings)?;
+                noise_sigma(*sigma, &here.index(k), findings)?;
             }
             let variances = Vector3::from(sigmas.map(|sigma| sigma * sigma));
             Some(Matrix3::from_diagonal(&variances))
@@ -393,4 +396,19 @@ fn check_noise(
             Some(root * root)
         }
     }
+}
+
+/// A positive sigma whose square is a number: one that vanishes would make the sensor vanish.
+fn noise_sigma(sigma: f64, key: &Key, findings: &mut Findings<'_, '_>) -> Option<f64> {
+    let sigma = positive(sigma, key, "E0118", "the noise", findings)?;
+    if sigma >= SMALLEST_NOISE {
+        return Some(sigma);
+    }
+    findings.refuse(
+        "E0118",
+        key,
+        format!("the noise is below {SMALLEST_NOISE:e}"),
+        "give the noise of a real instrument",
+    );
+    None
 }

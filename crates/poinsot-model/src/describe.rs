@@ -388,6 +388,12 @@ fn unknown(model: &Model) -> Vec<String> {
         model.environment.disturbance_torque_inertial,
     );
     add("environment", "drag torque", model.environment.drag_torque);
+    if let Some(random) = &model.environment.random_torque {
+        out.push(format!(
+            "environment: random torque of {} N m about each axis, correlated over {} s",
+            random.sigma_N_m, random.correlation_s
+        ));
+    }
     for wheel in model.wheels.iter().filter(|w| w.estimate) {
         out.push(format!("{}: spin inertia", wheel.name));
     }

@@ -6,75 +6,10 @@ use std::fmt;
 /// Findings shown; the rest is counted.
 const SHOWN: usize = 20;
 
-/// Codes of the findings in model files with one line of explanation each, for `poinsot explain`.
-pub const MODEL_CODES: [(&str, &str); 19] = [
-    (
-        "E0101",
-        "The file cannot be read, or is larger than 16 MiB or not UTF-8.",
-    ),
-    ("E0102", "The file is not valid TOML."),
-    (
-        "E0103",
-        "The file does not name the format it is written in, or names another one.",
-    ),
-    (
-        "E0104",
-        "A key or section that the format does not have. `poinsot schema` prints all keys with their units.",
-    ),
-    (
-        "E0105",
-        "A key without its unit, or with a unit that the format does not use here. All quantities are SI and every key ends in its unit.",
-    ),
-    ("E0106", "A required key is missing."),
-    (
-        "E0107",
-        "A value of the wrong type or none of the words allowed here.",
-    ),
-    (
-        "E0108",
-        "A number out of range: not finite, negative or zero where only positive numbers mean something.",
-    ),
-    (
-        "E0109",
-        "An empty name, or one with characters that cannot be printed.",
-    ),
-    (
-        "E0110",
-        "Two things of one kind have the same name, or two things would read the same telemetry column.",
-    ),
-    ("E0111", "A name that nothing in the file has."),
-    (
-        "E0112",
-        "The joints do not make one tree that hangs on the base: a cycle, a body with two parents or with none.",
-    ),
-    ("E0113", "An axis or direction of length zero."),
-    (
-        "E0114",
-        "A rotation that is not one: zero quaternion, matrix not orthonormal or left-handed, or two rotations given.",
-    ),
-    (
-        "E0115",
-        "Mass properties that no distribution of positive mass has: negative mass, negative principal moment, or a principal moment above the sum of the other two.",
-    ),
-    (
-        "E0116",
-        "Something moves that has no mass and carries none, or the whole vehicle has no mass: its motion is not determined.",
-    ),
-    (
-        "E0117",
-        "An estimate or prior that cannot be: a body without nominal mass or inertia has no scale to judge its estimate by.",
-    ),
-    (
-        "E0118",
-        "A sensor's noise, quantisation or nuisance parameter does not fit its type.",
-    ),
-    ("E0119", "More bodies than the program accepts (10000)."),
-];
-
 /// One thing that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
-    /// Stable code, `E0101` and up; see [`MODEL_CODES`].
+    /// Stable code, `E0101` and up; see `poinsot explain`.
     pub code: &'static str,
     /// File as given.
     pub file: String,

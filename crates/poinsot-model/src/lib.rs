@@ -23,12 +23,14 @@ mod read;
 mod schema;
 mod shape;
 mod suggest;
+mod urdf;
 mod vehicle;
 mod write;
 
 pub use describe::*;
-pub use finding::{Finding, MODEL_CODES, ModelError};
+pub use finding::{Finding, ModelError};
 pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
 pub use schema::model_schema;
+pub use urdf::{LinkInertial, Urdf, UrdfDefect, UrdfExport, export_urdf, parse_urdf, read_urdf};
 pub use vehicle::*;
 pub use write::write_model;

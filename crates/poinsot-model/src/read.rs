@@ -19,12 +19,18 @@ pub const MODEL_SCHEMA: &str = "poinsot.model/1";
 /// Largest model file, bytes.
 const LARGEST: u64 = 16 * 1024 * 1024;
 
-/// Reads and checks a vehicle (`poinsot.model/1`, TOML).
+/// Reads and checks a vehicle (`poinsot.model/1`, TOML; or URDF, by the name's end).
 ///
 /// # Errors
 /// Everything that is wrong with the file, each with line and column.
 pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
     let path = path.as_ref();
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+    {
+        return crate::read_urdf(path).model;
+    }
     let text = read_text(path)?;
     parse_model(&text, &path.display().to_string())
 }
@@ -97,7 +103,7 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Model
     Ok(map)
 }
 
-fn read_text(path: &Path) -> Result<String, ModelError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, ModelError> {
     let file = path.display().to_string();
     let unreadable = |problem: String, remedy: &str, environment: bool| {
         ModelError::unreadable(&file, problem, remedy, environment)
@@ -115,6 +121,18 @@ fn read_text(path: &Path) -> Result<String, ModelError> {
             true,
         ),
     };
+    // A pipe would be waited for, a device never ends.
+    let metadata = std::fs::metadata(path).map_err(io)?;
+    if metadata.is_dir() {
+        return Err(io(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !metadata.is_file() {
+        return Err(unreadable(
+            "this is not a regular file".to_owned(),
+            "name a file",
+            false,
+        ));
+    }
     let mut bytes = Vec::new();
     std::fs::File::open(path)
         .map_err(io)?

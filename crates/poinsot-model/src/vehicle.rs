@@ -326,6 +326,8 @@ pub struct Environment {
     pub disturbance_torque: Nuisance,
     /// Whether a constant disturbance torque in inertial axes is unknown.
     pub disturbance_torque_inertial: Nuisance,
+    /// Random torque about the mass centre, if declared.
+    pub random_torque: Option<RandomTorque>,
     /// Whether a drag torque `-c |w| w` is unknown, one coefficient c an axis of the base, kg m2.
     pub drag_torque: Nuisance,
 }
@@ -347,6 +349,16 @@ pub struct Orbit {
     pub true_anomaly: f64,
     /// Epoch in the time of the telemetry, s.
     pub epoch: f64,
+}
+
+/// A random torque about the mass centre, alike about every axis of N: a Gauss-Markov process.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(non_snake_case)]
+pub struct RandomTorque {
+    /// One sigma about each axis, N m.
+    pub sigma_N_m: f64,
+    /// Time after which it has forgotten itself to 1/e, s.
+    pub correlation_s: f64,
 }
 
 /// How columns of a telemetry file become channels.

@@ -225,6 +225,13 @@ fn write_environment(out: &mut String, model: &Model) {
         "sigma_N_m",
     );
     nuisance(out, "drag_torque", environment.drag_torque, "sigma_kg_m2");
+    if let Some(random) = &environment.random_torque {
+        let value = format!(
+            "{{ sigma_N_m = {:?}, correlation_s = {:?} }}",
+            random.sigma_N_m, random.correlation_s
+        );
+        line(out, "random_torque", value);
+    }
 }
 
 fn write_telemetry(out: &mut String, model: &Model) {

@@ -53,6 +53,8 @@ pub struct ConventionTest {
 
 /// Residuals below this share of the rate are equal: the comparison of averages is not better than that.
 const RESOLUTION: f64 = 1e-3;
+/// Turn, rad, below which attitudes differ by the rounding of their numbers.
+const ROUND_OFF: f64 = 1e-12;
 /// How much better another reading must fit to contradict the declared one.
 const DECISIVE: f64 = 5.0;
 /// A reading whose residual exceeds this share of the rate explains nothing.
@@ -107,7 +109,8 @@ pub fn test_conventions(
         .position(is_twin)
         .filter(|_| rate > 0.0)
         .map(|k| good.remove(k));
-    let verdict = if rate == 0.0 {
+    let still = rate * pairs.longest_s() < ROUND_OFF;
+    let verdict = if still {
         undecided("the attitude does not move")
     } else if lowest > EXPLAINED * rate {
         undecided("motion too small, or attitude and gyro too noisy: no reading explains the rates")

@@ -5,7 +5,8 @@ use crate::columns::Columns;
 use crate::error::{Place, shown};
 use crate::number::{self, Cell};
 use crate::plan::{self, Plan};
-use crate::{ReadOptions, TelemetryError};
+use crate::read::Selection;
+use crate::{Encoding, ReadOptions, TelemetryError};
 use csv::ByteRecord;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -30,14 +31,17 @@ pub(crate) fn read(
             why: "the file is empty; a header row is needed".into(),
         });
     }
-    let header = header_of(path, &record)?;
+    let header = header_of(path, &record, options.encoding)?;
+    let mut selection = options.selection();
     let plan = plan::build(path, &header, options)?;
     let mut columns = Columns::with_channels(plan.channels.len());
     let mut last_row = 0;
     while next(path, &mut reader, &mut record)? {
         last_row = record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
-        let Err(error) = take_row(path, &plan, &record, last_row, &mut columns) else {
+        let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns)
+        else {
+            selection.check(path, last_row, columns.rows.len(), plan.channels.len())?;
             continue;
         };
         let is_last = !next(path, &mut reader, &mut record)?;
@@ -83,6 +87,7 @@ fn take_row(
     plan: &Plan,
     record: &ByteRecord,
     row: u64,
+    selection: &mut Selection,
     columns: &mut Columns,
 ) -> Result<(), TelemetryError> {
     if record.len() != plan.width {
@@ -117,12 +122,14 @@ fn take_row(
             why: why.to_owned(),
         })
     };
-    columns
-        .time_s
-        .push(match cell(plan.time_index, &plan.time_column)? {
-            Cell::Number(x) => plan.time_unit.to_si(x),
-            Cell::Empty | Cell::NotANumber => f64::NAN,
-        });
+    let time_s = match cell(plan.time_index, &plan.time_column)? {
+        Cell::Number(x) => plan.time_unit.to_si(x),
+        Cell::Empty | Cell::NotANumber => f64::NAN,
+    };
+    if !selection.keeps(time_s) {
+        return Ok(());
+    }
+    columns.time_s.push(time_s);
     columns.rows.push(row);
     for (k, channel) in plan.channels.iter().enumerate() {
         let value = match cell(channel.index, &channel.column)? {
@@ -146,13 +153,22 @@ fn how_cut(error: &TelemetryError) -> String {
     }
 }
 
-fn header_of(path: &Path, record: &ByteRecord) -> Result<Vec<String>, TelemetryError> {
+fn header_of(
+    path: &Path,
+    record: &ByteRecord,
+    encoding: Encoding,
+) -> Result<Vec<String>, TelemetryError> {
     let mut header = Vec::with_capacity(record.len());
     for field in record {
+        if encoding == Encoding::Latin1 {
+            let text: String = field.iter().map(|&b| char::from(b)).collect();
+            header.push(text.trim().to_owned());
+            continue;
+        }
         let text = std::str::from_utf8(field).map_err(|e| TelemetryError::Format {
             place: Place::row(path, 1),
             why: format!(
-                "the header is not UTF-8 ('{}', byte {} of the name); save the file as UTF-8",
+                "the header is not UTF-8 ('{}', byte {} of the name); save the file as UTF-8, or read it by --encoding latin1",
                 shown(field),
                 e.valid_up_to()
             ),

@@ -234,6 +234,36 @@ pub enum TelemetryError {
         /// The repair that was not made.
         repair: String,
     },
+    /// A check found something, and its policy is to refuse it.
+    #[error(
+        "E0220 {file}: channel '{channel}': {check}: {what}; correct it, or accept it by --policy {check}={lenient} (without --strict)"
+    )]
+    Check {
+        /// File or files of the segment.
+        file: String,
+        /// Channel or sensor.
+        channel: String,
+        /// Name of the check.
+        check: &'static str,
+        /// What was found.
+        what: String,
+        /// A policy under which it is accepted.
+        lenient: &'static str,
+    },
+    /// More samples than fit into the memory that is allowed.
+    #[error(
+        "E0221 {place}: more than {most} samples in {channels} channels would need over {mib} MiB of memory; take a part by --time-s FROM,TO, every n-th row by --every N, or raise --memory-mib"
+    )]
+    TooLarge {
+        /// The row at which the limit was reached.
+        place: Place,
+        /// Samples that were read.
+        most: usize,
+        /// Channels read.
+        channels: usize,
+        /// The limit, MiB.
+        mib: usize,
+    },
     /// Channels that cannot be written.
     #[error("E0219 {place}: {why}")]
     Write {
@@ -267,6 +297,8 @@ impl TelemetryError {
             Self::Empty { .. } => "E0217",
             Self::Strict { .. } => "E0218",
             Self::Write { .. } => "E0219",
+            Self::Check { .. } => "E0220",
+            Self::TooLarge { .. } => "E0221",
         }
     }
 

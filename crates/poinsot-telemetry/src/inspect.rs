@@ -2,7 +2,7 @@
 
 use crate::conventions::{ConventionTest, convention_tests};
 use crate::noise::noise_level;
-use crate::time_base::{median, median_step};
+use crate::time_base::median_step;
 use crate::{Channel, Suggestion, Table, full_name, suggest};
 use serde::Serialize;
 
@@ -25,6 +25,8 @@ pub struct Inspection {
     pub repairs: Vec<String>,
     /// What looks wrong and cannot be decided here.
     pub notes: Vec<String>,
+    /// What the checks found.
+    pub findings: Vec<crate::checks::Finding>,
 }
 
 /// A file of the table.
@@ -95,6 +97,7 @@ pub fn inspect(table: &Table) -> Inspection {
         suggestions: table.ignored.iter().filter_map(|c| suggest(c)).collect(),
         repairs: table.repairs.clone(),
         notes: table.channels.iter().flat_map(notes).collect(),
+        findings: crate::checks::findings(table),
         channels,
     }
 }
@@ -150,31 +153,5 @@ fn notes(channel: &Channel) -> Vec<String> {
             "{name} reaches {largest:.3e} m: absolute orbital positions need [environment] gravity"
         ));
     }
-    if let Some((value, count)) = sentinel(&channel.values) {
-        notes.push(format!(
-            "{name} holds {value} in {count} samples, far from all others: a placeholder for no sample? \
-             leave those cells empty"
-        ));
-    }
     notes
-}
-
-/// A value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
-fn sentinel(values: &[f64]) -> Option<(f64, usize)> {
-    let mut sorted = values.to_vec();
-    let centre = median(&mut sorted)?;
-    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
-    let sigma = median(&mut distances)? / 0.6745;
-    [
-        sorted.iter().copied().reduce(f64::min)?,
-        sorted.iter().copied().reduce(f64::max)?,
-    ]
-    .into_iter()
-    .map(|x| (x, values.iter().filter(|v| **v == x).count()))
-    .find(|(x, count)| {
-        *count >= 2
-            && count * 100 >= values.len()
-            && sigma > 0.0
-            && (x - centre).abs() > 20.0 * sigma
-    })
 }

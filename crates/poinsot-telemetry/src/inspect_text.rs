@@ -48,6 +48,12 @@ impl fmt::Display for Inspection {
         }
         section(f, "Repairs", &self.repairs)?;
         section(f, "Notes", &self.notes)?;
+        let found: Vec<String> = self
+            .findings
+            .iter()
+            .map(|x| format!("{}: {}: {}", x.check.name(), x.channel, x.text))
+            .collect();
+        section(f, "Checks", &found)?;
         let ignored: Vec<String> = self
             .ignored
             .chunks(10)

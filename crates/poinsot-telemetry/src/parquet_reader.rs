@@ -7,6 +7,7 @@ use crate::columns::Columns;
 use crate::error::Place;
 use crate::number::Cell;
 use crate::plan::{self, Plan};
+use crate::read::Selection;
 use crate::{ReadOptions, TelemetryError};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -82,9 +83,12 @@ fn decode(
         .build()
         .map_err(|e| refused(path, e))?;
     let mut columns = Columns::with_channels(plan.channels.len());
+    let mut selection = options.selection();
     for batch in reader {
         let batch = batch.map_err(|e| refused(path, e))?;
-        take_batch(path, &plan, &header, &batch, &mut columns)?;
+        take_batch(path, &plan, &header, &batch, &mut selection, &mut columns)?;
+        let row = columns.rows_read as u64;
+        selection.check(path, row, columns.rows.len(), plan.channels.len())?;
     }
     if columns.rows_read as u64 != declared {
         return Err(refused(
@@ -142,6 +146,7 @@ fn take_batch(
     plan: &Plan,
     header: &[String],
     batch: &RecordBatch,
+    selection: &mut Selection,
     columns: &mut Columns,
 ) -> Result<(), TelemetryError> {
     let first = columns.rows_read as u64 + 1;
@@ -169,13 +174,15 @@ fn take_batch(
     }
     let (array, name) = column(plan.time_index)?;
     let cells = numbers(array).ok_or_else(|| unsupported(path, name, array))?;
-    for ((cell, keep), row) in cells.into_iter().zip(&keep).zip(first..) {
+    for ((cell, keep), row) in cells.into_iter().zip(&mut keep).zip(first..) {
+        let time_s = match cell {
+            Cell::Number(x) => plan.time_unit.to_si(x),
+            Cell::Empty | Cell::NotANumber => f64::NAN,
+        };
+        *keep = *keep && selection.keeps(time_s);
         if *keep {
             columns.rows.push(row);
-            columns.time_s.push(match cell {
-                Cell::Number(x) => plan.time_unit.to_si(x),
-                Cell::Empty | Cell::NotANumber => f64::NAN,
-            });
+            columns.time_s.push(time_s);
         }
     }
     for (k, channel) in plan.channels.iter().enumerate() {

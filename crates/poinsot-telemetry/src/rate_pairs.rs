@@ -90,6 +90,11 @@ impl Pairs {
         (turns.len() >= 8).then_some(Self { turns })
     }
 
+    /// Longest interval, s.
+    pub(crate) fn longest_s(&self) -> f64 {
+        self.turns.iter().fold(0.0, |m, t| t.dt.max(m))
+    }
+
     pub(crate) fn sums(&self, order: Order, sense: Sense) -> Sums {
         let read = |[a, b, c, d]: [f64; 4]| {
             let [x, y, z, w] = match order {

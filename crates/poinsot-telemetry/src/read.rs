@@ -24,8 +24,85 @@ pub struct ReadOptions {
     pub strict: bool,
     /// Keep the whole rows of a file that ends inside a row.
     pub recover: bool,
+    /// Encoding of CSV text.
+    pub encoding: Encoding,
+    /// Rows with times outside of this are not kept, s.
+    pub time_s: Option<[f64; 2]>,
+    /// Of the rows kept only each n-th; 0 and 1 keep all.
+    pub every: usize,
+    /// Most memory for the samples of one file, MiB; 0 stands for [`MEMORY_MIB`].
+    pub memory_mib: usize,
     /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
     pub check_conventions: bool,
+}
+
+/// Usual limit of the memory for the samples of one file, MiB.
+pub const MEMORY_MIB: usize = 256;
+
+/// How the bytes of a CSV file are text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Encoding {
+    /// UTF-8, with or without byte order mark.
+    #[default]
+    Utf8,
+    /// ISO 8859-1, where each byte is one character.
+    Latin1,
+}
+
+impl ReadOptions {
+    /// Which samples are kept, as the readers ask it.
+    pub(crate) fn selection(&self) -> Selection {
+        Selection {
+            time_s: self.time_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            every: self.every.max(1),
+            bytes: match self.memory_mib {
+                0 => MEMORY_MIB << 20,
+                mib => mib.saturating_mul(1 << 20),
+            },
+            seen: 0,
+        }
+    }
+}
+
+/// Rows to keep, and how many may be kept.
+pub(crate) struct Selection {
+    time_s: [f64; 2],
+    every: usize,
+    bytes: usize,
+    seen: usize,
+}
+
+impl Selection {
+    /// Whether the row at this time is kept. A row without time is kept: it is an error later.
+    pub(crate) fn keeps(&mut self, time_s: f64) -> bool {
+        let [from, to] = self.time_s;
+        if time_s < from || time_s > to {
+            return false;
+        }
+        self.seen += 1;
+        (self.seen - 1).is_multiple_of(self.every)
+    }
+
+    /// # Errors
+    /// The rows kept fill the memory allowed.
+    pub(crate) fn check(
+        &self,
+        path: &Path,
+        row: u64,
+        rows: usize,
+        channels: usize,
+    ) -> Result<(), TelemetryError> {
+        let per_row = 8 * (channels + 2);
+        if rows.saturating_mul(per_row) <= self.bytes {
+            return Ok(());
+        }
+        Err(TelemetryError::TooLarge {
+            place: Place::row(path, row),
+            most: rows,
+            channels,
+            mib: self.bytes >> 20,
+        })
+    }
 }
 
 /// Reads the files of one segment into one table.
@@ -57,6 +134,13 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
             }
         }
         let rows = columns.rows_read;
+        if options.time_s.is_some() || options.every > 1 {
+            table.repairs.push(format!(
+                "{}: {} of {rows} rows taken, as --time-s and --every ask",
+                path.display(),
+                columns.rows.len()
+            ));
+        }
         time_base::check(
             path,
             &plan,
@@ -123,6 +207,15 @@ fn read_file(
                 path.display(),
                 seen.join(", ")
             ),
+        });
+    }
+    if columns.time_s.is_empty()
+        && let Some([from, to]) = options.time_s
+    {
+        return Err(TelemetryError::Filter {
+            column: plan.time_column.clone(),
+            text: format!("{from},{to}"),
+            why: format!("no row of {} lies between these times, s", path.display()),
         });
     }
     Ok((plan, columns, sha256))

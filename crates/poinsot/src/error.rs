@@ -49,6 +49,20 @@ pub enum Error {
         /// What is wrong and what to do.
         why: String,
     },
+    /// Standard output.
+    #[error("E0003 standard output: {source}; free space, or write to another place")]
+    Output {
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A fault of this program.
+    #[error(
+        "E0009 internal error: {what}; this is a fault of poinsot: please report it with the command and, if you can, the input"
+    )]
+    Internal {
+        /// Message and place of the panic.
+        what: String,
+    },
     /// The files of a report.
     #[error("E0601 {}: no report can be made of this: {why}", path.display())]
     Report {
@@ -70,10 +84,11 @@ pub enum Error {
 }
 
 impl Error {
-    /// Exit code of CONTRACT: 2 for bad usage or input, 3 for the environment.
+    /// Exit code of CONTRACT: 2 for bad usage or input, 3 for the environment, 4 for a fault of the program.
     pub fn exit_code(&self) -> u8 {
         let environment = match self {
-            Self::Io { .. } => true,
+            Self::Internal { .. } => return 4,
+            Self::Io { .. } | Self::Output { .. } => true,
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),

@@ -1,5 +1,6 @@
 //! The result file, `poinsot.estimate/1`.
 
+use crate::diagnostics_file::DiagnosticsFile;
 use crate::identify::Identified;
 use poinsot_identify::{
     BodyEstimate, Estimate, Identifiability, MomentumEstimate, Number, axis_name, tensor_name,
@@ -48,6 +49,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
                 "whiteness_p": c.whiteness_p,
             }))).collect::<Map<String, Value>>(),
         })).collect::<Vec<_>>(),
+        "diagnostics": e.diagnostics.as_ref().map(DiagnosticsFile::new),
         "covariance_trustworthy": e.covariance_trustworthy,
         "method_report": e.method_report.as_ref().map(|r| json!({
             "note": r.note,
@@ -59,6 +61,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
                 "nominal": n.number.nominal,
             })).collect::<Vec<_>>(),
         })),
+        "telemetry_checks": identified.findings,
         "repairs": identified.repairs,
         "ignored_columns": identified.ignored,
         "warnings": e.warnings,

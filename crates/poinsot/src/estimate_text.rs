@@ -3,7 +3,7 @@
 use crate::estimate_file::{component, inertia_entries};
 use crate::identify::Identified;
 use poinsot_identify::{BodyEstimate, Number, OpenCombination, Source, Status};
-use poinsot_report::{Document, Section, Table, number_with_sigma, significant};
+use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
 
 /// Combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
@@ -11,7 +11,12 @@ const LISTED: usize = 12;
 /// The answer as a document: verdict, mass properties, what is open, fit, repairs.
 pub fn estimate_document(identified: &Identified) -> Document {
     let e = &identified.estimate;
-    let mut document = Document::new(verdict(identified));
+    let tone = match e.status {
+        Status::Converged if e.covariance_trustworthy => Tone::Good,
+        Status::Converged | Status::Partial => Tone::Fair,
+        _ => Tone::Bad,
+    };
+    let mut document = Document::new(verdict(identified)).toned(tone);
     for body in e.bodies.iter().filter(|b| b.asked) {
         document.push(body_section(body));
     }
@@ -39,7 +44,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(Section::table("also estimated", table));
     }
     if e.status == Status::Rejected {
-        document.push(Section::list("why it is rejected", e.warnings.clone()));
+        document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
     } else {
         if !e.identifiability.open.is_empty() {
             document.push(Section::list(
@@ -49,7 +54,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
             document.push(determined(identified));
         }
         if !e.warnings.is_empty() {
-            document.push(Section::list("warnings", e.warnings.clone()));
+            document.push(Section::list("warnings", e.warnings.clone()).toned(Tone::Fair));
         }
     }
     if let Some(report) = &e.method_report {
@@ -72,6 +77,26 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(section);
     }
     document.push(fit(identified));
+    let found: Vec<String> = identified
+        .findings
+        .iter()
+        .filter(|f| f.count > 0)
+        .map(|f| {
+            format!(
+                "{} ({}): {}: {}",
+                f.check.name(),
+                f.policy.name(),
+                f.channel,
+                f.text
+            )
+        })
+        .collect();
+    if !found.is_empty() {
+        document.push(Section::list("found in the telemetry", found));
+    }
+    if let Some(d) = &identified.estimate.diagnostics {
+        document.push(crate::diagnostics_file::diagnostics_section(d));
+    }
     if !identified.repairs.is_empty() {
         document.push(Section::list(
             "assumed or repaired",
@@ -201,7 +226,7 @@ fn fit(identified: &Identified) -> Section {
         let mut first = vec![
             f.label.clone(),
             f.samples.to_string(),
-            format!("{:.3e}", f.chi2_per_dof),
+            significant(f.chi2_per_dof, 4),
         ];
         for c in &f.channels {
             let mut row = std::mem::replace(&mut first, vec![String::new(); 3]);

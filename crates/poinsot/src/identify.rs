@@ -2,14 +2,18 @@
 
 use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
+use crate::mixups;
+use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, Status, linear_predicted,
-    maximum_likelihood_predicted,
+    Coordinates, Estimate, FitOptions, Loss, Number, Prediction, Problem, Status, linear_predicted,
+    maximum_likelihood_predicted, predicted_by, tensor_name,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
-use poinsot_telemetry::{ColumnMap, ReadOptions, Source, Table, read};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
+use poinsot_telemetry::{ColumnMap, Encoding, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
 
 /// Methods by name; `auto` is linear least squares, then maximum likelihood.
@@ -47,6 +51,21 @@ pub struct IdentifyRequest {
     pub recover: bool,
 }
 
+/// How telemetry is read and checked, beyond the model's own map.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Reading {
+    /// Changes of policies, `check=policy`.
+    pub policies: Vec<String>,
+    /// Encoding of CSV text.
+    pub encoding: Encoding,
+    /// Rows outside of these times are left out, s.
+    pub time_s: Option<[f64; 2]>,
+    /// Each n-th row is taken; 0 and 1 take all.
+    pub every: usize,
+    /// Most memory for the samples of a file, MiB; 0: the usual limit.
+    pub memory_mib: usize,
+}
+
 /// The answer with where it came from.
 pub struct Identified {
     /// The vehicle.
@@ -62,6 +81,8 @@ pub struct Identified {
     pub repairs: Vec<String>,
     /// Columns that were not used.
     pub ignored: Vec<String>,
+    /// What the checks of the telemetry found.
+    pub findings: Vec<Finding>,
 }
 
 impl Identified {
@@ -76,12 +97,32 @@ impl Identified {
 /// # Errors
 /// The question cannot be asked; what the data do not determine is part of the answer.
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
+    identify_reading(request, &Reading::default())
+}
+
+/// The same with telemetry read and checked as told.
+///
+/// # Errors
+/// As [`identify`]; a check found something that its policy refuses.
+pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<Identified, Error> {
     check_method(request)?;
+    let policies =
+        Policies::new(&reading.policies, request.strict).map_err(|why| Error::Usage {
+            option: "--policy",
+            value: reading.policies.join(" "),
+            why,
+        })?;
     let mut model = read_model(&request.model)?;
     if let Some(map) = &request.map {
         model.telemetry = read_telemetry_map(map)?;
     }
-    let mut options = read_options(&model, &model.telemetry, request.strict, request.recover);
+    let mut options = ReadOptions {
+        encoding: reading.encoding,
+        time_s: reading.time_s,
+        every: reading.every,
+        memory_mib: reading.memory_mib,
+        ..read_options(&model, &model.telemetry, request.strict, request.recover)
+    };
     if let Some(wanted) = options
         .wanted
         .as_mut()
@@ -89,12 +130,60 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     {
         wanted.extend(acceleration_channels());
     }
-    let tables = request
+    let segments = request.segments.len();
+    let mut tables = request
         .segments
         .iter()
-        .map(|files| read(files, &options))
+        .enumerate()
+        .map(|(done, files)| {
+            step("reading segments", done, segments);
+            read(files, &options)
+        })
         .collect::<Result<Vec<Table>, _>>()?;
-    identify_tables(model, tables, request)
+    step("preparing", 0, 0);
+    let mut findings = Vec::new();
+    for table in &mut tables {
+        let label = table_label(table);
+        findings.extend(checks::apply(table, &label, &policies)?);
+    }
+    let mut identified = identify_tables(model, tables, request)?;
+    let label = identified.inputs.iter().flatten().map(|s| s.path.as_str());
+    let label = label.collect::<Vec<_>>().join(",");
+    for f in &findings {
+        let share = f.count as f64 / f.of.max(1) as f64;
+        if f.policy == Policy::Exclude && f.check != Check::Held && share > ALLOWED_LOSS {
+            not_acceptable(&mut identified.estimate, share, &f.channel);
+        }
+    }
+    identified.findings = findings;
+    against_model(&mut identified, &policies, &label)?;
+    Ok(identified)
+}
+
+fn table_label(table: &Table) -> String {
+    let names: Vec<&str> = table.sources.iter().map(|s| s.path.as_str()).collect();
+    names.join(",")
+}
+
+/// Checks of the telemetry that need the answer.
+fn against_model(
+    identified: &mut Identified,
+    policies: &Policies,
+    label: &str,
+) -> Result<(), Error> {
+    let estimate = &identified.estimate;
+    let found = mixups::units(estimate);
+    for mut finding in found {
+        finding.policy = policies.of(finding.check);
+        if finding.policy == Policy::Refuse {
+            return Err(checks::refused(label, &finding).into());
+        }
+        identified.estimate.covariance_trustworthy = false;
+        let text = format!("{}: {}", finding.check.name(), finding.text);
+        identified.estimate.warnings.push(text);
+        identified.findings.push(finding);
+    }
+    Ok(())
 }
 
 /// Identifies from tables in memory.
@@ -119,18 +208,21 @@ pub fn identify_tables(
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match request.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
-        "kim2010" => (
-            kim2010::identify(&problem, kim2010_variant(request)?)?,
-            Vec::new(),
-        ),
-        "ma2008" => (
-            ma2008::identify(&problem, ma2008_variant(request))?,
-            Vec::new(),
-        ),
-        "xu2017" => (
-            xu2017::identify(&problem, xu2017_variant(request)?)?,
-            Vec::new(),
-        ),
+        "kim2010" => {
+            let estimate = kim2010::identify(&problem, kim2010_variant(request)?)?;
+            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+            (estimate, predictions)
+        }
+        "ma2008" => {
+            let estimate = ma2008::identify(&problem, ma2008_variant(request))?;
+            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+            (estimate, predictions)
+        }
+        "xu2017" => {
+            let estimate = xu2017::identify(&problem, xu2017_variant(request)?)?;
+            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+            (estimate, predictions)
+        }
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
             let options = FitOptions {
@@ -144,13 +236,7 @@ pub fn identify_tables(
         }
     };
     if bound.dropped > ALLOWED_LOSS {
-        estimate.warnings.push(format!(
-            "{:.0} % of the samples of a segment were left out (see repairs): the answer is not acceptable without a look at them",
-            100.0 * bound.dropped
-        ));
-        if estimate.status == Status::Converged {
-            estimate.status = Status::Partial;
-        }
+        not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
     let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
     repairs.extend(bound.repairs);
@@ -165,7 +251,18 @@ pub fn identify_tables(
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,
+        findings: Vec::new(),
     })
+}
+
+fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
+    estimate.warnings.push(format!(
+        "{:.0} % of the samples of {of} were left out (see repairs): the answer is not acceptable without a look at them",
+        100.0 * share
+    ));
+    if estimate.status == Status::Converged {
+        estimate.status = Status::Partial;
+    }
 }
 
 /// Only maximum likelihood knows the gravity gradient.
@@ -180,6 +277,37 @@ fn refuse_gravity(model: &Model, request: &IdentifyRequest) -> Result<(), Error>
         value: request.method.clone(),
         why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
     })
+}
+
+/// The vehicle as a published method says it is: what is determined, else what the method prints, else nominal.
+fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
+    let printed = |name: &str| {
+        let report = estimate.method_report.as_ref()?;
+        let found = report.numbers.iter().find(|n| n.name == name)?;
+        found.number.value
+    };
+    let bodies = model.bodies.iter().zip(&estimate.bodies);
+    bodies
+        .map(|(body, answer)| {
+            if !answer.asked {
+                return body.nominal;
+            }
+            let best = |n: &Number, name: &str| {
+                let printed = || printed(name).filter(|_| model.bodies.len() == 1);
+                n.value.or_else(printed).unwrap_or(n.nominal)
+            };
+            let [xx, xy, yy, xz, yz, zz] = std::array::from_fn(|k| {
+                // Kim, Choi and Oh write zx.
+                let name = tensor_name(k).replace("xz", "zx");
+                best(&answer.inertia[k], &format!("inertia_{name}"))
+            });
+            MassProperties {
+                mass: best(&answer.mass, "mass"),
+                p_BoBcm_B: Vector3::from(answer.com.map(|n| n.value.unwrap_or(n.nominal))),
+                I_BBcm_B: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            }
+        })
+        .collect()
 }
 
 fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
@@ -261,6 +389,7 @@ pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bo
         strict,
         recover,
         check_conventions: true,
+        ..ReadOptions::default()
     }
 }
 

@@ -3,12 +3,17 @@
 
 pub mod bind;
 pub mod case;
+mod diagnostics_file;
 mod error;
 mod estimate_file;
 mod estimate_text;
+pub mod explain;
+pub mod export;
 pub mod identify;
+mod mixups;
 mod output;
 pub mod predict;
+mod progress;
 pub mod report;
 pub mod simulate;
 pub mod trials;
@@ -17,7 +22,10 @@ pub mod validate;
 pub use error::Error;
 pub use estimate_file::estimate_json;
 pub use estimate_text::estimate_document;
-pub use identify::{Identified, IdentifyRequest, identify, identify_tables, segment_files};
-pub use output::{write_estimate, write_file};
+pub use identify::{
+    Identified, IdentifyRequest, Reading, identify, identify_reading, identify_tables,
+    segment_files,
+};
+pub use output::{write_estimate, write_file, write_files, write_result};
 pub use poinsot_identify::Coordinates;
-pub use report::{write_report, write_report_data};
+pub use report::{write_figures, write_report, write_report_data};

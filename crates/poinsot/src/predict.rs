@@ -9,10 +9,10 @@ mod text;
 pub use file::prediction_json;
 pub use text::prediction_document;
 
-use crate::bind::bind;
+use crate::bind::{BindError, bind};
 use crate::case::{Case, read_case};
 use crate::error::Error;
-use crate::simulate::{SimulateError, simulate_exact};
+use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Problem, cramer_rao};
 use poinsot_model::{Model, read_model};
@@ -65,6 +65,7 @@ pub fn predict_case(
             why: "a positive number is needed, for example 1.0".to_owned(),
         });
     }
+    refuse_unread(case, &model)?;
     let exact = simulate_exact(case, &model)?;
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &[exact.table])?;
@@ -86,4 +87,20 @@ pub fn predict_case(
             .collect(),
         model,
     })
+}
+
+/// A joint that nothing commands is known only where a sensor reads it.
+fn refuse_unread(case: &Case, model: &Model) -> Result<(), Error> {
+    let scenario = case.bind(model).map_err(SimulateError::from)?;
+    let free = free_joints(model, &scenario);
+    match free.into_iter().find(|joint| !is_read(model, joint)) {
+        None => Ok(()),
+        Some(joint) => Err(BindError::Unsupported {
+            what: format!(
+                "joint '{}' moves by torque or spring in this case and no sensor reads it, so no estimator could know its motion; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+                joint.name
+            ),
+        }
+        .into()),
+    }
 }

@@ -4,6 +4,7 @@ mod record;
 mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
+use crate::progress::step;
 use poinsot_dynamics::{
     ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
     JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
@@ -16,14 +17,8 @@ pub(crate) use record::{joint_channels, names};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Codes of the errors of a simulation beyond those of case, model and telemetry, for `poinsot explain`.
-pub const SIMULATE_CODES: [(&str, &str); 2] = [
-    (
-        "E0509",
-        "The motion cannot be computed: something moves that has no inertia, or the tolerance cannot be met.",
-    ),
-    ("E0510", "The output folder cannot be made or written."),
-];
+/// Samples between two reports of progress.
+const REPORTED: usize = 500;
 
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
@@ -137,6 +132,10 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> 
         // Telemetry without its truth must not stand alone; what hinders that is the same fault.
         let _ = std::fs::remove_file(&telemetry);
         return Err(failed(&truth, e));
+    }
+    // The renames last only once the folder is on disk.
+    if let Ok(handle) = std::fs::File::open(out) {
+        let _ = handle.sync_all();
     }
     let channels = &simulation.table.channels;
     Ok(Written {
@@ -264,11 +263,16 @@ fn record(
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
+    let mut taken = 0_usize;
     let mut take = |sample: &MotionSample, motor: &[f64]| {
         if first.is_none() {
             first = Some(sample.clone());
         }
         recorder.take(sample, motor);
+        taken += 1;
+        if taken.is_multiple_of(REPORTED) {
+            step("simulating samples", taken, scenario.times.len());
+        }
     };
     let used = run(case, model, None, scenario, &mut take)?;
     Ok(Recorded {

@@ -5,15 +5,18 @@
 
 mod band;
 mod statistics;
+mod sums;
 mod text;
 
 pub use band::Band;
-pub use statistics::{ParameterStatistics, Statistics, statistics};
+pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
+pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
 
 use crate::bind::bind;
 use crate::case::Case;
 use crate::error::Error;
+use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
@@ -27,6 +30,7 @@ use poinsot_telemetry::Table;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Elements of a tensor in the order of an estimate.
 const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
@@ -172,7 +176,14 @@ impl Study {
 
     /// Trials in the order of their numbers, in parallel.
     pub fn run(&self, trials: Range<u64>) -> Vec<Trial> {
-        trials.into_par_iter().map(|n| self.trial(n)).collect()
+        let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
+        let done = AtomicUsize::new(0);
+        let run = |n| {
+            let trial = self.trial(n);
+            step("trials", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            trial
+        };
+        trials.into_par_iter().map(run).collect()
     }
 
     /// The Cramer-Rao bound of the experiment at the truth.

@@ -31,19 +31,6 @@ use poinsot_model::{Model, read_model, read_telemetry_map};
 use poinsot_telemetry::read;
 use std::path::PathBuf;
 
-/// Codes of the errors of a validation, for `poinsot explain`.
-pub const VALIDATE_CODES: [(&str, &str); 3] = [
-    (
-        "E0701",
-        "The estimate cannot be read, does not belong to the model, or holds nothing to predict with.",
-    ),
-    (
-        "E0702",
-        "A case with [control] commands what its own model asks for: two vehicles would not get the same torques.",
-    ),
-    ("E0703", "Telemetry and case have no reading in common."),
-];
-
 /// Mean square in sigmas above which a difference is more than the declared noise.
 const MISFIT: f64 = 1.5;
 

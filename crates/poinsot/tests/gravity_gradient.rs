@@ -120,7 +120,7 @@ fn exact_held_attitude_shows_four_combinations() {
             + qq * (0.5 * a - 0.25 * (2.0 * a).sin())
             + pq * (0.5 * a.sin().powi(2))
     };
-    let times: Arc<[f64]> = (0..=100).map(|k| 40.0 * f64::from(k)).collect();
+    let times: Arc<[f64]> = (0..=200).map(|k| 10.0 * f64::from(k)).collect();
     let mut table = Table::default();
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         push(

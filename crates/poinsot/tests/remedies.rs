@@ -119,5 +119,4 @@ fn exact_only_a_number_given_parts_the_bodies_of_a_joint() {
             one.remedy
         );
     }
-    assert!(open[0].remedy.contains("the mass of"), "{}", open[0].remedy);
 }

@@ -579,7 +579,7 @@ fn unit_faults_name_line_key_and_remedy() {
         ("[control]\nkp = 1.0".to_owned(), vec!["E0502", ":5:", "kp"]),
         (
             "[[joint_torque]]\njoint = \"joint1\"\nconstant = 1.0".to_owned(),
-            vec!["E0508", "joint_torque", "yet"],
+            vec!["E0502", ":6:", "constant", "did you mean \"constant_N\"?"],
         ),
         (
             "[initial]\nomega_rads = [0, 0, 0.1]".to_owned(),

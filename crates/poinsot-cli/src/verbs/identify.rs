@@ -1,14 +1,22 @@
 //! `poinsot identify`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, formats, print_document, print_json};
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, IdentifyRequest, estimate_document, estimate_json, identify, segment_files,
-    write_estimate, write_report, write_report_data,
+    Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
+    segment_files, write_figures, write_result,
 };
 
 pub fn run(arguments: &Identify) -> Outcome {
-    let identified = identify(&IdentifyRequest {
+    let rows = &arguments.rows;
+    let reading = Reading {
+        policies: arguments.policy.clone(),
+        encoding: rows.encoding.into(),
+        time_s: rows.time_s,
+        every: rows.every,
+        memory_mib: rows.memory_mib,
+    };
+    let request = IdentifyRequest {
         model: arguments.model.clone(),
         segments: arguments
             .telemetry
@@ -22,17 +30,18 @@ pub fn run(arguments: &Identify) -> Outcome {
         coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
         strict: arguments.strict,
         recover: arguments.recover,
-    })?;
+    };
+    let identified = identify_reading(&request, &reading)?;
     let written = match &arguments.out {
         Some(folder) => {
             let words = std::env::args_os().skip(1);
             let command: Vec<String> = std::iter::once("poinsot".to_owned())
                 .chain(words.map(|a| a.to_string_lossy().into_owned()))
                 .collect();
-            let mut written = vec![write_estimate(folder, &identified)?];
-            write_report_data(folder, &identified, &command)?;
-            if arguments.report {
-                written.push(write_report(folder)?);
+            let mut written = write_result(folder, &identified, &command, arguments.report)?;
+            let wanted = formats(&arguments.figures);
+            if !wanted.is_empty() {
+                written.extend(write_figures(folder, &wanted)?);
             }
             written
         }
@@ -41,7 +50,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     if arguments.json {
         print_json(&estimate_json(&identified));
     } else if !arguments.quiet {
-        print(&estimate_document(&identified).to_string());
+        print_document(&estimate_document(&identified));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         eprintln!("written: {}", path.display());

@@ -7,7 +7,14 @@ use poinsot_model::read_telemetry_map;
 use poinsot_telemetry::{ColumnMap, ReadOptions, inspect, read};
 
 pub fn run(arguments: &Inspect) -> Outcome {
-    let mut options = ReadOptions::default();
+    let rows = &arguments.rows;
+    let mut options = ReadOptions {
+        encoding: rows.encoding.into(),
+        time_s: rows.time_s,
+        every: rows.every,
+        memory_mib: rows.memory_mib,
+        ..ReadOptions::default()
+    };
     if let Some(path) = &arguments.map {
         let map = read_telemetry_map(path).map_err(Failure::from)?;
         options.row_filter = map.row_filter;
@@ -25,7 +32,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let inspection = inspect(&table);
     if arguments.json {
         print_json(&inspection);
-    } else {
+    } else if !arguments.quiet {
         print(&format!("{inspection}\n"));
     }
     Ok(0)

@@ -1,13 +1,23 @@
 //! One file per verb.
 
 pub mod check;
+pub mod completions;
+pub mod explain;
+pub mod export;
 pub mod identify;
+pub mod import;
 pub mod inspect;
+pub mod man;
 pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
 pub mod validate;
+
+use std::sync::Mutex;
+
+use crate::arguments::FigureFile;
+use poinsot_report::{Document, FigureFormat};
 
 /// Why a verb failed, ready for the terminal.
 pub struct Failure {
@@ -30,11 +40,64 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
     }
 }
 
-/// Prints to standard output; a closed pipe is not an error.
+/// Says which files were written: on standard error, or as JSON on standard output.
+pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
+    if json {
+        let names: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+        print_json(&serde_json::json!({ "written": names }));
+    } else if !quiet {
+        for path in paths {
+            eprintln!("written: {}", path.display());
+        }
+    }
+}
+
+/// Formats of figures, each once.
+pub fn formats(wanted: &[FigureFile]) -> Vec<FigureFormat> {
+    let mut out = Vec::new();
+    for format in wanted {
+        let format = match format {
+            FigureFile::Svg => FigureFormat::Svg,
+            FigureFile::Png => FigureFormat::Png,
+        };
+        if !out.contains(&format) {
+            out.push(format);
+        }
+    }
+    out
+}
+
+/// Why standard output could not be written, if it could not.
+static REFUSED: Mutex<Option<std::io::Error>> = Mutex::new(None);
+
+/// Prints to standard output; a closed pipe is not an error, anything else is one in the end.
 pub fn print(text: &str) {
-    use std::io::Write;
+    print_styled(&crate::guard::plain_lines(text));
+}
+
+/// The same for a document, whose text from files is made harmless before it is coloured.
+pub fn print_document(document: &Document) {
+    print_styled(&crate::terminal::document_text(document));
+}
+
+fn print_styled(text: &str) {
+    use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let done = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Err(error) = done
+        && error.kind() != ErrorKind::BrokenPipe
+        && let Ok(mut refused) = REFUSED.lock()
+    {
+        refused.get_or_insert(error);
+    }
+}
+
+/// The exit code, unless standard output was refused.
+pub fn printed(code: u8) -> Outcome {
+    match REFUSED.lock().ok().and_then(|mut refused| refused.take()) {
+        None => Ok(code),
+        Some(source) => Err(Failure::from(poinsot::Error::Output { source })),
+    }
 }
 
 /// Prints a value as JSON.

@@ -245,7 +245,7 @@ impl Compare<'_> {
     fn input_variance(&self, motion: &mut Motion, instant: &Instant, point: &Point) -> Matrix3 {
         let noise = self.setting.noise;
         let mut sum = Matrix3::zeros();
-        for (joint, variance) in noise.joint_rate.iter().enumerate() {
+        for (joint, variance) in self.joint_rate.iter().enumerate() {
             if *variance > 0.0 {
                 let g = motion.point_gain(instant, joint, point);
                 sum += g * g.transpose() * *variance;

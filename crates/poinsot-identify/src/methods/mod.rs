@@ -36,7 +36,7 @@ pub const PUBLISHED: [Published; 3] = [
     Published {
         name: "xu2017",
         variants: &["swarm", "linear", "swarm-inward", "linear-inward"],
-        citation: "Xu, Hu, Zhang, Liang, Acta Astronautica 132, 2017, doi 10.1016/j.actaastro.2016.12.031",
+        citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
     },
 ];
 

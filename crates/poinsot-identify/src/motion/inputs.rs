@@ -48,10 +48,6 @@ impl Motion<'_> {
                 });
             };
             match &self.vehicle.kinds[unknown] {
-                UnknownKind::RestingJoint(rest) if self.rests_now(rest) => {
-                    buffer.q[rest.joint] -= value;
-                    moved(rest.joint, -1.0, 0.0);
-                }
                 UnknownKind::JointOffset(j) => {
                     buffer.q[*j] -= value;
                     moved(*j, -1.0, 0.0);

@@ -16,7 +16,8 @@ impl Motion<'_> {
     /// Torque of the surroundings about the system's mass centre, in B, N m.
     pub(super) fn surroundings(&self, state: &State, w: &Vector3, centre: &Centre) -> Vector3 {
         let to_base = state.R_NB.inverse();
-        let mut torque = self.vehicle.torque(w) + to_base * self.vehicle.torque_N;
+        let gust = self.gusts.get(self.now).copied().unwrap_or_default();
+        let mut torque = self.vehicle.torque(w) + to_base * (self.vehicle.torque_N + gust);
         if let Some(gm) = self.vehicle.gm {
             let r_B = to_base * self.orbit_N;
             torque += gravity_gradient_torque(gm, &r_B, &centre.I_SScm_B);
@@ -37,7 +38,8 @@ impl Motion<'_> {
         let kind = unknown.map(|u| &v.kinds[u]);
         let to_base = state.R_NB.inverse();
         // R^T a moves by a x dphi when the base turns.
-        let inertial = to_base * v.torque_N;
+        let gust = self.gusts.get(self.now).copied().unwrap_or_default();
+        let inertial = to_base * (v.torque_N + gust);
         let mut change = v.torque_change(w, dw, kind) + inertial.cross(dphi);
         if let Some(UnknownKind::InertialTorque(k)) = kind {
             let mut e = Vector3::zeros();

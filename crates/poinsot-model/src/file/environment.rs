@@ -21,6 +21,20 @@ pub(crate) struct EnvironmentFile {
     /// Torque of drag in body axes, -c |w| w with one coefficient an axis, kg m2: "none" (default) or
     /// "estimate".
     pub drag_torque: Option<NuisanceFile>,
+    /// Random torque about the mass centre, alike about every inertial axis, with its sigma and the time after
+    /// which it has forgotten itself (Gauss-Markov): air, outgassing, what else no formula knows. None by default.
+    pub random_torque: Option<RandomTorqueFile>,
+}
+
+/// A random torque.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+pub(crate) struct RandomTorqueFile {
+    /// One sigma about each axis, N m.
+    pub sigma_N_m: f64,
+    /// Time after which it has forgotten itself to 1/e, s.
+    pub correlation_s: f64,
 }
 
 /// Kepler elements in the inertial axes N.

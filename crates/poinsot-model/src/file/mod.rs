@@ -14,7 +14,7 @@ mod thruster;
 mod wheel;
 
 pub(crate) use body::{BodyFile, EstimateFile, InertiaFile, Parameter};
-pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile};
+pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile, RandomTorqueFile};
 pub(crate) use joint::{JointFile, JointType, SpringDamperFile};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use nuisance::{NuisanceFile, NuisanceWord};

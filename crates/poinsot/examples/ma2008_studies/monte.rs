@@ -153,6 +153,8 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
             joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
             wheel_speed: Vec::new(),
+            joint_errors: Vec::new(),
+            wheel_errors: Vec::new(),
         },
     }
 }

@@ -1,6 +1,6 @@
 //! Figures 9 and 10: best cost against iterations; beside it the accuracy, and the linear solution.
 
-use crate::setup::{Data, all_unknown, data, runs, thinned, truth, whole};
+use crate::setup::{Data, EVERY, all_unknown, data, runs, thinned, truth, whole};
 use crate::svg::{COLOURS, Panel, Shape, figure};
 use poinsot_identify::methods::xu2017::swarm::Swarm;
 use poinsot_identify::methods::xu2017::{Found, Kind, Order, Searched, Solver, particle, sequence};
@@ -65,8 +65,8 @@ fn panel(title: &str, y: &str, histories: &[&[f64]], level: f64, level_name: &st
 pub fn run(out: &Path) {
     let example = data(&["C1"]).model;
     let model = all_unknown(&example);
-    let single = Data::new(model.clone(), &thinned(runs(&model, &["C1"]), 2));
-    let tip = Data::new(model.clone(), &thinned(runs(&model, &["C1", "C7"]), 2));
+    let single = Data::new(model.clone(), &thinned(runs(&model, &["C1"]), EVERY));
+    let tip = Data::new(model.clone(), &thinned(runs(&model, &["C1", "C7"]), EVERY));
     let nine = flights(&single, Order::Outward);
     let histories = |list: &'_ [Found], part: Searched| -> Vec<(Vec<f64>, f64)> {
         list.iter()

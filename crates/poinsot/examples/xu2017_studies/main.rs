@@ -15,12 +15,12 @@ mod studies;
 #[path = "../kim2010_studies/svg.rs"]
 mod svg;
 mod tables;
+mod validation;
 
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str =
-    "xu2017_studies STUDY [OUT_DIR]\n  STUDY: tables | figures | uses | target | sensitivity | all";
+const USAGE: &str = "xu2017_studies STUDY [OUT_DIR]\n  STUDY: tables | figures | uses | target | sensitivity | validation | all";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -43,12 +43,14 @@ fn main() -> ExitCode {
         "uses" => studies::uses(),
         "target" => studies::target(),
         "sensitivity" => studies::sensitivity(),
+        "validation" => validation::run(out, tables::SEEDS),
         "all" => {
             tables::run(tables::SEEDS);
             figures::run(out);
             studies::uses();
             studies::target();
             studies::sensitivity();
+            validation::run(out, tables::SEEDS);
         }
         _ => {
             eprintln!("{USAGE}");

@@ -55,6 +55,9 @@ pub fn runs(model: &Model, names: &[&str]) -> Vec<Table> {
         .collect()
 }
 
+/// Samples taken for the swarms of many seeds: every sixth, 0.3 s apart. The runs are free of noise.
+pub const EVERY: usize = 6;
+
 pub const ALL: [&str; 7] = ["C1", "C2", "C3", "C4", "C5", "C6", "C7"];
 
 /// The nominal model, 2 to 6 % off, with the runs named.

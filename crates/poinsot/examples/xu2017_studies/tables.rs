@@ -202,7 +202,7 @@ pub fn ranges(data: &Data, null: &Null, seeds: u64, known: &[(f64, &[Found])]) {
         "  {:>6} {:>15} {:>14} {:>14} {:>14} {:>14} {:>14} {:>14} {:>9} {:>12} {:>8}",
         "range", "B0", "B1", "B2", "B3", "B4", "B5", "B6", "sum", "seen error", "arrived"
     );
-    for share in [0.02, 0.05, 0.1, 0.2, 0.5] {
+    for share in [0.05, 0.2, 0.5] {
         let own;
         let list = match known.iter().find(|k| k.0 == share) {
             Some((_, list)) => *list,
@@ -248,7 +248,10 @@ pub fn run(seeds: u64) {
     let full = data(&crate::setup::ALL);
     let null = header(&full);
     let truth_centred = all_unknown(&full.model);
-    let tables = thinned(crate::setup::runs(&truth_centred, &crate::setup::ALL), 2);
+    let tables = thinned(
+        crate::setup::runs(&truth_centred, &crate::setup::ALL),
+        crate::setup::EVERY,
+    );
     let centred = Data::new(truth_centred, &tables);
     let wide = swarms(&centred, 0.5, seeds, Order::Outward);
     let narrow = swarms(&centred, 0.05, seeds, Order::Outward);

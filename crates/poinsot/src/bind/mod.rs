@@ -5,10 +5,12 @@
 mod acceleration;
 mod channels;
 mod faults;
+mod input_errors;
 mod motion;
 mod noise;
 mod observe;
 mod orbit;
+mod plausible;
 mod points;
 mod thrust;
 
@@ -18,7 +20,7 @@ pub use noise::declared_noise;
 
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
-use poinsot_model::{Model, SensorKind};
+use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_telemetry::Table;
 
 /// Why telemetry and model do not fit together.
@@ -67,6 +69,34 @@ pub enum BindError {
         distance: f64,
         /// Time, s.
         time: f64,
+    },
+    /// A reading that no vehicle gives.
+    #[error(
+        "E0306 {file}: channel '{channel}': {value:?} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample"
+    )]
+    Implausible {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Value, SI.
+        value: f64,
+        /// Time, s.
+        time_s: f64,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Vectors in N, and nothing that says how the vehicle stands to N.
+    #[error(
+        "E0307 {file}: no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N: without attitude N is where the gyro starts, and the answer would be wrong by the turn between the two; add the attitude, or {remedy}"
+    )]
+    NoAttitude {
+        /// File or files of the segment.
+        file: String,
+        /// What is given in N.
+        what: String,
+        /// What else to do.
+        remedy: &'static str,
     },
     /// Something the linear method cannot use.
     #[error("E0305 model: {what}")]
@@ -146,7 +176,9 @@ fn bind_segment(
         table,
         label: &label,
     };
+    plausible::check(&channels)?;
     let gyro = channels.gyro(model)?;
+    needs_attitude(model, &channels)?;
     orbit::check_orbit(model, &channels, repairs)?;
     let times = gyro.time_s();
     let aligned = motion::align(model, tree, &channels, &gyro, times, repairs)?;
@@ -179,6 +211,38 @@ fn bind_segment(
         },
         lost as f64 / times.len() as f64,
     ))
+}
+
+/// # Errors
+/// Momentum, velocity or position are given in N while no attitude is measured.
+fn needs_attitude(model: &Model, channels: &channels::Channels) -> Result<(), BindError> {
+    let name = base_sensor(model, SensorKind::Attitude).map(|s| s.name.as_str());
+    if channels.find(name, "q_w").is_some() {
+        return Ok(());
+    }
+    let fault = |what: String, remedy| BindError::NoAttitude {
+        file: channels.label.to_owned(),
+        what,
+        remedy,
+    };
+    for (key, known) in [
+        ("linear_N_s", model.momentum.linear),
+        ("angular_N_m_s", model.momentum.angular),
+    ] {
+        if let MomentumKnowledge::Known(p) = known
+            && p.norm() > 0.0
+        {
+            let what = format!("[momentum] {key} = [{}, {}, {}]", p.x, p.y, p.z);
+            return Err(fault(what, "write \"estimate\""));
+        }
+    }
+    for (kind, prefix) in [(SensorKind::Velocity, "v"), (SensorKind::Position, "r")] {
+        if channels.vector(model, kind, prefix).is_some() {
+            let what = format!("{prefix}_x {prefix}_y {prefix}_z");
+            return Err(fault(what, "take the sensor out of the model"));
+        }
+    }
+    Ok(())
 }
 
 /// Sensors of one kind that sit on the base.

@@ -289,6 +289,15 @@ fn joint(
         channels.find(None, &position_name),
         channels.find(None, &rate_name),
     ) {
+        (Some(q), rate) if super::input_errors::is_locked(model, at, q) => {
+            if rate.is_some_and(|r| r.values.iter().any(|x| *x != 0.0)) {
+                repairs.push(format!(
+                    "{label}: {} reads one position throughout: taken as locked, its '{rate_name}' as zero",
+                    joint.name
+                ));
+            }
+            (resample(q, times, None), vec![Some(0.0); times.len()])
+        }
         (Some(q), Some(rate)) => (
             resample_hermite(q, rate, times, None),
             resample(rate, times, None),
@@ -305,8 +314,14 @@ fn joint(
             let unused = rate.map_or(String::new(), |_| {
                 format!("; its '{rate_name}' is not used without a position")
             });
+            let springs = match joint.spring_damper {
+                Some(_) => {
+                    " although its spring lets it move: give its readings, or a model without it"
+                }
+                None => "",
+            };
             repairs.push(format!(
-                "{label}: no channel '{position_name}': {} taken as locked at {}{unused}",
+                "{label}: no channel '{position_name}': {} taken as locked at {}{unused}{springs}",
                 joint.name, joint.locked_at
             ));
             (

@@ -7,6 +7,9 @@ use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::{Table, noise_level};
 
+/// Sigma of a derivative, from the quartic through five samples, per sigma and time step of the samples.
+const DIFFERENCE: f64 = 0.95;
+
 /// Noise of every measurement of the momentum equations, from the model's sensors.
 ///
 /// # Errors
@@ -58,7 +61,7 @@ pub fn declared_noise(
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
     };
-    silence_locked(model, tree, tables, &mut noise);
+    silence_given(model, tree, tables, &mut noise);
     noise.seen_gyro = seen(tables, &["omega_x", "omega_y", "omega_z"], &gyro);
     noise.seen_velocity = seen(tables, &["v_x", "v_y", "v_z"], &noise.velocity);
     noise.seen_joint_rate = seen_rates(model, tree, tables, &noise.joint_rate);
@@ -105,30 +108,33 @@ fn velocity(
             kind: "position",
             key: "noise_m",
         })?;
-        // The quartic through five samples passes noise on with 0.95 / h.
         let step = tables
             .iter()
             .filter_map(|t| t.channel("r_x"))
             .filter_map(|c| poinsot_telemetry::median_step(&c.time_s))
             .fold(f64::INFINITY, f64::min);
-        return Ok(position * (0.95 / step).powi(2));
+        return Ok(position * (DIFFERENCE / step).powi(2));
     }
     Ok(Matrix3::identity())
 }
 
-/// A joint without a column, or one that reads the same throughout, is locked: it has no noise.
-fn silence_locked(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
+/// A joint without a column is given, not read; one with positions alone has a rate that is as noisy as its
+/// differences.
+fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise) {
     for (k, &at) in tree.coordinates.iter().enumerate() {
         let joint = &model.joints[at];
-        let (position, _) = super::channels::joint_columns(&joint.name, joint.kind);
-        let moves = tables.iter().filter_map(|t| t.channel(&position)).any(|c| {
-            c.values
-                .first()
-                .is_some_and(|first| c.values.iter().any(|x| x != first))
-        });
-        if !moves {
-            noise.joint_position[k] = 0.0;
-            noise.joint_rate[k] = 0.0;
+        let (position, rate) = super::channels::joint_columns(&joint.name, joint.kind);
+        let channels = |name: &str| tables.iter().filter_map(|t| t.channel(name)).next();
+        match (channels(&position), channels(&rate)) {
+            (None, _) => {
+                noise.joint_position[k] = 0.0;
+                noise.joint_rate[k] = 0.0;
+            }
+            (Some(q), None) => {
+                let step = poinsot_telemetry::median_step(&q.time_s).unwrap_or(f64::INFINITY);
+                noise.joint_rate[k] = noise.joint_position[k] * (DIFFERENCE / step).powi(2);
+            }
+            _ => {}
         }
     }
 }

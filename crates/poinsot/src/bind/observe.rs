@@ -1,6 +1,7 @@
 //! Every sensor at its own times, on the union of them: for maximum likelihood.
 
 use super::channels::{Channels, VectorChannels, joint_columns};
+use super::input_errors::{is_locked, joint_errors, wheel_errors};
 use super::orbit::orbit_at;
 use super::points::point_channels;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -90,6 +91,8 @@ pub(super) fn observe(
         joint_position: rows(0, dof),
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),
+        joint_errors: joint_errors(model, tree, channels, &time_s),
+        wheel_errors: wheel_errors(model, channels, &time_s),
         time_s,
     }
 }
@@ -170,8 +173,13 @@ fn inputs(model: &Model, tree: &Tree, channels: &Channels, grid: &[f64]) -> Vec<
                         &derived
                     }
                 };
-                positions.push(resample_hermite(q, rate, grid, None));
-                rates.push(resample(rate, grid, None));
+                if is_locked(model, at, q) {
+                    positions.push(resample(q, grid, None));
+                    rates.push(vec![Some(0.0); grid.len()]);
+                } else {
+                    positions.push(resample_hermite(q, rate, grid, None));
+                    rates.push(resample(rate, grid, None));
+                }
             }
         }
     }

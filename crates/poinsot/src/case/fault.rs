@@ -4,50 +4,10 @@ use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Codes of the faults in case files with one line of explanation each, for `poinsot explain`.
-pub const CASE_CODES: [(&str, &str); 9] = [
-    (
-        "E0501",
-        "The case file cannot be read, or is larger than 16 MiB or not UTF-8.",
-    ),
-    (
-        "E0502",
-        "The case file is not valid TOML, lacks a key, or has a key or type that the format does not have.",
-    ),
-    (
-        "E0503",
-        "The file names another format than poinsot.case/1.",
-    ),
-    (
-        "E0504",
-        "A name that the model does not have, or a thing that is moved twice or not at all.",
-    ),
-    (
-        "E0505",
-        "A number out of range: not finite, negative or zero where only positive numbers mean something.",
-    ),
-    (
-        "E0506",
-        "Times and values that make no motion: different lengths, or times that do not increase.",
-    ),
-    (
-        "E0507",
-        "Keys that contradict each other, or whose unit does not fit what they describe.",
-    ),
-    (
-        "E0508",
-        "Something the format has and the simulation does not do yet.",
-    ),
-    (
-        "E0511",
-        "A file that the case names cannot be read, or lacks the column asked for.",
-    ),
-];
-
 /// One thing that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaseFault {
-    /// Stable code, see [`CASE_CODES`].
+    /// Stable code, see `poinsot explain`.
     pub code: &'static str,
     /// File as given.
     pub file: String,

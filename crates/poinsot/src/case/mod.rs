@@ -15,7 +15,7 @@ mod torques;
 
 pub use bind::Scenario;
 pub use control::Control;
-pub use fault::{CASE_CODES, CaseError, CaseFault};
+pub use fault::{CaseError, CaseFault};
 pub use file::Format;
 pub use sensor_output::SensorOutput;
 pub(crate) use sensor_output::unit_suffix;

@@ -1,5 +1,6 @@
 //! `estimate.json` as a report reads it.
 
+use crate::diagnostics_file::DiagnosticsFile;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -24,6 +25,8 @@ pub(crate) struct EstimateFile {
     nuisance: Map<String, Value>,
     pub identifiability: Identifiability,
     pub fit: Vec<Fit>,
+    #[serde(default)]
+    pub diagnostics: Option<DiagnosticsFile>,
     pub covariance_trustworthy: bool,
     pub repairs: Vec<String>,
     #[serde(default)]

@@ -4,7 +4,7 @@ use super::record::Recorder;
 use super::{every, stream};
 use crate::case::{Case, Scenario, unit_suffix};
 use poinsot_dynamics::{MotionSample, composite};
-use poinsot_model::Model;
+use poinsot_model::{JointKind, Model};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
 use serde_json::{Map, Value, json};
 
@@ -48,7 +48,7 @@ pub(super) fn document(
         "rate_hz": case.rate_hz,
         "seed": case.seed,
         "trial": trial,
-        "initial": first.map(initial),
+        "initial": first.map(|s| initial(model, s)),
         "bodies": bodies,
         "wheels": wheels,
         "system": first.map(|s| vec![system(model, s)]),
@@ -95,14 +95,26 @@ fn body(properties: &MassProperties) -> Value {
     })
 }
 
-/// Pose and motion of the base at time zero.
-fn initial(s: &MotionSample) -> Value {
+/// Pose and motion of the base and the joints at time zero.
+fn initial(model: &Model, s: &MotionSample) -> Value {
     let q = s.R_NB.coords;
+    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
+    let joints: Map<String, Value> = moving
+        .zip(s.q.iter().zip(&s.rates))
+        .map(|(joint, (q, rate))| {
+            let numbers = match joint.kind {
+                JointKind::Prismatic => json!({ "position_m": q, "rate_m_s": rate }),
+                _ => json!({ "position_rad": q, "rate_rad_s": rate }),
+            };
+            (joint.name.clone(), numbers)
+        })
+        .collect();
     json!({
         "q_xyzw": [q.x, q.y, q.z, q.w],
         "omega_rad_s": array(&s.w_NB_B),
         "r_m": array(&s.p_NoBo_N),
         "v_m_s": array(&s.v_NBo_N),
+        "joints": joints,
     })
 }
 
@@ -114,15 +126,12 @@ fn system(model: &Model, s: &MotionSample) -> Value {
         .map(|b| b.nominal.parameters())
         .collect();
     let whole = composite(&parameters, &s.kinematics);
-    let moving = model
-        .joints
-        .iter()
-        .filter(|j| j.kind != poinsot_model::JointKind::Fixed);
+    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
     let joints: Map<String, Value> = moving
         .zip(&s.q)
         .map(|(joint, q)| {
             let unit = match joint.kind {
-                poinsot_model::JointKind::Prismatic => "m",
+                JointKind::Prismatic => "m",
                 _ => "rad",
             };
             (format!("{}_{unit}", joint.name), json!(q))

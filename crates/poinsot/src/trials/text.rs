@@ -82,7 +82,7 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
         s.iterations.0, s.iterations.1
     ));
     for (status, count) in &s.statuses {
-        lines.push(format!("{count} trials {}", status.name()));
+        lines.push(format!("{count} trials {status}"));
     }
     if let Some((name, gap)) = s.worst_prediction() {
         lines.push(format!(

@@ -2,7 +2,7 @@
 
 use super::{Against, Validation};
 use crate::error::Error;
-use crate::output::write_file;
+use crate::output::write_files;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -115,10 +115,10 @@ fn quoted(text: &str) -> String {
 pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
     let json = folder.join("validation.json");
     let csv = folder.join("histories.csv");
-    write_file(&csv, validation_csv(validation).as_bytes())?;
-    write_file(
-        &json,
-        format!("{:#}\n", validation_json(validation)).as_bytes(),
-    )?;
+    let text = format!("{:#}\n", validation_json(validation));
+    write_files(&[
+        (csv.clone(), validation_csv(validation).as_bytes()),
+        (json.clone(), text.as_bytes()),
+    ])?;
     Ok(vec![json, csv])
 }

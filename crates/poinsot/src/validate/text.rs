@@ -63,13 +63,14 @@ fn differences(validation: &Validation) -> Section {
         table.push(row(one, sigmas));
     }
     let mut section = Section::table("difference, model less the other side", table);
-    section.note = match validation.kind {
-        Against::Model | Against::TelemetryOfCase => None,
-        Against::HeldBack => Some(
-            "nothing of the vehicle was fitted; pose, momentum and declared biases of the record were"
-                .to_owned(),
-        ),
-    };
+    let mut notes = Vec::new();
+    if validation.kind == Against::HeldBack {
+        notes.push("nothing of the vehicle was fitted; pose, momentum and declared biases of the record were");
+    }
+    if sigmas {
+        notes.push("sigma is the declared noise of the sensor alone, without that of the estimate");
+    }
+    section.note = (!notes.is_empty()).then(|| notes.join("; "));
     section
 }
 

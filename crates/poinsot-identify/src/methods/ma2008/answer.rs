@@ -230,6 +230,7 @@ fn write(
         covariance_trustworthy: solved.chi2 <= MISFIT && !rejected,
         warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
         assumptions: Vec::new(),
+        diagnostics: None,
         method_report: Some(MethodReport {
             note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds on the errors and condition numbers of both steps, at the declared noise".to_owned(),
             numbers: report(solved)

@@ -74,6 +74,12 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
     if nothing {
         return Err(Xu2017Error::NothingMoves);
     }
+    // A tensor alone is the second use: the locked robot, no joint in motion.
+    let first = found.unknown.iter().position(|u| *u).unwrap_or(0);
+    if found.part == Part::Inertia && found.moving_segments() > 0 {
+        let body = model.bodies[first].name.clone();
+        return Err(Xu2017Error::PartlyKnown { body });
+    }
     let several = found.unknown.iter().filter(|u| **u).count() > 1;
     if let Some(&at) = found.together.first().filter(|_| several) {
         let names = moving[at].iter().map(|&j| joint_name(problem, j));

@@ -26,6 +26,8 @@ const MOTIONS: usize = 40;
 const REST: f64 = 5.0;
 /// A swarm whose cost stays above this share of its first best has not arrived.
 const ARRIVED: f64 = 1.0e-6;
+/// Share of the cost that the declared noise leaves, below which costs say the same.
+const UNSEEN: f64 = 0.1;
 
 /// Joints from the base to the tip, or back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,6 +86,8 @@ pub struct StepReport {
     pub linear: MassProperties,
     /// Cost (37) or (52) of the linear solution, mean over the samples.
     pub cost_linear: f64,
+    /// Cost that the declared noise of the velocity alone leaves; zero where it is not seen.
+    pub cost_noise: f64,
     /// Directions that the linear solution moved, of those asked for.
     pub rank: usize,
     /// Condition of these directions in natural units.
@@ -100,11 +104,13 @@ impl StepReport {
         self.flight.as_ref().is_some_and(stuck) && !self.arrived()
     }
 
-    /// Whether the swarm's cost came down to that of the linear solution.
+    /// Whether the swarm's cost came down to that of the linear solution, as far as the declared noise lets one
+    /// tell.
     pub fn arrived(&self) -> bool {
         self.flight.as_ref().is_none_or(|(flight, _)| {
             let first = flight.history.first().copied().unwrap_or(0.0);
-            flight.cost <= 2.0 * self.cost_linear + ARRIVED * first
+            let floor = ARRIVED * first + UNSEEN * self.cost_noise;
+            flight.cost <= 2.0 * self.cost_linear + floor
         })
     }
 }
@@ -226,9 +232,9 @@ impl Work<'_> {
             }
         }
         let name = "equivalent single body".to_owned();
+        self.found.form = Some(form);
         let found = self.finish(Searched::Single, name, linear, &objective, range)?;
         self.found.total = Some(found.parameters());
-        self.found.form = Some(form);
         Ok(())
     }
 
@@ -511,6 +517,7 @@ impl Work<'_> {
             found,
             linear: linear.value,
             cost_linear: cost_linear[0],
+            cost_noise: self.cost_noise(),
             rank: linear.rank,
             condition,
             flight,
@@ -677,6 +684,17 @@ impl Work<'_> {
         (1..4).for_each(|d| half[d] = share * x[d].abs());
         (7..10).for_each(|d| half[d] = length);
         Range::around(&x, &half)
+    }
+
+    /// Momentum that the noise of the velocity stands for; accelerations declare none.
+    fn cost_noise(&self) -> f64 {
+        let accelerations = self.found.form == Some(Form::Acceleration);
+        let segments = self.problem.segments.iter();
+        let seen = segments.filter(|s| s.samples.translation.is_some()).count();
+        if seen == 0 || accelerations && self.roles.moving_segments() == 0 {
+            return 0.0;
+        }
+        self.composite(0, |_| true).mass * self.problem.noise.velocity.trace().sqrt()
     }
 
     fn momentum_is_free(&self) -> bool {

@@ -121,15 +121,21 @@ pub fn solve_single(
     nominal: &Single,
     part: Part,
 ) -> Answer<Single> {
-    let per_segment = if form == Form::Momentum { 6 } else { 0 };
-    let offsets = per_segment * segments.len();
     let m = nominal.mass;
     let x = particle(nominal);
     let known = part == Part::Inertia;
+    let translation = !known && segments.iter().flatten().any(|r| r.D.is_some());
+    let per_segment = match (form, translation) {
+        (Form::Acceleration, _) => 0,
+        (Form::Momentum, true) => 6,
+        (Form::Momentum, false) => 3,
+    };
+    let offsets = per_segment * segments.len();
     let unknowns = if known { 6 } else { 10 };
     let mut system = Rows::new(offsets, unknowns);
     let tagged = segments.iter().enumerate();
-    for (start, row) in tagged.flat_map(|(k, rows)| rows.iter().map(move |r| (6 * k, r))) {
+    for (start, row) in tagged.flat_map(|(k, rows)| rows.iter().map(move |r| (per_segment * k, r)))
+    {
         for i in 0..3 {
             let mut left = vec![0.0; offsets + 10];
             let mut right = row.A[i];

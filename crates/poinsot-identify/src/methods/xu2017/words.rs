@@ -8,6 +8,7 @@ use super::{Order, Searched, Variant};
 use crate::estimate::Estimate;
 use crate::problem::Problem;
 use poinsot_dynamics::Kinematics;
+use poinsot_model::{Nuisance, SensorKind};
 
 /// A lever arm below this share of the radius of gyration is no lever.
 const NO_LEVER: f64 = 1.0e-6;
@@ -35,6 +36,7 @@ pub(super) fn warnings(problem: &Problem, found: &Found) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(thrust(problem, found));
     list.extend(standing(problem));
+    list.extend(declared(problem, found));
     for step in &found.steps {
         list.extend(search(step));
         if step.found.mass <= 0.0 {
@@ -95,6 +97,26 @@ fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
         list.push(format!(
             "the thrust makes no torque about the mass centre (largest lever {lever:.1e} m), so nothing turns: the inertia tensor does not enter (30) and stays open; fire thrusters beside the mass centre"
         ));
+    }
+    list
+}
+
+/// What the model declares unknown and the paper takes as exact.
+fn declared(problem: &Problem, found: &Found) -> Vec<String> {
+    let model = problem.model;
+    let mut list = Vec::new();
+    let bias = model
+        .sensors_of(SensorKind::Gyro)
+        .any(|s| s.bias != Nuisance::Known);
+    if bias {
+        list.push("the gyro's bias is declared unknown: xu2017 takes it as zero; --method auto estimates it".to_owned());
+    }
+    let scaled = model.thrusters.iter().any(|t| t.scale != Nuisance::Known);
+    if scaled && found.form.is_some() {
+        list.push("thruster scales are declared unknown: xu2017 takes the thrust as exact; --method auto estimates them".to_owned());
+    }
+    if model.bodies.iter().any(|b| b.prior.is_some()) {
+        list.push("the declared priors are not used by xu2017".to_owned());
     }
     list
 }

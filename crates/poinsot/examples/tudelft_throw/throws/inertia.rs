@@ -81,7 +81,8 @@ fn windows(throw: &Recording, settings: &Settings) -> Vec<Table> {
         .collect()
 }
 
-fn table(throw: &Recording, from: usize, to: usize) -> Table {
+/// The readings of a stretch of a throw.
+pub fn table(throw: &Recording, from: usize, to: usize) -> Table {
     let time_s: Arc<[f64]> = throw.time_s[from..to].into();
     let channel = |name: &str, frame: &str, values: Vec<f64>| Channel {
         name: name.to_owned(),

@@ -2,11 +2,11 @@
 //!
 //! Symbols: `b` the measuring box, `o` an object, `c` both bolted together; `J` the wheel's spin inertia.
 
-mod inertia;
+pub mod inertia;
 mod low_pass;
-mod mass_centre;
-mod recording;
-mod truth;
+pub mod mass_centre;
+pub mod recording;
+pub mod truth;
 
 use inertia::inertia_over_J;
 use mass_centre::p_SBcm_B;
@@ -20,12 +20,13 @@ use truth::{Known, read_truth};
 /// Any fault ends the example.
 pub type Fault = Box<dyn std::error::Error>;
 
-const MODEL: &str = include_str!("../../../../../examples/tudelft_throw/model.toml");
+/// The model file of the box.
+pub const MODEL: &str = include_str!("../../../../../examples/tudelft_throw/model.toml");
 
 /// The choices of the evaluation; README.md of the example says why these.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
-    /// Cut-off of the low-pass filter, Hz.
+    /// Cut-off of the low-pass filter, Hz; infinite for none.
     pub cut_off_hz: f64,
     /// Length of the windows within which momentum is constant, s.
     pub window_s: f64,

@@ -117,14 +117,22 @@ pub fn read_recording(
     let rate_hz = 1.0 / poinsot_telemetry::median_step(&first.time_s).ok_or("no samples")?;
     // The filter sees what comes before the start, so that its own start-up lies outside.
     let from = first.time_s.partition_point(|t| *t < settings.start_s);
+    // Without a filter every reading is kept.
+    let (cut_off, keep) = match settings.cut_off_hz.is_finite() {
+        true => (Some(settings.cut_off_hz), KEEP),
+        false => (None, 1),
+    };
     let kept =
-        |values: &[f64]| -> Vec<f64> { values.iter().skip(from).step_by(KEEP).copied().collect() };
+        |values: &[f64]| -> Vec<f64> { values.iter().skip(from).step_by(keep).copied().collect() };
     let filtered = |name: &str, bias: f64| -> Result<Vec<f64>, Fault> {
         let channel = table
             .channel(name)
             .ok_or_else(|| format!("no channel {name}"))?;
         let unbiased: Vec<f64> = channel.values.iter().map(|x| x - bias).collect();
-        Ok(kept(&low_pass(&unbiased, rate_hz, settings.cut_off_hz)))
+        Ok(match cut_off {
+            Some(cut_off_hz) => kept(&low_pass(&unbiased, rate_hz, cut_off_hz)),
+            None => kept(&unbiased),
+        })
     };
     let [wx, wy, wz] =
         [0, 1, 2].map(|k| filtered(["omega_x", "omega_y", "omega_z"][k], log.gyro_bias_B[k]));
@@ -132,7 +140,7 @@ pub fn read_recording(
     Ok(Recording {
         name: log.name.clone(),
         time_s: kept(&first.time_s),
-        rate_hz: rate_hz / KEEP as f64,
+        rate_hz: rate_hz / keep as f64,
         w_NB_B: vectors(&wx?, &wy?, &wz?),
         f_S_B: vectors(&fx?, &fy?, &fz?),
         wheel_rad_s: filtered("wheel_rad_s", 0.0)?,

@@ -1,0 +1,91 @@
+//! A fault of the program becomes one line and exit code 4; what a terminal would obey is not printed.
+
+use crate::verbs::{Failure, Outcome};
+use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
+use std::sync::Mutex;
+
+/// Message and place of the last panic.
+static LAST: Mutex<String> = Mutex::new(String::new());
+
+/// Runs a verb; a panic inside becomes a failure. Panics that are caught deeper (the Parquet decoder's) print
+/// nothing.
+pub fn guarded(verb: impl FnOnce() -> Outcome) -> Outcome {
+    set_hook(Box::new(remember));
+    catch_unwind(AssertUnwindSafe(verb)).unwrap_or_else(|_| {
+        let what = match LAST.lock() {
+            Ok(text) => text.clone(),
+            Err(poisoned) => poisoned.into_inner().clone(),
+        };
+        Err(Failure::from(poinsot::Error::Internal { what }))
+    })
+}
+
+fn remember(info: &PanicHookInfo<'_>) {
+    let message = info
+        .payload_as_str()
+        .unwrap_or("no message")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    let place = info.location().map_or(String::new(), |l| {
+        // The path on the machine that compiled it says nothing here.
+        let parts: Vec<&str> = l.file().rsplit(['/', '\\']).take(3).collect();
+        let parts: Vec<&str> = parts.into_iter().rev().collect();
+        format!(" ({}:{})", parts.join("/"), l.line())
+    });
+    if let Ok(mut last) = LAST.lock() {
+        *last = format!("{message}{place}");
+    }
+}
+
+/// Text without control characters other than line ends: names in files must not speak to the terminal.
+pub fn plain(text: &str) -> String {
+    text.chars()
+        .map(|c| {
+            if c.is_control() && c != '\n' {
+                '\u{fffd}'
+            } else {
+                c
+            }
+        })
+        .collect()
+}
+
+/// The same for output, where tabs stay.
+pub fn plain_lines(text: &str) -> std::borrow::Cow<'_, str> {
+    let bad = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if text.contains(bad) {
+        text.replace(bad, "\u{fffd}").into()
+    } else {
+        text.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[allow(clippy::panic)]
+    fn exact_a_panic_is_one_line_and_exit_code_4() {
+        let failure = guarded(|| panic!("two\nlines"))
+            .err()
+            .map(|f| (f.exit_code, f.message));
+        let (code, message) = failure.unwrap_or_default();
+        assert_eq!(code, 4);
+        let line = message.rsplit_once(':').map_or("", |m| m.0);
+        assert!(
+            line.starts_with("E0009 internal error: two lines (poinsot-cli/src/guard.rs"),
+            "{message}"
+        );
+        assert!(message.ends_with(
+            "; this is a fault of poinsot: please report it with the command and, if you can, the input"
+        ));
+        assert!(!message.contains('\n'));
+    }
+
+    #[test]
+    fn exact_escape_sequences_do_not_reach_the_terminal() {
+        assert_eq!(plain("a\u{1b}[31mb\nc"), "a\u{fffd}[31mb\nc");
+    }
+}

@@ -1,0 +1,38 @@
+//! `poinsot explain`
+
+use super::{Outcome, print, print_json};
+use crate::arguments::Explain;
+use poinsot::explain::{error_codes, explain};
+
+pub fn run(arguments: &Explain) -> Outcome {
+    let codes = match &arguments.code {
+        None => error_codes(),
+        Some(code) => vec![explain(code).ok_or_else(|| poinsot::Error::Usage {
+            option: "explain",
+            value: code.clone(),
+            why: "there is no such code; `poinsot explain` lists all".to_owned(),
+        })?],
+    };
+    if arguments.json {
+        let list: Vec<_> = codes
+            .iter()
+            .map(|c| {
+                serde_json::json!({
+                    "code": c.code, "meaning": c.meaning, "cause": c.cause, "remedy": c.remedy,
+                })
+            })
+            .collect();
+        print_json(&list);
+    } else if arguments.quiet {
+        return Ok(0);
+    } else if arguments.code.is_some() {
+        codes.iter().for_each(|c| print(&c.to_string()));
+    } else {
+        let lines: Vec<String> = codes
+            .iter()
+            .map(|c| format!("{}  {}\n", c.code, c.meaning))
+            .collect();
+        print(&lines.concat());
+    }
+    Ok(0)
+}

@@ -1,0 +1,31 @@
+//! `poinsot import`
+
+use super::{Failure, Outcome, print, written};
+use crate::arguments::Import;
+use poinsot_model::{parse_model, read_urdf, write_model};
+
+pub fn run(arguments: &Import) -> Outcome {
+    let model = read_urdf(&arguments.urdf).model.map_err(Failure::from)?;
+    let text = write_model(&model);
+    // What is written must be read again: names and numbers meet the rules of the model file too.
+    parse_model(&text, &arguments.urdf.display().to_string()).map_err(Failure::from)?;
+    match &arguments.out {
+        Some(path) => {
+            poinsot::write_file(path, text.as_bytes())?;
+            written(std::slice::from_ref(path), arguments.json, arguments.quiet);
+        }
+        None => print(&text),
+    }
+    if arguments.quiet {
+        return Ok(0);
+    }
+    for note in &model.notes {
+        eprintln!("note: {}:{note}", arguments.urdf.display());
+    }
+    eprintln!(
+        "{} bodies, {} joints; add sensors with their noise and say what is to be estimated",
+        model.bodies.len(),
+        model.joints.len()
+    );
+    Ok(0)
+}

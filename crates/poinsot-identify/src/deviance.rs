@@ -1,0 +1,67 @@
+//! How likely the readings are under the declared noise: to compare declarations, not estimates.
+//!
+//! Restricted likelihood (Patterson and Thompson 1971): everything that was fitted is integrated out, so a
+//! declaration is not favoured for what it lets the fit absorb.
+
+use crate::fit::Fitted;
+use crate::information::Experiment;
+use crate::parameters::UnknownKind;
+use crate::prior;
+use poinsot_spatial::Matrix3;
+
+/// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and
+/// calibrations, determinants of the sensors' noise and of the random torque's, and that of the information.
+/// The noise of joints and wheels counts in chi-square alone.
+pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let noise = experiment.problem.noise;
+    let mut sum: f64 = fitted.evaluated.iter().map(|e| e.cost).sum();
+    for channel in fitted.evaluated.iter().flat_map(|e| &e.channels) {
+        let covariance = match channel.name {
+            "gyro" => noise.gyro,
+            "attitude" => noise.attitude,
+            "velocity" => noise.velocity,
+            "position" => noise.position,
+            _ => Matrix3::identity(),
+        };
+        sum += channel.white.len() as f64 * covariance.determinant().ln();
+    }
+    let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);
+    sum += calibration.chi2;
+    let own: Vec<usize> = (0..experiment.parameters.len())
+        .filter(|k| {
+            let kind = &experiment.parameters.unknowns[*k].kind;
+            matches!(kind, UnknownKind::RandomTorque(_))
+        })
+        .collect();
+    for row in &calibration.rows {
+        // The last entry is the stretch that the row is about.
+        let last = own
+            .iter()
+            .rev()
+            .map(|k| row.gradient[*k])
+            .find(|g| *g != 0.0);
+        sum -= 2.0 * last.map_or(0.0, f64::ln);
+    }
+    for (one, unknown) in fitted.evaluated.iter().zip(&experiment.unknown) {
+        if let Some(t) = &one.triangle {
+            sum += (0..unknown.count())
+                .map(|i| log_square(t.r[(i, i)]))
+                .sum::<f64>();
+        }
+    }
+    let shared = &fitted.shared;
+    sum += (0..shared.nuisances)
+        .map(|i| log_square(shared.r[(i, i)]))
+        .sum::<f64>();
+    let spectrum = &fitted.spectrum;
+    sum += spectrum.singular[..spectrum.rank]
+        .iter()
+        .map(|s| log_square(*s))
+        .sum::<f64>();
+    sum
+}
+
+/// `2 ln |x|`; nothing of a column that nothing sees.
+fn log_square(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { 2.0 * x.abs().ln() }
+}

@@ -1,0 +1,78 @@
+//! Size, outliers and whiteness of the residual, sensor by sensor.
+
+use super::types::ChannelDiagnosis;
+use crate::fit::Fitted;
+use crate::likelihood::ChannelResidual;
+use poinsot_spatial::Vector3;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Squared length of a whitened reading, three numbers, beyond which it is an outlier: one in 10^6.
+const OUTLIER: f64 = 30.7;
+/// Median of chi-square with three degrees of freedom.
+const MEDIAN: f64 = 2.366;
+/// Lags of the whiteness test.
+const LAGS: usize = 10;
+
+/// One entry per kind of sensor, all segments together.
+pub(super) fn channels(fitted: &Fitted) -> Vec<ChannelDiagnosis> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for channel in fitted.evaluated.iter().flat_map(|e| &e.channels) {
+        if !names.contains(&channel.name) {
+            names.push(channel.name);
+        }
+    }
+    names
+        .into_iter()
+        .map(|name| of_kind(name, fitted))
+        .collect()
+}
+
+fn of_kind(name: &'static str, fitted: &Fitted) -> ChannelDiagnosis {
+    let own = || {
+        let all = fitted.evaluated.iter().flat_map(|e| &e.channels);
+        all.filter(move |c| c.name == name)
+    };
+    let mut squares: Vec<f64> = own()
+        .flat_map(|c: &ChannelResidual| c.white.iter().map(|w| w.norm_squared()))
+        .collect();
+    let readings = squares.len();
+    let mean = squares.iter().sum::<f64>() / (3.0 * readings.max(1) as f64);
+    squares.sort_by(f64::total_cmp);
+    let typical = squares.get(readings / 2).copied().unwrap_or(0.0) / MEDIAN;
+    let limit = OUTLIER * typical.max(1.0);
+    let whiteness: Vec<f64> = own().filter_map(|c| whiteness(&c.white)).collect();
+    let least = whiteness.iter().copied().reduce(f64::min);
+    ChannelDiagnosis {
+        name,
+        readings,
+        chi2_per_number: mean,
+        typical_chi2_per_number: typical,
+        outliers: readings - squares.partition_point(|s| *s <= limit),
+        whiteness_p: least.map(|p| (p * whiteness.len() as f64).min(1.0)),
+    }
+}
+
+/// Ljung and Box 1978: `Q = n (n + 2) sum r_k^2 / (n - k)` over ten lags, summed over the axes, against
+/// chi-square. `None` for records too short or without residual.
+pub(crate) fn whiteness(white: &[Vector3]) -> Option<f64> {
+    let n = white.len();
+    if n < 4 * LAGS {
+        return None;
+    }
+    let mut q = 0.0;
+    for axis in 0..3 {
+        let mean = white.iter().map(|w| w[axis]).sum::<f64>() / n as f64;
+        let series: Vec<f64> = white.iter().map(|w| w[axis] - mean).collect();
+        let variance: f64 = series.iter().map(|e| e * e).sum();
+        if variance < 1.0e-12 * n as f64 {
+            return None;
+        }
+        for lag in 1..=LAGS {
+            let product = |(a, b): (&f64, &f64)| a * b;
+            let r = series.iter().zip(&series[lag..]).map(product).sum::<f64>() / variance;
+            q += n as f64 * (n as f64 + 2.0) * r * r / (n - lag) as f64;
+        }
+    }
+    let chi2 = ChiSquared::new(3.0 * LAGS as f64).ok()?;
+    Some(chi2.sf(q))
+}

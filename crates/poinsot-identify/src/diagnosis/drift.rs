@@ -1,0 +1,141 @@
+//! Does the total momentum drift? Does one sensor read later than another?
+
+use super::candidates::Candidate;
+use super::projected::{Projected, Score};
+use super::types::{MomentumDrift, SensorLag};
+use crate::information::Experiment;
+use crate::parameters::UnknownKind;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+/// Sigma of a lag before the data, s: it decides what no data can, such as a lag common to all sensors.
+const ANY_LAG: f64 = 1.0;
+
+/// The constant torque and force in N that fit best on top of the answer.
+pub(super) fn drift(
+    segment: Option<String>,
+    candidates: &[Candidate],
+    projected: &Projected,
+    per_number: f64,
+) -> Option<MomentumDrift> {
+    let torque = indices(candidates, |k| matches!(k, UnknownKind::InertialTorque(_)));
+    let force = indices(candidates, |k| matches!(k, UnknownKind::InertialForce(_)));
+    if torque.len() != 3 {
+        return None;
+    }
+    let both: Vec<usize> = torque.iter().chain(&force).copied().collect();
+    let score = projected.score(&both, None);
+    let chance = ChiSquared::new(both.len() as f64).ok()?;
+    let (torque_N_m, torque_sigma_N_m) = part(&score, 0);
+    let moved = (force.len() == 3).then(|| part(&score, 3));
+    Some(MomentumDrift {
+        segment,
+        torque_N_m,
+        torque_sigma_N_m,
+        force_N: moved.map(|m| m.0),
+        force_sigma_N: moved.map(|m| m.1),
+        p: chance.sf(score.decrease / per_number),
+    })
+}
+
+fn part(score: &Score, from: usize) -> ([f64; 3], [f64; 3]) {
+    let sigma: [f64; 3] = std::array::from_fn(|k| score.covariance[from + k][from + k].sqrt());
+    let value = std::array::from_fn(|k| match sigma[k].is_finite() {
+        true => score.values[from + k],
+        false => f64::NAN,
+    });
+    (value, sigma)
+}
+
+/// Places of the unknowns of some kind among all candidates.
+fn indices(candidates: &[Candidate], wanted: impl Fn(&UnknownKind) -> bool) -> Vec<usize> {
+    let all = candidates.iter().flat_map(|c| &c.unknowns).enumerate();
+    all.filter(|(_, u)| wanted(&u.kind))
+        .map(|(k, _)| k)
+        .collect()
+}
+
+/// Lags between every two sensors whose lags were not fitted, and between each and what drives the vehicle.
+pub(super) fn lags(
+    experiment: &Experiment,
+    candidates: &[Candidate],
+    projected: &Projected,
+    per_number: f64,
+) -> Vec<SensorLag> {
+    let model = experiment.problem.model;
+    let kinds = [
+        (
+            UnknownKind::GyroLag,
+            "gyro",
+            experiment
+                .problem
+                .segments
+                .iter()
+                .any(|s| s.observations.rate.iter().any(Option::is_some)),
+        ),
+        (
+            UnknownKind::AttitudeLag,
+            "attitude",
+            experiment
+                .problem
+                .segments
+                .iter()
+                .any(|s| s.observations.attitude.iter().any(Option::is_some)),
+        ),
+    ];
+    let mut names: Vec<String> = Vec::new();
+    let mut group = Vec::new();
+    for (kind, name, present) in kinds {
+        if let (true, Some(at)) = (present, indices(candidates, |k| *k == kind).first()) {
+            names.push(name.to_owned());
+            group.push(*at);
+        }
+    }
+    let score = projected.score(&group, Some(ANY_LAG));
+    let driven = [
+        (!model.wheels.is_empty(), "wheels"),
+        (experiment.problem.tree.dof() > 0, "joints"),
+        (
+            experiment
+                .problem
+                .segments
+                .iter()
+                .any(|s| !s.firings.is_empty()),
+            "thrust",
+        ),
+    ];
+    let driven: Vec<&str> = driven.iter().filter(|d| d.0).map(|d| d.1).collect();
+    let mut list = Vec::new();
+    for i in 0..group.len() {
+        let c = &score.covariance;
+        if !driven.is_empty() {
+            let between = [names[i].clone(), driven.join(" and ")];
+            list.extend(lag(between, score.values[i], c[i][i], per_number));
+        }
+        for j in i + 1..group.len() {
+            let between = [names[i].clone(), names[j].clone()];
+            let variance = c[i][i] + c[j][j] - 2.0 * c[i][j];
+            list.extend(lag(
+                between,
+                score.values[i] - score.values[j],
+                variance,
+                per_number,
+            ));
+        }
+    }
+    list
+}
+
+fn lag(between: [String; 2], lag_s: f64, variance: f64, per_number: f64) -> Option<SensorLag> {
+    let sigma_s = variance.sqrt();
+    if !(sigma_s.is_finite() && sigma_s > 0.0 && sigma_s < 0.5 * ANY_LAG) {
+        return None;
+    }
+    let normal = Normal::standard();
+    let z = lag_s.abs() / (sigma_s * per_number.sqrt());
+    Some(SensorLag {
+        between,
+        lag_s,
+        sigma_s,
+        p: 2.0 * normal.sf(z),
+    })
+}

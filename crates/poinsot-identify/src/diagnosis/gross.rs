@@ -1,0 +1,88 @@
+//! Gross mistakes: a sign, a unit. They put the fit so far off that no score of first order means anything, so
+//! each is tried by a fit of its own from the nominal numbers.
+
+use super::types::{FaultKind, Suspect};
+use crate::fit::{Fitted, fit_from};
+use crate::information::Experiment;
+
+/// Chi-square per number from which gross mistakes are looked for.
+const GROSS: f64 = 1.0e2;
+/// Iterations of such a fit: enough to tell right from wrong.
+const ITERATIONS: usize = 8;
+/// Share of the misfit that a gross mistake must explain.
+const EXPLAINS: f64 = 0.99;
+
+/// Factor on the speed as read that would put it right, and what it means.
+const MISTAKES: [(f64, &str); 5] = [
+    (-1.0, "sign"),
+    (0.017_453_292_519_943_295, "degrees read as radians"),
+    (57.295_779_513_082_32, "radians read as degrees"),
+    (
+        0.104_719_755_119_659_77,
+        "revolutions a minute read as rad/s",
+    ),
+    (6.283_185_307_179_586, "revolutions read as radians"),
+];
+
+/// The mistake with a wheel, or with all of them, that explains nearly all of a very bad fit.
+pub(super) fn gross(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    excess: f64,
+    per_number: f64,
+) -> Option<Suspect> {
+    let wheels = &experiment.problem.model.wheels;
+    if per_number < GROSS || wheels.is_empty() {
+        return None;
+    }
+    let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
+    let mut groups: Vec<(String, Vec<usize>)> = wheels
+        .iter()
+        .enumerate()
+        .map(|(k, w)| (w.name.clone(), vec![k]))
+        .collect();
+    if wheels.len() > 1 {
+        groups.push(("all wheels".to_owned(), (0..wheels.len()).collect()));
+    }
+    let mut best: Option<Suspect> = None;
+    for (owner, group) in &groups {
+        for (factor, what) in MISTAKES {
+            let Some(after) = cost(experiment, group, factor) else {
+                continue;
+            };
+            let decrease = before - after;
+            let better = best.as_ref().is_none_or(|b| decrease > b.decrease);
+            if better && decrease > EXPLAINS * excess {
+                best = Some(named(owner, factor, what, decrease, excess));
+            }
+        }
+    }
+    best
+}
+
+/// Chi-square that remains where the speeds of some wheels are read with a factor.
+fn cost(experiment: &Experiment, group: &[usize], factor: f64) -> Option<f64> {
+    let mut other = experiment.with_parameters(experiment.parameters);
+    for k in group {
+        *other.nominal_spin.get_mut(*k)? *= factor;
+    }
+    let found = fit_from(&other, other.nominal_point(), ITERATIONS)?;
+    other.chi2(&found.at, &found.evaluated)
+}
+
+fn named(owner: &str, factor: f64, what: &str, decrease: f64, excess: f64) -> Suspect {
+    let (fault, name) = match what {
+        "sign" => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
+        _ => (
+            FaultKind::Units,
+            format!("a wrong unit of {owner} ({what})"),
+        ),
+    };
+    Suspect {
+        name,
+        decrease,
+        explains: (decrease / excess).clamp(0.0, 1.0),
+        values: vec![(format!("{owner}.factor"), factor, "1")],
+        fault,
+    }
+}

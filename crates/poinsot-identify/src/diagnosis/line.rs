@@ -1,0 +1,105 @@
+//! A line in the gyro residual: flexing, slosh, or something that turns unseen.
+
+use super::types::SpectralLine;
+use crate::fit::Fitted;
+use crate::information::Experiment;
+use poinsot_spatial::Vector3;
+
+/// Share of the power of a residual in one line that is a line.
+const LINE: f64 = 0.25;
+/// Most samples that the periodogram takes.
+const PERIODOGRAM: usize = 4096;
+
+/// A line that stands out of the periodogram of a segment's gyro residual.
+pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<SpectralLine> {
+    let mut found = Vec::new();
+    for (segment, one) in experiment.problem.segments.iter().zip(&fitted.evaluated) {
+        let Some(gyro) = one.channels.iter().find(|c| c.name == "gyro") else {
+            continue;
+        };
+        let times: Vec<f64> = segment
+            .observations
+            .time_s
+            .iter()
+            .zip(&segment.observations.rate)
+            .filter_map(|(t, w)| w.map(|_| *t))
+            .collect();
+        if let Some((frequency, share)) = strongest_line(&times, &gyro.white) {
+            found.push(SpectralLine {
+                segment: segment.label.clone(),
+                frequency_hz: frequency,
+                share,
+            });
+        }
+    }
+    found
+}
+
+/// Frequency, Hz, and share of the power of the strongest line, with its two neighbours on each side;
+/// `None` where none stands out. Slow drifts (the first few frequencies) are not lines.
+fn strongest_line(times: &[f64], white: &[Vector3]) -> Option<(f64, f64)> {
+    let n = times.len().min(white.len()).min(PERIODOGRAM);
+    if n < 64 {
+        return None;
+    }
+    let step = (times[n - 1] - times[0]) / (n - 1) as f64;
+    let mut power = vec![0.0; n / 2];
+    for axis in 0..3 {
+        let mean = white[..n].iter().map(|w| w[axis]).sum::<f64>() / n as f64;
+        for (k, p) in power.iter_mut().enumerate() {
+            let turn = std::f64::consts::TAU * k as f64 / n as f64;
+            let (sin, cos) = turn.sin_cos();
+            // One rotating phasor instead of n sines.
+            let (mut re, mut im, mut c, mut s) = (0.0, 0.0, 1.0, 0.0);
+            for w in &white[..n] {
+                re += (w[axis] - mean) * c;
+                im -= (w[axis] - mean) * s;
+                (c, s) = (c * cos - s * sin, s * cos + c * sin);
+            }
+            *p += re * re + im * im;
+        }
+    }
+    let total: f64 = power.iter().sum();
+    let (peak, _) = power
+        .iter()
+        .enumerate()
+        .skip(4)
+        .max_by(|a, b| a.1.total_cmp(b.1))?;
+    let near = peak.saturating_sub(2)..(peak + 3).min(power.len());
+    let share = power[near].iter().sum::<f64>() / total;
+    (share > LINE).then(|| (peak as f64 / (n as f64 * step), share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_line_of_a_sine_is_found_at_its_frequency() {
+        let times: Vec<f64> = (0..1000).map(|k| 0.1 * k as f64).collect();
+        let sine: Vec<Vector3> = times
+            .iter()
+            .map(|t| Vector3::new((std::f64::consts::TAU * 0.4 * t).sin(), 0.0, 0.1))
+            .collect();
+        let (frequency, share) = strongest_line(&times, &sine).unwrap();
+        assert!((frequency - 0.4).abs() < 0.01 && share > 0.9);
+    }
+
+    #[test]
+    fn stat_white_noise_has_no_line() {
+        // A linear congruential sequence is white enough for a periodogram.
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as f64 / 2_f64.powi(31) - 0.5
+        };
+        let times: Vec<f64> = (0..1000).map(|k| 0.1 * k as f64).collect();
+        let noise: Vec<Vector3> = times
+            .iter()
+            .map(|_| Vector3::new(next(), next(), next()))
+            .collect();
+        assert!(strongest_line(&times, &noise).is_none());
+    }
+}

@@ -1,0 +1,143 @@
+//! Score tests (Rao 1948): what further unknowns would do to the residual, without fitting them.
+//!
+//! The columns of the candidates are projected clear of everything that was fitted, once. Any group of them
+//! is then a small least-squares problem: its decrease of chi-square, its values and their sigma, all to
+//! first order.
+
+use crate::block_qr::{BlockQr, Triangle};
+use crate::fit::Fitted;
+use crate::parameters::{Parameters, Unknown};
+use faer::Mat;
+
+/// Share of a column's length that must be left after the projection for it to reach anything new.
+const NEW: f64 = 1.0e-6;
+
+/// Candidate columns and residual clear of the fitted unknowns, one triangle; residual last.
+pub(super) struct Projected {
+    r: Mat<f64>,
+    /// Length of each column before the projection; zero where nothing sees it.
+    length: Vec<f64>,
+}
+
+/// Answer of one group.
+#[derive(Debug, Clone)]
+pub(super) struct Score {
+    pub decrease: f64,
+    pub values: Vec<f64>,
+    /// Infinite where nothing new is seen.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl Projected {
+    /// `stacked` has the columns `[fitted unknowns | candidates | residual]` of `base` and `extra` unknowns.
+    pub fn new(
+        stacked: &Triangle,
+        parameters: &Parameters,
+        extra: &[Unknown],
+        fitted: &Fitted,
+    ) -> Self {
+        let r = &stacked.r;
+        let (base, last) = (parameters.len(), r.ncols() - 1);
+        let spectrum = &fitted.spectrum;
+        let nuisance: Vec<usize> = (0..base)
+            .filter(|k| parameters.unknowns[*k].kind.is_nuisance())
+            .collect();
+        let mass: Vec<usize> = (0..base)
+            .filter(|k| !parameters.unknowns[*k].kind.is_nuisance())
+            .collect();
+        let own = extra.len();
+        let length: Vec<f64> = (0..own)
+            .map(|k| {
+                let square = |i: usize| r[(i, base + k)].powi(2);
+                (0..r.nrows()).map(square).sum::<f64>().sqrt()
+            })
+            .collect();
+        let clear = spectrum.rank + nuisance.len();
+        let mut qr = BlockQr::new(clear + own + 1);
+        qr.push(r.nrows(), |i, j| {
+            if j < spectrum.rank {
+                mass.iter()
+                    .enumerate()
+                    .map(|(k, at)| r[(i, *at)] * spectrum.natural[k] * spectrum.directions[(k, j)])
+                    .sum()
+            } else if j < clear {
+                r[(i, nuisance[j - spectrum.rank])]
+            } else if j < clear + own {
+                let k = j - clear;
+                scaled(r[(i, base + k)], length[k])
+            } else {
+                r[(i, last)]
+            }
+        });
+        let t = qr.finish().r;
+        Self {
+            r: Mat::from_fn(own + 1, own + 1, |i, j| {
+                if i <= j && clear + i < t.nrows() {
+                    t[(clear + i, clear + j)]
+                } else {
+                    0.0
+                }
+            }),
+            length,
+        }
+    }
+
+    /// A group of candidates at once, each held near zero by a prior sigma where one is given.
+    pub fn score(&self, group: &[usize], prior: Option<f64>) -> Score {
+        let (n, last) = (group.len(), self.length.len());
+        let mut qr = BlockQr::new(n + 1);
+        qr.push(last + 1, |i, j| {
+            self.r[(i, if j < n { group[j] } else { last })]
+        });
+        if let Some(sigma) = prior {
+            qr.push(n, |i, j| match i == j {
+                true => scaled(1.0, sigma * self.length[group[i]]),
+                false => 0.0,
+            });
+        }
+        let t = qr.finish().r;
+        let mut inverse = vec![vec![0.0; n]; n];
+        let mut values = vec![0.0; n];
+        let mut decrease = 0.0;
+        let blind: Vec<bool> = (0..n).map(|k| t[(k, k)].abs() < NEW).collect();
+        for k in (0..n).rev() {
+            if blind[k] {
+                continue;
+            }
+            let pivot = t[(k, k)];
+            decrease += t[(k, n)].powi(2);
+            let known: f64 = (k + 1..n).map(|m| t[(k, m)] * values[m]).sum();
+            values[k] = (t[(k, n)] - known) / pivot;
+            inverse[k][k] = 1.0 / pivot;
+            for j in k + 1..n {
+                let sum: f64 = (k + 1..=j).map(|m| t[(k, m)] * inverse[m][j]).sum();
+                inverse[k][j] = -sum / pivot;
+            }
+        }
+        let size = |k: usize| self.length[group[k]];
+        let covariance = (0..n)
+            .map(|i| {
+                (0..n)
+                    .map(|j| match blind[i] || blind[j] {
+                        true if i == j => f64::INFINITY,
+                        true => 0.0,
+                        false => {
+                            let product: f64 = (0..n).map(|k| inverse[i][k] * inverse[j][k]).sum();
+                            product / (size(i) * size(j))
+                        }
+                    })
+                    .collect()
+            })
+            .collect();
+        Score {
+            decrease,
+            values: (0..n).map(|k| scaled(values[k], size(k))).collect(),
+            covariance,
+        }
+    }
+}
+
+/// A number over a length; zero over nothing.
+fn scaled(value: f64, length: f64) -> f64 {
+    if length > 0.0 { value / length } else { 0.0 }
+}

@@ -1,0 +1,175 @@
+//! What the residuals say, as part of the answer.
+
+/// Evidence for and against the fit.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Diagnostics {
+    /// Sum of the squared whitened residuals of all readings.
+    pub chi2: f64,
+    /// Readings less fitted numbers.
+    pub dof: usize,
+    /// `-2 ln` of the restricted likelihood of the readings, up to a constant that no declaration of noise
+    /// changes: of two declarations the better has the lower one.
+    pub deviance: f64,
+    /// How far chi-square lies above its expectation, in its own standard deviations.
+    pub excess_sigmas: f64,
+    /// One entry per kind of sensor, all segments together.
+    pub channels: Vec<ChannelDiagnosis>,
+    /// Drift of the total momentum that would fit best on top of the answer: all segments, then each.
+    pub drift: Vec<MomentumDrift>,
+    /// Lags between sensors, one per pair.
+    pub lags: Vec<SensorLag>,
+    /// Faults that would explain what is left over, the best first; only significant ones.
+    pub suspects: Vec<Suspect>,
+    /// Lines in the spectrum of the gyro residual, looked for where the fit is bad.
+    pub lines: Vec<SpectralLine>,
+    /// What all this means, the most important first; empty where the fit is as good as declared.
+    pub findings: Vec<Finding>,
+}
+
+/// The residual of one kind of sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelDiagnosis {
+    /// Kind: gyro, attitude, velocity, position.
+    pub name: &'static str,
+    /// Readings (of three numbers).
+    pub readings: usize,
+    /// Mean square of the whitened residual; 1 where the declared noise is right.
+    pub chi2_per_number: f64,
+    /// The same from the median, which a few bad readings do not move.
+    pub typical_chi2_per_number: f64,
+    /// Readings beyond one in a million of the typical scatter (the declared one where that is larger).
+    pub outliers: usize,
+    /// Probability of so much correlation in time in a white residual: the least over the segments, times
+    /// their number.
+    pub whiteness_p: Option<f64>,
+}
+
+impl ChannelDiagnosis {
+    /// Share of outliers.
+    pub fn outlier_share(&self) -> f64 {
+        self.outliers as f64 / self.readings.max(1) as f64
+    }
+}
+
+/// A constant torque and force in N on top of the answer, everything else fitted again, to first order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MomentumDrift {
+    /// Segment; `None` for all together.
+    pub segment: Option<String>,
+    /// Rate of change of angular momentum about the mass centre, N, N m; NaN where nothing shows it.
+    pub torque_N_m: [f64; 3],
+    /// Its sigma from the declared noise, N m.
+    pub torque_sigma_N_m: [f64; 3],
+    /// Rate of change of linear momentum, N, N; `None` where only rotation is seen.
+    pub force_N: Option<[f64; 3]>,
+    /// Its sigma, N.
+    pub force_sigma_N: Option<[f64; 3]>,
+    /// Probability of so much drift by chance, the size of the residual taken as seen.
+    pub p: f64,
+}
+
+/// How much later one sensor reads than another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorLag {
+    /// The later one where the lag is positive, and the other.
+    pub between: [String; 2],
+    /// Lag, s.
+    pub lag_s: f64,
+    /// One sigma, s.
+    pub sigma_s: f64,
+    /// Probability of so large a lag by chance, the size of the residual taken as seen.
+    pub p: f64,
+}
+
+/// A fault that would explain what is left over.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Suspect {
+    /// In words.
+    pub name: String,
+    /// By how much chi-square would fall.
+    pub decrease: f64,
+    /// Share of the misfit that it explains, at most 1; 0 where there is no misfit.
+    pub explains: f64,
+    /// Name, value, unit of its numbers.
+    pub values: Vec<(String, f64, &'static str)>,
+    /// What it is.
+    pub fault: FaultKind,
+}
+
+/// A line in the spectrum of a segment's gyro residual.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectralLine {
+    /// Segment.
+    pub segment: String,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Share of the residual's power in it.
+    pub share: f64,
+}
+
+/// A conclusion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// What it is.
+    pub fault: FaultKind,
+    /// In words, with the evidence.
+    pub text: String,
+}
+
+/// Kinds of faults that the diagnosis can name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultKind {
+    /// Bias of the gyro.
+    GyroBias,
+    /// Scale error of the gyro.
+    GyroScale,
+    /// Misalignment of the gyro.
+    GyroMisalignment,
+    /// One sensor reads later than the others.
+    Lag,
+    /// The sign of a wheel's speed or axis.
+    WheelSign,
+    /// Spin inertia, or scale of the speed, of a wheel.
+    WheelScale,
+    /// Degrees for radians, revolutions for radians.
+    Units,
+    /// Thrust of one thruster.
+    Thrust,
+    /// Constant torque in body axes.
+    Torque,
+    /// Drag.
+    Drag,
+    /// Momentum drifts in inertial axes.
+    MomentumDrift,
+    /// Single bad readings.
+    Outliers,
+    /// Noise larger than declared, and white.
+    NoiseUnderstated,
+    /// A line in the residual: flexing, slosh.
+    NotRigid,
+    /// Larger than declared, and nothing known explains it.
+    Unexplained,
+}
+
+impl FaultKind {
+    /// Name in the result file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::GyroBias => "gyro_bias",
+            Self::GyroScale => "gyro_scale",
+            Self::GyroMisalignment => "gyro_misalignment",
+            Self::Lag => "lag",
+            Self::WheelSign => "wheel_sign",
+            Self::WheelScale => "wheel_scale",
+            Self::Units => "units",
+            Self::Thrust => "thrust",
+            Self::Torque => "torque",
+            Self::Drag => "drag",
+            Self::MomentumDrift => "momentum_drift",
+            Self::Outliers => "outliers",
+            Self::NoiseUnderstated => "noise_understated",
+            Self::NotRigid => "not_rigid",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}

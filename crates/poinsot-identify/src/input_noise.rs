@@ -1,0 +1,427 @@
+//! Noise of joint and wheel readings on its way through the equation of motion.
+//!
+//! Joints and wheels drive the prediction with their readings, so the prediction errs by what the readings err.
+//! With `e` the errors of the inputs at a grid time, `x = [dphi_B, dp_N, dP_N, dh_N]` the error of the predicted
+//! state and `L e` the part of it that follows a joint at once (a joint read too far has turned the base back),
+//! `s = x - L e` moves only slowly:
+//!
+//!     s' = A s + (A L + D - L') e,        dV = V_x x + V_u e
+//!
+//! `A` and `D` are the slopes of the equation of motion over state and inputs, `V_x` and `V_u` those of the twist.
+//! An error stays with its reading (`e_k+1 = a e_k + w`, see [`InputErrors`]). The pair `(s, e)` is the state of a
+//! Kalman filter (Kalman 1960) whose readings are the residuals; what it leaves of them, the innovations, is white
+//! (Kailath 1968), and so are the sensitivities that went through the same filter: maximum likelihood with errors
+//! in the inputs at a cost linear in the samples.
+
+use crate::motion::{Column, Instant, Motion, State, matrix};
+use crate::segment::{InputErrors, Noise, Segment};
+use nalgebra::{SMatrix, SVector};
+use poinsot_dynamics::JointSlopes;
+use poinsot_spatial::{Vector6, skew};
+
+type Matrix12 = SMatrix<f64, 12, 12>;
+
+/// An input whose readings err.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Input {
+    Joint(usize),
+    Wheel(usize),
+}
+
+/// The equation of motion around the prediction at one grid time.
+struct Slopes {
+    /// `A`, without what thrusters add.
+    state: Matrix12,
+    /// `L` per input.
+    at_once: Vec<Column>,
+    /// `A L + D` per input, without what thrusters add.
+    drive: Vec<Column>,
+    /// What thrusters add to `A` and `D` in the interval that begins here.
+    thrust: Option<(Matrix12, Vec<Column>)>,
+}
+
+/// The filter along one segment.
+#[derive(Default)]
+pub(crate) struct InputNoise {
+    inputs: Vec<(Input, f64)>,
+    memory: Vec<InputErrors>,
+    /// Components of `s` that inputs can reach.
+    active: Vec<usize>,
+    slopes: JointSlopes,
+    before: Option<Slopes>,
+    /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
+    pub columns: Vec<Column>,
+    pub twists: Vec<Vector6>,
+    /// Change of the twist with each joint rate.
+    pub rate_gain: Vec<Vector6>,
+    filter: Filter,
+}
+
+impl InputNoise {
+    /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
+    pub fn new(noise: &Noise, segment: &Segment, forced: bool, followed: usize) -> Self {
+        let o = &segment.observations;
+        let translation =
+            o.velocity.iter().any(Option::is_some) || o.position.iter().any(Option::is_some);
+        let joints = noise.joint_position.iter().enumerate();
+        let wheels = noise.wheel_speed.iter().enumerate();
+        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
+        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel_errors.get(k)));
+        let (mut inputs, mut memory) = (Vec::new(), Vec::new());
+        for (input, variance, errors) in joints.chain(wheels) {
+            let errors = errors.cloned().unwrap_or_default();
+            if variance > 0.0 && errors != InputErrors::None {
+                inputs.push((input, variance));
+                memory.push(errors);
+            }
+        }
+        let active = match (inputs.is_empty(), translation, forced) {
+            (true, _, _) => Vec::new(),
+            (_, false, false) => (0..3).collect(),
+            (_, false, true) => (0..3).chain(9..12).collect(),
+            (_, true, false) => (0..6).collect(),
+            (_, true, true) => (0..12).collect(),
+        };
+        let size = active.len() + inputs.len();
+        Self {
+            filter: Filter::new(size, followed),
+            columns: vec![Column::zeros(); size],
+            twists: vec![Vector6::zeros(); size],
+            rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
+            slopes: JointSlopes::default(),
+            before: None,
+            inputs,
+            memory,
+            active,
+        }
+    }
+
+    /// Whether there is nothing to do: no input errs.
+    pub fn is_silent(&self) -> bool {
+        self.inputs.is_empty()
+    }
+
+    /// Carries the filter to grid time k, where the motion has just given its velocity.
+    pub fn reach(&mut self, motion: &mut Motion, state: &State, instant: &Instant, k: usize) {
+        let joint_slopes = &mut self.slopes;
+        motion.joint_slopes(instant, joint_slopes);
+        for (gain, slope) in self.rate_gain.iter_mut().zip(&joint_slopes.of) {
+            *gain = -(instant.inverse_inertia * slope.rate);
+        }
+        if self.is_silent() {
+            return;
+        }
+        let map = motion.state_map(state, instant);
+        let now = self.slopes_at(motion, state, instant, &map, k);
+        match self.before.take() {
+            None => self.begin(&now),
+            Some(before) => self.carry(&before, &now, motion.step_s(k), k),
+        }
+        let n = self.active.len();
+        for (i, &at) in self.active.iter().enumerate() {
+            self.columns[i] = Column::zeros();
+            self.columns[i][at] = 1.0;
+            self.twists[i] = map * self.columns[i];
+        }
+        for (c, at_once) in now.at_once.iter().enumerate() {
+            self.columns[n + c] = *at_once;
+            self.twists[n + c] += map * at_once;
+        }
+        self.before = Some(now);
+    }
+
+    /// Slopes at a grid time; the change of the twist with the inputs goes to the end of `twists`.
+    fn slopes_at(
+        &mut self,
+        motion: &Motion,
+        state: &State,
+        instant: &Instant,
+        map: &SMatrix<f64, 6, 12>,
+        k: usize,
+    ) -> Slopes {
+        let R = matrix(&state.R_NB);
+        let n = self.active.len();
+        let (v, w) = (instant.twist.v, instant.twist.w);
+        let mut A = Matrix12::zeros();
+        let turning = map.fixed_view::<3, 12>(3, 0);
+        A.fixed_view_mut::<3, 12>(0, 0).copy_from(&turning);
+        let moving = R * map.fixed_view::<3, 12>(0, 0);
+        A.fixed_view_mut::<3, 12>(3, 0).copy_from(&moving);
+        let mut own = A.fixed_view_mut::<3, 3>(0, 0);
+        own -= skew(&w);
+        let mut own = A.fixed_view_mut::<3, 3>(3, 0);
+        own -= R * skew(&v);
+        let mut at_once = Vec::with_capacity(self.inputs.len());
+        let mut drive = Vec::with_capacity(self.inputs.len());
+        for (c, (input, _)) in self.inputs.iter().enumerate() {
+            let (position, rate) = match input {
+                Input::Joint(j) => {
+                    let slope = &self.slopes.of[*j];
+                    let turned = motion.centre_change(instant, &slope.first_moment);
+                    let mut change = slope.position;
+                    let h = change.fixed_rows::<3>(3) - turned;
+                    change.fixed_rows_mut::<3>(3).copy_from(&h);
+                    (-(instant.inverse_inertia * change), self.rate_gain[*j])
+                }
+                Input::Wheel(w) => (motion.wheel_gain(instant, *w), Vector6::zeros()),
+            };
+            self.twists[n + c] = position;
+            let once = pose_change(&R, &rate);
+            let mut slow = pose_change(&R, &position);
+            if rate != Vector6::zeros() {
+                // Only attitude and place follow at once.
+                slow += A.fixed_view::<12, 6>(0, 0) * once.fixed_rows::<6>(0);
+            }
+            at_once.push(once);
+            drive.push(slow);
+        }
+        let thrust = (self.active.len() > 6 || self.active.contains(&9))
+            .then(|| self.thrust_slopes(motion, state, instant, map, k));
+        Slopes {
+            state: A,
+            at_once,
+            drive,
+            thrust,
+        }
+    }
+
+    /// What thrust and torque of the surroundings add: they turn with the base, and their arms with the joints.
+    fn thrust_slopes(
+        &self,
+        motion: &Motion,
+        state: &State,
+        instant: &Instant,
+        map: &SMatrix<f64, 6, 12>,
+        k: usize,
+    ) -> (Matrix12, Vec<Column>) {
+        let R = matrix(&state.R_NB);
+        let mut A = Matrix12::zeros();
+        let slopes = motion.wrench_slopes(state, instant, map, k);
+        A.fixed_view_mut::<6, 12>(6, 0).copy_from(&slopes);
+        let drives = self.inputs.iter().map(|(input, _)| {
+            let mut column = Column::zeros();
+            if let Input::Joint(j) = input {
+                let first_moment = &self.slopes.of[*j].first_moment;
+                let (dF, dT) = motion.wrench_change(instant, k, *j, first_moment);
+                column.fixed_rows_mut::<3>(6).copy_from(&(R * dF));
+                column.fixed_rows_mut::<3>(9).copy_from(&(R * dT));
+            }
+            column
+        });
+        (A, drives.collect())
+    }
+
+    /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
+    fn begin(&mut self, now: &Slopes) {
+        let n = self.active.len();
+        for (c, (_, variance)) in self.inputs.iter().enumerate() {
+            let at_once = &now.at_once[c];
+            let of = |i: usize| match i.checked_sub(n) {
+                None => -at_once[self.active[i]],
+                Some(input) => f64::from(u8::from(input == c)),
+            };
+            let vector: Vec<f64> = (0..n + self.inputs.len()).map(of).collect();
+            self.filter.add_outer(&vector, *variance);
+        }
+    }
+
+    /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
+    fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
+        let n = self.active.len();
+        let size = n + self.inputs.len();
+        let mut A = (before.state + now.state) * 0.5;
+        if let Some((thrust, _)) = &before.thrust {
+            A += thrust;
+        }
+        let mut transition = vec![0.0; size * size];
+        for (i, &row) in self.active.iter().enumerate() {
+            for (j, &column) in self.active.iter().enumerate() {
+                // Exponential to second order: h is a fraction of a turn.
+                let own = if i == j { 1.0 } else { 0.0 };
+                let through = self.active.iter().map(|&k| A[(row, k)] * A[(k, column)]);
+                transition[i * size + j] =
+                    own + h * A[(row, column)] + 0.5 * h * h * through.sum::<f64>();
+            }
+        }
+        let mut fresh = Vec::with_capacity(self.inputs.len());
+        for (c, (_, variance)) in self.inputs.iter().enumerate() {
+            let a = self.memory[c].memory(k - 1);
+            let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
+            let mut ends = [before, now].map(|s| s.drive[c] * (0.5 * h) - turn);
+            if let Some((thrust, drive)) = &before.thrust {
+                ends[0] += (thrust * before.at_once[c] + drive[c]) * (0.5 * h);
+                ends[1] += (thrust * now.at_once[c] + drive[c]) * (0.5 * h);
+            }
+            let mut vector = vec![0.0; size];
+            for (i, &row) in self.active.iter().enumerate() {
+                transition[i * size + n + c] = ends[0][row] + a * ends[1][row];
+                vector[i] = ends[1][row];
+            }
+            transition[(n + c) * size + n + c] = a;
+            vector[n + c] = 1.0;
+            fresh.push((vector, variance * (1.0 - a * a)));
+        }
+        self.filter.advance(&transition);
+        for (vector, variance) in fresh.iter().filter(|f| f.1 > 0.0) {
+            self.filter.add_outer(vector, *variance);
+        }
+    }
+
+    /// Covariance of readings that the errors so far cause.
+    pub fn spread<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> SMatrix<f64, M, M> {
+        self.filter.spread(slopes)
+    }
+
+    /// A residual less what earlier readings say of it.
+    pub fn expected<const M: usize>(
+        &self,
+        slopes: &[SVector<f64, M>],
+        residual: SVector<f64, M>,
+    ) -> SVector<f64, M> {
+        self.filter.innovation(slopes, residual)
+    }
+
+    /// Takes the readings of one sensor: see [`Filter::take`].
+    pub fn take<const M: usize>(
+        &mut self,
+        slopes: &[SVector<f64, M>],
+        inverse_root: &SMatrix<f64, M, M>,
+        rows: &mut [SVector<f64, M>],
+    ) {
+        self.filter.take(slopes, inverse_root, rows);
+    }
+}
+
+fn pose_change(R: &poinsot_spatial::Matrix3, twist: &Vector6) -> Column {
+    let mut column = Column::zeros();
+    column
+        .fixed_rows_mut::<3>(0)
+        .copy_from(&twist.fixed_rows::<3>(3));
+    column
+        .fixed_rows_mut::<3>(3)
+        .copy_from(&(R * twist.fixed_rows::<3>(0)));
+    column
+}
+
+/// Covariance of the errors, and for every sequence what the readings so far say of them.
+#[derive(Default)]
+struct Filter {
+    size: usize,
+    /// Row by row.
+    covariance: Vec<f64>,
+    means: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+impl Filter {
+    fn new(size: usize, followed: usize) -> Self {
+        Self {
+            size,
+            covariance: vec![0.0; size * size],
+            means: vec![0.0; size * followed],
+            scratch: vec![0.0; size * size],
+        }
+    }
+
+    fn add_outer(&mut self, vector: &[f64], variance: f64) {
+        for (row, a) in self.covariance.chunks_exact_mut(self.size).zip(vector) {
+            if *a != 0.0 {
+                row.iter_mut()
+                    .zip(vector)
+                    .for_each(|(p, b)| *p += a * b * variance);
+            }
+        }
+    }
+
+    /// `P = F P F^T`, and every mean `F m`.
+    fn advance(&mut self, F: &[f64]) {
+        let n = self.size;
+        let product = &mut self.scratch;
+        for (i, out) in product.chunks_exact_mut(n).enumerate() {
+            out.fill(0.0);
+            for (f, row) in F[i * n..(i + 1) * n]
+                .iter()
+                .zip(self.covariance.chunks_exact(n))
+            {
+                if *f != 0.0 {
+                    out.iter_mut().zip(row).for_each(|(o, p)| *o += f * p);
+                }
+            }
+        }
+        for i in 0..n {
+            for j in 0..=i {
+                let (a, b) = (&product[i * n..(i + 1) * n], &F[j * n..(j + 1) * n]);
+                let p: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                self.covariance[i * n + j] = p;
+                self.covariance[j * n + i] = p;
+            }
+        }
+        let next = &mut self.scratch[..n];
+        for mean in self.means.chunks_exact_mut(n) {
+            for (x, row) in next.iter_mut().zip(F.chunks_exact(n)) {
+                *x = row.iter().zip(mean.iter()).map(|(f, m)| f * m).sum();
+            }
+            mean.copy_from_slice(next);
+        }
+    }
+
+    /// The last sequence at a reading, less what is known of it.
+    fn innovation<const M: usize>(
+        &self,
+        slopes: &[SVector<f64, M>],
+        residual: SVector<f64, M>,
+    ) -> SVector<f64, M> {
+        let last = self.means.len().saturating_sub(self.size);
+        residual - weighted(&self.means[last..], slopes)
+    }
+
+    /// `M P M^T`.
+    fn spread<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> SMatrix<f64, M, M> {
+        let mut S = SMatrix::<f64, M, M>::zeros();
+        for (row, slope) in self.covariance.chunks_exact(self.size.max(1)).zip(slopes) {
+            S += slope * weighted(row, slopes).transpose();
+        }
+        S
+    }
+
+    /// Turns every row into its whitened innovation and learns from it. `inverse_root` is `L^-1` of the covariance
+    /// `L L^T` of the readings, noise of the sensor and of the inputs together.
+    fn take<const M: usize>(
+        &mut self,
+        slopes: &[SVector<f64, M>],
+        inverse_root: &SMatrix<f64, M, M>,
+        rows: &mut [SVector<f64, M>],
+    ) {
+        let n = self.size;
+        if n == 0 {
+            rows.iter_mut().for_each(|row| *row = inverse_root * *row);
+            return;
+        }
+        let gains: Vec<SVector<f64, M>> = self
+            .covariance
+            .chunks_exact(n)
+            .map(|row| inverse_root * weighted(row, slopes))
+            .collect();
+        for (mean, row) in self.means.chunks_exact_mut(n).zip(rows) {
+            for (m, slope) in mean.iter().zip(slopes) {
+                *row -= slope * *m;
+            }
+            *row = inverse_root * *row;
+            for (m, gain) in mean.iter_mut().zip(&gains) {
+                *m += gain.dot(row);
+            }
+        }
+        for (i, a) in gains.iter().enumerate() {
+            for (j, b) in gains.iter().enumerate() {
+                self.covariance[i * n + j] -= a.dot(b);
+            }
+        }
+    }
+}
+
+fn weighted<const M: usize>(weights: &[f64], slopes: &[SVector<f64, M>]) -> SVector<f64, M> {
+    weights
+        .iter()
+        .zip(slopes)
+        .fold(SVector::zeros(), |sum, (w, slope)| sum + slope * *w)
+}

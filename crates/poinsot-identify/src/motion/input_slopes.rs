@@ -1,0 +1,132 @@
+//! How the motion answers to small changes of its inputs: joint positions, joint rates and wheel speeds.
+
+use super::{Drive, Force, Instant, Motion, State, matrix};
+use nalgebra::SMatrix;
+use poinsot_dynamics::{JointSlopes, Motion as Joint};
+use poinsot_spatial::{Vector3, skew};
+
+impl Motion<'_> {
+    /// Time from the grid time before k to k, s.
+    pub fn step_s(&self, k: usize) -> f64 {
+        let t = &self.observations.time_s;
+        k.checked_sub(1).map_or(0.0, |before| t[k] - t[before])
+    }
+
+    /// Slopes of the momentum over the joints where the last velocity was taken.
+    pub fn joint_slopes(&mut self, instant: &Instant, slopes: &mut JointSlopes) {
+        let v = self.vehicle;
+        let (twist, rates) = (&instant.twist, &self.buffer.rates);
+        self.kinematics
+            .set_velocities(v.tree, &twist.v, &twist.w, rates);
+        slopes.fill(
+            v.tree,
+            &v.bodies,
+            &self.kinematics,
+            &v.spin,
+            &self.buffer.wheels,
+        );
+    }
+
+    /// Change of the base twist with the twelve components of a change of the state: `H^-1 d[l; h]`.
+    pub fn state_map(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
+        let centre = &instant.centre;
+        let Rt = matrix(&state.R_NB).transpose();
+        let arm = skew(&centre.c);
+        // From the 12 changes of the state to [dl; dh] about the base origin, h = h_cm + c x l.
+        let mut X = SMatrix::<f64, 6, 12>::zeros();
+        let turned = skew(&centre.l);
+        X.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
+        X.fixed_view_mut::<3, 3>(3, 0)
+            .copy_from(&(skew(&centre.h_cm) + arm * turned));
+        X.fixed_view_mut::<3, 3>(0, 6).copy_from(&Rt);
+        X.fixed_view_mut::<3, 3>(3, 6).copy_from(&(arm * Rt));
+        X.fixed_view_mut::<3, 3>(3, 9).copy_from(&Rt);
+        instant.inverse_inertia * X
+    }
+
+    /// What a change of the vehicle's first moment does to its angular momentum about `Bo`: `dc x l`.
+    pub fn centre_change(&self, instant: &Instant, first_moment: &Vector3) -> Vector3 {
+        first_moment.cross(&instant.centre.l) / instant.centre.mass
+    }
+
+    /// Slopes of `P'` and `h'` over the state in the interval after grid time k: six rows. Force and torque turn with
+    /// the base; `map` is [`Self::state_map`].
+    pub fn wrench_slopes(
+        &self,
+        state: &State,
+        instant: &Instant,
+        map: &SMatrix<f64, 6, 12>,
+        k: usize,
+    ) -> SMatrix<f64, 6, 12> {
+        let R = matrix(&state.R_NB);
+        let (w, centre) = (instant.twist.w, &instant.centre);
+        let (mut F, mut T) = (Vector3::zeros(), self.surroundings(state, &w, centre));
+        for force in self.thrust_now(instant, k) {
+            F += force.F_B;
+            T += force.arm_B.cross(&force.F_B);
+        }
+        let mut slopes = SMatrix::<f64, 6, 12>::zeros();
+        for j in 0..12 {
+            let mut dphi = Vector3::zeros();
+            if j < 3 {
+                dphi[j] = 1.0;
+            }
+            let dw: Vector3 = map.fixed_view::<3, 1>(3, j).into();
+            let change = self.surroundings_change(state, centre, (&w, &dw), &dphi, None);
+            let (dP, dh) = (R * dphi.cross(&F), R * (dphi.cross(&T) + change));
+            slopes.fixed_view_mut::<3, 1>(0, j).copy_from(&dP);
+            slopes.fixed_view_mut::<3, 1>(3, j).copy_from(&dh);
+        }
+        slopes
+    }
+
+    /// Change of force and torque with a joint position: thrusters beyond the joint move, and so does the
+    /// mass centre.
+    pub fn wrench_change(
+        &self,
+        instant: &Instant,
+        k: usize,
+        joint: usize,
+        first_moment: &Vector3,
+    ) -> (Vector3, Vector3) {
+        let mut change = (Vector3::zeros(), Vector3::zeros());
+        let dc = first_moment / instant.centre.mass;
+        for force in self.thrust_now(instant, k) {
+            let body = self.vehicle.thrusters[force.thruster].body;
+            let p_BoT_B = force.arm_B + instant.centre.c;
+            let (dF, dp) = self.carried(body, joint, &p_BoT_B, &force.F_B);
+            change.0 += dF;
+            change.1 += (dp - dc).cross(&force.F_B) + force.arm_B.cross(&dF);
+        }
+        change
+    }
+
+    /// Change of a vector and of a point fixed in a body with a joint position; zero for bodies before the joint.
+    fn carried(&self, body: usize, joint: usize, p: &Vector3, F: &Vector3) -> (Vector3, Vector3) {
+        let links = &self.vehicle.tree.links;
+        let mut at = body;
+        while at != 0 {
+            let link = &links[at];
+            let axis = link.axis_B(&self.kinematics.R[at]);
+            match link.motion {
+                Joint::Revolute(k) if k == joint => {
+                    return (axis.cross(F), axis.cross(&(p - self.kinematics.p[at])));
+                }
+                Joint::Prismatic(k) if k == joint => return (Vector3::zeros(), axis),
+                _ => at = link.parent,
+            }
+        }
+        (Vector3::zeros(), Vector3::zeros())
+    }
+
+    fn thrust_now(&self, instant: &Instant, k: usize) -> Vec<Force> {
+        let drive = Drive {
+            q: &self.buffer.q,
+            rates: &self.buffer.rates,
+            wheels: &self.buffer.wheels,
+            thrust: self.thrust.get(k).map_or(&[], Vec::as_slice),
+            changes: &[],
+        };
+        self.forces(&drive, &instant.centre)
+    }
+}

@@ -1,0 +1,217 @@
+//! Mass properties as written: those of real bodies, in the link's own axes.
+
+use super::raw::{Kind, Link, Robot};
+use super::tree::Order;
+use super::{Remark, UrdfDefect};
+use crate::check_body::PHYSICAL_TOLERANCE;
+use crate::document::printable;
+use crate::number::{list, short};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+
+/// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.
+pub(super) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
+    let (sr, cr) = roll.sin_cos();
+    let (sp, cp) = pitch.sin_cos();
+    let (sy, cy) = yaw.sin_cos();
+    Matrix3::new(
+        cy * cp,
+        cy * sp * sr - sy * cr,
+        cy * sp * cr + sy * sr,
+        sy * cp,
+        sy * sp * sr + cy * cr,
+        sy * sp * cr - cy * sr,
+        -sp,
+        cp * sr,
+        cp * cr,
+    )
+}
+
+/// Mass properties of every link in its own frame; zero where it has none.
+pub(super) fn check(
+    robot: &Robot,
+    order: &Order,
+    remarks: &mut Vec<Remark>,
+) -> Vec<MassProperties> {
+    let all: Vec<MassProperties> = robot.links.iter().map(|l| one(l, remarks)).collect();
+    // Where a number could not be read, what moves without mass is not known.
+    if !remarks.iter().any(|r| r.code == Some("E0107")) {
+        moving_without_mass(robot, order, &all, remarks);
+    }
+    all
+}
+
+fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
+    let subject = format!("link \"{}\"", printable(&link.name, 60));
+    let mut push = |defect, code, byte, problem: String, remedy: &str| {
+        remarks.push(Remark {
+            defect,
+            code,
+            byte,
+            subject: subject.clone(),
+            value: String::new(),
+            problem,
+            remedy: remedy.to_owned(),
+        });
+    };
+    let Some(inertial) = &link.inertial else {
+        let problem = "no <inertial>: taken as without mass".to_owned();
+        push(UrdfDefect::NoInertial, None, link.byte, problem, "");
+        return MassProperties::ZERO;
+    };
+    let byte = inertial.byte;
+    let [xx, xy, xz, yy, yz, zz] = inertial.elements;
+    let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let turn = rotation(inertial.rpy);
+    let found = MassProperties {
+        mass: inertial.mass,
+        p_BoBcm_B: Vector3::from(inertial.xyz),
+        I_BBcm_B: turn * tensor * turn.transpose(),
+    };
+    if inertial.mass < 0.0 {
+        let problem = format!("the mass is negative: {} kg", short(inertial.mass));
+        push(
+            UrdfDefect::Number,
+            Some("E0115"),
+            byte,
+            problem,
+            "give a positive mass",
+        );
+        return MassProperties::ZERO;
+    }
+    if inertial.mass == 0.0 {
+        let empty = inertial.elements == [0.0; 6];
+        let problem = "the mass is zero".to_owned();
+        let code = (!empty).then_some("E0116");
+        push(
+            UrdfDefect::ZeroMass,
+            code,
+            byte,
+            problem,
+            "give it a mass, or zero inertia",
+        );
+        if !empty {
+            return MassProperties::ZERO;
+        }
+    }
+    if inertial.elements == [0.0; 6] {
+        let problem = "the inertia is zero in all elements: a point mass".to_owned();
+        push(UrdfDefect::ZeroInertia, None, byte, problem, "");
+        return if inertial.mass == 0.0 {
+            MassProperties::ZERO
+        } else {
+            found
+        };
+    }
+    if [xx, yy, zz] == [1.0; 3] && xy == 0.0 {
+        let problem = "the inertia is 1 kg m2 about every axis; is it a placeholder?".to_owned();
+        push(UrdfDefect::Placeholder, None, byte, problem, "");
+    }
+    // The moments do not depend on the axes; those as written round least.
+    let (moments, _) = MassProperties {
+        I_BBcm_B: tensor,
+        ..found
+    }
+    .principal();
+    let largest = moments.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let [a, b, c] = moments;
+    let remedy = "correct the numbers; they are tensor elements (ixy = -integral x y dm) about the mass centre";
+    if inertial.mass > 0.0 && (largest / inertial.mass).sqrt() > 5.0 {
+        let gyration = (largest / inertial.mass).sqrt();
+        let problem = format!(
+            "the radius of gyration is {} m; are mass in kg and inertia in kg m2?",
+            short(gyration)
+        );
+        push(UrdfDefect::LargeGyration, None, byte, problem, "");
+    }
+    if a < -1e-12 * largest {
+        let problem = format!(
+            "the smallest principal moment is negative: {} kg m2",
+            list(&moments)
+        );
+        push(UrdfDefect::Indefinite, Some("E0115"), byte, problem, remedy);
+        return found;
+    }
+    if a <= 1e-12 * largest {
+        let problem = format!("a principal moment is zero: {} kg m2", list(&moments));
+        push(UrdfDefect::Singular, None, byte, problem, "");
+    }
+    if a + b < c * (1.0 - PHYSICAL_TOLERANCE) {
+        let problem = format!(
+            "no body has these principal moments: {} kg m2, the largest exceeds the sum of the other two",
+            list(&moments)
+        );
+        push(UrdfDefect::Triangle, Some("E0115"), byte, problem, remedy);
+    }
+    found
+}
+
+/// Refuses what moves without mass: a joint rate that no momentum depends on.
+fn moving_without_mass(
+    robot: &Robot,
+    order: &Order,
+    all: &[MassProperties],
+    remarks: &mut Vec<Remark>,
+) {
+    let mut carried: Vec<f64> = all.iter().map(|m| m.mass).collect();
+    let joint_of = |k: usize| {
+        let joint = order.carried_by.get(k).copied().flatten()?;
+        robot.joints.get(joint)
+    };
+    let place = |name: &str| robot.links.iter().position(|l| l.name == name);
+    let parents: Vec<Option<usize>> = if robot.links.len() > 200 {
+        let index: std::collections::HashMap<&str, usize> = robot
+            .links
+            .iter()
+            .enumerate()
+            .rev()
+            .map(|(k, l)| (l.name.as_str(), k))
+            .collect();
+        (0..robot.links.len())
+            .map(|k| joint_of(k).and_then(|j| index.get(j.parent.as_str()).copied()))
+            .collect()
+    } else {
+        (0..robot.links.len())
+            .map(|k| joint_of(k).and_then(|j| place(&j.parent)))
+            .collect()
+    };
+    for &k in order.links.iter().rev() {
+        let own = carried.get(k).copied().unwrap_or(0.0);
+        let parent = parents.get(k).copied().flatten();
+        if let Some(sum) = parent.and_then(|p| carried.get_mut(p)) {
+            *sum += own;
+        }
+    }
+    let whole = order.links.first().and_then(|k| carried.get(*k).copied());
+    if whole == Some(0.0) {
+        remarks.push(Remark {
+            defect: UrdfDefect::MovesMassless,
+            code: Some("E0116"),
+            byte: 0,
+            subject: "robot".to_owned(),
+            value: String::new(),
+            problem: "no link has mass".to_owned(),
+            remedy: "give the base a mass".to_owned(),
+        });
+        return;
+    }
+    for &k in &order.links {
+        let Some(joint) = joint_of(k) else { continue };
+        if joint.kind != Kind::Fixed && carried.get(k) == Some(&0.0) {
+            let Some(link) = robot.links.get(k) else {
+                continue;
+            };
+            remarks.push(Remark {
+                defect: UrdfDefect::MovesMassless,
+                code: Some("E0116"),
+                byte: link.byte,
+                subject: format!("link \"{}\"", printable(&link.name, 60)),
+                value: String::new(),
+                problem: format!(
+                    "the link moves on joint \"{}\", but neither it nor what it carries has mass",
+                    printable(&joint.name, 60)
+                ),
+                remedy: "give it an <inertial>, or make its joint fixed".to_owned(),
+            });
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! URDF, the robot description of ROS: read into a [`Model`], and mass properties written back into the file.
+//!
+//! No recursion on what the file holds, no DTD, no file is opened that it names.
+
+mod build;
+mod export;
+mod inertial;
+mod raw;
+mod tree;
+
+pub use export::{LinkInertial, UrdfExport, export_urdf};
+
+use crate::document::printable;
+use crate::finding::{Finding, ModelError};
+use crate::read::read_text;
+use crate::vehicle::Model;
+use std::path::Path;
+
+/// Findings shown; the rest is counted.
+const SHOWN: usize = 20;
+
+/// A kind of remark on a URDF file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum UrdfDefect {
+    /// Not well-formed XML, or a DTD.
+    NotXml,
+    /// The root element is not `robot`.
+    NotRobot,
+    /// Unexpanded xacro.
+    Xacro,
+    /// Two links or two joints of one name, or one without.
+    Names,
+    /// A joint names a link that is not there.
+    MissingLink,
+    /// A link with two parents.
+    TwoParents,
+    /// Not exactly one link without parent, or a cycle.
+    Roots,
+    /// A link without `inertial`.
+    NoInertial,
+    /// A number that cannot be read, or one that is missing.
+    Number,
+    /// Mass zero.
+    ZeroMass,
+    /// Inertia zero in all elements.
+    ZeroInertia,
+    /// Identity as inertia.
+    Placeholder,
+    /// A principal moment below zero.
+    Indefinite,
+    /// A principal moment of zero.
+    Singular,
+    /// A principal moment above the sum of the others.
+    Triangle,
+    /// Radius of gyration above 5 m.
+    LargeGyration,
+    /// Something moves that has no mass and carries none.
+    MovesMassless,
+    /// A moving joint without axis.
+    NoAxis,
+    /// An axis of length zero.
+    ZeroAxis,
+    /// An axis that is not of unit length.
+    AxisLength,
+    /// A joint that mimics another.
+    Mimic,
+    /// A joint type that is not read.
+    JointType,
+    /// Elements that were not read.
+    Ignored,
+}
+
+/// A remark with its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Remark {
+    pub defect: UrdfDefect,
+    /// Code of an error; `None` for a note.
+    pub code: Option<&'static str>,
+    pub byte: usize,
+    /// Where: `link "arm"`, `joint "elbow"`.
+    pub subject: String,
+    pub value: String,
+    pub problem: String,
+    pub remedy: String,
+}
+
+/// What a URDF file holds.
+#[derive(Debug, Clone)]
+pub struct Urdf {
+    /// The vehicle, or what keeps the file from being one.
+    pub model: Result<Model, ModelError>,
+    /// Every kind of remark on the file, each once.
+    pub defects: Vec<UrdfDefect>,
+}
+
+/// Reads a URDF file; never fails, see [`Urdf::model`].
+pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
+    let path = path.as_ref();
+    match read_text(path) {
+        Ok(text) => parse_urdf(&text, &path.display().to_string()),
+        Err(error) => Urdf {
+            model: Err(error),
+            defects: Vec::new(),
+        },
+    }
+}
+
+/// Reads URDF text; `file` names it in messages.
+pub fn parse_urdf(text: &str, file: &str) -> Urdf {
+    let mut remarks = Vec::new();
+    let model = raw::read(text, &mut remarks).and_then(|robot| {
+        let order = tree::check(&robot, &mut remarks);
+        let inertials = inertial::check(&robot, &order, &mut remarks);
+        build::model(&robot, &order, &inertials, &mut remarks)
+    });
+    let mut defects: Vec<UrdfDefect> = remarks.iter().map(|r| r.defect).collect();
+    defects.sort_unstable();
+    defects.dedup();
+    Urdf {
+        model: conclude(text, file, remarks, model),
+        defects,
+    }
+}
+
+fn conclude(
+    text: &str,
+    file: &str,
+    mut remarks: Vec<Remark>,
+    model: Option<Model>,
+) -> Result<Model, ModelError> {
+    remarks.sort_by_key(|r| r.byte);
+    let starts: Vec<usize> = std::iter::once(0)
+        .chain(text.match_indices('\n').map(|(at, _)| at + 1))
+        .collect();
+    let place = |byte: usize| {
+        let line = starts.partition_point(|s| *s <= byte).max(1);
+        let start = starts.get(line - 1).copied().unwrap_or(0);
+        let column = text.get(start..byte).map_or(1, |s| s.chars().count() + 1);
+        (line, column)
+    };
+    let errors: Vec<&Remark> = remarks.iter().filter(|r| r.code.is_some()).collect();
+    if errors.is_empty()
+        && let Some(mut model) = model
+    {
+        model.notes = remarks
+            .iter()
+            .map(|r| format!("line {}: {}: {}", place(r.byte).0, r.subject, r.problem))
+            .collect();
+        return Ok(model);
+    }
+    let omitted = errors.len().saturating_sub(SHOWN);
+    let findings: Vec<Finding> = errors
+        .into_iter()
+        .take(SHOWN)
+        .map(|r| {
+            let (line, column) = place(r.byte);
+            Finding {
+                code: r.code.unwrap_or("E0120"),
+                file: printable(file, 300),
+                line,
+                column,
+                key: r.subject.clone(),
+                subject: String::new(),
+                value: r.value.clone(),
+                problem: r.problem.clone(),
+                remedy: r.remedy.clone(),
+            }
+        })
+        .collect();
+    if findings.is_empty() {
+        return Err(ModelError::unreadable(
+            file,
+            "there is no robot in it".to_owned(),
+            "give a URDF file with links and joints",
+            false,
+        ));
+    }
+    Err(ModelError {
+        findings,
+        omitted,
+        environment: false,
+    })
+}

@@ -1,0 +1,496 @@
+//! The file as written: links and joints with their numbers and places.
+
+use super::{Remark, UrdfDefect};
+use crate::document::printable;
+use roxmltree::{Document, Node, ParsingOptions};
+use std::collections::BTreeMap;
+
+/// Most XML nodes of a file.
+const NODES: u32 = 1_000_000;
+
+/// A robot as written.
+pub(super) struct Robot {
+    pub name: String,
+    pub links: Vec<Link>,
+    pub joints: Vec<Joint>,
+}
+
+/// A link.
+pub(super) struct Link {
+    pub name: String,
+    pub byte: usize,
+    pub inertial: Option<Inertial>,
+}
+
+/// Mass, pose of the inertial frame, tensor elements in it: xx, xy, xz, yy, yz, zz.
+pub(super) struct Inertial {
+    pub byte: usize,
+    pub mass: f64,
+    pub xyz: [f64; 3],
+    pub rpy: [f64; 3],
+    pub elements: [f64; 6],
+}
+
+/// Type of a joint.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    Turns,
+    Slides,
+    Fixed,
+}
+
+/// A joint.
+pub(super) struct Joint {
+    pub name: String,
+    pub byte: usize,
+    pub kind: Kind,
+    pub parent: String,
+    pub child: String,
+    pub xyz: [f64; 3],
+    pub rpy: [f64; 3],
+    pub axis: [f64; 3],
+}
+
+/// Names of the elements of an inertia in the order of [`Inertial::elements`].
+pub(super) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+
+/// Reads the text; `None` where there is no robot in it.
+pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
+    let options = ParsingOptions {
+        allow_dtd: false,
+        nodes_limit: NODES,
+        ..ParsingOptions::default()
+    };
+    let document = match Document::parse_with_options(text, options) {
+        Ok(document) => document,
+        Err(error) => {
+            remarks.push(not_xml(text, &error));
+            return None;
+        }
+    };
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        remarks.push(Remark {
+            defect: UrdfDefect::NotRobot,
+            code: Some("E0103"),
+            byte: root.range().start,
+            subject: String::new(),
+            value: String::new(),
+            problem: format!(
+                "the root element is <{}>, not <robot>",
+                printable(root.tag_name().name(), 60)
+            ),
+            remedy: "give a URDF file".to_owned(),
+        });
+        return None;
+    }
+    find_xacro(&document, remarks);
+    let mut reader = Reader { remarks };
+    let mut robot = Robot {
+        name: root.attribute("name").unwrap_or("robot").to_owned(),
+        links: Vec::new(),
+        joints: Vec::new(),
+    };
+    let mut ignored: BTreeMap<&str, usize> = BTreeMap::new();
+    for node in root.children().filter(Node::is_element) {
+        match node.tag_name().name() {
+            "link" => robot.links.push(reader.link(node)),
+            "joint" => robot.joints.extend(reader.joint(node)),
+            other => *ignored.entry(other).or_default() += 1,
+        }
+    }
+    if !ignored.is_empty() {
+        let names: Vec<String> = ignored
+            .iter()
+            .take(12)
+            .map(|(name, n)| format!("{n} <{}>", printable(name, 40)))
+            .collect();
+        remarks.push(Remark {
+            defect: UrdfDefect::Ignored,
+            code: None,
+            byte: root.range().start,
+            subject: "robot".to_owned(),
+            value: String::new(),
+            problem: format!("not read: {}", names.join(", ")),
+            remedy: String::new(),
+        });
+    }
+    Some(robot)
+}
+
+fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
+    let place = error.pos();
+    let start = text
+        .match_indices('\n')
+        .nth((place.row as usize).saturating_sub(2))
+        .map_or(0, |(at, _)| at + 1);
+    let start = if place.row <= 1 { 0 } else { start };
+    let column = (place.col as usize).saturating_sub(1);
+    let byte = text
+        .get(start..)
+        .and_then(|rest| rest.char_indices().nth(column))
+        .map_or(start, |(at, _)| start + at);
+    let (problem, remedy) = match error {
+        roxmltree::Error::DtdDetected => (
+            "the file has a document type definition, which is not read".to_owned(),
+            "take <!DOCTYPE ...> out",
+        ),
+        roxmltree::Error::NodesLimitReached => (
+            format!("the file has more than {NODES} XML nodes"),
+            "is it a URDF file?",
+        ),
+        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => (
+            "the file holds xacro tags and does not declare them".to_owned(),
+            "expand it: xacro FILE > robot.urdf",
+        ),
+        other => {
+            let mut words = printable(&other.to_string(), 160);
+            if let Some(at) = words.rfind(" at ") {
+                words.truncate(at);
+            }
+            (format!("not well-formed XML: {words}"), "correct it here")
+        }
+    };
+    Remark {
+        defect: UrdfDefect::NotXml,
+        code: Some("E0120"),
+        byte,
+        subject: String::new(),
+        value: String::new(),
+        problem,
+        remedy: remedy.to_owned(),
+    }
+}
+
+/// xacro tags anywhere, or `${...}` and `$(...)` where names and numbers stand.
+fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
+    let is_tag = |n: &Node<'_, '_>| {
+        let name = n.tag_name();
+        name.name().contains("xacro") || name.namespace().is_some_and(|s| s.contains("xacro"))
+    };
+    let substitutes = |n: &Node<'_, '_>| {
+        let read = matches!(
+            n.tag_name().name(),
+            "link"
+                | "joint"
+                | "inertial"
+                | "mass"
+                | "inertia"
+                | "origin"
+                | "axis"
+                | "parent"
+                | "child"
+        );
+        read && n
+            .attributes()
+            .any(|a| a.value().contains("${") || a.value().contains("$("))
+    };
+    let mut elements = document.descendants().filter(Node::is_element);
+    if let Some(node) = elements.find(|n| is_tag(n) || substitutes(n)) {
+        remarks.push(Remark {
+            defect: UrdfDefect::Xacro,
+            code: Some("E0121"),
+            byte: node.range().start,
+            subject: format!("<{}>", printable(node.tag_name().name(), 60)),
+            value: String::new(),
+            problem: "this is xacro, which has not been expanded".to_owned(),
+            remedy: "run xacro first: xacro FILE > robot.urdf".to_owned(),
+        });
+    }
+}
+
+struct Reader<'r> {
+    remarks: &'r mut Vec<Remark>,
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children()
+        .find(|n| n.is_element() && n.tag_name().name() == name)
+}
+
+impl Reader<'_> {
+    fn refuse(
+        &mut self,
+        node: Node<'_, '_>,
+        subject: &str,
+        value: &str,
+        problem: String,
+        remedy: &str,
+    ) {
+        self.remarks.push(Remark {
+            defect: UrdfDefect::Number,
+            code: Some("E0107"),
+            byte: node.range().start,
+            subject: subject.to_owned(),
+            value: if value.is_empty() {
+                String::new()
+            } else {
+                format!("\"{}\"", printable(value, 60))
+            },
+            problem,
+            remedy: remedy.to_owned(),
+        });
+    }
+
+    fn link(&mut self, node: Node<'_, '_>) -> Link {
+        let name = node.attribute("name").unwrap_or_default().to_owned();
+        let subject = format!("link \"{}\"", printable(&name, 60));
+        let mut inertials = node
+            .children()
+            .filter(|n| n.is_element() && n.tag_name().name() == "inertial");
+        let inertial = inertials
+            .next()
+            .and_then(|inertial| self.inertial(inertial, &subject));
+        if let Some(second) = inertials.next() {
+            let problem = "the link has two <inertial>".to_owned();
+            self.refuse(second, &subject, "", problem, "keep one of them");
+        }
+        Link {
+            name,
+            byte: node.range().start,
+            inertial,
+        }
+    }
+
+    fn inertial(&mut self, node: Node<'_, '_>, subject: &str) -> Option<Inertial> {
+        let mass = match child(node, "mass") {
+            Some(mass) => self.numbers(mass, "value", subject, None),
+            None => {
+                let problem = "<inertial> has no <mass value=\"...\">".to_owned();
+                self.refuse(node, subject, "", problem, "add it, kg");
+                None
+            }
+        };
+        let mut elements = [0.0; 6];
+        let mut whole = true;
+        match child(node, "inertia") {
+            Some(inertia) => {
+                for (slot, name) in elements.iter_mut().zip(ELEMENTS) {
+                    match self.numbers(inertia, name, subject, None) {
+                        Some([x]) => *slot = x,
+                        None => whole = false,
+                    }
+                }
+            }
+            None => {
+                let problem = "<inertial> has no <inertia ixx=...>".to_owned();
+                self.refuse(
+                    node,
+                    subject,
+                    "",
+                    problem,
+                    "add it, kg m2 about the mass centre",
+                );
+                whole = false;
+            }
+        }
+        let (xyz, rpy) = self.origin(node, subject)?;
+        let [mass] = mass?;
+        whole.then_some(Inertial {
+            byte: node.range().start,
+            mass,
+            xyz,
+            rpy,
+            elements,
+        })
+    }
+
+    fn origin(&mut self, node: Node<'_, '_>, subject: &str) -> Option<([f64; 3], [f64; 3])> {
+        let Some(origin) = child(node, "origin") else {
+            return Some(([0.0; 3], [0.0; 3]));
+        };
+        let xyz = self.numbers(origin, "xyz", subject, Some([0.0; 3]));
+        let rpy = self.numbers(origin, "rpy", subject, Some([0.0; 3]));
+        Some((xyz?, rpy?))
+    }
+
+    /// Exactly `N` finite numbers, separated by blanks.
+    fn numbers<const N: usize>(
+        &mut self,
+        node: Node<'_, '_>,
+        name: &str,
+        subject: &str,
+        missing: Option<[f64; N]>,
+    ) -> Option<[f64; N]> {
+        let key = format!(
+            "{subject} <{} {name}>",
+            printable(node.tag_name().name(), 40)
+        );
+        let Some(text) = node.attribute(name) else {
+            if missing.is_none() {
+                let problem = "the number is missing".to_owned();
+                self.refuse(node, &key, "", problem, "add it");
+            }
+            return missing;
+        };
+        let mut values = [0.0; N];
+        let mut count = 0;
+        for word in text.split_whitespace() {
+            match word.parse::<f64>() {
+                Ok(x) if x.is_finite() => {
+                    if let Some(slot) = values.get_mut(count) {
+                        *slot = x;
+                    }
+                    count += 1;
+                }
+                _ => {
+                    let (problem, remedy) = cause(word);
+                    self.refuse(node, &key, text, problem, remedy);
+                    return None;
+                }
+            }
+        }
+        if count != N {
+            let problem = format!("{count} numbers where {N} stand");
+            self.refuse(node, &key, text, problem, "separate them by blanks");
+            return None;
+        }
+        Some(values)
+    }
+
+    fn joint(&mut self, node: Node<'_, '_>) -> Option<Joint> {
+        let name = node.attribute("name").unwrap_or_default().to_owned();
+        let subject = format!("joint \"{}\"", printable(&name, 60));
+        let byte = node.range().start;
+        let word = node.attribute("type").unwrap_or_default();
+        let kind = match word {
+            "revolute" | "continuous" => Some(Kind::Turns),
+            "prismatic" => Some(Kind::Slides),
+            "fixed" => Some(Kind::Fixed),
+            _ => None,
+        };
+        if kind.is_none() {
+            self.remarks.push(Remark {
+                defect: UrdfDefect::JointType,
+                code: Some("E0122"),
+                byte,
+                subject: format!("{subject} type"),
+                value: format!("\"{}\"", printable(word, 40)),
+                problem: "this type of joint is not read".to_owned(),
+                remedy: "write revolute, continuous, prismatic or fixed; a base that floats needs no joint"
+                    .to_owned(),
+            });
+        }
+        if let Some(mimic) = child(node, "mimic") {
+            self.remarks.push(Remark {
+                defect: UrdfDefect::Mimic,
+                code: None,
+                byte: mimic.range().start,
+                subject: subject.clone(),
+                value: String::new(),
+                problem: format!(
+                    "mimics \"{}\" (multiplier {}, offset {}): it is read as a joint of its own, and telemetry needs a column for it",
+                    printable(mimic.attribute("joint").unwrap_or_default(), 60),
+                    printable(mimic.attribute("multiplier").unwrap_or("1"), 20),
+                    printable(mimic.attribute("offset").unwrap_or("0"), 20),
+                ),
+                remedy: String::new(),
+            });
+        }
+        let mut end = |which: &str| match child(node, which).and_then(|n| n.attribute("link")) {
+            Some(link) => link.to_owned(),
+            None => {
+                let problem = format!("the joint has no <{which} link=\"...\">");
+                self.refuse(node, &subject, "", problem, "add it");
+                String::new()
+            }
+        };
+        let (parent, child_name) = (end("parent"), end("child"));
+        let (xyz, rpy) = self.origin(node, &subject).unwrap_or_default();
+        let kind = kind.unwrap_or(Kind::Fixed);
+        let axis = self.axis(node, &subject, kind).unwrap_or([1.0, 0.0, 0.0]);
+        Some(Joint {
+            name,
+            byte,
+            kind,
+            parent,
+            child: child_name,
+            xyz,
+            rpy,
+            axis,
+        })
+    }
+
+    /// Unit axis of a moving joint; x where none is given, as URDF says.
+    fn axis(&mut self, node: Node<'_, '_>, subject: &str, kind: Kind) -> Option<[f64; 3]> {
+        if kind == Kind::Fixed {
+            return None;
+        }
+        let mut note = |defect, code, byte, value: String, problem: String, remedy: &str| {
+            self.remarks.push(Remark {
+                defect,
+                code,
+                byte,
+                subject: format!("{subject} <axis>"),
+                value,
+                problem,
+                remedy: remedy.to_owned(),
+            });
+        };
+        let Some(axis) = child(node, "axis") else {
+            let problem = "no axis is given: x, as URDF says".to_owned();
+            note(
+                UrdfDefect::NoAxis,
+                None,
+                node.range().start,
+                String::new(),
+                problem,
+                "",
+            );
+            return None;
+        };
+        let text = axis.attribute("xyz").unwrap_or("1 0 0");
+        let byte = axis.range().start;
+        let [x, y, z] = self.numbers(axis, "xyz", subject, Some([1.0, 0.0, 0.0]))?;
+        let length = (x * x + y * y + z * z).sqrt();
+        let mut note = |defect, code, problem: String, remedy: &str| {
+            self.remarks.push(Remark {
+                defect,
+                code,
+                byte,
+                subject: format!("{subject} <axis xyz>"),
+                value: format!("\"{}\"", printable(text, 60)),
+                problem,
+                remedy: remedy.to_owned(),
+            });
+        };
+        if length <= 0.0 || !length.is_finite() {
+            let problem = "the axis has no direction".to_owned();
+            note(
+                UrdfDefect::ZeroAxis,
+                Some("E0113"),
+                problem,
+                "give its direction in the joint's frame",
+            );
+            return None;
+        }
+        if (length - 1.0).abs() > 1e-6 {
+            let problem = format!("the axis has length {length}; it was made a unit vector");
+            note(UrdfDefect::AxisLength, None, problem, "");
+        }
+        Some([x / length, y / length, z / length])
+    }
+}
+
+fn cause(word: &str) -> (String, &'static str) {
+    let shown = printable(word, 40);
+    if word.contains("${") || word.contains("$(") {
+        return (
+            format!("'{shown}' is xacro"),
+            "run xacro first: xacro FILE > robot.urdf",
+        );
+    }
+    if word.contains(',') {
+        return (
+            format!("'{shown}' has a comma"),
+            "write a decimal point, and blanks between numbers",
+        );
+    }
+    if word.parse::<f64>().is_ok() {
+        return (format!("'{shown}' is not finite"), "write a finite number");
+    }
+    (
+        format!("'{shown}' is not a number"),
+        "write a decimal number",
+    )
+}

@@ -1,0 +1,353 @@
+//! What can be wrong inside a table that reads without a fault: one file per check, each with a named policy.
+//!
+//! A check only looks. What is done about a finding is its [`Policy`]; [`apply`] does it and says so.
+
+mod lag;
+mod outlier;
+mod placeholder;
+mod runs;
+mod saturation;
+mod stuck;
+
+use crate::{Channel, Table, TelemetryError, full_name, median_step};
+use runs::Sensor;
+use serde::Serialize;
+
+/// Places shown of one finding; the rest is counted.
+pub const SHOWN: usize = 20;
+
+/// A check of telemetry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Check {
+    /// Steps longer than three median steps.
+    Gap,
+    /// A value far off that repeats: a placeholder for no sample.
+    Placeholder,
+    /// Single readings far from their neighbours.
+    Outlier,
+    /// Each reading stands several times in a row: the sensor is slower than its column.
+    Held,
+    /// A reading that repeats exactly while its sensor is noisy elsewhere.
+    Stuck,
+    /// Readings cut at the end of a sensor's range.
+    Saturation,
+    /// Attitude and gyro are shifted in time against each other.
+    Lag,
+    /// Numbers that ask for another unit; found against the model.
+    Units,
+}
+
+/// What is done about a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Policy {
+    /// It is listed; the samples stay.
+    Report,
+    /// The samples of the sensor are left out at these times and counted.
+    Exclude,
+    /// It is an error.
+    Refuse,
+}
+
+impl Policy {
+    /// Name on the command line and in the result.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Report => "report",
+            Self::Exclude => "exclude",
+            Self::Refuse => "refuse",
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        [Self::Report, Self::Exclude, Self::Refuse]
+            .into_iter()
+            .find(|p| p.name() == name)
+    }
+}
+
+impl Check {
+    /// Every check, in the order in which they are made.
+    pub const ALL: [Self; 8] = [
+        Self::Gap,
+        Self::Placeholder,
+        Self::Held,
+        Self::Saturation,
+        Self::Stuck,
+        Self::Outlier,
+        Self::Lag,
+        Self::Units,
+    ];
+
+    /// Name on the command line and in the result.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gap => "gap",
+            Self::Placeholder => "placeholder",
+            Self::Outlier => "outlier",
+            Self::Held => "held",
+            Self::Stuck => "stuck",
+            Self::Saturation => "saturation",
+            Self::Lag => "lag",
+            Self::Units => "units",
+        }
+    }
+
+    /// Policies that mean something for this check, the usual one first.
+    pub fn policies(self) -> &'static [Policy] {
+        match self {
+            Self::Held | Self::Stuck | Self::Saturation | Self::Outlier => {
+                &[Policy::Exclude, Policy::Report, Policy::Refuse]
+            }
+            Self::Placeholder => &[Policy::Report, Policy::Exclude, Policy::Refuse],
+            Self::Gap | Self::Lag => &[Policy::Report, Policy::Refuse],
+            Self::Units => &[Policy::Refuse, Policy::Report],
+        }
+    }
+}
+
+/// The policy of every check.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Policies {
+    chosen: Vec<(Check, Policy)>,
+    strict: bool,
+}
+
+impl Policies {
+    /// The usual policies with changes `check=policy`; `strict` makes every finding an error.
+    ///
+    /// # Errors
+    /// What is wrong with a change and what may be written.
+    pub fn new<S: AsRef<str>>(changes: &[S], strict: bool) -> Result<Self, String> {
+        let mut chosen = Vec::new();
+        for change in changes {
+            let (check, policy) = change
+                .as_ref()
+                .split_once('=')
+                .ok_or("write CHECK=POLICY, for example outlier=exclude")?;
+            let check = Check::ALL
+                .into_iter()
+                .find(|c| c.name() == check)
+                .ok_or_else(|| format!("checks: {}", Check::ALL.map(Check::name).join(", ")))?;
+            let known = check.policies();
+            let policy = Policy::named(policy)
+                .filter(|p| known.contains(p))
+                .ok_or_else(|| {
+                    let names: Vec<&str> = known.iter().map(|p| p.name()).collect();
+                    format!("policies of {}: {}", check.name(), names.join(", "))
+                })?;
+            chosen.push((check, policy));
+        }
+        Ok(Self { chosen, strict })
+    }
+
+    /// The policy of a check; the last change counts.
+    pub fn of(&self, check: Check) -> Policy {
+        if self.strict && check != Check::Gap {
+            return Policy::Refuse;
+        }
+        let chosen = self.chosen.iter().rev().find(|(c, _)| *c == check);
+        chosen.map_or_else(
+            || check.policies().first().copied().unwrap_or(Policy::Report),
+            |(_, policy)| *policy,
+        )
+    }
+}
+
+/// What a check found in one channel or sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// The check.
+    pub check: Check,
+    /// Channel, or the channels of a sensor as `omega_x..z`.
+    pub channel: String,
+    /// Samples (of a gap: gaps) concerned.
+    pub count: usize,
+    /// Samples of the channel.
+    pub of: usize,
+    /// Times of the first of them, s; at most [`SHOWN`].
+    pub first_times_s: Vec<f64>,
+    /// In words.
+    pub text: String,
+    /// What was done.
+    pub policy: Policy,
+}
+
+/// A finding with the samples it means.
+struct Found {
+    finding: Finding,
+    /// Channels, and times to leave out under [`Policy::Exclude`].
+    channels: Vec<usize>,
+    times_s: Vec<f64>,
+}
+
+/// Looks at a table, follows the policies and returns what was found; `label` names the table in errors.
+///
+/// # Errors
+/// [`TelemetryError::Check`] for the first finding whose policy is [`Policy::Refuse`].
+pub fn apply(
+    table: &mut Table,
+    label: &str,
+    policies: &Policies,
+) -> Result<Vec<Finding>, TelemetryError> {
+    let mut all = Vec::new();
+    for check in Check::ALL {
+        let policy = policies.of(check);
+        for mut found in look(table, check) {
+            if policy == Policy::Refuse {
+                return Err(refused(label, &found.finding));
+            }
+            found.finding.policy = policy;
+            if policy == Policy::Exclude {
+                exclude(table, &found);
+                let f = &found.finding;
+                table.repairs.push(format!(
+                    "{label}: {}: {} of {} samples of {} left out: {}",
+                    check.name(),
+                    f.count,
+                    f.of,
+                    f.channel,
+                    f.text
+                ));
+            }
+            all.push(found.finding);
+        }
+    }
+    Ok(all)
+}
+
+/// The error of a finding that is not accepted.
+pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
+    TelemetryError::Check {
+        file: label.to_owned(),
+        channel: finding.channel.clone(),
+        check: finding.check.name(),
+        what: finding.text.clone(),
+        lenient: finding
+            .check
+            .policies()
+            .iter()
+            .find(|p| **p != Policy::Refuse)
+            .map_or("report", |p| p.name()),
+    }
+}
+
+/// Looks at a table and changes nothing.
+pub fn findings(table: &Table) -> Vec<Finding> {
+    Check::ALL
+        .into_iter()
+        .flat_map(|check| look(table, check))
+        .map(|f| f.finding)
+        .collect()
+}
+
+fn look(table: &Table, check: Check) -> Vec<Found> {
+    let sensors = || runs::sensors(table);
+    match check {
+        Check::Gap => table.channels.iter().filter_map(gaps).collect(),
+        Check::Placeholder => per_channel(table, check, placeholder::find),
+        Check::Outlier => per_channel(table, check, outlier::find),
+        Check::Saturation => per_channel(table, check, saturation::find),
+        Check::Held | Check::Stuck => sensors()
+            .iter()
+            .filter_map(|sensor| stuck::find(table, sensor, check))
+            .collect(),
+        Check::Lag => lag::find(table).into_iter().collect(),
+        Check::Units => Vec::new(),
+    }
+}
+
+/// A check that looks at one channel of a vector sensor at a time: indices of samples and words.
+fn per_channel(
+    table: &Table,
+    check: Check,
+    find: fn(&Channel) -> Option<(Vec<usize>, String)>,
+) -> Vec<Found> {
+    let mut all = Vec::new();
+    for sensor in runs::sensors(table).iter().filter(|s| !s.is_attitude) {
+        for &k in &sensor.channels {
+            let Some(channel) = table.channels.get(k) else {
+                continue;
+            };
+            if let Some((samples, text)) = find(channel) {
+                all.push(found(check, channel, &samples, text, sensor));
+            }
+        }
+    }
+    all
+}
+
+fn found(
+    check: Check,
+    channel: &Channel,
+    samples: &[usize],
+    text: String,
+    sensor: &Sensor,
+) -> Found {
+    let times_s: Vec<f64> = samples
+        .iter()
+        .filter_map(|&k| channel.time_s.get(k).copied())
+        .collect();
+    Found {
+        finding: Finding {
+            check,
+            channel: full_name(&channel.sensor, &channel.name),
+            count: samples.len(),
+            of: channel.values.len(),
+            first_times_s: times_s.iter().copied().take(SHOWN).collect(),
+            text,
+            policy: Policy::Report,
+        },
+        channels: sensor.channels.clone(),
+        times_s,
+    }
+}
+
+/// Leaves out the samples of all channels of the sensor at the times found.
+fn exclude(table: &mut Table, found: &Found) {
+    for &k in &found.channels {
+        let Some(channel) = table.channels.get_mut(k) else {
+            continue;
+        };
+        let mut out = found.times_s.iter().peekable();
+        let mut times = Vec::with_capacity(channel.values.len());
+        let mut values = Vec::with_capacity(channel.values.len());
+        for (&t, &x) in channel.time_s.iter().zip(&channel.values) {
+            while out.next_if(|o| **o < t).is_some() {}
+            if out.peek() != Some(&&t) {
+                times.push(t);
+                values.push(x);
+            }
+        }
+        channel.time_s = times.into();
+        channel.values = values;
+    }
+}
+
+fn gaps(channel: &Channel) -> Option<Found> {
+    let step = median_step(&channel.time_s)?;
+    let pairs = channel.time_s.iter().zip(channel.time_s.iter().skip(1));
+    let long: Vec<(f64, f64)> = pairs
+        .map(|(a, b)| (*a, b - a))
+        .filter(|(_, d)| *d > 3.0 * step)
+        .collect();
+    let longest = long.iter().map(|g| g.1).fold(0.0, f64::max);
+    let lost: f64 = long.iter().map(|g| g.1 - step).sum();
+    (!long.is_empty()).then(|| Found {
+        finding: Finding {
+            check: Check::Gap,
+            channel: full_name(&channel.sensor, &channel.name),
+            count: long.len(),
+            of: channel.values.len(),
+            first_times_s: long.iter().map(|g| g.0).take(SHOWN).collect(),
+            text: format!(
+                "{} gaps, the longest {longest:.6} s, {lost:.6} s lost in all; nothing is interpolated across",
+                long.len()
+            ),
+            policy: Policy::Report,
+        },
+        channels: Vec::new(),
+        times_s: Vec::new(),
+    })
+}

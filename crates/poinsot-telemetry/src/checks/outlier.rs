@@ -1,0 +1,56 @@
+//! Readings far from their neighbours.
+
+use crate::Channel;
+use crate::time_base::median;
+
+/// Distance from the median of five, in robust sigmas, from which a reading is an outlier.
+const FAR: f64 = 12.0;
+/// Share of the channel's own spread below which no difference counts.
+const FLOOR: f64 = 0.02;
+
+/// Samples far from the median of the five around them (Hampel's identifier) and from the cubic through the
+/// other four: a turning point of smooth motion is far from the first only, a neighbour of a spike from the
+/// second only.
+pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
+    let values = &channel.values;
+    // A thruster's pulse in an accelerometer is real.
+    if values.len() < 16 || channel.name.starts_with("acc_") {
+        return None;
+    }
+    let five: Vec<[f64; 5]> = values
+        .windows(5)
+        .filter_map(|w| <[f64; 5]>::try_from(w).ok())
+        .collect();
+    let from_median: Vec<f64> = five
+        .iter()
+        .map(|w| w[2] - median(&mut w.to_vec()).unwrap_or_default())
+        .collect();
+    let from_cubic: Vec<f64> = five
+        .iter()
+        .map(|w| w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0)
+        .collect();
+    let sigma = spread(&from_cubic)?;
+    let limit = |residual: &[f64]| Some((FAR * spread(residual)?).max(FLOOR * spread(values)?));
+    let (limit_median, limit_cubic) = (limit(&from_median)?, limit(&from_cubic)?);
+    let far: Vec<usize> = (from_median.iter().zip(&from_cubic))
+        .enumerate()
+        .filter(|(_, (m, c))| m.abs() > limit_median && c.abs() > limit_cubic && limit_cubic > 0.0)
+        .map(|(k, _)| k + 2)
+        .collect();
+    let worst = from_median.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+    (!far.is_empty()).then(|| {
+        let text = format!(
+            "{} readings lie up to {worst:.3e} {} from their neighbours, more than {FAR} robust sigmas ({sigma:.3e})",
+            far.len(),
+            channel.unit
+        );
+        (far, text)
+    })
+}
+
+/// Robust sigma: median of the distances from the median over 0.6745.
+fn spread(values: &[f64]) -> Option<f64> {
+    let centre = median(&mut values.to_vec())?;
+    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
+    Some(median(&mut distances)? / 0.6745)
+}

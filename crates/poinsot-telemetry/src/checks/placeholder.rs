@@ -1,0 +1,36 @@
+//! Values that stand for "no sample".
+
+use crate::Channel;
+use crate::time_base::median;
+
+/// A value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
+pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
+    let values = &channel.values;
+    let mut sorted = values.clone();
+    let centre = median(&mut sorted)?;
+    let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
+    let sigma = median(&mut distances)? / 0.6745;
+    let ends = [
+        values.iter().copied().reduce(f64::min)?,
+        values.iter().copied().reduce(f64::max)?,
+    ];
+    let (value, count) = ends
+        .into_iter()
+        .map(|x| (x, values.iter().filter(|v| **v == x).count()))
+        .find(|(x, count)| {
+            *count >= 2
+                && count * 100 >= values.len()
+                && sigma > 0.0
+                && (x - centre).abs() > 20.0 * sigma
+        })?;
+    let samples = (values.iter().enumerate())
+        .filter(|(_, x)| **x == value)
+        .map(|(k, _)| k)
+        .collect();
+    Some((
+        samples,
+        format!(
+            "{value} stands in {count} samples, far from all others: a placeholder for no sample? leave those cells empty, or --policy placeholder=exclude"
+        ),
+    ))
+}

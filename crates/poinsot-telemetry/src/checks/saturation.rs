@@ -1,0 +1,57 @@
+//! Readings cut at the end of a range.
+
+use super::runs::{noise_is_visible, repeats, runs};
+use crate::Channel;
+
+/// Readings in a row at one end of the range.
+const PLATEAU: usize = 3;
+/// Readings at the end of the range in all.
+const ALL: usize = 6;
+
+/// Samples at the largest or smallest value that stand there in runs, where nothing else repeats.
+pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
+    let values = &channel.values;
+    let largest = values.iter().copied().reduce(f64::max)?;
+    let smallest = values.iter().copied().reduce(f64::min)?;
+    let at_end = |x: f64| x == largest || x == smallest;
+    let all = runs(values.len(), |k| repeats(channel, k));
+    let plateaus: Vec<(usize, usize)> = all
+        .iter()
+        .copied()
+        .filter(|&(k, n)| n >= PLATEAU && values.get(k).is_some_and(|x| at_end(*x)))
+        .collect();
+    let cut: usize = plateaus.iter().map(|p| p.1).sum();
+    let free: Vec<f64> = values.iter().copied().filter(|x| !at_end(*x)).collect();
+    let repeated: usize = all
+        .iter()
+        .filter(|r| values.get(r.0).is_some_and(|x| !at_end(*x)))
+        .map(|r| r.1 - 1)
+        .sum();
+    if cut < ALL || free.len() < 8 || repeated * 50 > free.len() {
+        return None;
+    }
+    let corner = plateaus.iter().any(|&(k, n)| is_corner(values, k, n));
+    if !corner && !noise_is_visible(&free) {
+        return None;
+    }
+    let samples = plateaus.iter().flat_map(|&(k, n)| k..k + n).collect();
+    Some((
+        samples,
+        format!(
+            "{cut} readings stand at the end of the range ({smallest} to {largest} {}): the sensor is saturated there",
+            channel.unit
+        ),
+    ))
+}
+
+/// Whether the curve runs into the plateau with its full slope, as one that is cut does.
+fn is_corner(values: &[f64], start: usize, length: usize) -> bool {
+    let step = |a: usize, b: usize| Some((values.get(a)? - values.get(b)?).abs());
+    let before = start
+        .checked_sub(3)
+        .and_then(|k| Some((step(start, start - 1)?, step(k + 1, k)?)));
+    let end = start + length;
+    let after = step(end, end - 1).zip(step(end + 2, end + 1));
+    let sharp = |(into, further): (f64, f64)| further > 0.0 && into > 0.3 * further;
+    before.is_some_and(sharp) || after.is_some_and(sharp)
+}

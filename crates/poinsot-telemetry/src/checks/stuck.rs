@@ -1,0 +1,111 @@
+//! Readings that repeat exactly: a sensor that hangs, and one that is recorded faster than it reads.
+
+use super::runs::{Sensor, noise_is_visible, repeats, runs};
+use super::{Check, Finding, Found, Policy, SHOWN};
+use crate::{Channel, Table};
+
+/// Equal readings in a row that a noisy sensor does not give.
+const LONG: usize = 8;
+/// Share of readings that repeat by chance in a sensor that is not quantised coarsely.
+const CHANCE: f64 = 0.02;
+
+pub(super) fn find(table: &Table, sensor: &Sensor, check: Check) -> Option<Found> {
+    let channels: Vec<&Channel> = sensor
+        .channels
+        .iter()
+        .filter_map(|&k| table.channels.get(k))
+        .collect();
+    let samples = channels.first()?.values.len();
+    let all = runs(samples, |k| channels.iter().all(|c| repeats(c, k)));
+    let times_s = channels.first()?.time_s.clone();
+    let (stuck, text) = match check {
+        Check::Held => slow(&all, samples),
+        _ => hangs(&channels, samples, sensor),
+    }?;
+    let times: Vec<f64> = stuck
+        .iter()
+        .filter_map(|&k| times_s.get(k).copied())
+        .collect();
+    Some(Found {
+        finding: Finding {
+            check,
+            channel: sensor.name.clone(),
+            count: stuck.len(),
+            of: samples,
+            first_times_s: times.iter().copied().take(SHOWN).collect(),
+            text,
+            policy: Policy::Report,
+        },
+        channels: sensor.channels.clone(),
+        times_s: times,
+    })
+}
+
+/// All numbers of the sensor repeat in runs of one length: the column is faster than the sensor.
+fn slow(all: &[(usize, usize)], samples: usize) -> Option<(Vec<usize>, String)> {
+    let repeated = samples - all.len();
+    let share = repeated as f64 / samples as f64;
+    if all.len() < 8 || !(0.4..0.98).contains(&share) {
+        return None;
+    }
+    let mut lengths: Vec<usize> = all.iter().map(|r| r.1).collect();
+    lengths.sort_unstable();
+    let usual = lengths.get(lengths.len() / 2).copied()?;
+    let regular = lengths.iter().filter(|l| l.abs_diff(usual) <= 1).count();
+    if usual < 2 || regular * 10 < 9 * lengths.len() {
+        return None;
+    }
+    let stuck = all.iter().flat_map(|&(k, n)| k + 1..k + n).collect();
+    Some((
+        stuck,
+        format!(
+            "each reading stands {usual} times in a row: the sensor is slower than its column; only its first sample counts"
+        ),
+    ))
+}
+
+/// One channel repeats a number exactly, though its readings are noisy elsewhere.
+fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<usize>, String)> {
+    let mut stuck: Vec<usize> = Vec::new();
+    let mut names: Vec<String> = Vec::new();
+    for channel in channels {
+        let own = runs(samples, |k| repeats(channel, k));
+        let long = || own.iter().filter(|r| r.1 >= LONG);
+        let outside: usize = own.iter().filter(|r| r.1 < LONG).map(|r| r.1 - 1).sum();
+        let free: Vec<f64> = own
+            .iter()
+            .filter(|r| r.1 < LONG)
+            .flat_map(|&(k, n)| channel.values.get(k..k + n).unwrap_or_default())
+            .copied()
+            .collect();
+        // A quaternion is the same in all four numbers or is not stuck.
+        let noisy = free.len() >= 16
+            && (outside as f64) < CHANCE * free.len() as f64
+            && noise_is_visible(&free);
+        if noisy && long().next().is_some() {
+            stuck.extend(long().flat_map(|&(k, n)| k + 1..k + n));
+            names.push(format!(
+                "{} at {}",
+                channel.name,
+                long()
+                    .filter_map(|&(k, _)| channel.values.get(k))
+                    .take(3)
+                    .map(|x| format!("{x}"))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ));
+        }
+    }
+    if names.is_empty() || (sensor.is_attitude && names.len() < 4) {
+        return None;
+    }
+    stuck.sort_unstable();
+    stuck.dedup();
+    Some((
+        stuck,
+        format!(
+            "{} repeats exactly {LONG} times or more, though it is noisy elsewhere: a sensor that hangs",
+            names.join("; ")
+        ),
+    ))
+}

@@ -1,0 +1,316 @@
+//! One experiment, one fault at a time: is it noticed, and is it called by its name?
+
+use poinsot::Error;
+use poinsot::bind::bind;
+use poinsot::case::read_case;
+use poinsot::trials::Study;
+use poinsot_dynamics::Tree;
+use poinsot_identify::{FaultKind, Problem, maximum_likelihood};
+use poinsot_model::{SensorKind, read_model};
+use poinsot_spatial::Vector3;
+use poinsot_telemetry::{Channel, Table, check_conventions};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Readings kept: every fifth of 50 Hz.
+const STRIDE: usize = 5;
+/// A lag of one of the samples at 50 Hz.
+const LATE: usize = 1;
+/// Size of an outlier, in sigmas of the gyro.
+const OUTLIER: f64 = 20.0;
+
+/// A fault that is planted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Planted {
+    Nothing,
+    GyroScale,
+    WheelSign,
+    GyroLag,
+    TrackerLag,
+    GyroInDegrees,
+    WheelsInDegrees,
+    Noise,
+    Thruster,
+    Outliers,
+}
+
+impl Planted {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Nothing,
+        Self::GyroScale,
+        Self::WheelSign,
+        Self::GyroLag,
+        Self::TrackerLag,
+        Self::GyroInDegrees,
+        Self::WheelsInDegrees,
+        Self::Noise,
+        Self::Thruster,
+        Self::Outliers,
+    ];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Nothing => "none",
+            Self::GyroScale => "gyro scale 1 %",
+            Self::WheelSign => "sign of one wheel flipped",
+            Self::GyroLag => "gyro 20 ms late",
+            Self::TrackerLag => "star tracker 20 ms late",
+            Self::GyroInDegrees => "gyro in deg/s, declared rad/s",
+            Self::WheelsInDegrees => "one wheel in deg/s, declared rad/s",
+            Self::Noise => "gyro noise understated by 3",
+            Self::Thruster => "one thruster 10 % stronger",
+            Self::Outliers => "3 % of the gyro readings off by 20 sigma",
+        }
+    }
+
+    /// What the diagnosis should call it.
+    pub fn fault(self) -> Option<FaultKind> {
+        match self {
+            Self::Nothing => None,
+            Self::GyroScale => Some(FaultKind::GyroScale),
+            Self::WheelSign => Some(FaultKind::WheelSign),
+            Self::GyroLag | Self::TrackerLag => Some(FaultKind::Lag),
+            Self::GyroInDegrees | Self::WheelsInDegrees => Some(FaultKind::Units),
+            Self::Noise => Some(FaultKind::NoiseUnderstated),
+            Self::Thruster => Some(FaultKind::Thrust),
+            Self::Outliers => Some(FaultKind::Outliers),
+        }
+    }
+
+    /// What the sentence must contain beside the kind: the sensor or actuator at fault.
+    fn culprit(self) -> &'static str {
+        match self {
+            Self::WheelSign | Self::WheelsInDegrees => "wheel2",
+            Self::Thruster => "thr2",
+            Self::TrackerLag => "tracker",
+            Self::Nothing => "",
+            _ => "gyro",
+        }
+    }
+}
+
+/// Outcome of one trial.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outcome {
+    /// Anything was said.
+    pub detected: bool,
+    /// The first thing said names fault and culprit.
+    pub named: bool,
+    /// Name of the first thing said.
+    pub first: String,
+}
+
+/// Trials of one fault.
+pub struct Row {
+    pub planted: Planted,
+    pub trials: u64,
+    pub detected: usize,
+    pub named: usize,
+    /// How often each name came first.
+    pub firsts: BTreeMap<String, usize>,
+}
+
+/// The experiment: truth and sensors of `examples/cases/faults.toml`, nominal numbers some percent off.
+pub fn experiment() -> Result<Study, Error> {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    study(&cases.join("faults.toml"))
+}
+
+fn study(path: &PathBuf) -> Result<Study, Error> {
+    let case = read_case(path).map_err(poinsot::simulate::SimulateError::from)?;
+    let truth = read_model(&case.model)?;
+    let mut model = truth.clone();
+    for body in model.bodies.iter_mut().filter(|b| b.estimate.any()) {
+        body.nominal.mass *= 1.05;
+        body.nominal.p_BoBcm_B += Vector3::new(0.01, -0.01, 0.015);
+        body.nominal.I_BBcm_B *= 0.93;
+    }
+    Study::of_case(&case, &truth, model)
+}
+
+/// Trials of one fault, in parallel.
+pub fn row(study: &Study, planted: Planted, trials: u64) -> Row {
+    let faulty = plant(study, planted);
+    let outcomes: Vec<Outcome> = (0..trials)
+        .into_par_iter()
+        .map(|trial| outcome(&faulty, planted, trial))
+        .collect();
+    let mut firsts = BTreeMap::new();
+    for outcome in outcomes.iter().filter(|o| o.detected) {
+        *firsts.entry(outcome.first.clone()).or_insert(0) += 1;
+    }
+    Row {
+        planted,
+        trials,
+        detected: outcomes.iter().filter(|o| o.detected).count(),
+        named: outcomes.iter().filter(|o| o.named).count(),
+        firsts,
+    }
+}
+
+/// The experiment with a fault in what the sensors would read without noise, or in the sensors.
+fn plant(study: &Study, planted: Planted) -> Study {
+    let mut study = study.clone();
+    let table = &mut study.exact[0];
+    let gyro = |c: &Channel| c.name.starts_with("omega_");
+    let attitude = |c: &Channel| c.name.starts_with("q_");
+    match planted {
+        Planted::GyroScale => scale(table, gyro, 1.01),
+        Planted::WheelSign => scale(table, |c| c.name == "wheel2_rad_s", -1.0),
+        Planted::GyroInDegrees => scale(table, gyro, 1.0_f64.to_degrees()),
+        Planted::WheelsInDegrees => {
+            scale(table, |c| c.name == "wheel2_rad_s", 1.0_f64.to_degrees())
+        }
+        // Telemetry tells less than the thruster gave.
+        Planted::Thruster => scale(table, |c| c.name == "thr2_N", 1.0 / 1.1),
+        Planted::GyroLag => delay(table, gyro),
+        Planted::TrackerLag => delay(table, attitude),
+        Planted::Noise => {
+            for sensor in study
+                .sensors
+                .iter_mut()
+                .filter(|s| s.kind == SensorKind::Gyro)
+            {
+                sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 9.0);
+            }
+        }
+        Planted::Nothing | Planted::Outliers => {}
+    }
+    for table in &mut study.exact {
+        thin(table);
+    }
+    study
+}
+
+fn scale(table: &mut Table, wanted: impl Fn(&Channel) -> bool, factor: f64) {
+    for channel in table.channels.iter_mut().filter(|c| wanted(c)) {
+        channel.values.iter_mut().for_each(|x| *x *= factor);
+    }
+}
+
+/// Every reading is that of 20 ms before.
+fn delay(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
+    for channel in table.channels.iter_mut().filter(|c| wanted(c)) {
+        let times: Vec<f64> = channel.time_s[LATE..].to_vec();
+        channel.values.truncate(times.len());
+        channel.time_s = times.into();
+    }
+}
+
+/// Fast channels at a fifth of their rate, on the times of the first of them.
+fn thin(table: &mut Table) {
+    let fast = table
+        .channels
+        .iter()
+        .map(|c| c.time_s.len())
+        .max()
+        .unwrap_or(0);
+    let grid: Vec<f64> = table
+        .channels
+        .iter()
+        .find(|c| c.time_s.len() == fast)
+        .map(|c| {
+            c.time_s
+                .iter()
+                .copied()
+                .skip(STRIDE)
+                .step_by(STRIDE)
+                .collect()
+        })
+        .unwrap_or_default();
+    for channel in table
+        .channels
+        .iter_mut()
+        .filter(|c| c.time_s.len() + LATE >= fast)
+    {
+        let keep: Vec<usize> = (0..channel.time_s.len())
+            .filter(|k| {
+                let t = channel.time_s[*k];
+                let at = grid.partition_point(|g| *g < t - 1.0e-6);
+                grid.get(at).is_some_and(|g| (g - t).abs() < 1.0e-6)
+            })
+            .collect();
+        channel.values = keep.iter().map(|k| channel.values[*k]).collect();
+        channel.time_s = Arc::from_iter(keep.iter().map(|k| channel.time_s[*k]));
+    }
+}
+
+fn outcome(study: &Study, planted: Planted, trial: u64) -> Outcome {
+    let (mut tables, _) = study.draw(trial);
+    if planted == Planted::Outliers {
+        spoil(&mut tables[0], study, trial);
+    }
+    let said = diagnosed(study, &tables).unwrap_or_else(|e| vec![("error".to_owned(), e)]);
+    let wanted = planted.fault();
+    let right = |(name, text): &(String, String)| {
+        wanted.is_some_and(|f| f.name() == name) && text.contains(planted.culprit())
+    };
+    Outcome {
+        detected: !said.is_empty(),
+        named: said.first().is_some_and(right),
+        first: said.first().map(|f| f.0.clone()).unwrap_or_default(),
+    }
+}
+
+/// What a user is told: by the check on reading, or by the diagnosis of the fit.
+fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, String> {
+    for table in tables {
+        if let Err(refusal) = check_conventions(table) {
+            let text = refusal.to_string();
+            // The check names the reading that fits best.
+            let name = if text.contains("deg/s") {
+                FaultKind::Units.name()
+            } else {
+                "conventions"
+            };
+            return Ok(vec![(name.to_owned(), text)]);
+        }
+    }
+    let tree = Tree::new(&study.model);
+    let bound = bind(&study.model, &tree, tables).map_err(|e| e.to_string())?;
+    let estimate = maximum_likelihood(&Problem {
+        model: &study.model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    })
+    .map_err(|e| e.to_string())?;
+    let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
+    Ok(found
+        .into_iter()
+        .map(|f| (f.fault.name().to_owned(), f.text))
+        .collect())
+}
+
+/// Three of a hundred gyro readings off by twenty sigma in a random direction.
+fn spoil(table: &mut Table, study: &Study, trial: u64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(study.seed ^ 0x5eed);
+    rng.set_stream(trial);
+    let gyro = study.sensors.iter().find(|s| s.kind == SensorKind::Gyro);
+    let Some(covariance) = gyro.and_then(|s| s.noise_covariance) else {
+        return;
+    };
+    let size = OUTLIER * covariance[(0, 0)].sqrt();
+    let samples = table.channel("omega_x").map_or(0, |c| c.values.len());
+    for k in 0..samples {
+        if rng.random::<f64>() >= 0.03 {
+            continue;
+        }
+        let part = || 2.0 * rng.random::<f64>() - 1.0;
+        let way = Vector3::from_iterator(std::iter::repeat_with(part).take(3));
+        let error = way.normalize() * size;
+        for (axis, name) in ["omega_x", "omega_y", "omega_z"].iter().enumerate() {
+            let own = table.channels.iter_mut().find(|c| c.name == *name);
+            if let Some(x) = own.and_then(|c| c.values.get_mut(k)) {
+                *x += error[axis];
+            }
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Does the program notice what sloshes or flexes in a vehicle that is taken as rigid?
+//!
+//!     cargo run --release -p poinsot --example hidden_oscillator -- [TRIALS]
+//!
+//! The truth has a pendulum, or a panel on a hinge, with spring and damper; the estimator's model does not. Each trial
+//! draws new sensor noise. A trial counts as detected when the answer is rejected, its covariance marked not
+//! trustworthy, and the line named lies within 5 % of the frequency at which the hidden joint itself swings in the
+//! exact motion. In the last rows the same hinge is locked: there nothing may be found.
+
+use poinsot::case::{Case, read_case};
+use poinsot::simulate::{SimulateError, simulate_case};
+use poinsot::trials::Study;
+use poinsot::{IdentifyRequest, identify_tables};
+use poinsot_identify::Status;
+use poinsot_model::{Model, read_model};
+use rayon::prelude::*;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Case, hidden joint, and the masses of what swings, kg.
+const HIDDEN: [(&str, &str, &[f64]); 2] = [
+    ("slosh.toml", "slosh", &[0.75, 1.5, 3.0, 6.0]),
+    ("hinged_panel.toml", "hinge", &[1.0, 2.0, 4.0]),
+];
+
+/// What came of the trials of one set-up.
+#[derive(Default)]
+struct Count {
+    rejected: usize,
+    untrustworthy: usize,
+    line: usize,
+    detected: usize,
+    silent: usize,
+    /// Sum over the trials.
+    chi2: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let trials = match std::env::args().nth(1) {
+        Some(n) => n.parse()?,
+        None => 100,
+    };
+    println!(
+        "{trials} trials each; line: within 5 % of the frequency of the hidden joint; silent: converged, trustworthy"
+    );
+    println!(
+        "case                 swings     of mass  frequency  chi2/dof  rejected  untrustworthy  line  detected  silent"
+    );
+    for (name, joint, masses) in HIDDEN {
+        for mass in masses {
+            row(name, joint, Some(*mass), trials)?;
+        }
+        row(name, joint, None, trials)?;
+    }
+    Ok(())
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases")
+}
+
+/// One set-up; without a mass the hinge is locked.
+fn row(name: &str, joint: &str, mass: Option<f64>, trials: u64) -> Result<(), Box<dyn Error>> {
+    let case = read_case(&folder().join(name)).map_err(SimulateError::from)?;
+    let mut truth = read_model(&case.model)?;
+    let at = truth.joint(joint).ok_or("no such joint")?;
+    let child = truth.joints[at].child;
+    if let Some(mass) = mass {
+        let body = &mut truth.bodies[child].nominal;
+        // The same shape and stiffness per mass: the same frequency, less of it.
+        let factor = mass / body.mass;
+        body.mass = mass;
+        body.I_BBcm_B *= factor;
+        if let Some(spring) = &mut truth.joints[at].spring_damper {
+            spring.stiffness *= factor;
+            spring.damping *= factor;
+        }
+    } else {
+        truth.joints[at].spring_damper = None;
+    }
+    let whole: f64 = truth.bodies.iter().map(|b| b.nominal.mass).sum();
+    let share = truth.bodies[child].nominal.mass / whole;
+    let frequency = match mass {
+        Some(_) => Some(swing(&case, &truth, joint)?),
+        None => None,
+    };
+    let count = run(&case, &truth, frequency, trials)?;
+    let hz = frequency.map_or("locked".to_owned(), |f| format!("{f:.3} Hz"));
+    println!(
+        "{name:<20} {joint:<8} {:>8.2} %  {hz:>9}  {:>8.2}  {:>8}  {:>13}  {:>4}  {:>8}  {:>6}",
+        100.0 * share,
+        count.chi2 / trials as f64,
+        count.rejected,
+        count.untrustworthy,
+        count.line,
+        count.detected,
+        count.silent
+    );
+    Ok(())
+}
+
+/// Frequency of the joint in the exact motion after the last torque, from its passages through the mean, Hz.
+fn swing(case: &Case, truth: &Model, joint: &str) -> Result<f64, Box<dyn Error>> {
+    let mut exact = truth.clone();
+    exact.sensors.clear();
+    let text = std::fs::read_to_string(case.path())?.replace("sensors_only = true", "");
+    let case = poinsot::case::parse_case(case.path(), text).map_err(SimulateError::from)?;
+    let table = simulate_case(&case, &exact)?.table;
+    let angle = table.channel(&format!("{joint}_rad")).ok_or("no angle")?;
+    let free: Vec<(f64, f64)> = angle
+        .time_s
+        .iter()
+        .zip(&angle.values)
+        .map(|(t, q)| (*t, *q))
+        .filter(|(t, _)| *t > 176.0)
+        .collect();
+    let mean = free.iter().map(|(_, q)| q).sum::<f64>() / free.len() as f64;
+    let crossings: Vec<f64> = free
+        .windows(2)
+        .filter(|w| w[0].1 < mean && w[1].1 >= mean)
+        .map(|w| w[0].0 + (w[1].0 - w[0].0) * (mean - w[0].1) / (w[1].1 - w[0].1))
+        .collect();
+    match crossings.as_slice() {
+        [first, .., last] => Ok((crossings.len() - 1) as f64 / (last - first)),
+        _ => Err("the joint does not swing".into()),
+    }
+}
+
+fn run(
+    case: &Case,
+    truth: &Model,
+    frequency: Option<f64>,
+    trials: u64,
+) -> Result<Count, Box<dyn Error>> {
+    let model = read_model(folder().join("rigid_bus.toml"))?;
+    let study = Study::of_case(case, truth, model.clone())?;
+    let request = IdentifyRequest {
+        model: PathBuf::new(),
+        segments: Vec::new(),
+        map: None,
+        method: "auto".to_owned(),
+        variant: None,
+        relative_accuracy: 1.0,
+        coordinates: Default::default(),
+        strict: false,
+        recover: false,
+    };
+    let answers: Result<Vec<_>, _> = (0..trials)
+        .into_par_iter()
+        .map(|trial| identify_tables(model.clone(), study.draw(trial).0, &request))
+        .collect();
+    let mut count = Count::default();
+    for answer in answers? {
+        let e = answer.estimate;
+        let lines = e.warnings.iter().filter_map(|w| line(w));
+        let near = |hz: f64| frequency.is_none_or(|f| (hz / f - 1.0).abs() < 0.05);
+        let found = lines.into_iter().any(near);
+        let rejected = e.status == Status::Rejected;
+        count.rejected += usize::from(rejected);
+        count.untrustworthy += usize::from(!e.covariance_trustworthy);
+        count.line += usize::from(found);
+        count.detected += usize::from(rejected && !e.covariance_trustworthy && found);
+        count.silent += usize::from(e.status == Status::Converged && e.covariance_trustworthy);
+        count.chi2 += e.fit.first().map_or(f64::NAN, |f| f.chi2_per_dof);
+    }
+    Ok(count)
+}
+
+/// The frequency that a warning names, Hz.
+fn line(warning: &str) -> Option<f64> {
+    let rest = warning.split("a line at ").nth(1)?;
+    rest.split(' ').next()?.parse().ok()
+}

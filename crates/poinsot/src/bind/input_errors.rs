@@ -1,0 +1,154 @@
+//! How the errors of joint and wheel readings hang together in time.
+//!
+//! A rounded reading errs by up to half a step, and by the same amount for as long as it stays. Where it moves by
+//! a share `d` of a step from one reading to the next, two errors correlate by `1 - 6 d + 6 d^2` (the mean over the
+//! phase of the product of two sawtooth errors), so a reading that moves on by more than a fifth of a step errs anew
+//! each time.
+
+use super::channels::{Channels, joint_columns};
+use poinsot_dynamics::Tree;
+use poinsot_identify::InputErrors;
+use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_telemetry::{Channel, median_step};
+
+/// Equal readings in a row that make a rest.
+const RESTING: usize = 20;
+/// White noise, in steps, from which rounding errs anew each time even at rest.
+const DITHER: f64 = 0.25;
+/// Share of a step within which two readings are one.
+const ONE_LEVEL: f64 = 0.9;
+
+/// Errors of every joint's position on the grid of a segment.
+pub(super) fn joint_errors(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels,
+    grid: &[f64],
+) -> Vec<InputErrors> {
+    let of = |&at: &usize| {
+        let joint = &model.joints[at];
+        let (position, _) = joint_columns(&joint.name, joint.kind);
+        let sensor = sensor(model, SensorKind::JointPosition, at);
+        channels
+            .find(None, &position)
+            .map_or(InputErrors::None, |c| errors(c, sensor, grid))
+    };
+    tree.coordinates.iter().map(of).collect()
+}
+
+/// Errors of every wheel's speed on the grid of a segment.
+pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<InputErrors> {
+    let of = |(at, wheel): (usize, &poinsot_model::Wheel)| {
+        let sensor = sensor(model, SensorKind::WheelSpeed, at);
+        channels
+            .find(None, &format!("{}_rad_s", wheel.name))
+            .map_or(InputErrors::None, |c| errors(c, sensor, grid))
+    };
+    model.wheels.iter().enumerate().map(of).collect()
+}
+
+/// Whether a joint's rounded reading never changes: it is locked, and does not move.
+pub(super) fn is_locked(model: &Model, joint: usize, position: &Channel) -> bool {
+    sensor(model, SensorKind::JointPosition, joint)
+        .and_then(rounding)
+        .is_some_and(|step| runs(&position.values, step).len() == 1)
+}
+
+fn sensor(model: &Model, kind: SensorKind, of: usize) -> Option<&Sensor> {
+    model.sensors_of(kind).find(|s| s.of.contains(&of))
+}
+
+/// The step of a sensor whose noise does not blur it.
+fn rounding(sensor: &Sensor) -> Option<f64> {
+    let step = sensor.quantisation;
+    let sigma = sensor.noise_covariance.map_or(0.0, |c| c[(0, 0)].sqrt());
+    (step > 0.0 && sigma < DITHER * step).then_some(step)
+}
+
+fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErrors {
+    let step = sensor.and_then(rounding);
+    let runs = step.map_or_else(Vec::new, |step| runs(&channel.values, step));
+    if runs.len() == 1 {
+        return InputErrors::Locked;
+    }
+    let between = median_step(&channel.time_s).unwrap_or(0.0);
+    let mut stays = runs
+        .iter()
+        .filter_map(|&(from, to)| {
+            let memory = memory_of_run(to - from + 1)?;
+            Some((channel.time_s[from], channel.time_s[to], memory))
+        })
+        .peekable();
+    let tolerance = 1.0e-6 * between;
+    let mut memory: Vec<f64> = grid
+        .windows(2)
+        .map(|w| {
+            while stays.next_if(|s| s.1 < w[1] - tolerance).is_some() {}
+            let h = w[1] - w[0];
+            match stays.peek() {
+                Some(s) if s.0 <= w[0] + tolerance => s.2.powf((h / between).min(1.0)),
+                // Values between the readings share their errors: so much memory keeps the noise per second.
+                _ => ((between - h) / (between + h)).max(0.0),
+            }
+        })
+        .collect();
+    memory.push(0.0);
+    if memory.iter().all(|a| *a < 1.0e-3) {
+        InputErrors::Independent
+    } else {
+        InputErrors::Kept(memory)
+    }
+}
+
+/// Correlation of neighbouring errors in a run of equal readings: one in a rest; `None` for a short one.
+fn memory_of_run(length: usize) -> Option<f64> {
+    if length >= RESTING {
+        return Some(1.0);
+    }
+    let d = 1.0 / length as f64;
+    let correlation = 1.0 - 6.0 * d + 6.0 * d * d;
+    (length >= 5 && correlation > 0.0).then_some(correlation)
+}
+
+/// First and last sample of every stretch of equal readings.
+fn runs(values: &[f64], step: f64) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    for k in 1..=values.len() {
+        if k == values.len() || (values[k] - values[from]).abs() > ONE_LEVEL * step {
+            found.push((from, k - 1));
+            from = k;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_runs_are_stretches_of_one_reading() {
+        assert_eq!(
+            runs(&[0.0, 0.0, 1.0, 1.0, 1.0, 3.0], 1.0),
+            [(0, 1), (2, 4), (5, 5)]
+        );
+        assert_eq!(runs(&[], 1.0), []);
+        assert_eq!(memory_of_run(30), Some(1.0));
+        assert_eq!(memory_of_run(3), None);
+        assert!((memory_of_run(10).unwrap_or(0.0) - 0.46).abs() < 1.0e-12);
+    }
+
+    #[test]
+    fn exact_correlation_of_rounding_errors_is_the_bernoulli_polynomial() {
+        // Mean over the phase of the product of two sawtooth errors a share d of a step apart.
+        let error = |x: f64| x - x.round();
+        for d in [0.05, 0.1, 0.2] {
+            let n = 100_000;
+            let at = |i: usize| (i as f64 + 0.5) / n as f64;
+            let product: f64 = (0..n).map(|i| error(at(i)) * error(at(i) + d)).sum();
+            let correlation = 12.0 * product / n as f64;
+            assert!((correlation - (1.0 - 6.0 * d + 6.0 * d * d)).abs() < 1.0e-4);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Numbers that no vehicle reaches: placeholders, wrong units. One of them would carry the answer with it, and
+//! following it would take forever.
+
+use super::BindError;
+use super::channels::Channels;
+use poinsot_telemetry::{Channel, median_step};
+use std::f64::consts::PI;
+
+/// Largest numbers that are taken for readings, by the end of the channel's name.
+const LARGEST: [(&str, f64, &str); 6] = [
+    ("_rad_s", 1.0e5, "rad/s"),
+    ("_m_s", 1.0e4, "m/s"),
+    ("_rad", 1.0e6, "rad"),
+    ("_m", 1.0e6, "m"),
+    ("_Nm", 1.0e6, "N m"),
+    ("_N", 1.0e8, "N"),
+];
+
+/// Refuses readings that no vehicle reaches.
+///
+/// # Errors
+/// The first of them with its channel and time.
+pub(super) fn check(channels: &Channels) -> Result<(), BindError> {
+    for channel in &channels.table.channels {
+        let fault = match channel.name.as_str() {
+            "omega_x" | "omega_y" | "omega_z" => turns_too_far(channel),
+            "v_x" | "v_y" | "v_z" => beyond(channel, 1.0e6, "m/s"),
+            name => LARGEST
+                .iter()
+                .find(|(end, ..)| name.ends_with(end))
+                .and_then(|(_, most, unit)| beyond(channel, *most, unit)),
+        };
+        if let Some((at, why)) = fault {
+            return Err(BindError::Implausible {
+                file: channels.label.to_owned(),
+                channel: poinsot_telemetry::full_name(&channel.sensor, &channel.name),
+                value: channel.values.get(at).copied().unwrap_or_default(),
+                time_s: channel.time_s.get(at).copied().unwrap_or_default(),
+                why,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn beyond(channel: &Channel, most: f64, unit: &str) -> Option<(usize, String)> {
+    let at = channel.values.iter().position(|x| x.abs() > most)?;
+    Some((at, format!("beyond {most:e} {unit}")))
+}
+
+/// Between two samples a vehicle must turn less than half a turn, or nobody can say how far it turned.
+fn turns_too_far(channel: &Channel) -> Option<(usize, String)> {
+    let step = median_step(&channel.time_s)?;
+    let at = channel.values.iter().position(|x| x.abs() * step > PI)?;
+    let turns = channel.values.get(at)?.abs() * step / (2.0 * PI);
+    Some((
+        at,
+        format!("{turns:.3} turns between samples {step} s apart"),
+    ))
+}

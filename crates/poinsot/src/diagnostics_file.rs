@@ -1,0 +1,284 @@
+//! The evidence for and against the fit: in the result file, in the terminal, on the page.
+
+use poinsot_identify::{Diagnostics, MomentumDrift};
+use poinsot_report::{Section, Table, significant};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Probability below which a drift or a lag is worth a word.
+const SIGNIFICANT: f64 = 1.0e-4;
+
+/// `diagnostics` of `estimate.json`. What nothing determines is null.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct DiagnosticsFile {
+    chi2: Option<f64>,
+    dof: usize,
+    deviance: Option<f64>,
+    excess_sigmas: Option<f64>,
+    channels: BTreeMap<String, ChannelFile>,
+    momentum_drift: Vec<DriftFile>,
+    lags: Vec<LagFile>,
+    suspects: Vec<SuspectFile>,
+    lines: Vec<LineFile>,
+    findings: Vec<FindingFile>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct ChannelFile {
+    readings: usize,
+    chi2_per_number: Option<f64>,
+    typical_chi2_per_number: Option<f64>,
+    outliers: usize,
+    outlier_share: f64,
+    whiteness_p: Option<f64>,
+}
+
+/// `segment` is null for all segments together.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[allow(non_snake_case)]
+struct DriftFile {
+    segment: Option<String>,
+    torque_N_m: [Option<f64>; 3],
+    torque_sigma_N_m: [Option<f64>; 3],
+    force_N: Option<[Option<f64>; 3]>,
+    force_sigma_N: Option<[Option<f64>; 3]>,
+    p: Option<f64>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct LagFile {
+    between: [String; 2],
+    lag_s: f64,
+    sigma_s: f64,
+    p: Option<f64>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct SuspectFile {
+    fault: String,
+    name: String,
+    decrease_of_chi2: Option<f64>,
+    explains: f64,
+    values: Vec<ValueFile>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct ValueFile {
+    name: String,
+    value: Option<f64>,
+    unit: String,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct LineFile {
+    segment: String,
+    frequency_hz: f64,
+    share: f64,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct FindingFile {
+    fault: String,
+    text: String,
+}
+
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+impl DiagnosticsFile {
+    pub fn new(d: &Diagnostics) -> Self {
+        Self {
+            chi2: finite(d.chi2),
+            dof: d.dof,
+            deviance: finite(d.deviance),
+            excess_sigmas: finite(d.excess_sigmas),
+            channels: d.channels.iter().map(channel).collect(),
+            momentum_drift: d.drift.iter().map(drift).collect(),
+            lags: d.lags.iter().map(lag).collect(),
+            suspects: d.suspects.iter().map(suspect).collect(),
+            lines: d.lines.iter().map(line).collect(),
+            findings: d.findings.iter().map(finding).collect(),
+        }
+    }
+
+    /// One row a question: what was tested, what came out, what it means.
+    pub fn rows(&self) -> Vec<[String; 3]> {
+        let mut rows = vec![self.chi_square()];
+        rows.extend(self.channels.iter().map(|(name, c)| residual(name, c)));
+        let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
+        let drifts = self.momentum_drift.iter();
+        rows.extend(
+            drifts
+                .filter(|d| d.segment.is_none() || small(d.p))
+                .map(drift_row),
+        );
+        rows.extend(self.lags.iter().map(lag_row));
+        rows.extend(self.suspects.iter().take(3).map(|s| {
+            let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
+            let result = format!("would lower chi-square by {fall:.0}");
+            [s.name.clone(), result, s.fault.replace('_', " ")]
+        }));
+        rows.extend(self.lines.iter().map(|l| {
+            let result = format!(
+                "{:.3} Hz, {:.0} % of the power",
+                l.frequency_hz,
+                100.0 * l.share
+            );
+            [
+                format!("line in {}", l.segment),
+                result,
+                "not rigid".to_owned(),
+            ]
+        }));
+        rows
+    }
+
+    fn chi_square(&self) -> [String; 3] {
+        let verdict = match self.excess_sigmas {
+            Some(x) if x > 6.0 => "larger than declared",
+            Some(x) if x < -6.0 => "smaller than declared",
+            _ => "as declared",
+        };
+        let result = format!(
+            "{:.0} for {} expected",
+            self.chi2.unwrap_or(f64::NAN),
+            self.dof
+        );
+        ["chi-square".to_owned(), result, verdict.to_owned()]
+    }
+}
+
+fn channel(c: &poinsot_identify::ChannelDiagnosis) -> (String, ChannelFile) {
+    let file = ChannelFile {
+        readings: c.readings,
+        chi2_per_number: finite(c.chi2_per_number),
+        typical_chi2_per_number: finite(c.typical_chi2_per_number),
+        outliers: c.outliers,
+        outlier_share: c.outlier_share(),
+        whiteness_p: c.whiteness_p,
+    };
+    (c.name.to_owned(), file)
+}
+
+fn drift(d: &MomentumDrift) -> DriftFile {
+    DriftFile {
+        segment: d.segment.clone(),
+        torque_N_m: d.torque_N_m.map(finite),
+        torque_sigma_N_m: d.torque_sigma_N_m.map(finite),
+        force_N: d.force_N.map(|f| f.map(finite)),
+        force_sigma_N: d.force_sigma_N.map(|f| f.map(finite)),
+        p: finite(d.p),
+    }
+}
+
+fn lag(l: &poinsot_identify::SensorLag) -> LagFile {
+    LagFile {
+        between: l.between.clone(),
+        lag_s: l.lag_s,
+        sigma_s: l.sigma_s,
+        p: finite(l.p),
+    }
+}
+
+fn suspect(s: &poinsot_identify::Suspect) -> SuspectFile {
+    let value = |(name, value, unit): &(String, f64, &'static str)| ValueFile {
+        name: name.clone(),
+        value: finite(*value),
+        unit: (*unit).to_owned(),
+    };
+    SuspectFile {
+        fault: s.fault.name().to_owned(),
+        name: s.name.clone(),
+        decrease_of_chi2: finite(s.decrease),
+        explains: s.explains,
+        values: s.values.iter().map(value).collect(),
+    }
+}
+
+fn line(l: &poinsot_identify::SpectralLine) -> LineFile {
+    LineFile {
+        segment: l.segment.clone(),
+        frequency_hz: l.frequency_hz,
+        share: l.share,
+    }
+}
+
+fn finding(f: &poinsot_identify::Finding) -> FindingFile {
+    FindingFile {
+        fault: f.fault.name().to_owned(),
+        text: f.text.clone(),
+    }
+}
+
+fn residual(name: &str, c: &ChannelFile) -> [String; 3] {
+    let verdict = match (c.outlier_share > 1.0e-3 && c.outliers > 1, c.whiteness_p) {
+        (true, _) => "outliers",
+        (false, Some(p)) if p < SIGNIFICANT => "correlated in time",
+        (false, Some(_)) => "white",
+        (false, None) => "",
+    };
+    let white = c
+        .whiteness_p
+        .map_or(String::new(), |p| format!(", white p = {p:.2}"));
+    let result = format!("{:.2} % outliers{white}", 100.0 * c.outlier_share);
+    [
+        format!("residual of the {name}"),
+        result,
+        verdict.to_owned(),
+    ]
+}
+
+fn drift_row(d: &DriftFile) -> [String; 3] {
+    let name = match &d.segment {
+        Some(segment) => format!("momentum drift in {segment}"),
+        None => "momentum drift".to_owned(),
+    };
+    let torque = strongest(&d.torque_N_m, &d.torque_sigma_N_m, "N m");
+    let force = match (&d.force_N, &d.force_sigma_N) {
+        (Some(f), Some(s)) => strongest(f, s, "N"),
+        _ => None,
+    };
+    let both: Vec<String> = [torque, force].into_iter().flatten().collect();
+    let p = d.p.unwrap_or(f64::NAN);
+    let verdict = if p < SIGNIFICANT {
+        "drifts"
+    } else {
+        "none seen"
+    };
+    let result = format!("{}, p = {p:.2}", both.join("; "));
+    [name, result, verdict.to_owned()]
+}
+
+/// The component with the most sigmas, in N.
+fn strongest(value: &[Option<f64>; 3], sigma: &[Option<f64>; 3], unit: &str) -> Option<String> {
+    let seen = ["x", "y", "z"].into_iter().zip(value.iter().zip(sigma));
+    let (axis, v, s) = seen
+        .filter_map(|(axis, (v, s))| Some((axis, (*v)?, (*s)?)))
+        .max_by(|a, b| (a.1 / a.2).abs().total_cmp(&(b.1 / b.2).abs()))?;
+    let (v, s) = (significant(v, 2), significant(s, 2));
+    Some(format!("{axis} {v} ± {s} {unit}"))
+}
+
+fn lag_row(l: &LagFile) -> [String; 3] {
+    let p = l.p.unwrap_or(f64::NAN);
+    let (lag, sigma) = (
+        significant(1.0e3 * l.lag_s, 2),
+        significant(1.0e3 * l.sigma_s, 2),
+    );
+    let verdict = if p < SIGNIFICANT { "late" } else { "none seen" };
+    [
+        format!("lag of {} behind {}", l.between[0], l.between[1]),
+        format!("{lag} ± {sigma} ms, p = {p:.2}"),
+        verdict.to_owned(),
+    ]
+}
+
+/// The same for the terminal.
+pub(crate) fn diagnostics_section(d: &Diagnostics) -> Section {
+    let mut table = Table::new(&["", "found", "verdict"]);
+    for row in DiagnosticsFile::new(d).rows() {
+        table.push(row.to_vec());
+    }
+    Section::table("diagnostics", table)
+}

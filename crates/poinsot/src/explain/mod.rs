@@ -1,0 +1,56 @@
+//! Every error code with its meaning, usual cause and remedy: one registry for all floors.
+//!
+//! A test compares it with the codes in the sources; another prints every message.
+
+mod files;
+mod questions;
+
+use std::fmt;
+
+/// A code that stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ErrorCode {
+    /// `E` and four digits; the first two say where: 00 command, 01 model, 02 telemetry, 03 model and telemetry
+    /// together, 04 and 05 methods and simulation, 06 results.
+    pub code: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// What usually causes it.
+    pub cause: &'static str,
+    /// What to do.
+    pub remedy: &'static str,
+}
+
+impl fmt::Display for ErrorCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {}", self.code, self.meaning)?;
+        writeln!(f, "  usual cause: {}", self.cause)?;
+        writeln!(f, "  what to do:  {}", self.remedy)
+    }
+}
+
+/// All codes, ascending.
+pub fn error_codes() -> Vec<ErrorCode> {
+    let mut all: Vec<ErrorCode> = files::CODES
+        .iter()
+        .chain(questions::CODES)
+        .map(|&(code, meaning, cause, remedy)| ErrorCode {
+            code,
+            meaning,
+            cause,
+            remedy,
+        })
+        .collect();
+    all.sort_by_key(|c| c.code);
+    all
+}
+
+/// The entry of a code, in any case, with or without its `E`.
+pub fn explain(code: &str) -> Option<ErrorCode> {
+    let digits = code.trim().trim_start_matches(['E', 'e']);
+    let wanted = format!("E{digits:0>4}");
+    error_codes().into_iter().find(|c| c.code == wanted)
+}
+
+/// Code, meaning, usual cause, remedy.
+type Entry = (&'static str, &'static str, &'static str, &'static str);

@@ -1,0 +1,296 @@
+//! What many trials add up to: small, and sums of pieces are the sum of the whole.
+//!
+//! A campaign can be run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` puts them
+//! together.
+
+use super::band::sigmas_of_interval;
+use super::{Trial, estimated_numbers};
+use crate::error::Error;
+use crate::output::write_file;
+use poinsot_identify::{Estimate, Status};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Schema of the file.
+pub const SUMS_SCHEMA: &str = "poinsot.trials/1";
+
+/// Sums over one number of the answers.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumberSums {
+    /// Name, for example `base.mass`; SI units throughout.
+    pub name: String,
+    /// Sigma of the Cramer-Rao bound; absent where the bound says that the number is open.
+    pub bound: Option<f64>,
+    /// Trials that determined it.
+    pub trials: u64,
+    /// Sum of the errors.
+    pub error: f64,
+    /// Sum of their squares.
+    pub square: f64,
+    /// Sum of the stated variances.
+    pub variance: f64,
+    /// Trials whose stated 95 % interval holds the truth.
+    pub held: u64,
+}
+
+/// Sums over trials of one set-up.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sums {
+    /// `poinsot.trials/1`.
+    pub schema: String,
+    /// Name of the set-up, and what else makes it this one (options).
+    pub setup: String,
+    /// First trial and one past the last of every piece, in order.
+    pub ranges: Vec<(u64, u64)>,
+    /// Trials run.
+    pub trials: u64,
+    /// Trials that gave an answer.
+    pub answers: u64,
+    /// Trials without an answer or whose iteration did not settle: number and why.
+    pub failed: Vec<(u64, String)>,
+    /// Trials by status.
+    pub statuses: Vec<(String, u64)>,
+    /// One entry per number.
+    pub numbers: Vec<NumberSums>,
+    /// Sum of the normalised squared errors, and their degrees of freedom.
+    pub nees: (f64, u64),
+    /// Sum of chi-square per degree of freedom.
+    pub chi2_per_dof: f64,
+    /// Sum of chi-square per number of each kind of sensor.
+    pub channels: Vec<(String, f64)>,
+    /// Sum of the iterations, and the most.
+    pub iterations: (u64, u64),
+    /// Processor time of the trials, s.
+    pub seconds: f64,
+}
+
+impl Sums {
+    /// Nothing yet; `bound` gives the yardstick of every number.
+    pub fn new(setup: &str, bound: Option<&Estimate>) -> Self {
+        let bounds = bound.map(estimated_numbers).unwrap_or_default();
+        Self {
+            schema: SUMS_SCHEMA.to_owned(),
+            setup: setup.to_owned(),
+            numbers: bounds
+                .into_iter()
+                .map(|(name, _, sigma)| NumberSums {
+                    name,
+                    bound: Some(sigma),
+                    ..NumberSums::default()
+                })
+                .collect(),
+            ..Self::default()
+        }
+    }
+
+    /// One more trial. A failed one counts as failed; its numbers, if it gave any, count too.
+    pub fn add(&mut self, trial: &Trial) {
+        self.trials += 1;
+        match self.ranges.last_mut() {
+            Some(last) if last.1 == trial.number => last.1 += 1,
+            _ => self.ranges.push((trial.number, trial.number + 1)),
+        }
+        let answer = match &trial.outcome {
+            Ok(answer) => answer,
+            Err(why) => return self.failed.push((trial.number, why.clone())),
+        };
+        if matches!(answer.status, Status::IterationLimit | Status::Rejected) {
+            self.failed
+                .push((trial.number, answer.status.name().to_owned()));
+        }
+        self.answers += 1;
+        *entry(&mut self.statuses, answer.status.name()) += 1;
+        for (name, chi2) in &answer.channels {
+            *entry(&mut self.channels, name) += chi2;
+        }
+        self.chi2_per_dof += answer.chi2_per_dof;
+        let taken = answer.iterations as u64;
+        self.iterations = (self.iterations.0 + taken, self.iterations.1.max(taken));
+        if let Some((square, dof)) = answer.nees {
+            self.nees.0 += square;
+            self.nees.1 += dof as u64;
+        }
+        let reach = sigmas_of_interval();
+        for number in &answer.numbers {
+            let sums = self.number(&number.name);
+            sums.trials += 1;
+            sums.error += number.error;
+            sums.square += number.error * number.error;
+            sums.variance += number.sigma * number.sigma;
+            sums.held += u64::from(number.error.abs() <= reach * number.sigma);
+        }
+    }
+
+    fn number(&mut self, name: &str) -> &mut NumberSums {
+        let at = self.numbers.iter().position(|n| n.name == name);
+        let at = at.unwrap_or_else(|| {
+            self.numbers.push(NumberSums {
+                name: name.to_owned(),
+                ..NumberSums::default()
+            });
+            self.numbers.len() - 1
+        });
+        &mut self.numbers[at]
+    }
+
+    /// Puts another piece of the same campaign beside this one.
+    ///
+    /// # Errors
+    /// The pieces are of different set-ups or hold the same trial; in words.
+    pub fn merge(&mut self, other: &Self) -> Result<(), String> {
+        if self.setup != other.setup {
+            return Err(format!("'{}' is not '{}'", other.setup, self.setup));
+        }
+        for (a, b) in &other.ranges {
+            if let Some((c, d)) = self.ranges.iter().find(|(c, d)| a < d && c < b) {
+                return Err(format!("trials {a} to {b} and {c} to {d} overlap"));
+            }
+        }
+        self.ranges.extend(&other.ranges);
+        self.ranges.sort_unstable();
+        self.trials += other.trials;
+        self.answers += other.answers;
+        self.failed.extend(other.failed.iter().cloned());
+        for (name, count) in &other.statuses {
+            *entry(&mut self.statuses, name) += count;
+        }
+        for (name, sum) in &other.channels {
+            *entry(&mut self.channels, name) += sum;
+        }
+        self.chi2_per_dof += other.chi2_per_dof;
+        self.iterations.0 += other.iterations.0;
+        self.iterations.1 = self.iterations.1.max(other.iterations.1);
+        self.nees = (self.nees.0 + other.nees.0, self.nees.1 + other.nees.1);
+        self.seconds += other.seconds;
+        for theirs in &other.numbers {
+            let ours = self.number(&theirs.name);
+            if ours.trials == 0 {
+                *ours = theirs.clone();
+                continue;
+            }
+            ours.trials += theirs.trials;
+            ours.error += theirs.error;
+            ours.square += theirs.square;
+            ours.variance += theirs.variance;
+            ours.held += theirs.held;
+        }
+        Ok(())
+    }
+
+    /// Reads a file that [`Self::write`] wrote.
+    ///
+    /// # Errors
+    /// The file cannot be read or is of another schema.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let io = |what: &'static str| {
+            let path = path.to_owned();
+            move |source| Error::Io { path, what, source }
+        };
+        let text = std::fs::read_to_string(path).map_err(io("cannot be read"))?;
+        let sums: Self = serde_json::from_str(&text)
+            .map_err(|e| io("is not a file of sums of trials")(e.into()))?;
+        if sums.schema == SUMS_SCHEMA {
+            Ok(sums)
+        } else {
+            let found = std::io::Error::other(format!("schema is '{}'", sums.schema));
+            Err(io("is not a file of sums of trials")(found))
+        }
+    }
+
+    /// Writes the sums as JSON; the file appears whole or not at all.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let text = serde_json::to_string_pretty(self).map_err(|e| Error::Io {
+            path: path.to_owned(),
+            what: "the sums cannot be written as JSON",
+            source: e.into(),
+        })?;
+        write_file(path, format!("{text}\n").as_bytes())
+    }
+}
+
+fn entry<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut T {
+    let at = list.iter().position(|(n, _)| n == name);
+    let at = at.unwrap_or_else(|| {
+        list.push((name.to_owned(), T::default()));
+        list.len() - 1
+    });
+    &mut list[at].1
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::{Answer, TrialNumber, statistics_of};
+    use super::*;
+
+    fn trial(number: u64) -> Trial {
+        let wave = (number as f64).sin();
+        Trial {
+            number,
+            outcome: if number == 3 {
+                Err("no".to_owned())
+            } else {
+                Ok(Answer {
+                    status: Status::Converged,
+                    iterations: 2 + number as usize % 2,
+                    chi2_per_dof: 1.0 + 0.1 * wave,
+                    channels: vec![("gyro", 1.0 - 0.1 * wave)],
+                    numbers: vec![TrialNumber {
+                        name: "base.mass".to_owned(),
+                        error: wave,
+                        sigma: 0.5,
+                    }],
+                    nees: Some((wave * wave / 0.25, 1)),
+                })
+            },
+        }
+    }
+
+    fn sums(trials: std::ops::Range<u64>) -> Sums {
+        let mut sums = Sums::new("made", None);
+        trials.for_each(|n| sums.add(&trial(n)));
+        sums
+    }
+
+    #[test]
+    fn exact_sums_of_pieces_are_the_sums_of_the_whole() {
+        let whole = sums(0..20);
+        let mut merged = sums(12..20);
+        merged.merge(&sums(0..12)).unwrap();
+        assert_eq!(merged.ranges, [(0, 12), (12, 20)]);
+        let (a, b) = (statistics_of(&whole), statistics_of(&merged));
+        assert_eq!((a.trials, a.failed.len(), a.iterations.1), (20, 1, 3));
+        assert!((a.parameters[0].rmse - b.parameters[0].rmse).abs() < 1.0e-14);
+        assert!((a.parameters[0].coverage - b.parameters[0].coverage).abs() < 1.0e-14);
+        assert!((a.nees.unwrap().0 - b.nees.unwrap().0).abs() < 1.0e-13);
+    }
+
+    #[test]
+    fn unit_pieces_that_overlap_or_differ_are_refused() {
+        let why = sums(0..12).merge(&sums(10..20)).unwrap_err();
+        assert!(why.contains("overlap"), "{why}");
+        let mut other = sums(20..25);
+        other.setup = "another".to_owned();
+        assert!(sums(0..12).merge(&other).unwrap_err().contains("another"));
+    }
+
+    #[test]
+    fn unit_a_file_of_sums_reads_equal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sums.json");
+        sums(0..20).write(&path).unwrap();
+        assert_eq!(Sums::read(&path).unwrap(), sums(0..20));
+        std::fs::write(&path, "{}").unwrap();
+        assert!(
+            Sums::read(&path)
+                .unwrap_err()
+                .to_string()
+                .contains("sums of trials")
+        );
+    }
+}
