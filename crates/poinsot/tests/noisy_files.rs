@@ -22,6 +22,7 @@ fn run(model: &Path, telemetry: &[String]) -> Identified {
         relative_accuracy: 1.0,
         strict: false,
         recover: false,
+        coordinates: Default::default(),
     })
     .unwrap()
 }
