@@ -108,6 +108,7 @@ impl Example {
             method: self.method.to_owned(),
             variant: None,
             relative_accuracy: 1.0,
+            coordinates: Default::default(),
             strict: false,
             recover: false,
         })

@@ -1,6 +1,7 @@
 //! The words of the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use poinsot::Coordinates;
 use std::path::PathBuf;
 
 /// Exit codes with their meaning.
@@ -114,6 +115,10 @@ pub struct Identify {
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
+    /// Coordinates of the fit's steps: log-cholesky keeps every unknown body physical, linear lets an impossible
+    /// tensor pass.
+    #[arg(long, default_value = Coordinates::NAMES[0], value_parser = Coordinates::NAMES, value_name = "COORDINATES")]
+    pub coordinates: String,
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,

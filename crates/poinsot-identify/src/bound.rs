@@ -26,5 +26,5 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     let explained = (!proportional(problem)).then_some(1.0);
     let mut solved = conclude(&experiment, at_truth, explained, Diagnostics::default());
     solved.method = "cramer_rao";
-    Ok(answer::write(problem, &solved))
+    Ok(answer::write_with_remedies(problem, &solved))
 }

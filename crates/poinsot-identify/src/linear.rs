@@ -260,6 +260,7 @@ fn conclude(
         settled: true,
         warnings: Vec::new(),
         not_rigid: false,
+        held: None,
         diagnostics: None,
         assumptions: Vec::new(),
         wheels_smooth: false,

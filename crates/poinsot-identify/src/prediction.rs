@@ -5,12 +5,12 @@
 mod points;
 
 use crate::answer;
+use crate::coordinates::FitOptions;
 use crate::estimate::Estimate;
 use crate::fit::fit_starts;
 use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, GyroErrors, Head, start, translation_lag};
 use crate::linear::{linear, solve_linear};
-use crate::loss::Loss;
 use crate::maximum_likelihood::solve;
 use crate::motion::{Motion, State, small_turn};
 use crate::parameters::{Equations, Parameters, ParametersError};
@@ -93,14 +93,14 @@ pub struct PredictedMotion {
 /// As [`crate::maximum_likelihood`].
 pub fn maximum_likelihood_predicted(
     problem: &Problem,
-    loss: Loss,
+    options: impl Into<FitOptions>,
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
-    let (solved, at) = solve(problem, loss)?;
+    let (solved, at) = solve(problem, options.into())?;
     let mut experiment = Experiment::new(problem, &solved.parameters);
     experiment.wheels_smooth = solved.wheels_smooth;
     let predictions = predict(&experiment, &at, points);
-    Ok((answer::write(problem, &solved), predictions))
+    Ok((answer::write_with_remedies(problem, &solved), predictions))
 }
 
 /// The linear method with what its answer predicts, at most `points` points a curve.

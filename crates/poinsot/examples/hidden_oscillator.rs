@@ -149,6 +149,7 @@ fn run(
         method: "auto".to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };

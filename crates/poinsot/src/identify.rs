@@ -7,7 +7,7 @@ use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
-    Estimate, Loss, Number, Prediction, Problem, Status, linear_predicted,
+    Coordinates, Estimate, FitOptions, Loss, Number, Prediction, Problem, Status, linear_predicted,
     maximum_likelihood_predicted, predicted_by, tensor_name,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
@@ -43,6 +43,8 @@ pub struct IdentifyRequest {
     pub variant: Option<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
+    /// Coordinates of the steps of a maximum-likelihood fit.
+    pub coordinates: Coordinates,
     /// No repairs.
     pub strict: bool,
     /// Read what a damaged file still holds.
@@ -223,8 +225,12 @@ pub fn identify_tables(
         }
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
-            let loss = loss.unwrap_or_default();
-            let (mut estimate, predictions) = maximum_likelihood_predicted(&problem, loss, points)?;
+            let options = FitOptions {
+                loss: loss.unwrap_or_default(),
+                coordinates: request.coordinates,
+            };
+            let (mut estimate, predictions) =
+                maximum_likelihood_predicted(&problem, options, points)?;
             estimate.variant.clone_from(&request.variant);
             (estimate, predictions)
         }

@@ -27,4 +27,5 @@ pub use identify::{
     segment_files,
 };
 pub use output::{write_estimate, write_file, write_files, write_result};
+pub use poinsot_identify::Coordinates;
 pub use report::{write_figures, write_report, write_report_data};

@@ -282,11 +282,23 @@ impl Study {
             }
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
-            if sensor.kind == SensorKind::Gyro && bias.len() == 3 {
-                let bias_B = sensor.R_BS * nalgebra::Vector3::from_column_slice(bias);
+            let turned = match sensor.kind {
+                SensorKind::Gyro | SensorKind::Accelerometer => sensor.R_BS,
+                SensorKind::VelocityIncrement => nalgebra::Matrix3::identity(),
+                SensorKind::JointPosition => {
+                    let joints = sensor.of.iter().filter_map(|j| self.model.joints.get(*j));
+                    for (joint, bias) in joints.zip(bias) {
+                        all.insert(format!("{}.offset", joint.name), *bias);
+                    }
+                    continue;
+                }
+                _ => continue,
+            };
+            if bias.len() == 3 {
+                let bias = turned * nalgebra::Vector3::from_column_slice(bias);
                 for k in 0..3 {
                     let name = format!("{}.bias_{}", sensor.name, axis_name(k));
-                    all.insert(name, bias_B[k]);
+                    all.insert(name, bias[k]);
                 }
             }
         }

@@ -109,6 +109,7 @@ fn stat_book_identify() {
         method: "auto".to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     })

@@ -107,15 +107,15 @@ fn stat_ma2008_trajectory_1_with_raw_joints() {
     assert_ma2008("traj1", "telemetry_noisy.csv", [0.06, 3.0e-6, 2.5e-3]);
 }
 
-// Their own bounds are about a tenth below these; a spin about one axis shows less than the two of traj2b.
+// Their own Cramer-Rao bounds, rounded up; a spin about one axis shows less than the two of traj2b.
 #[test]
 fn stat_ma2008_trajectory_2_with_raw_joints() {
-    assert_ma2008("traj2", "telemetry_noisy.parquet", [0.1, 1.5e-4, 0.1]);
+    assert_ma2008("traj2", "telemetry_noisy.parquet", [0.063, 4.6e-5, 0.142]);
 }
 
 #[test]
 fn stat_ma2008_trajectory_2b_with_raw_joints() {
-    assert_ma2008("traj2b", "telemetry_noisy.parquet", [0.065, 2.1e-5, 0.014]);
+    assert_ma2008("traj2b", "telemetry_noisy.parquet", [0.057, 1.9e-5, 0.0124]);
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn stat_ma2008_trajectory_1_with_a_moving_wrist_and_raw_joints() {
     assert_ma2008(
         "traj1_wrist",
         "telemetry_noisy.parquet",
-        [0.06, 3.0e-6, 2.5e-3],
+        [0.06, 3.0e-6, 2.8e-3],
     );
 }
 
@@ -139,7 +139,7 @@ fn stat_stsat3_with_bias_momentum_is_poor_and_says_so() {
     println!("worst error {sigmas:.2} sigma of {count}, sigmas {own:.4?}");
     assert_eq!(count, 6);
     assert!(sigmas < 4.0);
-    assert!(own.iter().all(|s| (0.02..=0.1).contains(s)), "{own:?}");
+    assert!(own.iter().all(|s| (0.03..=0.101).contains(s)), "{own:?}");
 }
 
 fn xu2017() -> Vec<String> {
@@ -190,13 +190,22 @@ fn stat_xu2017_noisy_together_shows_52_combinations_within_four_sigma() {
 #[test]
 fn stat_xu2017_noisy_with_a_prior_gives_all_seventy_and_their_source() {
     let text = std::fs::read_to_string(examples().join("xu2017/model_noisy.toml")).unwrap();
-    // Nominal numbers are 2 to 6 % and 4 mm off: a prior of about that.
-    let mut with = String::new();
+    // Nominal numbers are 2 to 6 % and up to 5 mm off: a prior of about that.
+    let (mut with, mut mass, mut inertia) = (String::new(), 0.0, 0.0_f64);
+    let numbers = |line: &str| -> Vec<f64> {
+        let words = line.split([' ', ',']);
+        words.filter_map(|word| word.parse().ok()).collect()
+    };
     for line in text.lines() {
         with += line;
         with.push('\n');
-        if line == "estimate = true" {
-            with += "prior = { mass_kg = 12.0, com_m = 0.006, inertia_kg_m2 = 1.5 }\n";
+        if line.starts_with("mass_kg") {
+            mass = numbers(line)[0];
+        } else if line.starts_with("inertia_kg_m2") {
+            inertia = numbers(line)[..3].iter().copied().fold(0.0, f64::max);
+        } else if line == "estimate = true" {
+            let (m, I) = (0.05 * mass, 0.06 * inertia);
+            with += &format!("prior = {{ mass_kg = {m}, com_m = 0.006, inertia_kg_m2 = {I} }}\n");
         }
     }
     let folder = tempfile::tempdir().unwrap();

@@ -60,16 +60,17 @@ fn stat_ma_trajectory_2_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("ma_traj2", 5), 150);
 }
 
+// Every sample: the torque is held between two of them, and no other path of the wheels is as good.
 #[test]
 fn stat_stsat3_with_rounded_tachometers_is_consistent_and_reaches_the_bound() {
-    assert_consistent(&study("stsat3_multiaxis", 2), 100);
+    assert_consistent(&study("stsat3_multiaxis", 1), 60);
 }
 
 #[test]
 fn stat_stsat3_with_coarse_white_tachometers_is_consistent_and_reaches_the_bound() {
-    let mut study = study("stsat3_multiaxis", 4);
+    let mut study = study("stsat3_multiaxis", 1);
     white(&mut study, "tachometers", 10.0);
-    assert_consistent(&study, 100);
+    assert_consistent(&study, 60);
 }
 
 #[test]

@@ -21,6 +21,7 @@ fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
         method: "linear".into(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     })
@@ -122,6 +123,7 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
         method: "auto".into(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };

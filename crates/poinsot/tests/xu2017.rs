@@ -1,5 +1,10 @@
 //! Xu, Hu, Zhang and Liang 2017: both steps against closed forms, MuJoCo, the printed tables; refusals.
-#![allow(non_snake_case, clippy::unwrap_used, clippy::expect_used)]
+#![allow(
+    non_snake_case,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic
+)]
 
 #[allow(dead_code)]
 #[path = "../examples/xu2017_studies/null.rs"]
@@ -517,9 +522,9 @@ fn unit_a_search_range_that_excludes_the_answer_is_reported() {
 fn exact_swarm_answers_within_its_sigma() {
     let all = properties(&truth());
     let mut m = model("xu2017/model.toml");
-    for b in 0..6 {
-        m.bodies[b].nominal = all[b];
-        m.bodies[b].estimate = EstimateSet::default();
+    for (body, properties) in m.bodies.iter_mut().zip(&all).take(6) {
+        body.nominal = *properties;
+        body.estimate = EstimateSet::default();
     }
     let found = ask(&m, thinned(runs(&m, &["C7"]), 4), "swarm");
     let e = &found.estimate;

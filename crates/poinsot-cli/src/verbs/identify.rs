@@ -3,8 +3,8 @@
 use super::{Outcome, formats, print_document, print_json};
 use crate::arguments::Identify;
 use poinsot::{
-    IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading, segment_files,
-    write_figures, write_result,
+    Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
+    segment_files, write_figures, write_result,
 };
 
 /// Usual limit of the memory for the samples of one file, MiB.
@@ -30,6 +30,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         method: arguments.method.clone(),
         variant: arguments.variant.clone(),
         relative_accuracy: arguments.relative_accuracy,
+        coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
         strict: arguments.strict,
         recover: arguments.recover,
     };
