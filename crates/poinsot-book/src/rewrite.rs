@@ -23,6 +23,8 @@ pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
     let mut changes: Vec<(Range<usize>, String)> = Vec::new();
     for (event, range) in Parser::new_ext(text, options).into_offset_iter() {
         match event {
+            // Two dollars with code between them, as in a shell's ${name}, are no formula.
+            Event::InlineMath(words) if words.contains('`') => {}
             Event::InlineMath(formula) => changes.push((range, mathml(&name, &formula, false)?)),
             Event::DisplayMath(formula) => changes.push((range, mathml(&name, &formula, true)?)),
             Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(_))) => {
@@ -132,6 +134,12 @@ mod tests {
     #[test]
     fn unit_code_is_left_alone() {
         let text = "`$x$` and\n\n```text\n$y$ [a](b)\n```\n";
+        assert_eq!(on("start.md", text), text);
+    }
+
+    #[test]
+    fn unit_dollars_of_a_shell_are_no_formula() {
+        let text = "${...} (`import`) and `\"${m}\"`\n";
         assert_eq!(on("start.md", text), text);
     }
 
