@@ -3,6 +3,8 @@
 mod inputs;
 
 use crate::information::{Experiment, Point};
+use crate::linear::linear;
+use crate::maximum_likelihood::maximum_likelihood;
 use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
@@ -355,5 +357,29 @@ fn exact_sensitivity_of_every_unknown_is_the_slope_of_chi2() {
                 "{name} (translation {translation}): rows {by_rows:.9e}, differences {by_differences:.9e}"
             );
         }
+    }
+}
+
+#[test]
+fn unit_readings_that_are_missing_or_cut_short_are_no_panic() {
+    let model = parse_model(MODEL, "test").unwrap();
+    let tree = Tree::new(&model);
+    let noise = noise(&tree);
+    let mut whole = segment(&model, &tree, true);
+    let mut cut = whole.clone();
+    cut.observations.rate.truncate(3);
+    whole.observations = Observations::default();
+    for segments in [[whole], [cut]] {
+        let problem = Problem {
+            model: &model,
+            tree: &tree,
+            segments: &segments,
+            noise: &noise,
+            relative_accuracy: 1.0,
+        };
+        let estimate = linear(&problem).unwrap();
+        assert_eq!(estimate.method, "linear");
+        let refused = maximum_likelihood(&problem).unwrap_err().to_string();
+        assert!(refused.contains("E0404"), "{refused}");
     }
 }

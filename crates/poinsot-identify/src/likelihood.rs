@@ -50,7 +50,13 @@ impl HeadColumns {
         let seen = sight == Sight::Translation;
         let noisy = |covariance: &Matrix3| *covariance != Matrix3::zeros();
         Self {
-            attitude: noisy(&noise.attitude) && o.attitude.iter().any(Option::is_some),
+            // Without any attitude, motion in N still says how the base stands in N.
+            attitude: if o.attitude.iter().any(Option::is_some) {
+                noisy(&noise.attitude)
+            } else {
+                seen && (o.velocity.iter().any(Option::is_some)
+                    || o.position.iter().any(Option::is_some))
+            },
             position: seen && noisy(&noise.position) && o.position.iter().any(Option::is_some),
             linear: seen && momentum.linear == MomentumKnowledge::Estimate,
             angular: momentum.angular == MomentumKnowledge::Estimate,
@@ -160,6 +166,9 @@ pub(crate) fn evaluate(
             state = motion.advance(&state, k)?;
         }
     }
+    if unknown.attitude && segment.observations.attitude.iter().all(Option::is_none) {
+        compare.weak_attitude(&head.R_NB);
+    }
     compare.finish()
 }
 
@@ -249,7 +258,7 @@ struct Compare<'a> {
     colours: [Colour; 4],
     /// Variance of each joint's rate in this segment.
     joint_rate: Vec<f64>,
-    /// `ln det` of the covariance of all readings over that of the sensors alone.
+    /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
     log_det: f64,
     /// How late velocity and position read, s.
     translation_lag: [f64; 2],
@@ -657,6 +666,22 @@ impl<'a> Compare<'a> {
             qr.push(M, |i, j| rows[j][i]);
         }
         Some(white)
+    }
+
+    /// Keeps an attitude at the start that nobody measured within half a turn of the identity, for motions that
+    /// say nothing of it.
+    fn weak_attitude(&mut self, R_NB: &UnitQuaternion) {
+        let sigma = std::f64::consts::PI;
+        let residual = -R_NB.scaled_axis() / sigma;
+        self.log_det += residual.norm_squared();
+        let last = self.followed() - 1;
+        if let Some(qr) = &mut self.qr {
+            qr.push(3, |i, j| match j {
+                j if j == i => 1.0 / sigma,
+                j if j == last => residual[i],
+                _ => 0.0,
+            });
+        }
     }
 
     fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {

@@ -248,6 +248,7 @@ fn request(variant: Variant) -> IdentifyRequest {
         method: "ma2008".to_owned(),
         variant: Some(variant.name().to_owned()),
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     }
@@ -614,6 +615,7 @@ fn cli_method_and_variant_names() {
         method: method.to_owned(),
         variant: variant.map(str::to_owned),
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };
