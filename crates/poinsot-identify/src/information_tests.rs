@@ -262,7 +262,7 @@ fn noise(tree: &Tree) -> Noise {
         joint_position: vec![0.0; tree.dof()],
         joint_rate: vec![0.0; tree.dof()],
         wheel_speed: vec![0.0],
-        correlation_s: [0.3, 0.0, 0.2, 0.5],
+        correlation_s: [0.0; 4],
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
@@ -274,7 +274,8 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
     let segments = [segment(&model, &tree, translation)];
-    let noise = noise(&tree);
+    let mut noise = noise(&tree);
+    noise.correlation_s = [0.3, 0.0, 0.2, 0.5];
     let problem = Problem {
         model: &model,
         tree: &tree,

@@ -36,6 +36,8 @@ pub fn declared(group: &str) -> Declared {
 
 /// All throws, read and averaged.
 pub struct Throws {
+    /// Whether the throws of one body are also fitted as segments of one problem.
+    pub as_segments: bool,
     pub model: Model,
     truth: Truth,
     device: Vec<Recording>,
@@ -57,7 +59,7 @@ impl Throws {
 }
 
 /// Reads the folder.
-pub fn prepare(folder: &Path) -> Result<Throws, Fault> {
+pub fn prepare(folder: &Path, as_segments: bool) -> Result<Throws, Fault> {
     let model = parse_model(MODEL, "model.toml")?;
     let settings = Settings {
         cut_off_hz: f64::INFINITY,
@@ -81,6 +83,7 @@ pub fn prepare(folder: &Path) -> Result<Throws, Fault> {
     }
     let (device, proof) = (group("device_only")?, group("proof_body")?);
     Ok(Throws {
+        as_segments,
         model,
         truth,
         device,
@@ -213,14 +216,14 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     })
 }
 
-/// Throw by throw, and all as segments of one problem.
+/// Throw by throw, and all together: as segments of one problem where that is asked for, else the mean of the throws
+/// weighed with their covariances.
 fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>, Body), Fault> {
     let declared = declared(group);
     let fits: Vec<Fitted> = own
         .iter()
         .map(|t| fit(&throws.model, &[t], &declared))
         .collect::<Result<_, _>>()?;
-    let all = fit(&throws.model, &own.iter().collect::<Vec<_>>(), &declared)?;
     let n = fits.len() as f64;
     let centre = fits.iter().map(|f| f.p_Sc_B).sum::<Vector3<f64>>() / n;
     // The accelerometer's errors are vibration: how well the mass centre is known shows in how it repeats.
@@ -229,16 +232,52 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>,
         .map(|f| (f.p_Sc_B - centre) * (f.p_Sc_B - centre).transpose())
         .sum::<Matrix3<f64>>()
         / (n - 1.0);
-    let body = |f: &Fitted, share: f64| Body {
+    let all = match throws.as_segments {
+        true => {
+            let one = fit(&throws.model, &own.iter().collect::<Vec<_>>(), &declared)?;
+            (one.I_over_J, one.covariance)
+        }
+        false => weighted_mean(&fits).ok_or("a covariance is singular")?,
+    };
+    let body = |f: &Fitted| Body {
         I: f.I_over_J,
         p: f.p_Sc_B,
         I_cov: f.covariance,
-        p_cov: spread * share,
+        p_cov: spread,
     };
-    Ok((
-        fits.iter().map(|f| body(f, 1.0)).collect(),
-        body(&all, 1.0 / n),
-    ))
+    let together = Body {
+        I: all.0,
+        p: centre,
+        I_cov: all.1,
+        p_cov: spread / n,
+    };
+    Ok((fits.iter().map(body).collect(), together))
+}
+
+/// Mean of the tensors weighed with their covariances; its covariance is widened where the throws scatter more than
+/// they say (Birge 1932).
+fn weighted_mean(fits: &[Fitted]) -> Option<(Matrix3<f64>, Covariance)> {
+    let six = |I: &Matrix3<f64>| SVector::<f64, 6>::from_fn(|k, _| I[TENSOR[k]]);
+    let (mut information, mut sum) = (Covariance::zeros(), SVector::<f64, 6>::zeros());
+    for f in fits {
+        let own = f.covariance.cholesky()?.inverse();
+        information += own;
+        sum += own * six(&f.I_over_J);
+    }
+    let covariance = information.cholesky()?.inverse();
+    let mean = covariance * sum;
+    let mut square = 0.0;
+    for f in fits {
+        let d = six(&f.I_over_J) - mean;
+        square += d.dot(&f.covariance.cholesky()?.solve(&d));
+    }
+    let birge = square / (6.0 * (fits.len() as f64 - 1.0));
+    let mut I = Matrix3::zeros();
+    for (k, (i, j)) in TENSOR.into_iter().enumerate() {
+        I[(i, j)] = mean[k];
+        I[(j, i)] = mean[k];
+    }
+    Some((I, covariance * birge.max(1.0)))
 }
 
 fn variance_of_mean(x: &[f64]) -> f64 {

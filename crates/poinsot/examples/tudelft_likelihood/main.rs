@@ -1,7 +1,8 @@
 //! Inertia of two objects from single throws by hand, by maximum likelihood on raw readings.
 //!
-//!     cargo run --release -p poinsot --example tudelft_likelihood -- ../shared/data/real/tudelft_throw [--choose]
+//!     cargo run --release -p poinsot --example tudelft_likelihood -- ../shared/data/real/tudelft_throw [--choose | --segments]
 //!
+//! `--segments` fits all throws of a body as one problem besides, which takes minutes.
 //! `--choose` prints the likelihood of other declarations of the disturbances, calibration throws and objects by
 //! themselves; the known inertia of the objects takes no part. See `examples/tudelft_throw/README.md`.
 #![allow(non_snake_case)]
@@ -29,7 +30,7 @@ fn main() -> Result<(), Fault> {
         println!("skipped: no shared data");
         return Ok(());
     }
-    let throws = prepare(&folder)?;
+    let throws = prepare(&folder, words.iter().any(|w| w == "--segments"))?;
     if words.iter().any(|w| w == "--choose") {
         return choose(&throws);
     }
