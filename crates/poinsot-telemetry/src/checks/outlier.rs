@@ -34,7 +34,11 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let (limit_median, limit_cubic) = (limit(&from_median)?, limit(&from_cubic)?);
     let far: Vec<usize> = (from_median.iter().zip(&from_cubic))
         .enumerate()
-        .filter(|(_, (m, c))| m.abs() > limit_median && c.abs() > limit_cubic && limit_cubic > 0.0)
+        .filter(|(_, (m, c))| {
+            let far = m.abs() > limit_median && c.abs() > limit_cubic && limit_cubic > 0.0;
+            // The neighbour of a spike is far from the cubic through it, and near its own neighbours.
+            far && m.abs() > 0.6 * c.abs()
+        })
         .map(|(k, _)| k + 2)
         .collect();
     let worst = from_median.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
