@@ -152,15 +152,15 @@ mod tests {
     fn exact_jacobian_is_the_slope() {
         let jacobian = SOME.jacobian();
         let step = 1.0e-6;
-        for k in 0..10 {
+        for (k, row) in jacobian.iter().enumerate() {
             let ends = [step, -step].map(|d| {
                 let mut moved = SOME;
                 moved.theta[k] += d;
                 moved.parameters().to_array()
             });
-            for i in 0..10 {
+            for (i, entry) in row.iter().enumerate() {
                 let slope = (ends[0][i] - ends[1][i]) / (2.0 * step);
-                let gap = (slope - jacobian[k][i]).abs();
+                let gap = (slope - entry).abs();
                 assert!(gap < 1.0e-8, "parameter {i} over {k}: {gap:e}");
             }
         }

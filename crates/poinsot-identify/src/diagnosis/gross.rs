@@ -23,7 +23,7 @@ const MISTAKES: [(f64, &str); 5] = [
         0.104_719_755_119_659_77,
         "revolutions a minute read as rad/s",
     ),
-    (6.283_185_307_179_586, "revolutions read as radians"),
+    (std::f64::consts::TAU, "revolutions read as radians"),
     (57.295_779_513_082_32, "radians read as degrees"),
 ];
 
