@@ -18,7 +18,8 @@ RUNS = {
     "ma2008": ["traj1", "traj2", "traj2b", "traj1_wrist"],
     "xu2017": ["C1", "C2", "C3", "C4", "C5", "C6", "C7"],
 }
-# Files with noise are large as text: only those that the READMEs use.
+# Files with noise as text: only those that the READMEs use. The others are Parquet, which is four times smaller;
+# of those the columns that no model reads (accelerations, motor torques) are left out.
 NOISY = {"stsat3/paper", "stsat3/multiaxis", "ma2008/traj1"}
 
 # Nominal = factor * truth: mass and inertia of each body of xu2017.
@@ -177,8 +178,11 @@ def xu2017(truth):
             f"position_m = {vector(thruster['position_m'])}\n"
             f"force_direction = {vector(thruster['force_direction_body'])}\n\n"
         )
-    text += arm_sensors(truth["noise_of_noisy_file"], False)
-    return {"model.toml": text + MOMENTUM}
+    noise = truth["noise_of_noisy_file"]
+    return {
+        "model.toml": text + arm_sensors(noise, False) + MOMENTUM,
+        "model_noisy.toml": text + arm_sensors(noise, True) + MOMENTUM,
+    }
 
 
 def poinsot_truth(truth):
@@ -211,6 +215,24 @@ def main():
             if f"{case}/{run}" in NOISY:
                 name = "telemetry_noisy.csv"
                 shutil.copyfile(data / case / run / name, folder / name)
+            else:
+                noisy_parquet(data / case / run, folder)
+
+
+def noisy_parquet(source, folder):
+    """The noisy text file as Parquet (needs pyarrow)."""
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    table = pyarrow.csv.read_csv(source / "telemetry_noisy.csv")
+    unread = [c for c in table.column_names if c.startswith("acc_") or c.endswith("_Nm")]
+    pyarrow.parquet.write_table(
+        table.drop_columns(unread),
+        folder / "telemetry_noisy.parquet",
+        compression="zstd",
+        use_dictionary=False,
+        use_byte_stream_split=True,
+    )
 
 
 if __name__ == "__main__":

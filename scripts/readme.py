@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Keeps the numbers of README.md honest: fills in the output of the commands that it quotes.
+"""Keeps the numbers of README.md and of the book honest: fills in the output of the commands that they quote.
 
 A line `<!-- output of: COMMAND -->` names a command; the block fenced by ```text after it is its standard
 output. `poinsot` in a command is the program built from this checkout; pipes work.
@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-README = ROOT / "README.md"
+PAGES = [ROOT / "README.md", ROOT / "docs/start.md"]
 BLOCK = re.compile(r"<!-- output of: (?P<command>.+?) -->\n```text\n(?P<output>.*?)```\n", re.DOTALL)
 CARGO = "cargo run --quiet --locked --release -p poinsot-cli --"
 
@@ -39,23 +39,26 @@ def main():
     arguments = parser.parse_args()
     program = os.path.abspath(arguments.poinsot) if arguments.poinsot else CARGO
     stale = []
+    known = {}
 
     def fill(match):
         command = match["command"]
-        fresh = output(command, program)
-        if fresh != match["output"]:
+        if command not in known:
+            known[command] = output(command, program)
+        if known[command] != match["output"]:
             stale.append(command)
-        return f"<!-- output of: {command} -->\n```text\n{fresh}```\n"
+        return f"<!-- output of: {command} -->\n```text\n{known[command]}```\n"
 
-    written = README.read_text()
-    filled, blocks = BLOCK.subn(fill, written)
-    if blocks == 0:
-        sys.exit("readme.py: README.md quotes no output")
+    for page in PAGES:
+        name, before = page.relative_to(ROOT), len(stale)
+        filled, blocks = BLOCK.subn(fill, page.read_text())
+        if blocks == 0:
+            sys.exit(f"readme.py: {name} quotes no output")
+        if not arguments.check:
+            page.write_text(filled)
+        print(f"{name}: {blocks} outputs, {len(stale) - before} changed")
     if arguments.check and stale:
-        sys.exit("README.md is out of date, run python3 scripts/readme.py:\n  " + "\n  ".join(stale))
-    if not arguments.check:
-        README.write_text(filled)
-    print(f"README.md: {blocks} outputs, {len(stale)} changed")
+        sys.exit("out of date, run python3 scripts/readme.py:\n  " + "\n  ".join(stale))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,27 @@
 //! The words of the command line.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use poinsot::Coordinates;
 use std::path::PathBuf;
+
+/// Exit codes with their meaning.
+pub const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "answered: every number asked for is determined"),
+    (
+        1,
+        "answered, but not acceptable: partial, not identifiable, rejected, not settled, or too many samples left out",
+    ),
+    (
+        2,
+        "the question cannot be asked: usage, model, case or telemetry",
+    ),
+    (3, "disk or permission"),
+    (4, "an error of the program"),
+];
 
 /// Mass, centre of mass and inertia of spacecraft and space robots, from telemetry.
 #[derive(Debug, Parser)]
-#[command(name = "poinsot", version, about)]
+#[command(name = "poinsot", version)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -49,6 +65,19 @@ pub enum Verb {
     Explain(Explain),
     /// Print the JSON Schema of the model file.
     Schema,
+    /// Print the completions of a shell, to be read by it at its start.
+    Completions(Completions),
+    /// Write the manual pages, one per command.
+    Man(Man),
+}
+
+/// A format of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FigureFile {
+    /// Scalable.
+    Svg,
+    /// Pixels.
+    Png,
 }
 
 /// Arguments of `identify`.
@@ -80,9 +109,16 @@ pub struct Identify {
     /// Also write DIR/report.html, the answer as a page.
     #[arg(long, requires = "out")]
     pub report: bool,
+    /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
+    pub figures: Vec<FigureFile>,
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
+    /// Coordinates of the fit's steps: log-cholesky keeps every unknown body physical, linear lets an impossible
+    /// tensor pass.
+    #[arg(long, default_value = Coordinates::NAMES[0], value_parser = Coordinates::NAMES, value_name = "COORDINATES")]
+    pub coordinates: String,
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
@@ -113,9 +149,10 @@ pub struct Rows {
     /// Take every n-th row.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: usize,
-    /// Most memory for the samples of one file, MiB.
-    #[arg(long, value_name = "MIB", default_value_t = poinsot_telemetry::MEMORY_MIB)]
-    pub memory_mib: usize,
+    /// Most memory for the samples of one file, MiB: 256, of `identify` 64, which needs about ten times as much
+    /// in all.
+    #[arg(long, value_name = "MIB")]
+    pub memory_mib: Option<usize>,
     /// Encoding of CSV text.
     #[arg(long, value_enum, default_value_t = TextEncoding::Utf8)]
     pub encoding: TextEncoding,
@@ -160,6 +197,12 @@ pub struct Import {
     /// Model file to write; standard output without.
     #[arg(long, short = 'o', value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
+    /// Print what was written as JSON on standard output.
+    #[arg(long, requires = "out")]
+    pub json: bool,
+    /// Print nothing but errors, and the file where no --out is given.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Arguments of `export`.
@@ -178,6 +221,12 @@ pub struct Export {
     /// File to write; standard output without.
     #[arg(long, short = 'o', value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Print what was written as JSON on standard output.
+    #[arg(long, requires = "out")]
+    pub json: bool,
+    /// Print nothing but errors, and the file where no --out is given.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Files of other programs.
@@ -195,6 +244,9 @@ pub struct Explain {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code says whether there is such a code.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Arguments of `simulate`.
@@ -205,8 +257,11 @@ pub struct Simulate {
     /// Folder for telemetry and truth.json; made if it is not there.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Print nothing but errors.
+    /// Print what was written as JSON on standard output.
     #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -221,6 +276,9 @@ pub struct Predict {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code is the answer.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Arguments of `validate`.
@@ -270,8 +328,14 @@ pub struct Report {
     /// Folder with estimate.json and report_data.json, as `identify --out` writes them.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Print nothing but errors.
+    /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
+    pub figures: Vec<FigureFile>,
+    /// Print what was written as JSON on standard output.
     #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -286,6 +350,9 @@ pub struct Inspect {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code is the answer.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
     /// How telemetry is taken out of its files.
     #[command(flatten)]
     pub rows: Rows,
@@ -299,4 +366,28 @@ pub struct Check {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors: the exit code is the answer.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell.
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub struct Man {
+    /// Folder for poinsot.1 and the pages of its commands; made if it is not there.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Print what was written as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }

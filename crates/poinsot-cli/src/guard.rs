@@ -21,8 +21,10 @@ pub fn guarded(verb: impl FnOnce() -> Outcome) -> Outcome {
 }
 
 fn remember(info: &PanicHookInfo<'_>) {
-    let message = info
-        .payload_as_str()
+    let payload = info.payload();
+    let text = payload.downcast_ref::<&str>().copied();
+    let message = text
+        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("no message")
         .split_whitespace()
         .collect::<Vec<_>>()

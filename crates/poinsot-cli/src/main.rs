@@ -1,15 +1,27 @@
 //! The command `poinsot`: arguments in, one verb, exit code out.
 
-mod arguments;
+use poinsot_cli::arguments;
 mod guard;
+mod progress;
+mod terminal;
 mod verbs;
 
 use arguments::{Arguments, Verb};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
+use progress::Progress;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let arguments = match Arguments::from_arg_matches(&matches) {
+        Ok(arguments) => arguments,
+        Err(usage) => usage.exit(),
+    };
+    let quiet = matches
+        .subcommand()
+        .and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten())
+        .is_some_and(|q| *q);
+    let progress = Progress::start(quiet);
     let result = guard::guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
@@ -22,14 +34,18 @@ fn main() -> ExitCode {
         Verb::Export(a) => verbs::export::run(a),
         Verb::Explain(a) => verbs::explain::run(a),
         Verb::Schema => verbs::schema::run(),
+        Verb::Completions(a) => verbs::completions::run(a),
+        Verb::Man(a) => verbs::man::run(a),
     });
+    progress.clear();
     match result.and_then(verbs::printed) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
+            let message = terminal::error_text(&guard::plain(&failure.message));
             // A closed standard error leaves nobody to tell.
             let _ = std::io::Write::write_all(
                 &mut std::io::stderr(),
-                format!("{}\n", guard::plain(&failure.message)).as_bytes(),
+                format!("{message}\n").as_bytes(),
             );
             ExitCode::from(failure.exit_code)
         }

@@ -21,6 +21,7 @@ fn sensor(kind: SensorKind) -> Sensor {
         scale: Nuisance::Known,
         misalignment: Nuisance::Known,
         lag: Nuisance::Known,
+        correlation_s: 0.0,
         R_BS: Matrix3::identity(),
         p_BoS_B: Vector3::zeros(),
         of: Vec::new(),

@@ -55,7 +55,10 @@ fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
     let size = theirs.iter().fold(1e-300, |m: f64, x| m.max(x.abs()));
     let differences = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs() / size);
     // NaN must not pass for small.
-    differences.fold(0.0, |m: f64, d| if d <= m { m } else { d.max(m) + (d - d) })
+    differences.fold(
+        0.0,
+        |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) },
+    )
 }
 
 fn vector(x: &[f64]) -> Vector3 {

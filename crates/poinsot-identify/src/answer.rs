@@ -9,6 +9,7 @@ use crate::estimate::{
 };
 use crate::parameters::Equations;
 use crate::problem::Problem;
+use crate::remedies;
 use crate::solved::Solved;
 use crate::words;
 
@@ -16,8 +17,19 @@ use crate::words;
 const MISFIT: f64 = 1.5;
 /// Chi-square per degree of freedom above which a model that explains little is rejected.
 const REJECT: f64 = 9.0;
+/// Sigmas beyond the edge of the physical bodies at which the data contradict the model.
+const PRESSED: f64 = 3.0;
 /// Share of the signal that a model must explain not to be rejected then.
 const EXPLAINED: f64 = 0.5;
+
+/// The answer with remedies that were tried: for readers, not for the trials of a campaign.
+pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimate {
+    let mut estimate = write(problem, solved);
+    if estimate.status != Status::Rejected {
+        remedies::try_changes(problem, solved, &mut estimate.identifiability.open);
+    }
+    estimate
+}
 
 pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let chi2 = solved.chi2_per_dof();
@@ -33,7 +45,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let (judge, bodies) = answered(false);
     let impossible = bodies
         .iter()
-        .any(|b| unphysical(b, chi2 > MISFIT || unexplained));
+        .any(|b| unphysical(b, chi2 > MISFIT || unexplained))
+        || pressed(solved, chi2 > MISFIT || unexplained);
     let rejected = (chi2 > REJECT && unexplained) || not_rigid || impossible;
     // What is rejected, and what did not settle, gets no numbers.
     let (judge, bodies) = if rejected || !solved.settled {
@@ -66,7 +79,11 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         identifiability,
         fit: solved.fit.clone(),
         // A line in the residual is evidence enough, however small it is beside the noise.
-        covariance_trustworthy: chi2 <= MISFIT && !rejected && !solved.not_rigid && solved.settled,
+        covariance_trustworthy: chi2 <= MISFIT
+            && !rejected
+            && !solved.not_rigid
+            && solved.settled
+            && solved.held.is_none(),
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
@@ -89,6 +106,13 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
         .filter_map(|n| n.sigma)
         .fold(0.0, f64::max);
     bad_fit || violation > 3.0 * sigma
+}
+
+/// Whether the fit is held at the edge of the physical bodies although the data stand more than three sigma
+/// beyond it, or at all where the fit is bad besides.
+fn pressed(solved: &Solved, bad_fit: bool) -> bool {
+    let held = solved.held.as_ref();
+    held.is_some_and(|h| bad_fit || h.cost > PRESSED * PRESSED)
 }
 
 fn whole(problem: &Problem, solved: &Solved, judge: &Judge) -> Option<(BodyEstimate, Vec<f64>)> {
@@ -214,6 +238,13 @@ fn warnings(
         list.push(format!(
             "residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}): sigmas are widened by that factor and the covariance is not trustworthy",
             chi2.sqrt()
+        ));
+    }
+    if let Some(held) = &solved.held {
+        list.push(format!(
+            "{}: the data alone would put the inertia beyond what positive mass can have; it is held at the edge of that (beyond it chi-square would fall by {:.1}), where an interval has one side only and the covariance is not trustworthy; --coordinates linear lets it pass",
+            held.bodies.join(", "),
+            held.cost
         ));
     }
     let z_bias = solved

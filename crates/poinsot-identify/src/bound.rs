@@ -18,6 +18,7 @@ use crate::problem::{Problem, ProblemError};
 /// The question cannot be asked.
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
+    problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
@@ -25,5 +26,5 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     let explained = (!proportional(problem)).then_some(1.0);
     let mut solved = conclude(&experiment, at_truth, explained, Diagnostics::default());
     solved.method = "cramer_rao";
-    Ok(answer::write(problem, &solved))
+    Ok(answer::write_with_remedies(problem, &solved))
 }

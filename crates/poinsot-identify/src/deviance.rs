@@ -23,7 +23,7 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
             "position" => noise.position,
             _ => Matrix3::identity(),
         };
-        sum += channel.white.len() as f64 * covariance.determinant().ln();
+        sum += channel.white.len() as f64 * covariance.determinant().ln() + channel.log_det;
     }
     let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);
     sum += calibration.chi2;

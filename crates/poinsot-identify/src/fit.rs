@@ -4,6 +4,7 @@
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
 //! not move.
 
+use crate::coordinates::{ChartSteps, Coordinates, WORTH, at_the_edge, inside, physical_share};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
@@ -56,7 +57,7 @@ pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Opti
 /// The linear solution and the nominal numbers, the better one first.
 fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Point> {
     let points = linear
-        .map(|solved| experiment.point(solved))
+        .map(|solved| physical(experiment, experiment.point(solved)))
         .into_iter()
         .chain([experiment.nominal_point()]);
     let mut found: Vec<(f64, Point)> = points
@@ -70,6 +71,53 @@ fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Poin
     found.into_iter().map(|(_, point)| point).collect()
 }
 
+/// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
+pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point, ProblemError> {
+    let mut at = experiment.nominal_point();
+    let evaluate = |at: &Point| experiment.evaluate(at, true);
+    let mut here = linearised(
+        experiment,
+        &at,
+        evaluate(&at).ok_or(ProblemError::NoMotion)?,
+    )?;
+    for _ in 0..limit {
+        let held = vec![0.0; here.rows.spectrum.natural.len()];
+        let next = moved(experiment, &at, &here.rows, &held);
+        let Some(evaluated) = evaluate(&next) else {
+            break;
+        };
+        let there = linearised(experiment, &next, evaluated)?;
+        if there.cost.is_nan() || there.cost >= here.cost {
+            break;
+        }
+        (at, here) = (next, there);
+    }
+    Ok(at)
+}
+
+/// A start whose bodies are physical: as far from the nominal numbers towards it as they stay so.
+fn physical(experiment: &Experiment, mut start: Point) -> Point {
+    if experiment.coordinates == Coordinates::LogCholesky {
+        let nominal = experiment.parameters.nominal_vector();
+        let share = physical_share(experiment.parameters, &nominal, &start.x);
+        if share < 1.0 {
+            for (x, from) in start.x.iter_mut().zip(&nominal) {
+                *x = from + share * (*x - from);
+            }
+        }
+    }
+    start
+}
+
+/// Bodies that the data press against the edge of what positive mass can have.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Held {
+    /// Their names.
+    pub bodies: Vec<String>,
+    /// How much chi-square would fall beyond the edge, to first order.
+    pub cost: f64,
+}
+
 /// Where the iteration ended.
 pub(crate) struct Fitted {
     pub at: Point,
@@ -80,6 +128,7 @@ pub(crate) struct Fitted {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub settled: bool,
+    pub held: Option<Held>,
 }
 
 /// All segments at a point, the triangle of the shared unknowns, and its spectrum.
@@ -87,6 +136,8 @@ pub(crate) struct Local {
     evaluated: Vec<Evaluated>,
     shared: Shared,
     spectrum: Spectrum,
+    /// Steps in free coordinates, where a plain step would leave the physical bodies.
+    chart: Option<ChartSteps>,
 }
 
 impl LeastSquares for Experiment<'_> {
@@ -109,12 +160,32 @@ impl LeastSquares for Experiment<'_> {
 
     fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
         let local = &here.rows;
-        let step = local.spectrum.damped(&local.shared.rhs(), damping);
+        let (step, lowered) = self.mass_step(&at.x, local, damping);
         Step {
             to: moved(self, at, local, &step),
-            promised: promised_decrease(self, local, damping),
+            promised: promised_decrease(self, local, lowered),
             bend: 0.0,
         }
+    }
+}
+
+impl Experiment<'_> {
+    /// Step of the mass unknowns, natural units, and how much the linear model says that it lowers chi-square.
+    fn mass_step(&self, x: &[f64], local: &Local, damping: f64) -> (Vec<f64>, f64) {
+        let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
+        if let Some(chart) = &local.chart {
+            return chart.step(spectrum, &rhs, damping);
+        }
+        let mut step = spectrum.damped(&rhs, damping);
+        let mut lowered = spectrum.decrease(&rhs, damping);
+        if self.coordinates == Coordinates::LogCholesky {
+            let share = inside(self.parameters, &spectrum.natural, x, &step);
+            if share < 1.0 {
+                step.iter_mut().for_each(|z| *z *= share);
+                lowered *= share * (2.0 - share);
+            }
+        }
+        (step, lowered)
     }
 }
 
@@ -129,15 +200,29 @@ fn linearised(
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
+    let chart = match experiment.coordinates {
+        Coordinates::Linear => None,
+        Coordinates::LogCholesky => {
+            let (natural, x) = (&spectrum.natural, &at.x);
+            let step = spectrum.damped(&shared.rhs(), 0.0);
+            (inside(experiment.parameters, natural, x, &step) < WORTH)
+                .then(|| ChartSteps::new(experiment.parameters, &spectrum, x))
+                .flatten()
+        }
+    };
     let local = Local {
         evaluated,
         shared,
         spectrum,
+        chart,
     };
     Ok(Linearised {
         cost,
         round_off: ROUND_OFF * (1.0 + cost),
-        promised: promised_decrease(experiment, &local, 0.0),
+        promised: {
+            let (_, lowered) = experiment.mass_step(&at.x, &local, 0.0);
+            promised_decrease(experiment, &local, lowered)
+        },
         weakest: local.spectrum.weakest(),
         rows: local,
     })
@@ -159,6 +244,7 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
         None
     };
     Ok(Fitted {
+        held: held(experiment, &at, &local),
         at,
         evaluated: local.evaluated,
         shared: local.shared,
@@ -173,13 +259,27 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
     })
 }
 
+fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option<Held> {
+    let chart = local.chart.as_ref()?;
+    let bodies = at_the_edge(experiment.parameters, &at.x);
+    let rhs = local.shared.rhs();
+    let (beyond, within) = (
+        local.spectrum.decrease(&rhs, 0.0),
+        chart.step(&local.spectrum, &rhs, 0.0).1,
+    );
+    (!bodies.is_empty()).then_some(Held {
+        bodies,
+        cost: beyond - within,
+    })
+}
+
 /// Chi-square of the readings alone.
 pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
     evaluated.iter().map(|e| e.chi2).sum()
 }
 
-/// How much the linear model says a damped step lowers chi-square; only mass properties are damped.
-fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f64 {
+/// How much the linear model says a step lowers chi-square of which the mass properties' part is given.
+fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
     let shared = &local.shared;
     let heads: f64 = local
         .evaluated
@@ -195,7 +295,7 @@ fn promised_decrease(experiment: &Experiment, local: &Local, damping: f64) -> f6
     let biases: f64 = (0..shared.nuisances)
         .map(|i| shared.r[(i, n)].powi(2))
         .sum();
-    heads + biases + local.spectrum.decrease(&shared.rhs(), damping)
+    heads + biases + lowered
 }
 
 /// The point after a step of the mass properties: biases and heads follow.

@@ -30,16 +30,18 @@ pub struct HeldBack {
 }
 
 /// Compares the segments of a problem with the motion that a vehicle predicts; the model of the problem gives
-/// sensors, wheels and thrusters, its own mass properties are not used. At most `points` points a curve.
+/// sensors, wheels and thrusters, its own mass properties are not used. At most `points` points a curve;
+/// `None` leaves out curves and findings, which take longer than the comparison.
 ///
 /// # Errors
 /// The segments hold too little, or the vehicle cannot move.
 pub fn held_back(
     problem: &Problem,
     vehicle: &CompletedVehicle,
-    points: usize,
+    points: Option<usize>,
 ) -> Result<HeldBack, ProblemError> {
     problem.check_samples()?;
+    problem.check_observations()?;
     let (model, segments) = prepared(problem, vehicle);
     let problem = Problem {
         model: &model,
@@ -60,8 +62,12 @@ pub fn held_back(
             experiment.wheels_smooth = false;
         }
     }
-    let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
-    let predictions = predict(&experiment, &fitted.at, points);
+    let (mut findings, mut predictions) = (Vec::new(), Vec::new());
+    if let Some(points) = points {
+        let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
+        findings.extend(found.findings.into_iter().map(|f| f.text));
+        predictions = predict(&experiment, &fitted.at, points);
+    }
     let evaluated = segments.iter().zip(&fitted.evaluated);
     let fit = evaluated
         .map(|(segment, one)| SegmentFit {
@@ -80,7 +86,7 @@ pub fn held_back(
         fit,
         worst: worst.collect(),
         predictions,
-        findings: found.findings.into_iter().map(|f| f.text).collect(),
+        findings,
         settled: fitted.settled,
     })
 }

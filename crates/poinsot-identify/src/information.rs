@@ -5,6 +5,7 @@
 //! estimator: this module knows none.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::coordinates::Coordinates;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
 use crate::parameters::Parameters;
@@ -28,6 +29,8 @@ pub(crate) struct Experiment<'a> {
     pub unknown: Vec<HeadColumns>,
     pub sight: Sight,
     pub loss: Loss,
+    /// Coordinates of the steps of a fit.
+    pub coordinates: Coordinates,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
 }
@@ -62,6 +65,7 @@ impl<'a> Experiment<'a> {
                 .collect(),
             sight,
             loss: Loss::Gaussian,
+            coordinates: Coordinates::default(),
             wheels_smooth: false,
         }
     }
@@ -75,6 +79,7 @@ impl<'a> Experiment<'a> {
             unknown: self.unknown.clone(),
             sight: self.sight,
             loss: self.loss,
+            coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
         }
     }

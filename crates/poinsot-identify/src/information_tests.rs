@@ -3,7 +3,9 @@
 mod inputs;
 
 use crate::information::{Experiment, Point};
-use crate::parameters::{Equations, Parameters};
+use crate::linear::linear;
+use crate::maximum_likelihood::maximum_likelihood;
+use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
@@ -260,6 +262,7 @@ fn noise(tree: &Tree) -> Noise {
         joint_position: vec![0.0; tree.dof()],
         joint_rate: vec![0.0; tree.dof()],
         wheel_speed: vec![0.0],
+        correlation_s: [0.0; 4],
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
@@ -271,7 +274,8 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
     let segments = [segment(&model, &tree, translation)];
-    let noise = noise(&tree);
+    let mut noise = noise(&tree);
+    noise.correlation_s = [0.3, 0.0, 0.2, 0.5];
     let problem = Problem {
         model: &model,
         tree: &tree,
@@ -279,7 +283,18 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
         noise: &noise,
         relative_accuracy: 1.0,
     };
-    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    parameters.unknowns.push(Unknown {
+        kind: UnknownKind::RandomTorque(Gust {
+            segment: 0,
+            span: (2, 4),
+            axis: 1,
+        }),
+        name: "gust".to_owned(),
+        unit: "N m",
+        nominal: 0.0,
+        natural: 1.0,
+    });
     let experiment = Experiment::new(&problem, &parameters);
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {
@@ -342,5 +357,29 @@ fn exact_sensitivity_of_every_unknown_is_the_slope_of_chi2() {
                 "{name} (translation {translation}): rows {by_rows:.9e}, differences {by_differences:.9e}"
             );
         }
+    }
+}
+
+#[test]
+fn unit_readings_that_are_missing_or_cut_short_are_no_panic() {
+    let model = parse_model(MODEL, "test").unwrap();
+    let tree = Tree::new(&model);
+    let noise = noise(&tree);
+    let mut whole = segment(&model, &tree, true);
+    let mut cut = whole.clone();
+    cut.observations.rate.truncate(3);
+    whole.observations = Observations::default();
+    for segments in [[whole], [cut]] {
+        let problem = Problem {
+            model: &model,
+            tree: &tree,
+            segments: &segments,
+            noise: &noise,
+            relative_accuracy: 1.0,
+        };
+        let estimate = linear(&problem).unwrap();
+        assert_eq!(estimate.method, "linear");
+        let refused = maximum_likelihood(&problem).unwrap_err().to_string();
+        assert!(refused.contains("E0404"), "{refused}");
     }
 }

@@ -114,6 +114,13 @@ pub fn levenberg_marquardt<P: LeastSquares>(
             break End::IterationLimit;
         }
         iterations += 1;
+        tracing::info!(
+            target: "poinsot::progress",
+            stage = "fitting, iteration",
+            done = iterations as u64,
+            total = limit as u64,
+            at_most = true
+        );
 
         let felt = here.weakest * here.weakest;
         let mut growth = 2.0;

@@ -11,6 +11,7 @@ mod block_qr;
 mod bound;
 mod combination;
 mod completion;
+mod coordinates;
 mod deviance;
 mod diagnosis;
 mod double_double;
@@ -37,6 +38,7 @@ mod prior;
 mod problem;
 mod quantity;
 mod refine;
+mod remedies;
 mod residual;
 mod rows;
 mod segment;
@@ -49,6 +51,7 @@ pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
+pub use coordinates::{Coordinates, FitOptions};
 pub use diagnosis::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
     Suspect,
@@ -69,7 +72,7 @@ pub use parameters::{
 pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
-    maximum_likelihood_predicted,
+    maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};

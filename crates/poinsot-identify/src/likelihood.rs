@@ -1,5 +1,6 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
+mod colour;
 mod point_rows;
 
 use crate::block_qr::{BlockQr, Triangle};
@@ -9,6 +10,7 @@ use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{InputErrors, Noise, Segment};
 use crate::vehicle::{Vehicle, parabola_slope, tilted};
+use colour::Colour;
 use nalgebra::{Cholesky, Matrix6, SMatrix, SVector};
 use poinsot_dynamics::Tree;
 use poinsot_model::{MomentumKnowledge, Thruster};
@@ -48,7 +50,13 @@ impl HeadColumns {
         let seen = sight == Sight::Translation;
         let noisy = |covariance: &Matrix3| *covariance != Matrix3::zeros();
         Self {
-            attitude: noisy(&noise.attitude) && o.attitude.iter().any(Option::is_some),
+            // Without any attitude, motion in N still says how the base stands in N.
+            attitude: if o.attitude.iter().any(Option::is_some) {
+                noisy(&noise.attitude)
+            } else {
+                seen && (o.velocity.iter().any(Option::is_some)
+                    || o.position.iter().any(Option::is_some))
+            },
             position: seen && noisy(&noise.position) && o.position.iter().any(Option::is_some),
             linear: seen && momentum.linear == MomentumKnowledge::Estimate,
             angular: momentum.angular == MomentumKnowledge::Estimate,
@@ -102,6 +110,8 @@ pub(crate) struct ChannelResidual {
     pub unit: &'static str,
     pub white: Vec<Vector3>,
     pub square: f64,
+    /// Logarithm of the determinant that the colour of the noise adds.
+    pub log_det: f64,
 }
 
 /// One segment at one value of all unknowns.
@@ -155,6 +165,9 @@ pub(crate) fn evaluate(
         if k + 1 < samples {
             state = motion.advance(&state, k)?;
         }
+    }
+    if unknown.attitude && segment.observations.attitude.iter().all(Option::is_none) {
+        compare.weak_attitude(&head.R_NB);
     }
     compare.finish()
 }
@@ -241,9 +254,11 @@ struct Compare<'a> {
     rows: usize,
     channels: Vec<ChannelResidual>,
     inputs: InputNoise,
+    /// Colour of gyro, attitude, velocity and position.
+    colours: [Colour; 4],
     /// Variance of each joint's rate in this segment.
     joint_rate: Vec<f64>,
-    /// `ln det` of the covariance of all readings over that of the sensors alone.
+    /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
     log_det: f64,
     /// How late velocity and position read, s.
     translation_lag: [f64; 2],
@@ -372,6 +387,7 @@ impl<'a> Compare<'a> {
                 channel("velocity_increment", "m/s"),
             ],
             inputs: InputNoise::default(),
+            colours: setting.noise.correlation_s.map(Colour::new),
             joint_rate: joint_rate_noise(setting.noise, segment),
             log_det: 0.0,
             translation_lag: translation_lag(setting.parameters, x),
@@ -473,7 +489,7 @@ impl<'a> Compare<'a> {
             }
         }
         let errors = self.inputs.columns.iter().zip(&self.inputs.twists);
-        let slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
+        let mut slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
         let mut rows: Vec<Vector6> = Vec::with_capacity(twists.len() + 1);
         if self.qr.is_some() {
             let kinds = &self.setting.parameters.unknowns;
@@ -488,6 +504,13 @@ impl<'a> Compare<'a> {
             residual_w.unwrap_or_default(),
         );
         rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
+        let present = [
+            (VELOCITY, 0, residual_v.is_some()),
+            (GYRO, 3, residual_w.is_some()),
+        ];
+        for (channel, at, _) in present.iter().filter(|p| p.2) {
+            self.coloured((*channel, *at, k), &mut rows, &mut slopes);
+        }
         let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
             return;
         };
@@ -507,7 +530,7 @@ impl<'a> Compare<'a> {
             let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
             self.pose(
                 motion,
-                ATTITUDE,
+                (ATTITUDE, k),
                 &noise.attitude,
                 &residual,
                 |column, unknown| {
@@ -532,7 +555,7 @@ impl<'a> Compare<'a> {
                     _ => own,
                 }
             };
-            self.pose(motion, POSITION, &noise.position, &residual, seen);
+            self.pose(motion, (POSITION, k), &noise.position, &residual, seen);
         }
     }
 
@@ -540,12 +563,13 @@ impl<'a> Compare<'a> {
     fn pose(
         &mut self,
         motion: &Motion,
-        channel: usize,
+        (channel, k): (usize, usize),
         covariance: &Matrix3,
         residual: &Vector3,
         seen: impl Fn(&Column, Option<&UnknownKind>) -> Vector3,
     ) {
-        let slopes: Vec<Vector3> = self.inputs.columns.iter().map(|c| seen(c, None)).collect();
+        let errors = self.inputs.columns.iter();
+        let mut slopes: Vec<Vector3> = errors.map(|c| seen(c, None)).collect();
         let mut rows: Vec<Vector3> = Vec::with_capacity(motion.columns.len() + 1);
         if self.qr.is_some() {
             let kinds = &self.setting.parameters.unknowns;
@@ -557,8 +581,34 @@ impl<'a> Compare<'a> {
             );
         }
         rows.push(*residual);
+        self.coloured((channel, 0, k), &mut rows, &mut slopes);
         if let Some(white) = self.take(&slopes, covariance, covariance, rows) {
             self.note(channel, residual, white);
+        }
+    }
+
+    /// Takes off what the reading of this channel before says of coloured noise, in rows `at` to `at + 2`. The
+    /// white noise that joint rates add is taken as new at every reading.
+    fn coloured<const M: usize>(
+        &mut self,
+        (channel, at, k): (usize, usize, usize),
+        rows: &mut [SVector<f64, M>],
+        slopes: &mut [SVector<f64, M>],
+    ) {
+        let colour = &mut self.colours[channel];
+        if colour.is_white() {
+            return;
+        }
+        let all = || rows.iter().chain(slopes.iter());
+        let mut block: Vec<Vector3> = all()
+            .map(|r| Vector3::new(r[at], r[at + 1], r[at + 2]))
+            .collect();
+        let log_det = colour.take(self.segment.observations.time_s[k], &mut block);
+        self.channels[channel].log_det += 3.0 * log_det;
+        for (row, new) in rows.iter_mut().chain(slopes.iter_mut()).zip(&block) {
+            for axis in 0..3 {
+                row[at + axis] = new[axis];
+            }
         }
     }
 
@@ -616,6 +666,22 @@ impl<'a> Compare<'a> {
             qr.push(M, |i, j| rows[j][i]);
         }
         Some(white)
+    }
+
+    /// Keeps an attitude at the start that nobody measured within half a turn of the identity, for motions that
+    /// say nothing of it.
+    fn weak_attitude(&mut self, R_NB: &UnitQuaternion) {
+        let sigma = std::f64::consts::PI;
+        let residual = -R_NB.scaled_axis() / sigma;
+        self.log_det += residual.norm_squared();
+        let last = self.followed() - 1;
+        if let Some(qr) = &mut self.qr {
+            qr.push(3, |i, j| match j {
+                j if j == i => 1.0 / sigma,
+                j if j == last => residual[i],
+                _ => 0.0,
+            });
+        }
     }
 
     fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {

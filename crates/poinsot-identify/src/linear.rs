@@ -48,7 +48,9 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
         );
     }
     // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
-    if let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
+    // Without readings at their own times the rows' own spectrum has to do.
+    let observed = problem.segments.iter().all(|s| problem.is_observed(s));
+    if observed && let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
         restrict(problem, &mut solved, &fitted.spectrum)?;
     }
     Ok(answer::write(problem, &solved))
@@ -258,6 +260,7 @@ fn conclude(
         settled: true,
         warnings: Vec::new(),
         not_rigid: false,
+        held: None,
         diagnostics: None,
         assumptions: Vec::new(),
         wheels_smooth: false,

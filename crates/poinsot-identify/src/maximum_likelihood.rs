@@ -6,6 +6,7 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
+use crate::coordinates::FitOptions;
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_from};
@@ -30,18 +31,25 @@ pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
     maximum_likelihood_with(problem, Loss::Gaussian)
 }
 
-/// The same with a loss that bounds what a few bad readings can do.
+/// The same with a loss that bounds what a few bad readings can do, or other coordinates of the steps.
 ///
 /// # Errors
 /// As [`maximum_likelihood`].
-pub fn maximum_likelihood_with(problem: &Problem, loss: Loss) -> Result<Estimate, ProblemError> {
-    let (solved, _) = solve(problem, loss)?;
+pub fn maximum_likelihood_with(
+    problem: &Problem,
+    options: impl Into<FitOptions>,
+) -> Result<Estimate, ProblemError> {
+    let (solved, _) = solve(problem, options.into())?;
     Ok(answer::write(problem, &solved))
 }
 
 /// The solved problem, and the value of all unknowns where the fit ended.
-pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), ProblemError> {
+pub(crate) fn solve(
+    problem: &Problem,
+    options: FitOptions,
+) -> Result<(Solved, Point), ProblemError> {
     problem.check_samples()?;
+    problem.check_observations()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solved)
             if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
@@ -61,7 +69,8 @@ pub(crate) fn solve(problem: &Problem, loss: Loss) -> Result<(Solved, Point), Pr
     parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
-    experiment.loss = loss;
+    experiment.loss = options.loss;
+    experiment.coordinates = options.coordinates;
     let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
     if !problem.model.wheels.is_empty() {
@@ -132,17 +141,23 @@ fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
 /// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
 /// know at their nominal values.
 fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
-    let body = rotation_properties(&solved.parameters, &solved.x);
+    solved.x = lifted_vector(&solved.parameters, &solved.x, parameters);
+    solved.parameters = parameters.clone();
+    solved
+}
+
+/// The same for the values of the unknowns alone.
+pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameters) -> Vec<f64> {
+    let body = rotation_properties(from, x);
     let pi = body.parameters().to_array();
     let with_centre = parameters.estimate[0].com;
-    let known: Vec<(String, f64)> = solved
-        .parameters
+    let known: Vec<(&str, f64)> = from
         .unknowns
         .iter()
-        .zip(&solved.x)
-        .map(|(u, x)| (u.name.clone(), *x))
+        .zip(x)
+        .map(|(u, x)| (u.name.as_str(), *x))
         .collect();
-    solved.x = parameters
+    parameters
         .unknowns
         .iter()
         .map(|unknown| match &unknown.kind {
@@ -158,9 +173,7 @@ fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
                 found.map_or(unknown.nominal, |(_, x)| *x)
             }
         })
-        .collect();
-    solved.parameters = parameters.clone();
-    solved
+        .collect()
 }
 
 pub(crate) fn conclude(
@@ -232,6 +245,7 @@ pub(crate) fn conclude(
             .findings
             .iter()
             .any(|f| f.fault == FaultKind::NotRigid),
+        held: fitted.held,
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,

@@ -50,8 +50,8 @@ struct Drive<'s> {
 /// Scratch of one propagation.
 pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
-    /// Largest measured rate, rad/s.
-    measured: Option<f64>,
+    /// Integration steps that may still be made.
+    steps_left: f64,
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
@@ -89,12 +89,22 @@ struct Buffers {
     twist_columns: Vec<Vector6>,
 }
 
-/// How much faster than ever measured a vehicle may turn for the motion to be followed.
-const FASTER: f64 = 5.0;
+/// How much faster than measured a vehicle may turn, on the whole, for its motion to be followed.
+const FASTER: f64 = 3.0;
 
-/// Largest measured rate, rad/s; `None` without a gyro.
-fn fastest_measured(o: &Observations) -> Option<f64> {
-    o.rate.iter().flatten().map(|w| w.norm()).reduce(f64::max)
+/// Integration steps for a run: some for each interval, and those of a motion faster than the measured one.
+fn steps_allowed(o: &Observations) -> f64 {
+    let intervals = o.time_s.windows(2).zip(&o.rate);
+    let turn: f64 = intervals
+        .filter_map(|(t, w)| w.map(|w| w.norm() * (t[1] - t[0])))
+        .sum();
+    if o.rate.iter().all(Option::is_none) {
+        return 1.0e4 * o.time_s.len() as f64;
+    }
+    // Between the samples of a slow gyro the turn is that of the gap.
+    let seen = o.rate.iter().flatten().count().max(1) as f64;
+    let share = o.time_s.len() as f64 / seen;
+    1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / 0.02
 }
 
 /// Velocity at an instant with what is needed of it.
@@ -141,7 +151,7 @@ impl<'a> Motion<'a> {
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
-            measured: fastest_measured(o),
+            steps_left: steps_allowed(o),
             observations: o,
             buffer: Buffers {
                 q: vec![0.0; tree.dof()],
@@ -191,15 +201,13 @@ impl<'a> Motion<'a> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
         let rate = self.fastest(state, k)?;
-        let steps = (h * rate / 0.02).ceil();
+        let steps = (h * rate / 0.02).ceil().max(1.0);
         // Values of the unknowns that make it spin far faster than measured are not worth following.
-        let most = self
-            .measured
-            .map_or(1.0e4, |w| (50.0 + FASTER * h * w / 0.02).min(1.0e4));
-        if !steps.is_finite() || steps > most {
+        self.steps_left -= steps;
+        if self.steps_left.is_nan() || self.steps_left < 0.0 {
             return None;
         }
-        let steps = steps.max(1.0) as usize;
+        let steps = steps as usize;
         let mut now = self.late_thrust(state, k);
         for i in 0..steps {
             let from = i as f64 / steps as f64;

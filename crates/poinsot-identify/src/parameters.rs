@@ -485,7 +485,7 @@ impl Parameters {
                 SensorKind::VelocityIncrement => "m/s",
                 _ => continue,
             };
-            let triples: [(Nuisance, fn(usize) -> Fault, &str, &'static str); 3] = [
+            let triples: [Declared; 3] = [
                 (of.bias, Fault::Bias, "bias", unit),
                 (of.scale, Fault::Scale, "scale", "1"),
                 (of.misalignment, Fault::Misalignment, "misalignment", "rad"),
@@ -642,6 +642,9 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
     );
     slope
 }
+
+/// Whether a fault of an instrument is declared, the fault of an axis, its name and unit.
+type Declared = (Nuisance, fn(usize) -> Fault, &'static str, &'static str);
 
 /// Per wheel the spin axis and the two axes about which it may be tilted, in the host's axes.
 fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {

@@ -5,25 +5,28 @@
 mod points;
 
 use crate::answer;
+use crate::coordinates::FitOptions;
 use crate::estimate::Estimate;
+use crate::fit::fit_starts;
 use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, GyroErrors, Head, start, translation_lag};
 use crate::linear::{linear, solve_linear};
-use crate::loss::Loss;
 use crate::maximum_likelihood::solve;
 use crate::motion::{Motion, State, small_turn};
-use crate::parameters::Parameters;
+use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::{Problem, ProblemError};
 use crate::segment::{Firing, Segment};
 use crate::vehicle::{Vehicle, tilted};
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
-use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
 use points::PointCurves;
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;
 /// Lags of the autocorrelation, from 1.
 pub const LAGS: usize = 20;
+/// Steps of pose, momentum and biases at given mass properties.
+const STARTS: usize = 8;
 /// Half the width of the histogram, sigmas.
 const HISTOGRAM_REACH: f64 = 4.0;
 
@@ -90,14 +93,14 @@ pub struct PredictedMotion {
 /// As [`crate::maximum_likelihood`].
 pub fn maximum_likelihood_predicted(
     problem: &Problem,
-    loss: Loss,
+    options: impl Into<FitOptions>,
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
-    let (solved, at) = solve(problem, loss)?;
+    let (solved, at) = solve(problem, options.into())?;
     let mut experiment = Experiment::new(problem, &solved.parameters);
     experiment.wheels_smooth = solved.wheels_smooth;
     let predictions = predict(&experiment, &at, points);
-    Ok((answer::write(problem, &solved), predictions))
+    Ok((answer::write_with_remedies(problem, &solved), predictions))
 }
 
 /// The linear method with what its answer predicts, at most `points` points a curve.
@@ -113,6 +116,40 @@ pub fn linear_predicted(
     let experiment = Experiment::new(problem, &solved.parameters);
     let at = experiment.point(&solved);
     Ok((estimate, predict(&experiment, &at, points)))
+}
+
+/// What given mass properties predict, one entry a body of the model: pose, momentum and biases are fitted
+/// to the readings, nothing else. Empty where such bodies cannot move.
+///
+/// # Errors
+/// The question cannot be asked.
+pub fn predicted_by(
+    problem: &Problem,
+    bodies: &[MassProperties],
+    points: usize,
+) -> Result<Vec<Prediction>, ProblemError> {
+    let mut model = problem.model.clone();
+    for (body, given) in model.bodies.iter_mut().zip(bodies) {
+        body.nominal = *given;
+        body.prior = None;
+    }
+    let held = Problem {
+        model: &model,
+        ..*problem
+    };
+    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
+    let of = |equations| Parameters::new(&model, problem.tree, equations, fires);
+    let parameters = match of(held.linear_equations()) {
+        Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+        other => other,
+    }?;
+    let experiment = Experiment::new(&held, &parameters);
+    match fit_starts(&experiment, STARTS) {
+        Ok(at) => Ok(predict(&experiment, &at, points)),
+        // Such bodies cannot move: an answer, and no curve.
+        Err(ProblemError::NoMotion) => Ok(Vec::new()),
+        Err(other) => Err(other),
+    }
 }
 
 /// Empty where the vehicle cannot move as the answer says.

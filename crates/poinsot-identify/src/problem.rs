@@ -86,6 +86,24 @@ impl Problem<'_> {
         }
     }
 
+    /// Whether the readings of a segment, each at its own times, can be compared with a predicted motion.
+    pub(crate) fn is_observed(&self, segment: &Segment) -> bool {
+        let o = &segment.observations;
+        o.is_whole(self.tree.dof(), self.tree.rotors.len())
+    }
+
+    /// # Errors
+    /// A segment has fewer than two grid times, or its readings are not all given at them.
+    pub(crate) fn check_observations(&self) -> Result<(), ProblemError> {
+        match self.segments.iter().find(|s| !self.is_observed(s)) {
+            Some(s) => Err(ProblemError::TooFewSamples {
+                label: s.label.clone(),
+                samples: s.observations.time_s.len().min(s.observations.rate.len()),
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// # Errors
     /// A segment has fewer than two samples.
     pub(crate) fn check_samples(&self) -> Result<(), ProblemError> {

@@ -81,6 +81,25 @@ pub struct Observations {
     pub wheel_errors: Vec<InputErrors>,
 }
 
+impl Observations {
+    /// Whether there are two times or more and every list has an entry for each.
+    pub(crate) fn is_whole(&self, dof: usize, wheels: usize) -> bool {
+        let n = self.time_s.len();
+        n >= 2
+            && [
+                self.rate.len(),
+                self.attitude.len(),
+                self.velocity.len(),
+                self.position.len(),
+            ]
+            .iter()
+            .all(|len| *len == n)
+            && self.joint_position.len() == n * dof
+            && self.joint_rate.len() == n * dof
+            && self.wheel_speed.len() == n * wheels
+    }
+}
+
 /// How the errors of an input's readings hang together along the grid of a segment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum InputErrors {
@@ -151,6 +170,8 @@ pub struct Noise {
     pub joint_rate: Vec<f64>,
     /// Variance of each wheel speed, rad2/s2.
     pub wheel_speed: Vec<f64>,
+    /// Correlation time of the noise of gyro, attitude, velocity and position, s; zero where it is white.
+    pub correlation_s: [f64; 4],
     /// Seen over declared variance of the gyro.
     pub seen_gyro: f64,
     /// Seen over declared variance of the velocity.

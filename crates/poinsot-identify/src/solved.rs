@@ -2,6 +2,7 @@
 
 use crate::block_qr::{BlockQr, Triangle};
 use crate::estimate::SegmentFit;
+use crate::fit::Held;
 use crate::parameters::Parameters;
 use crate::rows::StartMomentum;
 use crate::spectrum::Spectrum;
@@ -184,6 +185,8 @@ pub(crate) struct Solved {
     pub wheels_smooth: bool,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
+    /// Bodies that the data press against the edge of what positive mass can have.
+    pub held: Option<Held>,
     /// What the residuals say; `None` of a method that does not ask them.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Whether the residual speaks against a rigid vehicle.

@@ -192,7 +192,8 @@ impl Spectrum {
         identified.fold(f64::INFINITY, |a, b| a.min(*b))
     }
 
-    fn left_along(&self, rhs: &[f64], k: usize) -> f64 {
+    /// Component of a right-hand side along direction k.
+    pub(crate) fn left_along(&self, rhs: &[f64], k: usize) -> f64 {
         rhs.iter()
             .enumerate()
             .map(|(i, d)| self.left[(i, k)] * d)

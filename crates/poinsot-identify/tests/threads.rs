@@ -149,6 +149,7 @@ fn exact_the_same_bits_on_1_2_3_and_8_threads() {
         joint_position: vec![0.0],
         joint_rate: vec![0.0],
         wheel_speed: Vec::new(),
+        correlation_s: [0.0; 4],
         seen_gyro: 1.0,
         seen_velocity: 1.0,
         seen_joint_rate: 0.0,

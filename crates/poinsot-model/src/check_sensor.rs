@@ -173,6 +173,22 @@ fn check_sensor(
         let here = key.at(&format!("quantisation_{unit}"));
         positive(lsb, &here, "E0118", "the quantisation", findings)
     });
+    let correlation_s = file.correlation_s.and_then(|time| {
+        let here = key.at("correlation_s");
+        let coloured = [
+            SensorKind::Gyro,
+            SensorKind::Attitude,
+            SensorKind::Velocity,
+            SensorKind::Position,
+        ];
+        if !coloured.contains(&kind) {
+            let problem = format!("a {} has no coloured noise", kind.word());
+            let remedy = "leave it out; gyro, attitude, velocity and position can have it";
+            findings.refuse("E0106", &here, problem, remedy);
+            return None;
+        }
+        positive(time, &here, "E0118", "a correlation time", findings)
+    });
     let rotation = check_rotation(
         file.rotation_xyzw.as_ref(),
         file.rotation_matrix.as_ref(),
@@ -186,6 +202,7 @@ fn check_sensor(
         kind,
         body: 0,
         noise_covariance,
+        correlation_s: correlation_s.unwrap_or(0.0),
         quantisation: quantisation.unwrap_or(0.0),
         bias: nuisance("bias", file.bias.as_ref(), &format!("sigma_{unit}")),
         scale: nuisance("scale", file.scale.as_ref(), "sigma"),

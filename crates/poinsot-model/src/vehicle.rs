@@ -275,6 +275,8 @@ pub struct Sensor {
     /// Covariance of one sample in the sensor's own axes, SI squared. Scalar channels use `[(0, 0)]`.
     /// `None` where the file declares no noise.
     pub noise_covariance: Option<Matrix3>,
+    /// Time after which the noise has forgotten itself to 1/e, s; zero where it is white.
+    pub correlation_s: f64,
     /// Least significant bit, SI; zero where not quantised.
     pub quantisation: f64,
     /// Bias.

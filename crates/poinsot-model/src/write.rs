@@ -167,6 +167,9 @@ fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
     if let Some(covariance) = &sensor.noise_covariance {
         line(out, &format!("noise_{unit}"), noise(covariance));
     }
+    if sensor.correlation_s > 0.0 {
+        line(out, "correlation_s", number(sensor.correlation_s));
+    }
     if sensor.quantisation > 0.0 {
         line(
             out,

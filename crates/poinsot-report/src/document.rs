@@ -1,10 +1,26 @@
 //! The parts of a document.
 
+/// How good what is said is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tone {
+    /// Neither.
+    #[default]
+    Plain,
+    /// As hoped.
+    Good,
+    /// To be looked at.
+    Fair,
+    /// Not to be used.
+    Bad,
+}
+
 /// A verdict and the sections that support it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
     /// The answer in one sentence.
     pub verdict: String,
+    /// Colour of the verdict.
+    pub tone: Tone,
     /// Sections in reading order.
     pub sections: Vec<Section>,
 }
@@ -14,6 +30,8 @@ pub struct Document {
 pub struct Section {
     /// Title.
     pub title: String,
+    /// Colour of the title.
+    pub tone: Tone,
     /// Content.
     pub content: Content,
     /// A remark under the content.
@@ -43,8 +61,15 @@ impl Document {
     pub fn new(verdict: String) -> Self {
         Self {
             verdict,
+            tone: Tone::Plain,
             sections: Vec::new(),
         }
+    }
+
+    /// The document with a colour of its verdict.
+    pub fn toned(mut self, tone: Tone) -> Self {
+        self.tone = tone;
+        self
     }
 
     /// Adds a section.
@@ -58,15 +83,23 @@ impl Section {
     pub fn table(title: &str, table: Table) -> Self {
         Self {
             title: title.to_owned(),
+            tone: Tone::Plain,
             content: Content::Table(table),
             note: None,
         }
+    }
+
+    /// The section with a colour of its title.
+    pub fn toned(mut self, tone: Tone) -> Self {
+        self.tone = tone;
+        self
     }
 
     /// A section with sentences.
     pub fn list(title: &str, lines: Vec<String>) -> Self {
         Self {
             title: title.to_owned(),
+            tone: Tone::Plain,
             content: Content::List(lines),
             note: None,
         }

@@ -14,4 +14,7 @@ pub enum PageError {
     /// Data that cannot be written as JSON.
     #[error("figure data: {0}")]
     Json(#[from] serde_json::Error),
+    /// A figure cannot be drawn.
+    #[error("a figure cannot be drawn: {0}")]
+    Figure(String),
 }

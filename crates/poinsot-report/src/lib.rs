@@ -3,6 +3,7 @@
 mod axis;
 mod document;
 mod error;
+mod figure;
 mod figures;
 mod markup;
 mod page;
@@ -10,10 +11,12 @@ mod plot;
 mod scene;
 mod text;
 
-pub use document::{Content, Document, Section, Table};
+pub use document::{Content, Document, Section, Table, Tone};
 pub use error::PageError;
+pub use figure::{Figure, FigureFormat, Picture};
 pub use figures::{number_with_sigma, significant};
 pub use markup::{Html, escape, island, render};
 pub use page::{Page, Part};
 pub use plot::{Axis, Mark, Plot, Series};
 pub use scene::{Arrow, Curve, Ellipsoid, Point, Rolling, Scene, Spot};
+pub use text::{TextStyle, marked_code};

@@ -2,6 +2,7 @@
 //! scripts by hash.
 
 use crate::error::PageError;
+use crate::figure::Figure;
 use crate::markup::{Html, render};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -24,6 +25,8 @@ pub struct Part {
     pub title: &'static str,
     /// Content.
     pub body: Html,
+    /// The pictures in it, for files of their own.
+    pub figures: Vec<Figure>,
 }
 
 /// A page.

@@ -27,6 +27,18 @@ pub enum Mark {
     Bars,
 }
 
+impl Mark {
+    /// How the legend shows it.
+    fn key(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Dashed => "dashed",
+            Self::Dots | Self::Points => "dots",
+            Self::Bars => "bars",
+        }
+    }
+}
+
 /// One series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -101,6 +113,12 @@ impl Series {
         }
     }
 }
+
+/// Where the curves are drawn: left upper corner, width, height.
+type Field = [f64; 4];
+
+/// On the page: a square that zooming stretches.
+const SQUARE: Field = [0.0, 0.0, FIELD, FIELD];
 
 /// The data range and how it maps onto the field.
 struct Frame {
@@ -180,25 +198,22 @@ impl Frame {
         })
     }
 
-    fn field_x(&self, x: f64) -> f64 {
-        FIELD * (x - self.x[0]) / (self.x[1] - self.x[0])
+    /// Share of the width, from the left.
+    fn share_x(&self, x: f64) -> f64 {
+        (x - self.x[0]) / (self.x[1] - self.x[0])
     }
 
-    fn field_y(&self, y: f64) -> f64 {
+    /// Share of the height, from above.
+    fn share_y(&self, y: f64) -> f64 {
         let y = if self.log { y.log10() } else { y * self.scale };
-        FIELD * (self.y[1] - y) / (self.y[1] - self.y[0])
+        (self.y[1] - y) / (self.y[1] - self.y[0])
     }
 }
 
 impl Plot {
     /// The plot as a figure; a word instead where there is nothing to draw.
     pub fn html(&self) -> Html {
-        let width = if self.half { WIDTH / 2.0 } else { WIDTH };
-        let height = if self.height > 0.0 {
-            self.height
-        } else {
-            220.0
-        };
+        let [width, height] = self.size();
         let mut out = String::new();
         let class = if self.half { "plot half" } else { "plot" };
         let _ = write!(
@@ -206,15 +221,9 @@ impl Plot {
             "<figure class=\"{class}\"><figcaption><b>{}</b>",
             escape(&self.title)
         );
-        for s in self.series.iter().filter(|s| !s.name.is_empty()) {
-            let key = match s.mark {
-                Mark::Line => "line",
-                Mark::Dashed => "dashed",
-                Mark::Dots | Mark::Points => "dots",
-                Mark::Bars => "bars",
-            };
-            let name = escape(&s.name);
-            let _ = write!(out, "<span class=\"key {key} c{}\">{name}</span>", s.colour);
+        for (name, key, colour) in self.legend() {
+            let name = escape(name);
+            let _ = write!(out, "<span class=\"key {key} c{colour}\">{name}</span>");
         }
         out.push_str("</figcaption>");
         match Frame::new(self) {
@@ -226,6 +235,44 @@ impl Plot {
         }
         out.push_str("</figure>");
         Html(out)
+    }
+
+    /// Width and height, px.
+    fn size(&self) -> [f64; 2] {
+        let width = if self.half { WIDTH / 2.0 } else { WIDTH };
+        let height = if self.height > 0.0 {
+            self.height
+        } else {
+            220.0
+        };
+        [width, height]
+    }
+
+    /// The plot without its legend, for a file of its own: size and elements. Curves stand in pixels, since
+    /// a stretched field with strokes that do not stretch is beyond many programs.
+    pub(crate) fn drawing(&self) -> Option<([f64; 2], String)> {
+        let frame = Frame::new(self)?;
+        let [width, height] = self.size();
+        let (w, h) = (width - LEFT - RIGHT, height - TOP - BOTTOM);
+        let mut out = String::new();
+        self.draw_ticks(&frame, w, h, &mut out);
+        let _ = write!(
+            out,
+            "<clipPath id=\"field\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\"/></clipPath>\
+             <g clip-path=\"url(#field)\">"
+        );
+        self.draw_curves(&frame, [LEFT, TOP, w, h], &mut out);
+        out.push_str("</g>");
+        self.draw_frame(&frame, [width, height], &mut out);
+        Some(([width, height], out))
+    }
+
+    /// Name, mark and colour of what the legend shows.
+    pub(crate) fn legend(&self) -> Vec<(&str, &'static str, usize)> {
+        let named = self.series.iter().filter(|s| !s.name.is_empty());
+        named
+            .map(|s| (s.name.as_str(), s.mark.key(), s.colour))
+            .collect()
     }
 
     fn draw(&self, frame: &Frame, width: f64, height: f64, out: &mut String) {
@@ -253,16 +300,32 @@ impl Plot {
             out,
             "<svg class=\"field\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {FIELD} {FIELD}\" preserveAspectRatio=\"none\">"
         );
+        self.draw_curves(frame, SQUARE, out);
+        out.push_str("</svg>");
+        self.draw_frame(frame, [width, height], out);
+        out.push_str("</svg>");
+    }
+
+    fn draw_curves(&self, frame: &Frame, field: Field, out: &mut String) {
+        let [left, top, w, h] = field;
         for (level, _) in &self.levels {
-            let y = frame.field_y(*level);
-            let _ = write!(out, "<path class=\"level\" d=\"M0 {y:.2}H{FIELD}\"/>");
+            let y = top + h * frame.share_y(*level);
+            let _ = write!(
+                out,
+                "<path class=\"level\" d=\"M{left} {y:.2}H{}\"/>",
+                left + w
+            );
         }
         for s in &self.series {
-            draw_series(frame, s, out);
+            draw_series(frame, field, s, out);
         }
-        out.push_str("</svg>");
+    }
+
+    /// Words of the levels, the frame, and the words of the axes.
+    fn draw_frame(&self, frame: &Frame, [width, height]: [f64; 2], out: &mut String) {
+        let (w, h) = (width - LEFT - RIGHT, height - TOP - BOTTOM);
         for (level, word) in self.levels.iter().filter(|l| !l.1.is_empty()) {
-            let line = TOP + h * frame.field_y(*level) / FIELD;
+            let line = TOP + h * frame.share_y(*level);
             let y = if line < TOP + 14.0 {
                 line + 11.0
             } else {
@@ -293,7 +356,7 @@ impl Plot {
         }
         let _ = write!(
             out,
-            "<text class=\"axis\" transform=\"translate(13 {half}) rotate(-90)\">{y}</text></svg>"
+            "<text class=\"axis\" transform=\"translate(13 {half}) rotate(-90)\">{y}</text>"
         );
     }
 
@@ -308,7 +371,7 @@ impl Plot {
             along = (1..=self.names.len()).map(|k| k as f64).collect();
         }
         for (k, t) in along.iter().enumerate() {
-            let x = LEFT + w * frame.field_x(*t) / FIELD;
+            let x = LEFT + w * frame.share_x(*t);
             let text = match self.names.get(k) {
                 Some(name) => escape(name),
                 None => tick_text(*t, &along),
@@ -340,7 +403,7 @@ impl Plot {
     }
 }
 
-fn draw_series(frame: &Frame, series: &Series, out: &mut String) {
+fn draw_series(frame: &Frame, [left, top, w, h]: Field, series: &Series, out: &mut String) {
     let class = match series.mark {
         Mark::Line => "line",
         Mark::Dashed => "line dashed",
@@ -350,9 +413,10 @@ fn draw_series(frame: &Frame, series: &Series, out: &mut String) {
     };
     let _ = write!(out, "<path class=\"{class} c{}\" d=\"", series.colour);
     let mut broken = true;
-    let half = 0.42 * FIELD / series.points.len().max(1) as f64;
+    let half = 0.42 * w / series.points.len().max(1) as f64;
+    let floor = top + h;
     for (x, y) in &series.points {
-        let (px, py) = (frame.field_x(*x), frame.field_y(*y));
+        let (px, py) = (left + w * frame.share_x(*x), top + h * frame.share_y(*y));
         if !(px.is_finite() && py.is_finite()) {
             broken = true;
             continue;
@@ -360,8 +424,8 @@ fn draw_series(frame: &Frame, series: &Series, out: &mut String) {
         let _ = match series.mark {
             Mark::Dots | Mark::Points => write!(out, "M{px:.2} {py:.2}h0"),
             Mark::Bars => {
-                let (left, wide) = (px - half, 2.0 * half);
-                write!(out, "M{left:.2} {FIELD}V{py:.2}h{wide:.2}V{FIELD}z")
+                let (from, wide) = (px - half, 2.0 * half);
+                write!(out, "M{from:.2} {floor}V{py:.2}h{wide:.2}V{floor}z")
             }
             _ if broken => write!(out, "M{px:.2} {py:.2}"),
             _ => write!(out, "L{px:.2} {py:.2}"),

@@ -117,21 +117,9 @@ impl Scene {
         let data = island(self)?;
         let title = escape(&self.title);
         let mut out = format!("<figure class=\"scene\"><figcaption><b>{title}</b>");
-        let named = self
-            .ellipsoids
-            .iter()
-            .map(|e| (&e.name, e.colour, if e.faint { "dashed" } else { "line" }));
-        let curves = self.curves.iter().map(|c| {
-            let kind = if c.dashed { "dashed" } else { "line" };
-            (&c.name, c.colour, kind)
-        });
-        for (name, colour, kind) in named.chain(curves).filter(|n| !n.0.is_empty()) {
+        for (name, kind, colour) in self.legend() {
             let name = escape(name);
             let _ = write!(out, "<span class=\"key {kind} c{colour}\">{name}</span>");
-        }
-        if let Some(rolling) = &self.rolling {
-            let plane = escape(&rolling.plane);
-            let _ = write!(out, "<span class=\"key bars c6\">{plane}</span>");
         }
         let _ = write!(
             out,
@@ -147,6 +135,28 @@ impl Scene {
         }
         out.push_str("</figure>");
         Ok(Html(out))
+    }
+
+    /// The still picture for a file of its own: size and elements.
+    pub(crate) fn drawing(&self) -> ([f64; 2], String) {
+        let mut out = String::new();
+        self.draw(&mut out);
+        ([WIDTH, HEIGHT], out)
+    }
+
+    /// Name, mark and colour of what the legend shows.
+    pub(crate) fn legend(&self) -> Vec<(&str, &'static str, usize)> {
+        let named = self.ellipsoids.iter().map(|e| {
+            let kind = if e.faint { "dashed" } else { "line" };
+            (e.name.as_str(), kind, e.colour)
+        });
+        let curves = self.curves.iter().map(|c| {
+            let kind = if c.dashed { "dashed" } else { "line" };
+            (c.name.as_str(), kind, c.colour)
+        });
+        let plane = self.rolling.iter().map(|r| (r.plane.as_str(), "bars", 6));
+        let all = named.chain(curves).filter(|n| !n.0.is_empty());
+        all.chain(plane).collect()
     }
 
     fn draw(&self, out: &mut String) {

@@ -1,39 +1,97 @@
 //! A document for the terminal.
 
-use crate::document::{Content, Document, Table};
+use crate::document::{Content, Document, Section, Table, Tone};
+use anstyle::{AnsiColor, Effects, Style};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ContentArrangement};
 use std::fmt;
 
-/// Width where the terminal does not say one.
+/// Width of tables where the terminal does not say one.
 const WIDTH: u16 = 110;
+/// Narrower than this nothing can be laid out.
+const NARROWEST: u16 = 40;
+/// Words that a reader must not overlook in a table.
+const OPEN: &str = "not identifiable";
+
+/// How a document is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TextStyle {
+    /// Columns of the terminal; sentences are broken there. `None`: one sentence, one line.
+    pub width: Option<u16>,
+    /// Whether colours may be used.
+    pub colour: bool,
+}
 
 impl fmt::Display for Document {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", printable(&self.verdict))?;
-        for section in &self.sections {
-            writeln!(f, "\n{}", printable(&section.title))?;
-            match &section.content {
-                Content::Table(table) => writeln!(f, "{}", layout(table))?,
-                Content::List(lines) => {
-                    for line in lines {
-                        writeln!(f, "  {}", printable(line))?;
-                    }
-                }
-            }
-            if let Some(note) = &section.note {
-                writeln!(f, "  ({})", printable(note))?;
-            }
-        }
-        Ok(())
+        f.write_str(&self.text(&TextStyle::default()))
     }
 }
 
-fn layout(table: &Table) -> String {
+impl Document {
+    /// The document as text.
+    pub fn text(&self, style: &TextStyle) -> String {
+        let verdict = wrapped(&printable(&self.verdict), "", style);
+        let mut out = painted(&verdict, self.tone.style().bold(), style);
+        out.push('\n');
+        for section in &self.sections {
+            let title = wrapped(&printable(&section.title), "", style);
+            let heading = section.tone.style().bold();
+            out.push_str(&format!("\n{}\n", painted(&title, heading, style)));
+            out.push_str(&content(section, style));
+            if let Some(note) = &section.note {
+                let note = wrapped(&format!("({})", printable(note)), "  ", style);
+                out.push_str(&painted(&note, Style::new().dimmed(), style));
+                out.push('\n');
+            }
+        }
+        out
+    }
+}
+
+impl Tone {
+    fn style(self) -> Style {
+        let colour = match self {
+            Self::Plain => return Style::new(),
+            Self::Good => AnsiColor::Green,
+            Self::Fair => AnsiColor::Yellow,
+            Self::Bad => AnsiColor::Red,
+        };
+        Style::new().fg_color(Some(colour.into()))
+    }
+}
+
+fn content(section: &Section, style: &TextStyle) -> String {
+    let mut out = String::new();
+    match &section.content {
+        Content::Table(table) => {
+            for (k, line) in layout(table, style).iter().enumerate() {
+                let line = if k == 0 {
+                    painted(line, Style::new().dimmed(), style)
+                } else {
+                    let open = painted(OPEN, Tone::Fair.style(), style);
+                    line.replace(OPEN, &open)
+                };
+                out.push_str(&format!("{line}\n"));
+            }
+        }
+        Content::List(lines) => {
+            for line in lines {
+                out.push_str(&wrapped(&printable(line), "  ", style));
+                out.push('\n');
+            }
+        }
+    }
+    out
+}
+
+fn layout(table: &Table, style: &TextStyle) -> Vec<String> {
     let mut out = comfy_table::Table::new();
+    // One column for the blank before each line.
+    let width = style.width.map_or(WIDTH, |w| w.clamp(NARROWEST, WIDTH) - 1);
     out.load_style(NOTHING)
         .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_width(WIDTH);
+        .set_width(width);
     out.set_header(table.head.iter().map(|h| printable(h)));
     for row in &table.rows {
         out.add_row(row.iter().map(|c| printable(c)));
@@ -43,8 +101,55 @@ fn layout(table: &Table) -> String {
     }
     out.lines()
         .map(|line| format!(" {}", line.trim_end()))
-        .collect::<Vec<_>>()
-        .join("\n")
+        .collect()
+}
+
+/// A sentence behind an indent, broken at the width of the terminal; later lines are indented as the words
+/// of the first.
+fn wrapped(text: &str, indent: &str, style: &TextStyle) -> String {
+    let Some(width) = style.width else {
+        return format!("{indent}{text}");
+    };
+    let width = usize::from(width.max(NARROWEST));
+    let own = text.len() - text.trim_start().len();
+    let hang = format!("{indent}{}  ", &text[..own]);
+    let mut lines = vec![format!("{indent}{}", &text[..own])];
+    let mut fresh = true;
+    for word in text.split_whitespace() {
+        let last = lines.len() - 1;
+        let used = lines[last].chars().count();
+        if !fresh && used + 1 + word.chars().count() > width {
+            lines.push(format!("{hang}{word}"));
+        } else {
+            if !fresh {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(word);
+        }
+        fresh = false;
+    }
+    lines.join("\n")
+}
+
+fn painted(text: &str, paint: Style, style: &TextStyle) -> String {
+    if style.colour && paint != Style::new() {
+        format!("{paint}{text}{paint:#}")
+    } else {
+        text.to_owned()
+    }
+}
+
+/// A line of an error with its code, `E0104`, in bold red.
+pub fn marked_code(line: &str) -> String {
+    let is_code = |w: &str| {
+        w.strip_prefix('E')
+            .is_some_and(|n| n.len() == 4 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let paint = Tone::Bad.style().effects(Effects::BOLD);
+    match line.split_once(' ') {
+        Some((code, rest)) if is_code(code) => format!("{paint}{code}{paint:#} {rest}"),
+        _ => line.to_owned(),
+    }
 }
 
 /// Text from files without control characters: a name must not move the cursor.
@@ -52,4 +157,80 @@ fn printable(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { '\u{fffd}' } else { c })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document() -> Document {
+        let mut document = Document::new(
+            "a verdict of quite a number of words, more than fit into a narrow terminal".to_owned(),
+        );
+        document.tone = Tone::Fair;
+        let mut table = Table::new(&["", "value", "unit"]);
+        table.push(vec![
+            "mass".to_owned(),
+            "not identifiable".to_owned(),
+            "kg".to_owned(),
+        ]);
+        document.push(Section::table("numbers", table));
+        document.push(Section::list(
+            "warnings",
+            vec!["\u{1b}[2Ja sentence that is certainly longer than the forty columns of the narrowest terminal".to_owned()],
+        ));
+        document
+    }
+
+    /// Without what colours add.
+    fn bare(text: &str) -> String {
+        let mut out = String::new();
+        let mut inside = false;
+        for c in text.chars() {
+            match c {
+                '\u{1b}' => inside = true,
+                'm' if inside => inside = false,
+                _ if inside => {}
+                c => out.push(c),
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn unit_lines_end_before_the_edge() {
+        for width in [40, 60, 80] {
+            let text = document().text(&TextStyle {
+                width: Some(width),
+                colour: false,
+            });
+            for line in text.lines() {
+                assert!(
+                    line.chars().count() <= usize::from(width),
+                    "{width}: {line}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn unit_colours_add_nothing_but_colours() {
+        let style = |colour| TextStyle {
+            width: Some(70),
+            colour,
+        };
+        let (plain, coloured) = (
+            document().text(&style(false)),
+            document().text(&style(true)),
+        );
+        assert!(!plain.contains('\u{1b}'));
+        assert!(coloured.contains("\u{1b}["));
+        assert_eq!(bare(&coloured), plain);
+    }
+
+    #[test]
+    fn unit_a_code_is_marked_and_nothing_else() {
+        assert!(marked_code("E0104 model.toml:3").contains("\u{1b}["));
+        assert_eq!(marked_code("Every thing"), "Every thing");
+    }
 }

@@ -92,7 +92,7 @@ fn cli_csv_files_of_fuzzers() {
         return;
     };
     let all = files(&folder);
-    assert_eq!(all.len(), 7);
+    assert!(all.len() >= 7);
     println!("(read, refused): {:?}", count(&all, "csv"));
 }
 

@@ -3,7 +3,7 @@
 use crate::estimate_file::{component, inertia_entries};
 use crate::identify::Identified;
 use poinsot_identify::{BodyEstimate, Number, OpenCombination, Source, Status};
-use poinsot_report::{Document, Section, Table, number_with_sigma, significant};
+use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
 
 /// Combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
@@ -11,14 +11,19 @@ const LISTED: usize = 12;
 /// The answer as a document: verdict, mass properties, what is open, fit, repairs.
 pub fn estimate_document(identified: &Identified) -> Document {
     let e = &identified.estimate;
-    let mut document = Document::new(verdict(identified));
+    let tone = match e.status {
+        Status::Converged if e.covariance_trustworthy => Tone::Good,
+        Status::Converged | Status::Partial => Tone::Fair,
+        _ => Tone::Bad,
+    };
+    let mut document = Document::new(verdict(identified)).toned(tone);
     for body in e.bodies.iter().filter(|b| b.asked) {
-        document.push(body_section(body));
+        document.push(body_section(body, e.status));
     }
     if let Some((whole, _)) = &e.system
         && e.bodies.len() > 1
     {
-        let mut section = body_section(whole);
+        let mut section = body_section(whole, e.status);
         section.title =
             "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
         document.push(section);
@@ -39,7 +44,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(Section::table("also estimated", table));
     }
     if e.status == Status::Rejected {
-        document.push(Section::list("why it is rejected", e.warnings.clone()));
+        document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
     } else {
         if !e.identifiability.open.is_empty() {
             document.push(Section::list(
@@ -49,7 +54,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
             document.push(determined(identified));
         }
         if !e.warnings.is_empty() {
-            document.push(Section::list("warnings", e.warnings.clone()));
+            document.push(Section::list("warnings", e.warnings.clone()).toned(Tone::Fair));
         }
     }
     if let Some(report) = &e.method_report {
@@ -117,13 +122,17 @@ fn verdict(identified: &Identified) -> String {
     )
 }
 
-fn body_section(body: &BodyEstimate) -> Section {
+fn body_section(body: &BodyEstimate, status: Status) -> Section {
+    let open = match status {
+        Status::Rejected | Status::IterationLimit => "withheld",
+        _ => "not identifiable",
+    };
     let mut table = Table::new(&["", "value", "1 sigma", "nominal", "difference", "unit"]);
     let mut row = |name: String, n: &Number, unit: &str| {
         let (value, sigma) = number_with_sigma(n.value, n.sigma);
         let (value, sigma, difference) = match n.source {
             Source::Known => (significant(n.nominal, 6), "known".to_owned(), String::new()),
-            Source::Open => ("not identifiable".to_owned(), String::new(), String::new()),
+            Source::Open => (open.to_owned(), String::new(), String::new()),
             _ => (value, sigma, difference(n)),
         };
         table.push(vec![
@@ -221,7 +230,7 @@ fn fit(identified: &Identified) -> Section {
         let mut first = vec![
             f.label.clone(),
             f.samples.to_string(),
-            format!("{:.3e}", f.chi2_per_dof),
+            significant(f.chi2_per_dof, 4),
         ];
         for c in &f.channels {
             let mut row = std::mem::replace(&mut first, vec![String::new(); 3]);

@@ -3,12 +3,15 @@
 use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
 use crate::mixups;
+use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
-    Estimate, Loss, Prediction, Problem, Status, linear_predicted, maximum_likelihood_predicted,
+    Coordinates, Estimate, FitOptions, Loss, Number, Prediction, Problem, Status, linear_predicted,
+    maximum_likelihood_predicted, predicted_by, tensor_name,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{ColumnMap, Encoding, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
@@ -40,6 +43,8 @@ pub struct IdentifyRequest {
     pub variant: Option<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
+    /// Coordinates of the steps of a maximum-likelihood fit.
+    pub coordinates: Coordinates,
     /// No repairs.
     pub strict: bool,
     /// Read what a damaged file still holds.
@@ -125,11 +130,17 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
     {
         wanted.extend(acceleration_channels());
     }
+    let segments = request.segments.len();
     let mut tables = request
         .segments
         .iter()
-        .map(|files| read(files, &options))
+        .enumerate()
+        .map(|(done, files)| {
+            step("reading segments", done, segments);
+            read(files, &options)
+        })
         .collect::<Result<Vec<Table>, _>>()?;
+    step("preparing", 0, 0);
     let mut findings = Vec::new();
     for table in &mut tables {
         let label = table_label(table);
@@ -197,22 +208,29 @@ pub fn identify_tables(
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match request.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
-        "kim2010" => (
-            kim2010::identify(&problem, kim2010_variant(request)?)?,
-            Vec::new(),
-        ),
-        "ma2008" => (
-            ma2008::identify(&problem, ma2008_variant(request))?,
-            Vec::new(),
-        ),
-        "xu2017" => (
-            xu2017::identify(&problem, xu2017_variant(request)?)?,
-            Vec::new(),
-        ),
+        "kim2010" => {
+            let estimate = kim2010::identify(&problem, kim2010_variant(request)?)?;
+            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+            (estimate, predictions)
+        }
+        "ma2008" => {
+            let estimate = ma2008::identify(&problem, ma2008_variant(request))?;
+            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+            (estimate, predictions)
+        }
+        "xu2017" => {
+            let estimate = xu2017::identify(&problem, xu2017_variant(request)?)?;
+            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
+            (estimate, predictions)
+        }
         _ => {
             let loss = request.variant.as_deref().and_then(Loss::from_name);
-            let loss = loss.unwrap_or_default();
-            let (mut estimate, predictions) = maximum_likelihood_predicted(&problem, loss, points)?;
+            let options = FitOptions {
+                loss: loss.unwrap_or_default(),
+                coordinates: request.coordinates,
+            };
+            let (mut estimate, predictions) =
+                maximum_likelihood_predicted(&problem, options, points)?;
             estimate.variant.clone_from(&request.variant);
             (estimate, predictions)
         }
@@ -259,6 +277,37 @@ fn refuse_gravity(model: &Model, request: &IdentifyRequest) -> Result<(), Error>
         value: request.method.clone(),
         why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
     })
+}
+
+/// The vehicle as a published method says it is: what is determined, else what the method prints, else nominal.
+fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
+    let printed = |name: &str| {
+        let report = estimate.method_report.as_ref()?;
+        let found = report.numbers.iter().find(|n| n.name == name)?;
+        found.number.value
+    };
+    let bodies = model.bodies.iter().zip(&estimate.bodies);
+    bodies
+        .map(|(body, answer)| {
+            if !answer.asked {
+                return body.nominal;
+            }
+            let best = |n: &Number, name: &str| {
+                let printed = || printed(name).filter(|_| model.bodies.len() == 1);
+                n.value.or_else(printed).unwrap_or(n.nominal)
+            };
+            let [xx, xy, yy, xz, yz, zz] = std::array::from_fn(|k| {
+                // Kim, Choi and Oh write zx.
+                let name = tensor_name(k).replace("xz", "zx");
+                best(&answer.inertia[k], &format!("inertia_{name}"))
+            });
+            MassProperties {
+                mass: best(&answer.mass, "mass"),
+                p_BoBcm_B: Vector3::from(answer.com.map(|n| n.value.unwrap_or(n.nominal))),
+                I_BBcm_B: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            }
+        })
+        .collect()
 }
 
 fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {

@@ -13,6 +13,7 @@ pub mod identify;
 mod mixups;
 mod output;
 pub mod predict;
+mod progress;
 pub mod report;
 pub mod simulate;
 pub mod trials;
@@ -26,4 +27,5 @@ pub use identify::{
     segment_files,
 };
 pub use output::{write_estimate, write_file, write_files, write_result};
-pub use report::{write_report, write_report_data};
+pub use poinsot_identify::Coordinates;
+pub use report::{write_figures, write_report, write_report_data};

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::estimate_file::estimate_json;
 use crate::identify::Identified;
-use crate::report::{report_data, report_page};
+use crate::report::{page_of, report_data};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -36,7 +36,11 @@ pub fn write_result(
     )?;
     let mut files = vec![("report_data.json", data)];
     if page {
-        let html = report_page(folder, estimate.as_bytes(), files[0].1.as_bytes())?;
+        let made = page_of(folder, estimate.as_bytes(), files[0].1.as_bytes())?;
+        let html = made.html().map_err(|e| Error::Report {
+            path: folder.to_owned(),
+            why: e.to_string(),
+        })?;
         files.push(("report.html", html));
     }
     // The answer last: where it stands, the others do.

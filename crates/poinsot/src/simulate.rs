@@ -4,6 +4,7 @@ mod record;
 mod truth;
 
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
+use crate::progress::step;
 use poinsot_dynamics::{
     ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
     JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
@@ -15,6 +16,9 @@ use record::Recorder;
 pub(crate) use record::{joint_channels, names};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+/// Samples between two reports of progress.
+const REPORTED: usize = 500;
 
 /// Why a simulation gave nothing.
 #[derive(Debug, thiserror::Error)]
@@ -259,11 +263,16 @@ fn record(
     let tree = Tree::new(model);
     let mut recorder = Recorder::new(model, scenario, &tree, case.seed, trial);
     let mut first: Option<MotionSample> = None;
+    let mut taken = 0_usize;
     let mut take = |sample: &MotionSample, motor: &[f64]| {
         if first.is_none() {
             first = Some(sample.clone());
         }
         recorder.take(sample, motor);
+        taken += 1;
+        if taken.is_multiple_of(REPORTED) {
+            step("simulating samples", taken, scenario.times.len());
+        }
     };
     let used = run(case, model, None, scenario, &mut take)?;
     Ok(Recorded {

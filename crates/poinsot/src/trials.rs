@@ -16,6 +16,7 @@ pub use text::statistics_document;
 use crate::bind::bind;
 use crate::case::Case;
 use crate::error::Error;
+use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
@@ -29,6 +30,7 @@ use poinsot_telemetry::Table;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Elements of a tensor in the order of an estimate.
 const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
@@ -174,7 +176,14 @@ impl Study {
 
     /// Trials in the order of their numbers, in parallel.
     pub fn run(&self, trials: Range<u64>) -> Vec<Trial> {
-        trials.into_par_iter().map(|n| self.trial(n)).collect()
+        let total = usize::try_from(trials.end.saturating_sub(trials.start)).unwrap_or(usize::MAX);
+        let done = AtomicUsize::new(0);
+        let run = |n| {
+            let trial = self.trial(n);
+            step("trials", done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            trial
+        };
+        trials.into_par_iter().map(run).collect()
     }
 
     /// The Cramer-Rao bound of the experiment at the truth.
@@ -273,11 +282,23 @@ impl Study {
             }
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
-            if sensor.kind == SensorKind::Gyro && bias.len() == 3 {
-                let bias_B = sensor.R_BS * nalgebra::Vector3::from_column_slice(bias);
+            let turned = match sensor.kind {
+                SensorKind::Gyro | SensorKind::Accelerometer => sensor.R_BS,
+                SensorKind::VelocityIncrement => nalgebra::Matrix3::identity(),
+                SensorKind::JointPosition => {
+                    let joints = sensor.of.iter().filter_map(|j| self.model.joints.get(*j));
+                    for (joint, bias) in joints.zip(bias) {
+                        all.insert(format!("{}.offset", joint.name), *bias);
+                    }
+                    continue;
+                }
+                _ => continue,
+            };
+            if bias.len() == 3 {
+                let bias = turned * nalgebra::Vector3::from_column_slice(bias);
                 for k in 0..3 {
                     let name = format!("{}.bias_{}", sensor.name, axis_name(k));
-                    all.insert(name, bias_B[k]);
+                    all.insert(name, bias[k]);
                 }
             }
         }

@@ -33,6 +33,7 @@ fn request(method: &str) -> IdentifyRequest {
         method: method.to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     }

@@ -120,7 +120,7 @@ fn exact_held_attitude_shows_four_combinations() {
             + qq * (0.5 * a - 0.25 * (2.0 * a).sin())
             + pq * (0.5 * a.sin().powi(2))
     };
-    let times: Arc<[f64]> = (0..=400).map(|k| 10.0 * f64::from(k)).collect();
+    let times: Arc<[f64]> = (0..=200).map(|k| 10.0 * f64::from(k)).collect();
     let mut table = Table::default();
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         push(
@@ -145,7 +145,7 @@ fn exact_held_attitude_shows_four_combinations() {
     let found = &answer.identifiability;
     assert_eq!(
         (found.parameters, found.rank),
-        (6, 5),
+        (6, 4),
         "{:?}",
         found.sigmas_natural
     );
@@ -200,8 +200,8 @@ fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
     let truth = in_orbit(with_wheels(satellite(9)));
     let flight = coast(&truth, Vector3::new(2.0e-3, -3.0e-3, 1.0e-3));
     let mut flight = Flight {
-        duration_s: 2000.0,
-        rate_hz: 0.5,
+        duration_s: 1500.0,
+        rate_hz: 0.1,
         ..flight
     };
     for (k, wheel) in flight.plan.wheels.iter_mut().enumerate() {

@@ -19,6 +19,7 @@ fn run(model: &str, telemetry: &[&str], method: &str) -> Identified {
         method: method.to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     })

@@ -119,7 +119,7 @@ fn exact_lags_of_all_sensors_come_back() {
         .sensors
         .push(reader(SensorKind::Thrust, vec![0, 1, 2]));
     let flight = Flight {
-        rate_hz: 20.0,
+        rate_hz: 10.0,
         ..moving(&truth, 14)
     };
     let clean = fly(&truth, &flight);

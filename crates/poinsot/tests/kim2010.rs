@@ -43,6 +43,7 @@ fn identify(table: Table, method: &str) -> Estimate {
         method: method.to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };

@@ -248,6 +248,7 @@ fn request(variant: Variant) -> IdentifyRequest {
         method: "ma2008".to_owned(),
         variant: Some(variant.name().to_owned()),
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     }
@@ -362,6 +363,7 @@ fn noise(seen: f64) -> Noise {
         joint_position: vec![0.0; 6],
         joint_rate: vec![JOINT_RATE.powi(2); 6],
         wheel_speed: Vec::new(),
+        correlation_s: [0.0; 4],
         seen_gyro: seen,
         seen_velocity: seen,
         seen_joint_rate: seen,
@@ -613,6 +615,7 @@ fn cli_method_and_variant_names() {
         method: method.to_owned(),
         variant: variant.map(str::to_owned),
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };

@@ -37,6 +37,7 @@ fn ask(model: &str, files: Vec<PathBuf>, method: &str) -> Identified {
         method: method.to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     })

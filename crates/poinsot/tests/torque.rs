@@ -276,6 +276,7 @@ fn identify(table: Table) -> Identified {
         method: "auto".into(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };

@@ -21,6 +21,7 @@ fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
         method: "linear".into(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     })
@@ -122,6 +123,7 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
         method: "auto".into(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };
@@ -183,9 +185,9 @@ fn stat_a_case_against_its_telemetry() {
         assert_eq!(found.len(), 2);
         for one in found {
             let sigmas = one.sigmas.unwrap();
-            // 6000 numbers: one sigma of the mean square is 0.018.
+            // 3000 numbers: one sigma of the mean square is 0.026.
             assert!(
-                (sigmas.rms * sigmas.rms - 1.0).abs() < 0.08,
+                (sigmas.rms * sigmas.rms - 1.0).abs() < 0.11,
                 "{}: {}",
                 one.name,
                 sigmas.rms

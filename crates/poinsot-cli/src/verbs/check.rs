@@ -9,7 +9,7 @@ pub fn run(arguments: &Check) -> Outcome {
     let description = describe(&model);
     if arguments.json {
         print_json(&description);
-    } else {
+    } else if !arguments.quiet {
         print(&format!("{description}\n"));
     }
     Ok(0)

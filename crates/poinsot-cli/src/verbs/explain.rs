@@ -23,6 +23,8 @@ pub fn run(arguments: &Explain) -> Outcome {
             })
             .collect();
         print_json(&list);
+    } else if arguments.quiet {
+        return Ok(0);
     } else if arguments.code.is_some() {
         codes.iter().for_each(|c| print(&c.to_string()));
     } else {

@@ -1,19 +1,19 @@
 //! `poinsot export`
 
-use super::{Outcome, print};
+use super::{Outcome, print, written};
 use crate::arguments::{Export, Format};
 use poinsot::export::export_into_urdf;
 
 pub fn run(arguments: &Export) -> Outcome {
     let Format::Urdf = arguments.to;
     let exported = export_into_urdf(&arguments.folder, &arguments.onto)?;
-    for line in &exported.left_out {
+    for line in exported.left_out.iter().filter(|_| !arguments.quiet) {
         eprintln!("{line}");
     }
     match &arguments.out {
         Some(path) => {
             poinsot::write_file(path, exported.text.as_bytes())?;
-            eprintln!("written: {}", path.display());
+            written(std::slice::from_ref(path), arguments.json, arguments.quiet);
         }
         None => print(&exported.text),
     }

@@ -1,11 +1,14 @@
 //! `poinsot identify`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, formats, print_document, print_json};
 use crate::arguments::Identify;
 use poinsot::{
-    IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading, segment_files,
-    write_result,
+    Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
+    segment_files, write_figures, write_result,
 };
+
+/// Usual limit of the memory for the samples of one file, MiB.
+const IDENTIFY_MIB: usize = 64;
 
 pub fn run(arguments: &Identify) -> Outcome {
     let rows = &arguments.rows;
@@ -14,7 +17,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         encoding: rows.encoding.into(),
         time_s: rows.time_s,
         every: rows.every,
-        memory_mib: rows.memory_mib,
+        memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
     };
     let request = IdentifyRequest {
         model: arguments.model.clone(),
@@ -27,6 +30,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         method: arguments.method.clone(),
         variant: arguments.variant.clone(),
         relative_accuracy: arguments.relative_accuracy,
+        coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
         strict: arguments.strict,
         recover: arguments.recover,
     };
@@ -37,14 +41,19 @@ pub fn run(arguments: &Identify) -> Outcome {
             let command: Vec<String> = std::iter::once("poinsot".to_owned())
                 .chain(words.map(|a| a.to_string_lossy().into_owned()))
                 .collect();
-            write_result(folder, &identified, &command, arguments.report)?
+            let mut written = write_result(folder, &identified, &command, arguments.report)?;
+            let wanted = formats(&arguments.figures);
+            if !wanted.is_empty() {
+                written.extend(write_figures(folder, &wanted)?);
+            }
+            written
         }
         None => Vec::new(),
     };
     if arguments.json {
         print_json(&estimate_json(&identified));
     } else if !arguments.quiet {
-        print(&estimate_document(&identified).to_string());
+        print_document(&estimate_document(&identified));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         eprintln!("written: {}", path.display());

@@ -1,6 +1,6 @@
 //! `poinsot import`
 
-use super::{Failure, Outcome, print};
+use super::{Failure, Outcome, print, written};
 use crate::arguments::Import;
 use poinsot_model::{parse_model, read_urdf, write_model};
 
@@ -12,9 +12,12 @@ pub fn run(arguments: &Import) -> Outcome {
     match &arguments.out {
         Some(path) => {
             poinsot::write_file(path, text.as_bytes())?;
-            eprintln!("written: {}", path.display());
+            written(std::slice::from_ref(path), arguments.json, arguments.quiet);
         }
         None => print(&text),
+    }
+    if arguments.quiet {
+        return Ok(0);
     }
     for note in &model.notes {
         eprintln!("note: {}:{note}", arguments.urdf.display());

@@ -12,7 +12,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
         encoding: rows.encoding.into(),
         time_s: rows.time_s,
         every: rows.every,
-        memory_mib: rows.memory_mib,
+        memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),
         ..ReadOptions::default()
     };
     if let Some(path) = &arguments.map {
@@ -32,7 +32,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let inspection = inspect(&table);
     if arguments.json {
         print_json(&inspection);
-    } else {
+    } else if !arguments.quiet {
         print(&format!("{inspection}\n"));
     }
     Ok(0)

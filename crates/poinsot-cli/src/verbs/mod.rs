@@ -1,11 +1,13 @@
 //! One file per verb.
 
 pub mod check;
+pub mod completions;
 pub mod explain;
 pub mod export;
 pub mod identify;
 pub mod import;
 pub mod inspect;
+pub mod man;
 pub mod predict;
 pub mod report;
 pub mod schema;
@@ -13,6 +15,9 @@ pub mod simulate;
 pub mod validate;
 
 use std::sync::Mutex;
+
+use crate::arguments::FigureFile;
+use poinsot_report::{Document, FigureFormat};
 
 /// Why a verb failed, ready for the terminal.
 pub struct Failure {
@@ -35,15 +40,50 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
     }
 }
 
+/// Says which files were written: on standard error, or as JSON on standard output.
+pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
+    if json {
+        let names: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+        print_json(&serde_json::json!({ "written": names }));
+    } else if !quiet {
+        for path in paths {
+            eprintln!("written: {}", path.display());
+        }
+    }
+}
+
+/// Formats of figures, each once.
+pub fn formats(wanted: &[FigureFile]) -> Vec<FigureFormat> {
+    let mut out = Vec::new();
+    for format in wanted {
+        let format = match format {
+            FigureFile::Svg => FigureFormat::Svg,
+            FigureFile::Png => FigureFormat::Png,
+        };
+        if !out.contains(&format) {
+            out.push(format);
+        }
+    }
+    out
+}
+
 /// Why standard output could not be written, if it could not.
 static REFUSED: Mutex<Option<std::io::Error>> = Mutex::new(None);
 
 /// Prints to standard output; a closed pipe is not an error, anything else is one in the end.
 pub fn print(text: &str) {
+    print_styled(&crate::guard::plain_lines(text));
+}
+
+/// The same for a document, whose text from files is made harmless before it is coloured.
+pub fn print_document(document: &Document) {
+    print_styled(&crate::terminal::document_text(document));
+}
+
+fn print_styled(text: &str) {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
-    let plain = crate::guard::plain_lines(text);
-    let done = out.write_all(plain.as_bytes()).and_then(|()| out.flush());
+    let done = out.write_all(text.as_bytes()).and_then(|()| out.flush());
     if let Err(error) = done
         && error.kind() != ErrorKind::BrokenPipe
         && let Ok(mut refused) = REFUSED.lock()

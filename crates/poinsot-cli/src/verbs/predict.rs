@@ -1,6 +1,6 @@
 //! `poinsot predict`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print_document, print_json};
 use crate::arguments::Predict;
 use poinsot::predict::{predict, prediction_document, prediction_json};
 
@@ -8,8 +8,8 @@ pub fn run(arguments: &Predict) -> Outcome {
     let prediction = predict(&arguments.case, arguments.relative_accuracy)?;
     if arguments.json {
         print_json(&prediction_json(&prediction));
-    } else {
-        print(&prediction_document(&prediction).to_string());
+    } else if !arguments.quiet {
+        print_document(&prediction_document(&prediction));
     }
     Ok(prediction.exit_code())
 }

@@ -1,13 +1,15 @@
 //! `poinsot report`
 
-use super::Outcome;
+use super::{Outcome, formats, written};
 use crate::arguments::Report;
-use poinsot::write_report;
+use poinsot::{write_figures, write_report};
 
 pub fn run(arguments: &Report) -> Outcome {
-    let path = write_report(&arguments.folder)?;
-    if !arguments.quiet {
-        eprintln!("written: {}", path.display());
+    let mut paths = vec![write_report(&arguments.folder)?];
+    let wanted = formats(&arguments.figures);
+    if !wanted.is_empty() {
+        paths.extend(write_figures(&arguments.folder, &wanted)?);
     }
+    written(&paths, arguments.json, arguments.quiet);
     Ok(0)
 }

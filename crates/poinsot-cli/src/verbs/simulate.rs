@@ -1,14 +1,15 @@
 //! `poinsot simulate`
 
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, written};
 use crate::arguments::Simulate;
 use poinsot::simulate::simulate;
 
 pub fn run(arguments: &Simulate) -> Outcome {
-    let written = simulate(&arguments.case, &arguments.out).map_err(Failure::from)?;
-    if !arguments.quiet {
-        eprintln!("written: {}", written.telemetry.display());
-        eprintln!("written: {}", written.truth.display());
-    }
+    let made = simulate(&arguments.case, &arguments.out).map_err(Failure::from)?;
+    written(
+        &[made.telemetry, made.truth],
+        arguments.json,
+        arguments.quiet,
+    );
     Ok(0)
 }

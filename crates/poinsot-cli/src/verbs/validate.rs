@@ -1,6 +1,6 @@
 //! `poinsot validate`
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print_document, print_json};
 use crate::arguments::Validate;
 use poinsot::validate::{
     ValidateRequest, validate, validation_document, validation_json, write_validation,
@@ -25,7 +25,7 @@ pub fn run(arguments: &Validate) -> Outcome {
     if arguments.json {
         print_json(&validation_json(&validation));
     } else if !arguments.quiet {
-        print(&validation_document(&validation).to_string());
+        print_document(&validation_document(&validation));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         eprintln!("written: {}", path.display());

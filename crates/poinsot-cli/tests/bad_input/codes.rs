@@ -168,26 +168,26 @@ fn cases() -> Vec<Row> {
         ),
         simulate(
             "E0508",
-            "a drive that is not there yet",
+            "a controller beside joint torques",
             |b| {
-                case(b, "seed = 3", "seed = 3");
-                let mut m = CASE.replacen(
-                    "[output]",
-                    "[[joint_torque]]\njoint = \"j\"\nconstant_N_m = 1.0\n\n[output]",
-                    1,
-                );
-                m = m.replace("truth.toml", "m.toml");
-                arm(b, "10.0", "");
-                b.write("case.toml", m);
+                let more = "[control]\nnatural_frequency_rad_s = 0.04\ndamping_ratio = 0.7\n\n[[joint_torque]]\njoint = \"j\"\nconstant_N_m = 1.0\n\n[output]";
+                case(b, "[output]", more);
             },
             2,
-            &["E0508 case.toml:"],
+            &[
+                "E0508 case.toml:",
+                "the simulation does not do this yet beside [control]",
+            ],
         ),
         simulate(
             "E0511",
             "a torque table that is not there",
             |b| {
-                let mut m = CASE.replacen("[output]", "[[joint_torque]]\njoint = \"j\"\nfile = \"none.csv\"\ninterpolation = \"cubic_clamped\"\n\n[output]", 1);
+                let mut m = CASE.replacen(
+                    "[output]",
+                    "[[joint_torque]]\njoint = \"j\"\nfile = \"none.csv\"\n\n[output]",
+                    1,
+                );
                 m = m.replace("truth.toml", "m.toml");
                 arm(b, "10.0", "");
                 b.write("case.toml", m);

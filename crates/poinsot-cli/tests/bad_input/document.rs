@@ -19,7 +19,7 @@ pub fn bad_input(sections: &[(&str, &[Printed])]) -> String {
         out,
         "Made by `POINSOT_BLESS=1 cargo nextest run --release -p poinsot-cli --test bad_input`; the test fails when the\n\
          program prints something else. {rows} rows. Each spoils one thing of a good model and good telemetry of a\n\
-         satellite with three wheels. None panics, takes over a minute or leaves a file behind when it fails.\n\
+         satellite with three wheels. None panics, takes over a minute of processor time or leaves a file behind when it fails.\n\
          Exit codes: 0 answered, 1 answered but not acceptable, 2 bad input, 3 environment. Of an answer the verdict and the\n\
          lines that concern the fault are shown. Where the behaviour differs from what was planned, the last section says why.\n"
     );
@@ -67,6 +67,7 @@ const DIFFERENCES: &str = "\
 - F9: MCAP is not read.
 - M1: massless links on fixed joints are accepted, and a massless base whose subtree has mass.
 - M5: a mimic joint is read as a joint of its own and named; telemetry needs a column for it.
+- T7: a gyro in deg/s without attitude is not recognised as such; the answer is rejected.
 - M2: there is no --allow-unphysical.
 - S3: no CSV with text cells is written.
 ";

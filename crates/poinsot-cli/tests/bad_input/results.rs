@@ -38,7 +38,7 @@ pub fn rows() -> Vec<Row> {
             "telemetry that asks for an impossible body",
             |b| b.spoil(|s| s.map("wheel", |_, w| -w)),
             1,
-            &["the sign of wheel"],
+            &["a wrong sign of all wheels would explain"],
         ),
         row(
             "R3",
@@ -74,7 +74,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.model("noise_rad_s = 0.0001", "noise_rad_s = 1e-300"),
             2,
             &[
-                "E0118 m.toml:31:15: sensor[0].noise_rad_s (sensor \"gyro\") = 1e-300: the noise is below 1e-100; give the noise of a real instrument",
+                "E0118 m.toml:32:15: sensor[0].noise_rad_s (sensor \"gyro\") = 1e-300: the noise is below 1e-100; give the noise of a real instrument",
             ],
         ),
     ]

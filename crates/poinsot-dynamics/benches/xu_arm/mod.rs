@@ -175,7 +175,7 @@ pub fn start() -> Start {
 
 /// Joint positions after 20 s, rad, by Pinocchio 4.1.0: `aba`, classical Runge-Kutta, steps of 0.1 ms.
 pub const JOINTS_AT_20_S: [f64; 6] = [
-    0.155_469_068_867_869_71,
+    0.155_469_068_867_869_7,
     -0.067_590_067_173_427_93,
     0.818_241_860_832_118_6,
     -0.372_131_987_627_725_4,

@@ -12,27 +12,29 @@ const ITERATIONS: usize = 8;
 /// Share of the misfit that a gross mistake must explain.
 const EXPLAINS: f64 = 0.99;
 
+/// Excess of chi-square per number that a fit with the right reading may be left with.
+const RIGHT: f64 = 10.0;
+
 /// Factor on the speed as read that would put it right, and what it means.
 const MISTAKES: [(f64, &str); 5] = [
     (-1.0, "sign"),
     (0.017_453_292_519_943_295, "degrees read as radians"),
-    (57.295_779_513_082_32, "radians read as degrees"),
     (
         0.104_719_755_119_659_77,
         "revolutions a minute read as rad/s",
     ),
-    (6.283_185_307_179_586, "revolutions read as radians"),
+    (std::f64::consts::TAU, "revolutions read as radians"),
+    (57.295_779_513_082_32, "radians read as degrees"),
 ];
 
 /// The mistake with a wheel, or with all of them, that explains nearly all of a very bad fit.
 pub(super) fn gross(
     experiment: &Experiment,
     fitted: &Fitted,
-    excess: f64,
-    per_number: f64,
+    (excess, dof): (f64, f64),
 ) -> Option<Suspect> {
     let wheels = &experiment.problem.model.wheels;
-    if per_number < GROSS || wheels.is_empty() {
+    if excess < GROSS * dof || wheels.is_empty() {
         return None;
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
@@ -45,8 +47,9 @@ pub(super) fn gross(
         groups.push(("all wheels".to_owned(), (0..wheels.len()).collect()));
     }
     let mut best: Option<Suspect> = None;
-    for (owner, group) in &groups {
-        for (factor, what) in MISTAKES {
+    // The mistake outside, the wheel inside: large factors make wild motions, which are slow to compute.
+    for (factor, what) in MISTAKES {
+        for (owner, group) in &groups {
             let Some(after) = cost(experiment, group, factor) else {
                 continue;
             };
@@ -54,6 +57,10 @@ pub(super) fn gross(
             let better = best.as_ref().is_none_or(|b| decrease > b.decrease);
             if better && decrease > EXPLAINS * excess {
                 best = Some(named(owner, factor, what, decrease, excess));
+                // Right, not only better: the others need not be tried.
+                if excess - decrease < RIGHT * dof {
+                    return best;
+                }
             }
         }
     }

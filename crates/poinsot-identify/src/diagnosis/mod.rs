@@ -76,7 +76,7 @@ pub(crate) fn diagnose(
             }
         }
     }
-    if let Some(mistake) = gross::gross(experiment, fitted, excess, per_number) {
+    if let Some(mistake) = gross::gross(experiment, fitted, (excess, dof as f64)) {
         out.suspects.insert(0, mistake);
     }
     if misfit {

@@ -109,9 +109,10 @@ impl Projected {
             let known: f64 = (k + 1..n).map(|m| t[(k, m)] * values[m]).sum();
             values[k] = (t[(k, n)] - known) / pivot;
             inverse[k][k] = 1.0 / pivot;
-            for j in k + 1..n {
-                let sum: f64 = (k + 1..=j).map(|m| t[(k, m)] * inverse[m][j]).sum();
-                inverse[k][j] = -sum / pivot;
+            let (upper, below) = inverse.split_at_mut(k + 1);
+            for (j, entry) in upper[k].iter_mut().enumerate().skip(k + 1) {
+                let sum: f64 = (k + 1..=j).map(|m| t[(k, m)] * below[m - k - 1][j]).sum();
+                *entry = -sum / pivot;
             }
         }
         let size = |k: usize| self.length[group[k]];

@@ -119,7 +119,7 @@ const MISTAKEN: [(f64, &str); 4] = [
     (57.295_779_5, "radians read as degrees"),
     (0.017_453_293, "degrees read as radians"),
     (0.104_719_755, "revolutions a minute read as rad/s"),
-    (6.283_185_3, "revolutions read as radians"),
+    (std::f64::consts::TAU, "revolutions read as radians"),
 ];
 
 /// Says what values mean where they speak for themselves: a wrong sign, a wrong unit.

@@ -35,6 +35,8 @@ pub(crate) struct SensorFile {
     pub noise_m_s2: Option<NoiseFile>,
     /// One sigma per sample of a thrust, N.
     pub noise_N: Option<NoiseFile>,
+    /// Time after which the noise of one axis has forgotten itself to 1/e, s (Gauss-Markov). Default: white.
+    pub correlation_s: Option<f64>,
     /// Least significant bit, rad. Its variance is LSB^2/12.
     pub quantisation_rad: Option<f64>,
     /// Least significant bit, rad/s.

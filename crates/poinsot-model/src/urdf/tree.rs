@@ -124,8 +124,13 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
             list.push(child);
         }
     }
+    // A second link of one name hangs on nothing because of that name.
+    let is_first = |k: usize| {
+        let link = robot.links.get(k);
+        link.and_then(|l| index.get(l.name.as_str())) == Some(&k)
+    };
     let roots: Vec<usize> = (0..robot.links.len())
-        .filter(|&k| carried_by.get(k) == Some(&None))
+        .filter(|&k| carried_by.get(k) == Some(&None) && is_first(k))
         .collect();
     let named = |list: &[usize]| {
         let names = list.iter().take(8).filter_map(|&k| robot.links.get(k));
@@ -169,8 +174,14 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
             }
         }
         let lost: Vec<usize> = (0..robot.links.len())
-            .filter(|&k| reached.get(k) == Some(&false))
+            .filter(|&k| reached.get(k) == Some(&false) && is_first(k))
             .collect();
+        if lost.is_empty() {
+            return Order {
+                links: order,
+                carried_by,
+            };
+        }
         push(
             UrdfDefect::Roots,
             "E0112",

@@ -10,7 +10,6 @@ mod saturation;
 mod stuck;
 
 use crate::{Channel, Table, TelemetryError, full_name, median_step};
-use runs::Sensor;
 use serde::Serialize;
 
 /// Places shown of one finding; the rest is counted.
@@ -233,13 +232,23 @@ pub fn refused(label: &str, finding: &Finding) -> TelemetryError {
     }
 }
 
-/// Looks at a table and changes nothing.
+/// Looks at a table and changes nothing. Placeholders are looked for in single channels too.
 pub fn findings(table: &Table) -> Vec<Finding> {
-    Check::ALL
+    let mut all: Vec<Finding> = Check::ALL
         .into_iter()
         .flat_map(|check| look(table, check))
         .map(|f| f.finding)
-        .collect()
+        .collect();
+    let sensors = runs::sensors(table);
+    for (k, channel) in table.channels.iter().enumerate() {
+        if sensors.iter().any(|s| s.channels.contains(&k)) {
+            continue;
+        }
+        if let Some((samples, text)) = placeholder::find(channel) {
+            all.push(found(Check::Placeholder, channel, &samples, text, &[k]).finding);
+        }
+    }
+    all
 }
 
 fn look(table: &Table, check: Check) -> Vec<Found> {
@@ -258,12 +267,11 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
     }
 }
 
+/// Samples of a channel that are at fault, and what is wrong with them.
+type Find = fn(&Channel) -> Option<(Vec<usize>, String)>;
+
 /// A check that looks at one channel of a vector sensor at a time: indices of samples and words.
-fn per_channel(
-    table: &Table,
-    check: Check,
-    find: fn(&Channel) -> Option<(Vec<usize>, String)>,
-) -> Vec<Found> {
+fn per_channel(table: &Table, check: Check, find: Find) -> Vec<Found> {
     let mut all = Vec::new();
     for sensor in runs::sensors(table).iter().filter(|s| !s.is_attitude) {
         for &k in &sensor.channels {
@@ -271,7 +279,7 @@ fn per_channel(
                 continue;
             };
             if let Some((samples, text)) = find(channel) {
-                all.push(found(check, channel, &samples, text, sensor));
+                all.push(found(check, channel, &samples, text, &sensor.channels));
             }
         }
     }
@@ -283,7 +291,7 @@ fn found(
     channel: &Channel,
     samples: &[usize],
     text: String,
-    sensor: &Sensor,
+    channels: &[usize],
 ) -> Found {
     let times_s: Vec<f64> = samples
         .iter()
@@ -299,7 +307,7 @@ fn found(
             text,
             policy: Policy::Report,
         },
-        channels: sensor.channels.clone(),
+        channels: channels.to_vec(),
         times_s,
     }
 }

@@ -34,7 +34,10 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let (limit_median, limit_cubic) = (limit(&from_median)?, limit(&from_cubic)?);
     let far: Vec<usize> = (from_median.iter().zip(&from_cubic))
         .enumerate()
-        .filter(|(_, (m, c))| m.abs() > limit_median && c.abs() > limit_cubic && limit_cubic > 0.0)
+        .filter(|(k, (m, c))| {
+            let far = m.abs() > limit_median && c.abs() > limit_cubic && limit_cubic > 0.0;
+            far && five.get(*k).is_some_and(stands_alone)
+        })
         .map(|(k, _)| k + 2)
         .collect();
     let worst = from_median.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
@@ -48,9 +51,33 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     })
 }
 
+/// Whether the middle of five stands out from both sides alike. The kink that a wheel or thruster makes in a rate
+/// or velocity stands out from one, the peak of a reversal no more than its own flanks rise.
+fn stands_alone(w: &[f64; 5]) -> bool {
+    let height = (w[2] - 0.5 * (w[1] + w[3])).abs();
+    let step = (w[3] - w[1]).abs();
+    let flank = (w[1] - w[0]).abs().min((w[4] - w[3]).abs());
+    height > 4.0 * step.max(flank)
+}
+
 /// Robust sigma: median of the distances from the median over 0.6745.
 fn spread(values: &[f64]) -> Option<f64> {
     let centre = median(&mut values.to_vec())?;
     let mut distances: Vec<f64> = values.iter().map(|x| (x - centre).abs()).collect();
     Some(median(&mut distances)? / 0.6745)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stands_alone;
+
+    #[test]
+    fn exact_kinks_steps_and_reversals_are_no_spikes() {
+        assert!(stands_alone(&[0.0, 0.1, 9.0, -0.1, 0.0]));
+        assert!(stands_alone(&[7.0, 0.1, 9.0, -0.1, 0.0]));
+        assert!(!stands_alone(&[0.0, 0.0, 0.0, 1.0, 2.0]));
+        assert!(!stands_alone(&[0.0, 0.0, 0.5, 1.0, 1.0]));
+        assert!(!stands_alone(&[0.0, 1.0, 2.0, 1.0, 0.0]));
+        assert!(!stands_alone(&[0.0, 9.0, 0.0, 0.1, 0.0]));
+    }
 }

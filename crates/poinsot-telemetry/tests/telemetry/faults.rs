@@ -143,7 +143,7 @@ fn unit_bytes_that_are_not_utf8_text() {
     );
     assert_eq!(
         fault(b"time_s,w [\xb0/s]\n0,1\n"),
-        "E0202 run.csv:1: the header is not UTF-8 ('w [\u{fffd}/s]', byte 3 of the name); save the file as UTF-8"
+        "E0202 run.csv:1: the header is not UTF-8 ('w [\u{fffd}/s]', byte 3 of the name); save the file as UTF-8, or read it by --encoding latin1"
     );
     let mut long = b"time_s,omega_x\n0,1\n".to_vec();
     long.resize(long.len() + (17 << 20), b'7');

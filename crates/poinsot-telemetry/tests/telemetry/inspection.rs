@@ -31,9 +31,15 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(
         seen.notes,
         [
-            "omega_x holds -9999 in 3 samples, far from all others: a placeholder for no sample? leave those cells empty",
             "wheel1_rad_s reaches 6000 rad/s (57296 rpm); if the file holds rpm, map it with unit = \"rpm\". Attitude and gyro cannot tell",
         ]
+    );
+    let found: Vec<&str> = seen.findings.iter().map(|f| f.text.as_str()).collect();
+    assert_eq!(
+        found.last(),
+        Some(
+            &"-9999 stands in 3 samples, far from all others: a placeholder for no sample? leave those cells empty, or --policy placeholder=exclude"
+        )
     );
     let shown = seen.to_string();
     assert!(shown.contains("omega_x") && shown.contains("Columns not taken:\n  wy [deg/s], Mode"));

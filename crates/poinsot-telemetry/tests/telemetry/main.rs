@@ -1,6 +1,7 @@
 //! Reading, writing, resampling and judging telemetry, from outside the crate.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod checks;
 mod conventions;
 mod faults;
 mod inspection;

@@ -23,7 +23,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err(format!("{word}: known are --trials N, --clean N, --only ROW").into()),
         }
     }
-    let study = experiment()?;
     println!("| planted | trials | noticed | named rightly | first named |");
     println!("|---|---|---|---|---|");
     for (at, planted) in Planted::ALL.into_iter().enumerate() {
@@ -34,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Planted::Nothing => clean.unwrap_or(trials),
             _ => trials,
         };
-        let r = row(&study, planted, count);
+        let r = row(&experiment(planted)?, planted, count);
         let firsts: Vec<String> = r.firsts.iter().map(|(n, k)| format!("{n} {k}")).collect();
         let named = match planted {
             Planted::Nothing => "-".to_owned(),

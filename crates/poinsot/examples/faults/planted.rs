@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Readings kept: every fifth of 50 Hz.
@@ -36,11 +36,13 @@ pub enum Planted {
     Noise,
     Thruster,
     Outliers,
+    Pendulum,
+    Panel,
 }
 
 impl Planted {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Nothing,
         Self::GyroScale,
         Self::WheelSign,
@@ -51,6 +53,8 @@ impl Planted {
         Self::Noise,
         Self::Thruster,
         Self::Outliers,
+        Self::Pendulum,
+        Self::Panel,
     ];
 
     /// In words.
@@ -66,7 +70,14 @@ impl Planted {
             Self::Noise => "gyro noise understated by 3",
             Self::Thruster => "one thruster 10 % stronger",
             Self::Outliers => "3 % of the gyro readings off by 20 sigma",
+            Self::Pendulum => "pendulum of 2 % of the mass",
+            Self::Panel => "panel on a soft hinge",
         }
+    }
+
+    /// Whether the vehicle itself is another one.
+    fn is_soft(self) -> bool {
+        matches!(self, Self::Pendulum | Self::Panel)
     }
 
     /// What the diagnosis should call it.
@@ -80,6 +91,7 @@ impl Planted {
             Self::Noise => Some(FaultKind::NoiseUnderstated),
             Self::Thruster => Some(FaultKind::Thrust),
             Self::Outliers => Some(FaultKind::Outliers),
+            Self::Pendulum | Self::Panel => Some(FaultKind::NotRigid),
         }
     }
 
@@ -90,6 +102,7 @@ impl Planted {
             Self::Thruster => "thr2",
             Self::TrackerLag => "tracker",
             Self::Nothing => "",
+            Self::Pendulum | Self::Panel => "line at",
             _ => "gyro",
         }
     }
@@ -116,15 +129,20 @@ pub struct Row {
     pub firsts: BTreeMap<String, usize>,
 }
 
-/// The experiment: truth and sensors of `examples/cases/faults.toml`, nominal numbers some percent off.
-pub fn experiment() -> Result<Study, Error> {
+/// The experiment: truth and sensors of `examples/cases/faults.toml`, nominal numbers some percent off. What is not
+/// rigid has a case of its own, and is identified as `rigid_bus.toml`.
+pub fn experiment(planted: Planted) -> Result<Study, Error> {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
-    study(&cases.join("faults.toml"))
-}
-
-fn study(path: &PathBuf) -> Result<Study, Error> {
-    let case = read_case(path).map_err(poinsot::simulate::SimulateError::from)?;
+    let name = match planted {
+        Planted::Pendulum => "slosh.toml",
+        Planted::Panel => "hinged_panel.toml",
+        _ => "faults.toml",
+    };
+    let case = read_case(&cases.join(name)).map_err(poinsot::simulate::SimulateError::from)?;
     let truth = read_model(&case.model)?;
+    if planted.is_soft() {
+        return Study::of_case(&case, &truth, read_model(cases.join("rigid_bus.toml"))?);
+    }
     let mut model = truth.clone();
     for body in model.bodies.iter_mut().filter(|b| b.estimate.any()) {
         body.nominal.mass *= 1.05;
@@ -180,7 +198,10 @@ fn plant(study: &Study, planted: Planted) -> Study {
                 sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 9.0);
             }
         }
-        Planted::Nothing | Planted::Outliers => {}
+        Planted::Nothing | Planted::Outliers | Planted::Pendulum | Planted::Panel => {}
+    }
+    if planted.is_soft() {
+        return study;
     }
     for table in &mut study.exact {
         thin(table);

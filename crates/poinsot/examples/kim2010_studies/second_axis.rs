@@ -70,6 +70,7 @@ pub fn errors() -> Result<Vec<Errors>, Box<dyn std::error::Error>> {
                 method: method.to_owned(),
                 variant: variant.map(str::to_owned),
                 relative_accuracy: 1.0,
+                coordinates: Default::default(),
                 strict: false,
                 recover: false,
             };

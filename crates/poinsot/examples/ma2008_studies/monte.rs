@@ -170,6 +170,7 @@ pub fn noise(sigma: Sigma, seen: f64) -> Noise {
         joint_position: vec![0.0; 6],
         joint_rate: vec![0.0; 6],
         wheel_speed: Vec::new(),
+        correlation_s: [0.0; 4],
         seen_gyro: seen,
         seen_velocity: seen,
         seen_joint_rate: 0.0,

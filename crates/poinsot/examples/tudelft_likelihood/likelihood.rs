@@ -17,6 +17,8 @@ pub type Covariance = SMatrix<f64, 6, 6>;
 pub struct Declared {
     /// White noise of the gyro, one sigma an axis, rad/s.
     pub gyro: Vector3<f64>,
+    /// Correlation time of that noise, s; zero where it is white.
+    pub gyro_correlation_s: f64,
     /// Random torque of the air.
     pub torque: RandomTorque,
 }
@@ -45,6 +47,7 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
     {
         let squares = declared.gyro.component_mul(&declared.gyro);
         sensor.noise_covariance = Some(Matrix3::from_diagonal(&squares));
+        sensor.correlation_s = declared.gyro_correlation_s;
     }
     let tables: Vec<_> = throws.iter().map(|t| table(t, 0, t.time_s.len())).collect();
     let tree = Tree::new(&model);
@@ -61,7 +64,13 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
     let J = model.wheels[0].spin_inertia;
     let mut I = Matrix3::zeros();
     for ((i, j), number) in TENSOR.iter().zip(&estimate.bodies[0].inertia) {
-        let value = number.value.ok_or("an inertia entry is not identifiable")?;
+        let value = number.value.ok_or_else(|| {
+            format!(
+                "{}: {}",
+                estimate.status.name(),
+                estimate.warnings.join("; ")
+            )
+        })?;
         I[(*i, *j)] = value;
         I[(*j, *i)] = value;
     }

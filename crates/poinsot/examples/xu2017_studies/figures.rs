@@ -65,7 +65,7 @@ fn panel(title: &str, y: &str, histories: &[&[f64]], level: f64, level_name: &st
 pub fn run(out: &Path) {
     let example = data(&["C1"]).model;
     let model = all_unknown(&example);
-    let single = Data::new(model.clone(), &thinned(runs(&model, &["C1"]), EVERY));
+    let single = Data::new(model.clone(), &runs(&model, &["C1"]));
     let tip = Data::new(model.clone(), &thinned(runs(&model, &["C1", "C7"]), EVERY));
     let nine = flights(&single, Order::Outward);
     let histories = |list: &'_ [Found], part: Searched| -> Vec<(Vec<f64>, f64)> {

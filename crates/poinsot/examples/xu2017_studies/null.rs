@@ -66,16 +66,7 @@ impl Null {
 
     /// Squared scaled error, and the share of it along open directions.
     pub fn share(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> (f64, f64) {
-        let error: Vec<f64> = found
-            .iter()
-            .zip(truth)
-            .flat_map(|(a, b)| {
-                let (a, b) = (a.to_array(), b.to_array());
-                (0..10).map(move |k| a[k] - b[k])
-            })
-            .zip(&self.natural)
-            .map(|(e, unit)| e / unit)
-            .collect();
+        let error = self.error(found, truth);
         let whole = dot(&error, &error);
         let inside: f64 = self.directions.iter().map(|d| dot(&error, d).powi(2)).sum();
         (whole, inside / whole)
@@ -83,8 +74,21 @@ impl Null {
 
     /// Size of the error that the data can show, natural units, root of the sum of squares.
     pub fn visible(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> f64 {
-        let (whole, share) = self.share(found, truth);
-        (whole * (1.0 - share).max(0.0)).sqrt()
+        let mut error = self.error(found, truth);
+        for d in self.directions.iter().chain(&self.directions) {
+            let share = dot(&error, d);
+            error.iter_mut().zip(d).for_each(|(e, x)| *e -= share * x);
+        }
+        dot(&error, &error).sqrt()
+    }
+
+    fn error(&self, found: &[InertialParameters], truth: &[InertialParameters]) -> Vec<f64> {
+        let pairs = found.iter().zip(truth);
+        let plain = pairs.flat_map(|(a, b)| {
+            let (a, b) = (a.to_array(), b.to_array());
+            (0..10).map(move |k| a[k] - b[k])
+        });
+        plain.zip(&self.natural).map(|(e, unit)| e / unit).collect()
     }
 }
 

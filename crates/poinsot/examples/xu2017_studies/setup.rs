@@ -39,7 +39,7 @@ impl Data {
 }
 
 pub fn model(path: &str) -> Model {
-    read_model(&examples().join(path)).expect("the example is there")
+    read_model(examples().join(path)).expect("the example is there")
 }
 
 /// The runs named, each one segment.
@@ -55,8 +55,9 @@ pub fn runs(model: &Model, names: &[&str]) -> Vec<Table> {
         .collect()
 }
 
-/// Samples taken for the swarms of many seeds: every sixth, 0.3 s apart. The runs are free of noise.
-pub const EVERY: usize = 6;
+/// Samples taken for the swarms of many seeds: every fifth, 0.25 s apart, so that the firings of 5 s still begin
+/// and end on a sample. The runs are free of noise.
+pub const EVERY: usize = 5;
 
 pub const ALL: [&str; 7] = ["C1", "C2", "C3", "C4", "C5", "C6", "C7"];
 

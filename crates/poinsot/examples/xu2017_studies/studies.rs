@@ -20,6 +20,7 @@ pub fn request(method: &str, variant: Option<&str>) -> IdentifyRequest {
         method: method.to_owned(),
         variant: variant.map(str::to_owned),
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     }

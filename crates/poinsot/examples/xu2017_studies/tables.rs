@@ -141,10 +141,12 @@ pub fn bodies(data: &Data, null: &Null, wide: &[Found], narrow: &[Found]) {
         );
         for k in 0..10 {
             let spread = |list: &[Found]| {
-                let all: Vec<f64> = list
-                    .iter()
-                    .map(|f| particle(&properties(&f.bodies)[b])[k])
-                    .collect();
+                // A body of negative mass has no mass centre; its mass stands in the first row.
+                let number = |f: &Found| match k {
+                    0 => Some(f.bodies[b].mass),
+                    _ => Some(particle(&f.bodies[b].mass_properties()?)[k]),
+                };
+                let all: Vec<f64> = list.iter().filter_map(number).collect();
                 format!("{:.4} .. {:.4}", fraction(&all, 0.05), fraction(&all, 0.95))
             };
             let of = |list: &[InertialParameters]| particle(&properties(list)[b])[k];

@@ -57,6 +57,13 @@ pub fn declared_noise(
         wheel_speed: (0..model.wheels.len())
             .map(|k| scalar(model, SensorKind::WheelSpeed, k))
             .collect(),
+        correlation_s: [
+            SensorKind::Gyro,
+            SensorKind::Attitude,
+            SensorKind::Velocity,
+            SensorKind::Position,
+        ]
+        .map(|kind| base_sensor(model, kind).map_or(0.0, |s| s.correlation_s)),
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,

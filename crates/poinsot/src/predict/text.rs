@@ -4,8 +4,8 @@ use super::Prediction;
 use crate::estimate_file::{component, inertia_entries};
 use crate::estimate_text::open_sentences;
 use crate::trials::numbers_of;
-use poinsot_identify::{BodyEstimate, Number, Source};
-use poinsot_report::{Document, Section, Table, significant};
+use poinsot_identify::{BodyEstimate, Number, Source, Status};
+use poinsot_report::{Document, Section, Table, Tone, significant};
 
 /// Combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
@@ -15,7 +15,11 @@ const FIGURES: i32 = 2;
 /// The prediction as a document.
 pub fn prediction_document(prediction: &Prediction) -> Document {
     let bound = &prediction.bound;
-    let mut document = Document::new(sentence(prediction));
+    let tone = match bound.status {
+        Status::Converged => Tone::Good,
+        _ => Tone::Fair,
+    };
+    let mut document = Document::new(sentence(prediction)).toned(tone);
     for body in bound.bodies.iter().filter(|b| b.asked && tells(b)) {
         document.push(body_section(body));
     }

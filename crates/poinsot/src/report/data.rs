@@ -1,10 +1,11 @@
 //! What a report needs beside `estimate.json`: curves, the vehicle as drawn, truth, the command line.
 
+use super::truth::Truth;
 use crate::identify::Identified;
-use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_identify::{BodyEstimate, Number, PredictedChannel, Prediction};
 use poinsot_model::JointKind;
-use poinsot_spatial::Matrix3;
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -191,8 +192,54 @@ fn truth(identified: &Identified) -> Option<Value> {
     let first = identified.inputs.first()?.first()?;
     let path = Path::new(&first.path).parent()?.join("truth.json");
     let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
-    (value["schema"] == "poinsot.truth/1")
-        .then(|| serde_json::json!({ "bodies": value["bodies"], "system": value["system"] }))
+    (value["schema"] == "poinsot.truth/1").then(|| {
+        let system = match &value["system"] {
+            Value::Null => true_system(identified, &value["bodies"]).unwrap_or(Value::Null),
+            given => given.clone(),
+        };
+        serde_json::json!({ "bodies": value["bodies"], "system": system })
+    })
+}
+
+/// The composite of the true bodies at the joint positions of the estimated one; `None` where a body's
+/// truth is not said.
+fn true_system(identified: &Identified, bodies: &Value) -> Option<Value> {
+    let (_, position) = identified.estimate.system.as_ref()?;
+    let tree = Tree::new(&identified.model);
+    let mut kinematics = Kinematics::new(&tree);
+    if position.len() != tree.dof() {
+        return None;
+    }
+    kinematics.place(&tree, position);
+    let truth = Truth::new(Some(&serde_json::json!({ "bodies": bodies })));
+    let parameters: Option<Vec<_>> = identified
+        .model
+        .bodies
+        .iter()
+        .map(|b| {
+            let [m, x, y, z, xx, yy, zz, xy, xz, yz] = truth.body(&b.name);
+            let inertia = [xx?, yy?, zz?, xy?, xz?, yz?];
+            let known = MassProperties {
+                mass: m?,
+                p_BoBcm_B: Vector3::new(x?, y?, z?),
+                I_BBcm_B: super::tensor::matrix(&inertia),
+            };
+            Some(known.parameters())
+        })
+        .collect();
+    let whole = composite(&parameters?, &kinematics);
+    if whole.mass <= 0.0 {
+        return None;
+    }
+    let (c, I) = (whole.p_BoScm_B(), whole.I_SScm_B());
+    Some(serde_json::json!([{
+        "mass_kg": { "value": whole.mass },
+        "com_m": { "value": [c.x, c.y, c.z] },
+        "inertia_kg_m2": { "value": {
+            "xx": I[(0, 0)], "yy": I[(1, 1)], "zz": I[(2, 2)],
+            "xy": I[(0, 1)], "xz": I[(0, 2)], "yz": I[(1, 2)],
+        } },
+    }]))
 }
 
 fn vehicle(identified: &Identified) -> Vehicle {

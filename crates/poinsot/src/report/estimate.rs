@@ -150,6 +150,11 @@ fn entries<T: serde::de::DeserializeOwned>(map: &Map<String, Value>) -> Vec<(Str
 }
 
 impl EstimateFile {
+    /// Whether numbers were found and are not shown, since the model contradicts the data or did not settle.
+    pub fn withheld(&self) -> bool {
+        ["rejected", "iteration_limit"].contains(&self.status.as_str())
+    }
+
     pub fn bodies(&self) -> Vec<(String, Body)> {
         entries(&self.bodies)
     }

@@ -5,7 +5,7 @@ use super::data::{Channel, Segment};
 use super::estimate::Fit;
 use minijinja::{Value, context};
 use poinsot_identify::HISTOGRAM_BARS;
-use poinsot_report::{Axis, Html, Mark, PageError, Part, Plot, Series, render, significant};
+use poinsot_report::{Axis, Figure, Mark, PageError, Part, Plot, Series, render, significant};
 
 /// Segments drawn; the numbers of all stand in the table.
 const DRAWN: usize = 8;
@@ -15,15 +15,16 @@ const REACH: f64 = 4.0;
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
     let rows: Vec<Value> = e.fit.iter().flat_map(rows).collect();
-    let segments: Vec<Value> = answer
-        .data
-        .segments
-        .iter()
-        .take(DRAWN)
-        .enumerate()
-        .filter(|(_, s)| !s.time_s.is_empty())
-        .map(|(k, s)| context! { label => s.label, figures => figures(k, s).value() })
-        .collect();
+    let mut all = Vec::new();
+    let mut segments: Vec<Value> = Vec::new();
+    for (k, s) in answer.data.segments.iter().take(DRAWN).enumerate() {
+        if !s.time_s.is_empty() || !s.channels.is_empty() {
+            let made = figures(k, s);
+            let html = Figure::page(&made)?;
+            segments.push(context! { label => s.label, figures => html.value() });
+            all.extend(made);
+        }
+    }
     let body = render(
         "fit.html",
         include_str!("templates/fit.html"),
@@ -33,6 +34,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         id: "fit",
         title: "Fit",
         body,
+        figures: all,
     })
 }
 
@@ -65,17 +67,20 @@ fn rows(fit: &Fit) -> Vec<Value> {
         .collect()
 }
 
-fn figures(segment_at: usize, segment: &Segment) -> Html {
+fn figures(segment_at: usize, segment: &Segment) -> Vec<Figure> {
     let group = format!("segment{segment_at}");
     let mut all = Vec::new();
-    for c in &segment.channels {
-        all.push(curves(c, &group).html());
-        all.push(residuals(c, &group).html());
-        let mut pair = vec![histogram(c), correlation(c)];
-        pair.retain(|p| !p.series.is_empty());
-        if !pair.is_empty() {
-            all.push(Html::pair(&pair.iter().map(Plot::html).collect::<Vec<_>>()));
+    let mut push = |what: &str, plot: Plot| {
+        if !plot.series.is_empty() {
+            let name = format!("fit_segment{}_{what}", segment_at + 1);
+            all.push(Figure::plot(&name, plot));
         }
+    };
+    for c in &segment.channels {
+        push(&c.name, curves(c, &group));
+        push(&format!("{}_residual", c.name), residuals(c, &group));
+        push(&format!("{}_histogram", c.name), histogram(c));
+        push(&format!("{}_correlation", c.name), correlation(c));
     }
     if !segment.momentum.time_s.is_empty() {
         let m = &segment.momentum;
@@ -85,13 +90,13 @@ fn figures(segment_at: usize, segment: &Segment) -> Html {
         plot.note = "Points: from the measured rates with the estimated mass properties. Lines: as the answer predicts. \
                      Without external torque they are constant, whatever wheels and joints do."
             .to_owned();
-        all.push(plot.html());
+        push("momentum", plot);
         let mut plot = residuals(m, &group);
         plot.title = "angular momentum, measured less predicted".to_owned();
         plot.y.label = "difference".to_owned();
-        all.push(plot.html());
+        push("momentum_residual", plot);
     }
-    Html::join(&all)
+    all
 }
 
 fn thinned(c: &Channel) -> String {

@@ -3,7 +3,7 @@
 use super::Answer;
 use super::numbers::{plus_minus, value};
 use minijinja::{Value, context};
-use poinsot_report::{Axis, Mark, PageError, Part, Plot, Series, render};
+use poinsot_report::{Axis, Figure, Mark, PageError, Part, Plot, Series, render};
 
 /// Determined combinations listed; the result file has all.
 const LISTED: usize = 80;
@@ -30,11 +30,12 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .iter()
         .map(|(reason, remedy, texts)| context! { reason, remedy, texts })
         .collect();
+    let spectrum = Figure::plot("identifiable_spectrum", spectrum(answer));
     let body = render(
         "identifiability.html",
         include_str!("templates/identifiability.html"),
         context! {
-            spectrum => spectrum(answer).html().value(),
+            spectrum => spectrum.html()?.value(),
             rank => i.rank,
             structural_rank => i.structural_rank,
             parameters => i.parameters,
@@ -47,6 +48,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         id: "identifiable",
         title: "What is identifiable",
         body,
+        figures: vec![spectrum],
     })
 }
 

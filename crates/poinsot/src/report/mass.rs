@@ -2,18 +2,21 @@
 
 use super::Answer;
 use super::estimate::{Body, Number};
-use super::numbers::{NINETY_FIVE, in_sigmas, interval, percent, plain, plus_minus, value};
+use super::numbers::{NINETY_FIVE, in_sigmas, interval, minus, percent, plain, plus_minus, value};
 use minijinja::{Value, context};
-use poinsot_report::{Axis, Html, Mark, PageError, Part, Plot, Series, render};
+use poinsot_report::{Axis, Figure, Mark, PageError, Part, Plot, Series, render, significant};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
     let bodies = e.bodies();
-    let mut tables: Vec<Value> = bodies
-        .iter()
-        .filter(|(_, b)| b.asked())
-        .map(|(name, b)| table(name, b, answer.truth.body(name)))
-        .collect();
+    let mut tables: Vec<Value> = Vec::new();
+    let mut figures: Vec<Figure> = Vec::new();
+    for (at, (name, b)) in bodies.iter().enumerate().filter(|(_, b)| b.1.asked()) {
+        let truth = answer.truth.body(name);
+        let figure = against_truth(&format!("mass_body{}_{name}", at + 1), b, truth);
+        tables.push(table(name, b, truth, figure.as_ref())?);
+        figures.extend(figure);
+    }
     let known: Vec<&String> = bodies
         .iter()
         .filter(|b| !b.1.asked())
@@ -22,7 +25,10 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     if let (Some(whole), true) = (e.system.first(), bodies.len() > 1) {
         let name =
             "whole vehicle at the first sample, joints locked (base axes, from the base origin)";
-        tables.push(table(name, whole, answer.truth.system()));
+        let truth = answer.truth.system();
+        let figure = against_truth("mass_whole_vehicle", whole, truth);
+        tables.push(table(name, whole, truth, figure.as_ref())?);
+        figures.extend(figure);
     }
     let nuisance: Vec<Value> = e
         .nuisance()
@@ -54,28 +60,36 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let body = render(
         "mass.html",
         include_str!("templates/mass.html"),
-        context! { tables, known, nuisance, momentum, truth => answer.truth.is_known() },
+        context! { tables, withheld => e.withheld(), known, nuisance, momentum, truth => answer.truth.is_known() },
     )?;
     Ok(Part {
         id: "mass",
         title: "Mass properties",
         body,
+        figures,
     })
 }
 
-fn table(name: &str, body: &Body, truth: [Option<f64>; 10]) -> Value {
+fn table(
+    name: &str,
+    body: &Body,
+    truth: [Option<f64>; 10],
+    figure: Option<&Figure>,
+) -> Result<Value, PageError> {
     let rows: Vec<Value> = body
         .numbers()
         .iter()
         .zip(truth)
         .map(|((what, unit, n), t)| row(what, unit, n, t))
         .collect();
-    let figure = against_truth(body, truth).map(|f| f.value());
-    context! { name, rows, figure, impossible => body.physically_consistent == Some(false), truth => truth.iter().any(Option::is_some) }
+    let figure = figure.map(Figure::html).transpose()?.map(|f| f.value());
+    Ok(
+        context! { name, rows, figure, impossible => body.physically_consistent == Some(false), truth => truth.iter().any(Option::is_some) },
+    )
 }
 
 /// Every interval about its truth, in its own sigma; `None` where no truth is known.
-fn against_truth(body: &Body, truth: [Option<f64>; 10]) -> Option<Html> {
+fn against_truth(file: &str, body: &Body, truth: [Option<f64>; 10]) -> Option<Figure> {
     let mut names = Vec::new();
     let (mut x, mut z, mut bar_x, mut bar_z) = (vec![], vec![], vec![], vec![]);
     for ((name, _, n), t) in body.numbers().into_iter().zip(truth) {
@@ -89,7 +103,7 @@ fn against_truth(body: &Body, truth: [Option<f64>; 10]) -> Option<Html> {
         }
     }
     (!names.is_empty()).then(|| {
-        Plot {
+        let plot = Plot {
             title: "estimate against truth".to_owned(),
             y: Axis::new("error", "sigma"),
             names,
@@ -100,9 +114,19 @@ fn against_truth(body: &Body, truth: [Option<f64>; 10]) -> Option<Html> {
             levels: vec![(0.0, "truth".to_owned())],
             height: 170.0,
             ..Plot::default()
-        }
-        .html()
+        };
+        Figure::plot(file, plot)
     })
+}
+
+/// A nominal value with no more figures than help; composites have as many as a double holds.
+fn brief(x: f64) -> String {
+    let all = plain(x);
+    if all.chars().count() <= 9 {
+        all
+    } else {
+        minus(&significant(x, 6))
+    }
 }
 
 fn row(name: &str, unit: &str, n: &Number, truth: Option<f64>) -> Value {
@@ -115,7 +139,7 @@ fn row(name: &str, unit: &str, n: &Number, truth: Option<f64>) -> Value {
         value => if known { plain(n.nominal) } else { value(n.value, n.sigma) },
         half => plus_minus(n.sigma),
         interval => interval(n.value, n.sigma),
-        nominal => plain(n.nominal),
+        nominal => brief(n.nominal),
         percent => gap.map(|g| percent(g, n.nominal)),
         sigmas => gap.map(|g| in_sigmas(g, n.sigma)),
         truth => truth.map(plain),

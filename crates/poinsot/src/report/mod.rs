@@ -19,9 +19,9 @@ pub use data::{REPORT_SCHEMA, ReportData, report_data};
 
 use crate::error::Error;
 use crate::identify::Identified;
-use crate::output::write_file;
+use crate::output::{write_file, write_files};
 use estimate::EstimateFile;
-use poinsot_report::{Page, PageError, Part};
+use poinsot_report::{FigureFormat, Page, PageError, Part};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use truth::Truth;
@@ -57,6 +57,61 @@ pub fn write_report_data(
 /// # Errors
 /// A file is missing, of another format, or of another run.
 pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
+    let page = folder_page(folder)?.html().map_err(|e| Error::Report {
+        path: folder.to_owned(),
+        why: e.to_string(),
+    })?;
+    let path = folder.join("report.html");
+    write_file(&path, page.as_bytes())?;
+    Ok(path)
+}
+
+/// The page of the two files of `identify`, as bytes.
+pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Page, Error> {
+    let estimate: Value = parse(&folder.join("estimate.json"), estimate)?;
+    let data: ReportData = parse(&folder.join("report_data.json"), data)?;
+    report_page(&estimate, data).map_err(|why| Error::Report {
+        path: folder.to_owned(),
+        why,
+    })
+}
+
+fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, Error> {
+    serde_json::from_slice(bytes).map_err(|e| Error::Report {
+        path: path.to_owned(),
+        why: format!("{e}; write it anew with `poinsot identify`"),
+    })
+}
+
+/// Writes every figure of the page as a file of its own into `figures` in a folder of `identify`: one SVG,
+/// PNG or both each. Returns their paths.
+///
+/// # Errors
+/// As [`write_report`].
+pub fn write_figures(folder: &Path, formats: &[FigureFormat]) -> Result<Vec<PathBuf>, Error> {
+    let fault = |why: String| Error::Report {
+        path: folder.to_owned(),
+        why,
+    };
+    let page = folder_page(folder)?;
+    let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    for figure in page.parts.iter().flat_map(|p| &p.figures) {
+        for format in formats {
+            let bytes = figure.file(*format).map_err(|e| fault(e.to_string()))?;
+            let name = format!("{}.{}", figure.name, format.extension());
+            files.extend(bytes.map(|b| (folder.join("figures").join(name), b)));
+        }
+    }
+    let all: Vec<(PathBuf, &[u8])> = files
+        .iter()
+        .map(|(path, bytes)| (path.clone(), bytes.as_slice()))
+        .collect();
+    write_files(&all)?;
+    Ok(files.into_iter().map(|f| f.0).collect())
+}
+
+/// The page of a folder of `identify`.
+fn folder_page(folder: &Path) -> Result<Page, Error> {
     let bytes = |name: &str| {
         let path = folder.join(name);
         std::fs::read(&path).map_err(|source| match source.kind() {
@@ -71,31 +126,11 @@ pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
             },
         })
     };
-    let page = report_page(
+    page_of(
         folder,
         &bytes("estimate.json")?,
         &bytes("report_data.json")?,
-    )?;
-    let path = folder.join("report.html");
-    write_file(&path, page.as_bytes())?;
-    Ok(path)
-}
-
-/// The page of the two files of `identify`, as bytes.
-pub(crate) fn report_page(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<String, Error> {
-    let estimate: Value = parse(&folder.join("estimate.json"), estimate)?;
-    let data: ReportData = parse(&folder.join("report_data.json"), data)?;
-    report_html(&estimate, data).map_err(|why| Error::Report {
-        path: folder.to_owned(),
-        why,
-    })
-}
-
-fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, Error> {
-    serde_json::from_slice(bytes).map_err(|e| Error::Report {
-        path: path.to_owned(),
-        why: format!("{e}; write it anew with `poinsot identify`"),
-    })
+    )
 }
 
 /// The page as text.
@@ -103,6 +138,16 @@ fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T,
 /// # Errors
 /// The documents have another format or do not belong together; in words.
 pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String> {
+    report_page(estimate, data)?
+        .html()
+        .map_err(|e| e.to_string())
+}
+
+/// The page with its figures.
+///
+/// # Errors
+/// As [`report_html`].
+pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
     let estimate = <EstimateFile as serde::Deserialize>::deserialize(estimate)
         .map_err(|e| format!("estimate.json: {e}"))?;
     for (found, wanted) in [
@@ -126,7 +171,7 @@ pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String>
     page(&answer).map_err(|e| e.to_string())
 }
 
-fn page(answer: &Answer) -> Result<String, PageError> {
+fn page(answer: &Answer) -> Result<Page, PageError> {
     let e = &answer.estimate;
     let parts: Vec<Part> = vec![
         verdict::part(answer)?,
@@ -137,7 +182,7 @@ fn page(answer: &Answer) -> Result<String, PageError> {
         vehicle::part(answer)?,
         provenance::part(answer)?,
     ];
-    Page {
+    Ok(Page {
         title: format!("Mass properties of {}", e.model),
         subtitle: format!(
             "identified from telemetry; method {}; poinsot {}",
@@ -149,6 +194,5 @@ fn page(answer: &Answer) -> Result<String, PageError> {
                  This file is complete in itself and loads nothing."
             .to_owned(),
         parts,
-    }
-    .html()
+    })
 }

@@ -33,6 +33,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         id: "provenance",
         title: "Warnings, repairs, provenance",
         body,
+        figures: Vec::new(),
     })
 }
 

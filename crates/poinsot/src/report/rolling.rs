@@ -10,7 +10,8 @@ use super::tensor::{best, inertia_ellipsoid, matrix, principal, principal_sigmas
 use minijinja::{Value, context};
 use nalgebra::{Quaternion, UnitQuaternion};
 use poinsot_report::{
-    Arrow, Curve, Ellipsoid, PageError, Part, Point, Rolling, Scene, Spot, render, significant,
+    Arrow, Curve, Ellipsoid, Figure, PageError, Part, Point, Rolling, Scene, Spot, render,
+    significant,
 };
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -36,14 +37,15 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             .map(|(name, b)| (name.as_str(), b, answer.truth.body(name))),
     };
     let segment = answer.data.segments.iter().find(|s| !s.time_s.is_empty());
+    let mut figures = Vec::new();
     let context = match chosen {
         Some((name, body, truth)) => {
             let (I, estimated) = best(body);
             let sigmas = moment_sigmas(answer, name, body, &I).filter(|_| estimated);
             let truth = true_tensor(&truth);
-            let scene = scene(name, &I, estimated, sigmas, truth.as_ref(), segment)
-                .map(|s| s.html())
-                .transpose()?;
+            let scene = scene(name, &I, estimated, sigmas, truth.as_ref(), segment);
+            figures.extend(scene.map(|s| Figure::scene("poinsot", s)));
+            let scene = figures.first().map(Figure::html).transpose()?;
             context! {
                 name, estimated,
                 scene => scene.map(|s| s.value()),
@@ -61,6 +63,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             include_str!("templates/rolling.html"),
             context,
         )?,
+        figures,
     })
 }
 
@@ -169,7 +172,7 @@ fn scene(
         let tip = axis * (size / moments[k].sqrt());
         scene.spots.push(Spot {
             at: tip.into(),
-            label: format!("I{} = {} kg m²", k + 1, significant(moments[k], 5)),
+            label: format!("I{}", k + 1),
             colour: 3,
         });
         scene.arrows.push(Arrow {

@@ -6,7 +6,7 @@ use super::numbers::short;
 use super::tensor::equivalent_ellipsoid;
 use minijinja::{Value, context};
 use poinsot_report::{
-    Arrow, Axis, Curve, Ellipsoid, Html, Mark, PageError, Part, Plot, Point, Scene, Series, Spot,
+    Arrow, Axis, Curve, Ellipsoid, Figure, Mark, PageError, Part, Plot, Point, Scene, Series, Spot,
     render, significant,
 };
 use poinsot_spatial::{Matrix3, Vector3};
@@ -50,17 +50,21 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         })
         .collect();
     let all = &answer.data.segments;
-    let manoeuvre: Vec<Value> = all
-        .iter()
-        .take(DRAWN)
-        .enumerate()
-        .map(|(k, s)| context! { label => s.label, figures => figures(k, s).value() })
-        .collect();
+    let drawn = Figure::scene("vehicle", scene(v));
+    let picture = drawn.html()?;
+    let mut drawings = vec![drawn];
+    let mut manoeuvre: Vec<Value> = Vec::new();
+    for (k, s) in all.iter().take(DRAWN).enumerate() {
+        let made = figures(k, s);
+        let html = Figure::page(&made)?;
+        manoeuvre.push(context! { label => s.label, figures => html.value() });
+        drawings.extend(made);
+    }
     let body = render(
         "vehicle.html",
         include_str!("templates/vehicle.html"),
         context! {
-            scene => scene(v).html()?.value(),
+            scene => picture.value(),
             bodies, joints, sensors, manoeuvre,
             more => all.len().saturating_sub(DRAWN),
         },
@@ -69,6 +73,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         id: "vehicle",
         title: "Manoeuvre and model",
         body,
+        figures: drawings,
     })
 }
 
@@ -84,24 +89,22 @@ fn sensor_unit(kind: &str) -> &str {
     }
 }
 
-fn figures(at: usize, s: &Segment) -> Html {
+fn figures(at: usize, s: &Segment) -> Vec<Figure> {
     let group = format!("segment{at}");
     let mut plots = Vec::new();
-    for unit in ["rad", "m"] {
+    for (unit, kind) in [("rad", "joint_angles"), ("m", "joint_travels")] {
         let rows: Vec<&Row> = s.joints.iter().filter(|j| j.unit == unit).collect();
-        plots.extend(rows_plot("joint positions", "q", unit, &rows, s, &group));
+        let plot = rows_plot("joint positions", "q", unit, &rows, s, &group);
+        plots.extend(plot.map(|p| (kind, p)));
     }
     let wheels: Vec<&Row> = s.wheels.iter().collect();
-    plots.extend(rows_plot(
-        "wheel speeds",
-        "Omega",
-        "rad/s",
-        &wheels,
-        s,
-        &group,
-    ));
-    plots.extend(thrust(s, &group));
-    Html::join(&plots.iter().map(Plot::html).collect::<Vec<_>>())
+    let plot = rows_plot("wheel speeds", "Omega", "rad/s", &wheels, s, &group);
+    plots.extend(plot.map(|p| ("wheel_speeds", p)));
+    plots.extend(thrust(s, &group).map(|p| ("thrust", p)));
+    plots
+        .into_iter()
+        .map(|(kind, p)| Figure::plot(&format!("manoeuvre_segment{}_{kind}", at + 1), p))
+        .collect()
 }
 
 fn rows_plot(

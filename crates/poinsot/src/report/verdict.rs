@@ -1,7 +1,7 @@
 //! Section 1: the answer in one paragraph.
 
 use super::Answer;
-use super::numbers::{NINETY_FIVE, plain};
+use super::numbers::{NINETY_FIVE, percent, plain};
 use minijinja::context;
 use poinsot_report::{PageError, Part, render, significant};
 
@@ -37,6 +37,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         include_str!("templates/verdict.html"),
         context! {
             tone, word,
+            withheld => e.withheld(),
             sentences => sentences(answer),
             combinations => format!("{} of {}", e.identifiability.rank, e.identifiability.parameters),
             samples,
@@ -51,6 +52,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         id: "verdict",
         title: "Verdict",
         body,
+        figures: Vec::new(),
     })
 }
 
@@ -68,25 +70,35 @@ fn sentences(answer: &Answer) -> Vec<String> {
             "Nothing that was asked for is determined by these data; section 4 says why.".to_owned()
         }
         "rejected" => {
-            "The rigid model contradicts the data: no number is given. The warnings in section 7 name what was found."
-                .to_owned()
+            let found: Vec<String> = e
+                .warnings
+                .iter()
+                .take(2)
+                .map(|w| format!("{}.", sentence(w)))
+                .collect();
+            format!(
+                "The rigid model contradicts the data, and its numbers are withheld. {} Section 7 has all that was found.",
+                found.join(" ")
+            )
         }
-        "iteration_limit" => {
-            "The iteration did not settle: no number is given.".to_owned()
-        }
+        "iteration_limit" => "The iteration did not settle: no number is given.".to_owned(),
         other => format!("Status {other}."),
     }];
+    if let Some(open) = i.not_identifiable.first().filter(|_| e.status == "partial") {
+        out.push(format!(
+            "Why: {}. To change that: {}.",
+            sentence(&open.reason),
+            sentence(&open.remedy)
+        ));
+    }
     if let Some((name, share)) = worst(answer) {
         out.push(format!(
             "The least certain of them is {name}, known to {} % of its body's natural scale (95 %).",
             significant(100.0 * share, 2)
         ));
     }
-    if let Some((name, z)) = farthest(answer) {
-        out.push(format!(
-            "Farthest from its nominal value is {name}, by {} sigma.",
-            significant(z, 3)
-        ));
+    if let Some(farthest) = farthest(answer) {
+        out.push(farthest);
     }
     let chi2 = e
         .fit
@@ -144,17 +156,34 @@ fn worst(answer: &Answer) -> Option<(String, f64)> {
     worst
 }
 
-fn farthest(answer: &Answer) -> Option<(String, f64)> {
+/// A clause without its full stop.
+fn sentence(text: &str) -> &str {
+    text.trim().trim_end_matches('.')
+}
+
+fn farthest(answer: &Answer) -> Option<String> {
     let bodies = answer.estimate.bodies();
     let all = bodies.iter().flat_map(|(name, body)| {
         let numbers = body.numbers();
         numbers.into_iter().filter_map(move |(what, _, n)| {
-            let z = (n.value? - n.nominal) / n.sigma.filter(|s| *s > 0.0)?;
-            Some((format!("{name} {what}"), z.abs()))
+            let gap = n.value? - n.nominal;
+            let z = gap / n.sigma.filter(|s| *s > 0.0)?;
+            Some((format!("{name} {what}"), z.abs(), percent(gap, n.nominal)))
         })
     });
-    all.max_by(|a, b| a.1.total_cmp(&b.1))
-        .filter(|w| w.1 > NINETY_FIVE)
+    let (name, z, share) = all
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .filter(|w| w.1 > NINETY_FIVE)?;
+    let z = if z < 1000.0 {
+        significant(z, 3)
+    } else {
+        format!("{z:.0}")
+    };
+    Some(if share.is_empty() {
+        format!("Farthest from its nominal value is {name}, by {z} sigma.")
+    } else {
+        format!("Farthest from its nominal value is {name}, by {share} or {z} sigma.")
+    })
 }
 
 /// How many intervals hold the truth.

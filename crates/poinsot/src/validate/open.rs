@@ -3,8 +3,9 @@
 //! The data determine combinations, and the motion should depend on these alone. It is tried: the completed
 //! numbers are moved along every open direction, and what the prediction makes of it is looked at.
 
+use super::Mover;
 use super::motion::{Path, compare_paths, path};
-use super::{Mover, compare_held_back};
+use super::telemetry::held_back_chi2;
 use crate::case::Case;
 use crate::error::Error;
 use poinsot_identify::Completion;
@@ -119,8 +120,8 @@ pub fn held_back_effect(
     let mut dependent: Vec<(f64, String)> = Vec::new();
     for direction in &completion.open {
         let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
-        let change = match compare_held_back(&moved, tables) {
-            Ok(found) => (found.chi2_per_dof - own).abs(),
+        let change = match held_back_chi2(&moved, tables) {
+            Ok(found) => (found - own).abs(),
             Err(Error::Problem(_)) => f64::INFINITY,
             Err(other) => return Err(other),
         };

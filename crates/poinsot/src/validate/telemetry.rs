@@ -233,6 +233,41 @@ pub struct HeldBackFindings {
 /// # Errors
 /// Model and telemetry do not fit together.
 pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFindings, Error> {
+    let (found, bound) = look(mover, tables, Some(POINTS))?;
+    let mut warnings = found.findings.clone();
+    if !found.settled {
+        warnings.push(
+            "the start of the record could not be fitted: nothing can be said of its end"
+                .to_owned(),
+        );
+    }
+    let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
+    repairs.extend(bound);
+    Ok(HeldBackFindings {
+        compared: compared(&found),
+        chi2_per_dof: worst(&found),
+        warnings,
+        repairs,
+    })
+}
+
+/// Chi-square per degree of freedom alone, the worst over the segments.
+pub(super) fn held_back_chi2(mover: &Mover, tables: &[Table]) -> Result<f64, Error> {
+    Ok(worst(&look(mover, tables, None)?.0))
+}
+
+/// Infinite where the start of a record could not be fitted.
+fn worst(found: &HeldBack) -> f64 {
+    let chi2 = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
+    if found.settled { chi2 } else { f64::INFINITY }
+}
+
+/// The comparison, and what was assumed in binding.
+fn look(
+    mover: &Mover,
+    tables: &[Table],
+    points: Option<usize>,
+) -> Result<(HeldBack, Vec<String>), Error> {
     let tree = Tree::new(&mover.model);
     let bound = bind(&mover.model, &tree, tables)?;
     let factors = mover.thrust_factor.iter().copied().enumerate();
@@ -248,23 +283,7 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
         noise: &bound.noise,
         relative_accuracy: 1.0,
     };
-    let found = held_back(&problem, &vehicle, POINTS)?;
-    let mut warnings = found.findings.clone();
-    if !found.settled {
-        warnings.push(
-            "the start of the record could not be fitted: nothing can be said of its end"
-                .to_owned(),
-        );
-    }
-    let chi2 = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
-    let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
-    repairs.extend(bound.repairs);
-    Ok(HeldBackFindings {
-        compared: compared(&found),
-        chi2_per_dof: if found.settled { chi2 } else { f64::INFINITY },
-        warnings,
-        repairs,
-    })
+    Ok((held_back(&problem, &vehicle, points)?, bound.repairs))
 }
 
 fn compared(found: &HeldBack) -> Vec<Compared> {

@@ -151,6 +151,7 @@ pub fn sensors(sigma: f64) -> Vec<Sensor> {
 
 pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
     Sensor {
+        correlation_s: 0.0,
         name: kind.word().to_owned(),
         kind,
         body: 0,
@@ -369,6 +370,7 @@ pub fn request(method: &str) -> IdentifyRequest {
         method: method.to_owned(),
         variant: None,
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     }

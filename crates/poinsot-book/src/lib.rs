@@ -1,0 +1,23 @@
+//! The book in `docs/`: pages generated from the program, formulas as MathML, one folder of HTML that loads
+//! nothing from a network.
+//!
+//! mdBook is used as a library: its version stands in `Cargo.lock`, it is built once with the tests, and
+//! no second program has to be installed.
+
+#![allow(non_snake_case)]
+
+pub mod commands;
+pub mod error;
+pub mod formats;
+pub mod links;
+pub mod math;
+pub mod pages;
+pub mod repository;
+pub mod results;
+pub mod rewrite;
+pub mod site;
+pub mod summary;
+pub mod trees;
+pub mod validation;
+
+pub use error::BookError;

@@ -1,0 +1,53 @@
+//! The generated pages, and whether what is committed is what the program says today.
+
+use crate::error::BookError;
+use crate::repository::{ROOT_PAGES, root};
+use crate::{commands, formats, validation};
+use std::path::PathBuf;
+
+/// Path and text of every generated page.
+///
+/// # Errors
+/// The program refuses an example.
+pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
+    let docs = root().join("docs");
+    let mut pages = vec![
+        (docs.join("commands.md"), commands::page()),
+        (docs.join("formats.md"), formats::page()?),
+        (docs.join("validation.md"), validation::page()?),
+    ];
+    for (file, page) in ROOT_PAGES {
+        pages.push((docs.join(page), format!("{{{{#include ../{file}}}}}\n")));
+    }
+    Ok(pages)
+}
+
+/// Writes the pages that changed. Returns them.
+///
+/// # Errors
+/// The disk refuses.
+pub fn generate() -> Result<Vec<PathBuf>, BookError> {
+    let mut changed = Vec::new();
+    for (path, text) in generated()? {
+        if std::fs::read_to_string(&path).ok().as_deref() != Some(text.as_str()) {
+            std::fs::write(&path, text).map_err(BookError::io(&path))?;
+            changed.push(path);
+        }
+    }
+    Ok(changed)
+}
+
+/// Compares instead of writing.
+///
+/// # Errors
+/// The first page that is out of date.
+pub fn check() -> Result<usize, BookError> {
+    let pages = generated()?;
+    for (path, text) in &pages {
+        let written = std::fs::read_to_string(path).map_err(BookError::io(path))?;
+        if written != *text {
+            return Err(BookError::Stale(path.clone()));
+        }
+    }
+    Ok(pages.len())
+}

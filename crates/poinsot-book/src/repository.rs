@@ -1,0 +1,59 @@
+//! Where the files of the repository are.
+
+use std::path::{Path, PathBuf};
+
+/// The folder with `book.toml`.
+pub fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().nth(2).unwrap_or(here).to_owned()
+}
+
+/// Pages of the book whose text is a file at the root of the repository: file, page.
+pub const ROOT_PAGES: [(&str, &str); 5] = [
+    ("NOTATION.md", "notation.md"),
+    ("DESIGN.md", "design.md"),
+    ("ARCHITECTURE.md", "architecture.md"),
+    ("CONTRIBUTING.md", "contributing.md"),
+    ("CHANGELOG.md", "changelog.md"),
+];
+
+/// The folder from which links on a page of the book count, relative to the root of the repository.
+pub fn base_of(page: &Path) -> PathBuf {
+    let included = ROOT_PAGES.iter().any(|(_, p)| Path::new(p) == page);
+    if included {
+        return PathBuf::new();
+    }
+    Path::new("docs").join(page.parent().unwrap_or(Path::new("")))
+}
+
+/// A path without `.` and `..`; `None` where it leaves the repository.
+pub fn normal(path: &Path) -> Option<PathBuf> {
+    use std::path::Component;
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                if !out.pop() {
+                    return None;
+                }
+            }
+            Component::Normal(name) => out.push(name),
+            Component::RootDir | Component::Prefix(_) => return None,
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_paths_stay_inside() {
+        let same = |a: &str| normal(Path::new(a)).map(|p| p.display().to_string());
+        assert_eq!(same("docs/../NOTATION.md").as_deref(), Some("NOTATION.md"));
+        assert_eq!(same("docs/../../secret"), None);
+        assert_eq!(same("/etc/hosts"), None);
+    }
+}

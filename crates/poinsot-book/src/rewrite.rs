@@ -1,0 +1,171 @@
+//! Markdown of a page before mdBook sees it: formulas to MathML, links to files that are not in the book to
+//! the path of the file.
+
+use crate::error::BookError;
+use crate::math::mathml;
+use crate::repository::{ROOT_PAGES, base_of, normal, root};
+use pulldown_cmark::{CodeBlockKind, Event, LinkType, Options, Parser, Tag};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The text of a page, `page` relative to the book's folder.
+///
+/// # Errors
+/// A formula is faulty; a link leads to a file that is not there.
+pub fn rewrite(page: &Path, text: &str) -> Result<String, BookError> {
+    let name = page.display().to_string();
+    let options = Options::ENABLE_TABLES
+        | Options::ENABLE_FOOTNOTES
+        | Options::ENABLE_STRIKETHROUGH
+        | Options::ENABLE_TASKLISTS
+        | Options::ENABLE_HEADING_ATTRIBUTES
+        | Options::ENABLE_MATH;
+    let mut changes: Vec<(Range<usize>, String)> = Vec::new();
+    for (event, range) in Parser::new_ext(text, options).into_offset_iter() {
+        match event {
+            // Two dollars with code between them, as in a shell's ${name}, are no formula.
+            Event::InlineMath(words) if words.contains('`') => {}
+            Event::InlineMath(formula) => changes.push((range, mathml(&name, &formula, false)?)),
+            Event::DisplayMath(formula) => changes.push((range, mathml(&name, &formula, true)?)),
+            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(_))) => {
+                let block = &text[range.clone()];
+                changes.push((range, flush_left(block)));
+            }
+            Event::Start(Tag::Link {
+                link_type: LinkType::Inline,
+                dest_url,
+                ..
+            }) => {
+                if let Some(new) = link(page, &text[range.clone()], &dest_url)? {
+                    changes.push((range, new));
+                }
+            }
+            _ => {}
+        }
+    }
+    let mut out = text.to_owned();
+    for (range, new) in changes.into_iter().rev() {
+        out.replace_range(range, &new);
+    }
+    Ok(out)
+}
+
+/// A fenced block whose code begins at the left edge: snippets come out of the middle of a function.
+fn flush_left(block: &str) -> String {
+    let last = block.trim_end().lines().count().saturating_sub(1);
+    let code = |k: usize, line: &str| k > 0 && k < last && !line.trim().is_empty();
+    let indent = |line: &str| line.len() - line.trim_start_matches(' ').len();
+    let lines = || block.lines().enumerate();
+    let shared = lines().filter(|(k, l)| code(*k, l)).map(|(_, l)| indent(l));
+    let shared = shared.min().unwrap_or(0);
+    let mut out: String = lines()
+        .map(|(k, line)| {
+            let cut = if code(k, line) { shared } else { 0 };
+            format!("{}\n", &line[cut..])
+        })
+        .collect();
+    if !block.ends_with('\n') {
+        out.pop();
+    }
+    out
+}
+
+/// A link as it shall stand in the book; `None` where it may stay.
+fn link(page: &Path, written: &str, target: &str) -> Result<Option<String>, BookError> {
+    if target.starts_with('#') || target.contains("://") || target.starts_with("mailto:") {
+        return Ok(None);
+    }
+    let missing = || BookError::Missing {
+        page: page.display().to_string(),
+        target: target.to_owned(),
+    };
+    let (path, fragment) = target.split_once('#').unwrap_or((target, ""));
+    let file = normal(&base_of(page).join(path)).ok_or_else(missing)?;
+    if !root().join(&file).exists() {
+        return Err(missing());
+    }
+    let fragment = if fragment.is_empty() {
+        String::new()
+    } else {
+        format!("#{fragment}")
+    };
+    let words = written
+        .rfind("](")
+        .and_then(|end| written.get(1..end))
+        .unwrap_or(target);
+    Ok(match place_in_book(&file) {
+        Some(inside) => Some(format!("[{words}]({}{fragment})", from(page, &inside))),
+        None if words.trim_matches('`') == file.display().to_string() => {
+            Some(format!("`{}`", file.display()))
+        }
+        None => Some(format!("{words} (`{}`)", file.display())),
+    })
+}
+
+/// The page or figure of the book that shows a file of the repository.
+fn place_in_book(file: &Path) -> Option<PathBuf> {
+    let page = ROOT_PAGES.iter().find(|(f, _)| Path::new(f) == file);
+    match page {
+        Some((_, page)) => Some(PathBuf::from(page)),
+        None => {
+            let inside = file.strip_prefix("docs").ok()?;
+            root().join(file).is_file().then(|| inside.to_owned())
+        }
+    }
+}
+
+/// A path of the book as seen from a page.
+fn from(page: &Path, target: &Path) -> String {
+    let depth = page.components().count().saturating_sub(1);
+    let mut out = "../".repeat(depth);
+    out.push_str(&target.display().to_string());
+    out
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn on(page: &str, text: &str) -> String {
+        rewrite(Path::new(page), text).unwrap()
+    }
+
+    #[test]
+    fn unit_code_is_left_alone() {
+        let text = "`$x$` and\n\n```text\n$y$ [a](b)\n```\n";
+        assert_eq!(on("start.md", text), text);
+    }
+
+    #[test]
+    fn unit_dollars_of_a_shell_are_no_formula() {
+        let text = "${...} (`import`) and `\"${m}\"`\n";
+        assert_eq!(on("start.md", text), text);
+    }
+
+    #[test]
+    fn unit_snippets_begin_at_the_left_edge() {
+        assert_eq!(
+            on("start.md", "```rust\n    a\n\n      b\n```\n\ntext\n"),
+            "```rust\na\n\n  b\n```\n\ntext\n"
+        );
+    }
+
+    #[test]
+    fn unit_links_lead_to_pages_or_name_files() {
+        assert_eq!(
+            on("methods/a.md", "[n](../../NOTATION.md#units)"),
+            "[n](../notation.md#units)"
+        );
+        assert_eq!(
+            on("design.md", "[one](docs/methods/ma2008.md)"),
+            "[one](methods/ma2008.md)"
+        );
+        assert_eq!(
+            on("start.md", "[model](../examples/stsat3/model.toml)"),
+            "model (`examples/stsat3/model.toml`)"
+        );
+        assert_eq!(on("start.md", "[x](#there)"), "[x](#there)");
+        assert!(rewrite(Path::new("start.md"), "[x](nowhere.md)").is_err());
+    }
+}

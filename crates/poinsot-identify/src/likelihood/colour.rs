@@ -1,0 +1,72 @@
+//! Coloured noise: what an axis erred a moment ago says of how it errs now.
+//!
+//! A Gauss-Markov error with correlation time T is whitened exactly by `(e_k - a e_{k-1}) / sqrt(1 - a^2)`,
+//! `a = exp(-dt/T)` (Bryson and Henrikson 1968 for measurements); sensitivities pass through the same.
+
+use poinsot_spatial::Vector3;
+
+/// The whitening of one channel.
+#[derive(Debug, Default)]
+pub(super) struct Colour {
+    correlation_s: f64,
+    /// Time and block (sensitivities, residual, slopes over the inputs' errors) of the reading before.
+    before: Option<(f64, Vec<Vector3>)>,
+}
+
+impl Colour {
+    pub fn new(correlation_s: f64) -> Self {
+        Self {
+            correlation_s,
+            before: None,
+        }
+    }
+
+    /// Whether there is nothing to do.
+    pub fn is_white(&self) -> bool {
+        self.correlation_s <= 0.0
+    }
+
+    /// Takes off what the reading before tells. Gives the logarithm of the determinant of what is new, per axis.
+    pub fn take(&mut self, t: f64, block: &mut [Vector3]) -> f64 {
+        if self.is_white() {
+            return 0.0;
+        }
+        let own = block.to_vec();
+        let mut log_det = 0.0;
+        if let Some((earlier, before)) = &self.before {
+            let a = (-(t - earlier) / self.correlation_s).exp();
+            let new = 1.0 - a * a;
+            for (x, y) in block.iter_mut().zip(before) {
+                *x = (*x - y * a) / new.sqrt();
+            }
+            log_det = new.ln();
+        }
+        self.before = Some((t, own));
+        log_det
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// The whitened squares are those of the full covariance `exp(-|t_i - t_j|/T)`, determinant included.
+    #[test]
+    fn exact_whitening_is_that_of_the_full_covariance() {
+        let t = [0.0, 0.1, 0.25, 0.3, 0.7];
+        let e = [0.3, -1.2, 0.8, 2.0, -0.4];
+        let full = DMatrix::from_fn(5, 5, |i, j| (-f64::abs(t[i] - t[j]) / 0.2).exp());
+        let right = nalgebra::DVector::from_column_slice(&e);
+        let wanted = right.dot(&full.clone().lu().solve(&right).unwrap_or_default());
+        let mut colour = Colour::new(0.2);
+        let (mut sum, mut log_det) = (0.0, 0.0);
+        for (t, e) in t.iter().zip(e) {
+            let mut block = [Vector3::new(e, 0.0, 0.0)];
+            log_det += colour.take(*t, &mut block);
+            sum += block[0].norm_squared();
+        }
+        assert!((sum - wanted).abs() < 1.0e-12);
+        assert!((log_det - full.determinant().ln()).abs() < 1.0e-12);
+    }
+}

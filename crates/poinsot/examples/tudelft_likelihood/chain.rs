@@ -1,0 +1,356 @@
+//! From throws to objects, with the uncertainty of every step: box, block, object.
+//!
+//! Symbols: `b` the measuring box, `o` an object, `c` both bolted together; `J` the wheel's spin inertia.
+
+use super::likelihood::{Covariance, Declared, Fitted, fit};
+use super::throws::recording::{Recording, read_logs, read_recording};
+use super::throws::truth::{Known, Truth, read_truth};
+use super::throws::{Fault, MODEL, Settings};
+use nalgebra::{Matrix3, SVector, Vector3};
+use poinsot_identify::TENSOR;
+use poinsot_model::{Model, RandomTorque, parse_model};
+use poinsot_spatial::parallel_axis;
+use std::path::Path;
+
+/// Readings averaged into one: 4 kHz becomes 1 kHz.
+const TOGETHER: usize = 4;
+
+/// What is declared of the disturbances of a group: the most likely of those that `--choose` prints, the gyro's
+/// sigma as its residual there.
+pub fn declared(group: &str) -> Declared {
+    let (gyro, sigma_N_m) = match group {
+        "device_only" => (Vector3::new(0.040, 0.096, 0.148), 3.0e-5),
+        "proof_body" => (Vector3::new(0.020, 0.013, 0.029), 3.0e-4),
+        "config_empty" => (Vector3::new(0.014, 0.009, 0.019), 3.0e-4),
+        _ => (Vector3::new(0.0105, 0.007, 0.015), 3.0e-4),
+    };
+    Declared {
+        gyro,
+        gyro_correlation_s: 0.003,
+        torque: RandomTorque {
+            sigma_N_m,
+            correlation_s: 0.1,
+        },
+    }
+}
+
+/// All throws, read and averaged.
+pub struct Throws {
+    /// Whether the throws of one body are also fitted as segments of one problem.
+    pub as_segments: bool,
+    pub model: Model,
+    truth: Truth,
+    device: Vec<Recording>,
+    proof: Vec<Recording>,
+    objects: Vec<(Known, Vec<Recording>)>,
+}
+
+impl Throws {
+    pub fn groups(&self) -> Vec<(&str, &[Recording])> {
+        let mut list: Vec<(&str, &[Recording])> =
+            vec![("device_only", &self.device), ("proof_body", &self.proof)];
+        list.extend(
+            self.objects
+                .iter()
+                .map(|(k, t)| (k.name.as_str(), t.as_slice())),
+        );
+        list
+    }
+}
+
+/// Reads the folder.
+pub fn prepare(folder: &Path, as_segments: bool) -> Result<Throws, Fault> {
+    let model = parse_model(MODEL, "model.toml")?;
+    let settings = Settings {
+        cut_off_hz: f64::INFINITY,
+        ..Settings::default()
+    };
+    let logs = read_logs(folder)?;
+    let group = |name: &str| -> Result<Vec<Recording>, Fault> {
+        logs.iter()
+            .filter(|l| l.group == name)
+            .map(|l| Ok(averaged(&read_recording(folder, &model, l, &settings)?)))
+            .collect()
+    };
+    let truth = read_truth(folder)?;
+    let mut objects = Vec::new();
+    for name in ["config_empty", "config_a"] {
+        let known = read_truth(folder)?
+            .objects
+            .into_iter()
+            .find(|o| o.name == name);
+        objects.push((known.ok_or("an object is missing")?, group(name)?));
+    }
+    let (device, proof) = (group("device_only")?, group("proof_body")?);
+    Ok(Throws {
+        as_segments,
+        model,
+        truth,
+        device,
+        proof,
+        objects,
+    })
+}
+
+fn averaged(raw: &Recording) -> Recording {
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let means = |x: &[Vector3<f64>]| x.iter().sum::<Vector3<f64>>() / x.len() as f64;
+    Recording {
+        name: raw.name.clone(),
+        time_s: raw.time_s.chunks_exact(TOGETHER).map(mean).collect(),
+        rate_hz: raw.rate_hz / TOGETHER as f64,
+        w_NB_B: raw.w_NB_B.chunks_exact(TOGETHER).map(means).collect(),
+        f_S_B: raw.f_S_B.chunks_exact(TOGETHER).map(means).collect(),
+        wheel_rad_s: raw.wheel_rad_s.chunks_exact(TOGETHER).map(mean).collect(),
+    }
+}
+
+/// One answer for an object.
+pub struct Answer {
+    pub name: String,
+    /// Principal moments less the known ones, %.
+    pub error: [f64; 3],
+    /// One sigma of the same, %.
+    pub sigma: [f64; 3],
+}
+
+impl Answer {
+    /// Whether the 95 % interval of each moment holds the known one.
+    pub fn held(&self) -> [bool; 3] {
+        std::array::from_fn(|k| self.error[k].abs() <= 1.959_964 * self.sigma[k])
+    }
+}
+
+/// All answers for one object.
+pub struct Object {
+    pub name: String,
+    pub throws: Vec<Answer>,
+    pub together: Answer,
+}
+
+impl Object {
+    fn errors(&self) -> impl Iterator<Item = f64> {
+        self.throws.iter().flat_map(|t| t.error).map(f64::abs)
+    }
+
+    pub fn mean_error(&self) -> f64 {
+        self.errors().sum::<f64>() / self.errors().count().max(1) as f64
+    }
+
+    pub fn worst_error(&self) -> f64 {
+        self.errors().fold(0.0, f64::max)
+    }
+
+    /// Share of intervals that hold.
+    pub fn held(&self) -> f64 {
+        let all: Vec<bool> = self.throws.iter().flat_map(Answer::held).collect();
+        all.iter().filter(|h| **h).count() as f64 / all.len().max(1) as f64
+    }
+}
+
+/// Everything found.
+pub struct Found {
+    pub J: f64,
+    pub J_sigma: f64,
+    pub proof_error: [f64; 3],
+    pub objects: Vec<Object>,
+}
+
+/// A body in units of J, with its covariance: six tensor elements, three of the mass centre.
+#[derive(Clone)]
+struct Body {
+    I: Matrix3<f64>,
+    p: Vector3<f64>,
+    I_cov: Covariance,
+    p_cov: Matrix3<f64>,
+}
+
+/// Calibrates on box and block, identifies the objects. The known inertia of the objects is used for the errors
+/// alone.
+pub fn identify(throws: &Throws) -> Result<Found, Fault> {
+    let (box_fits, the_box) = bodies(throws, "device_only", &throws.device)?;
+    let (proof_fits, block) = bodies(throws, "proof_body", &throws.proof)?;
+    let chain = Chain {
+        box_mass: throws.truth.box_mass,
+        the_box: &the_box,
+    };
+    let known = &throws.truth.proof_body;
+    let J = chain.spin(&block, known);
+    // What the throws repeat to is the uncertainty of their mean: it holds whatever the declared noise.
+    let each: Vec<f64> = proof_fits.iter().map(|b| chain.spin(b, known)).collect();
+    let boxes: Vec<f64> = box_fits
+        .iter()
+        .map(|b| {
+            Chain {
+                box_mass: chain.box_mass,
+                the_box: b,
+            }
+            .spin(&block, known)
+        })
+        .collect();
+    let J_sigma = (variance_of_mean(&each) + variance_of_mean(&boxes)).sqrt();
+    let found = chain.object(&block, known.mass, J);
+    let mut objects = Vec::new();
+    for (known, own) in &throws.objects {
+        let (fits, together) = bodies(throws, &known.name, own)?;
+        let answer = |name: &str, body: &Body| Answer {
+            name: name.to_owned(),
+            error: percent(&principal(&chain.object(body, known.mass, J)), known),
+            sigma: chain.sigma(body, known, (J, J_sigma)),
+        };
+        objects.push(Object {
+            name: known.name.clone(),
+            throws: own
+                .iter()
+                .zip(&fits)
+                .map(|(t, b)| answer(&t.name, b))
+                .collect(),
+            together: answer("all", &together),
+        });
+    }
+    Ok(Found {
+        J,
+        J_sigma,
+        proof_error: percent(&principal(&found), known),
+        objects,
+    })
+}
+
+/// Throw by throw, and all together: as segments of one problem where that is asked for, else the mean of the throws
+/// weighed with their covariances.
+fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>, Body), Fault> {
+    let declared = declared(group);
+    let fits: Vec<Fitted> = own
+        .iter()
+        .map(|t| fit(&throws.model, &[t], &declared))
+        .collect::<Result<_, _>>()?;
+    let n = fits.len() as f64;
+    let centre = fits.iter().map(|f| f.p_Sc_B).sum::<Vector3<f64>>() / n;
+    // The accelerometer's errors are vibration: how well the mass centre is known shows in how it repeats.
+    let spread = fits
+        .iter()
+        .map(|f| (f.p_Sc_B - centre) * (f.p_Sc_B - centre).transpose())
+        .sum::<Matrix3<f64>>()
+        / (n - 1.0);
+    let all = match throws.as_segments {
+        true => {
+            let one = fit(&throws.model, &own.iter().collect::<Vec<_>>(), &declared)?;
+            (one.I_over_J, one.covariance)
+        }
+        false => weighted_mean(&fits).ok_or("a covariance is singular")?,
+    };
+    let body = |f: &Fitted| Body {
+        I: f.I_over_J,
+        p: f.p_Sc_B,
+        I_cov: f.covariance,
+        p_cov: spread,
+    };
+    let together = Body {
+        I: all.0,
+        p: centre,
+        I_cov: all.1,
+        p_cov: spread / n,
+    };
+    Ok((fits.iter().map(body).collect(), together))
+}
+
+/// Mean of the tensors weighed with their covariances; its covariance is widened where the throws scatter more than
+/// they say (Birge 1932).
+fn weighted_mean(fits: &[Fitted]) -> Option<(Matrix3<f64>, Covariance)> {
+    let six = |I: &Matrix3<f64>| SVector::<f64, 6>::from_fn(|k, _| I[TENSOR[k]]);
+    let (mut information, mut sum) = (Covariance::zeros(), SVector::<f64, 6>::zeros());
+    for f in fits {
+        let own = f.covariance.cholesky()?.inverse();
+        information += own;
+        sum += own * six(&f.I_over_J);
+    }
+    let covariance = information.cholesky()?.inverse();
+    let mean = covariance * sum;
+    let mut square = 0.0;
+    for f in fits {
+        let d = six(&f.I_over_J) - mean;
+        square += d.dot(&f.covariance.cholesky()?.solve(&d));
+    }
+    let birge = square / (6.0 * (fits.len() as f64 - 1.0));
+    let mut I = Matrix3::zeros();
+    for (k, (i, j)) in TENSOR.into_iter().enumerate() {
+        I[(i, j)] = mean[k];
+        I[(j, i)] = mean[k];
+    }
+    Some((I, covariance * birge.max(1.0)))
+}
+
+fn variance_of_mean(x: &[f64]) -> f64 {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))
+}
+
+struct Chain<'a> {
+    box_mass: f64,
+    the_box: &'a Body,
+}
+
+impl Chain<'_> {
+    /// J from box and known block by the traces, which no turn of the box on the block changes:
+    /// `J tr(I_c/J - I_b/J) = tr I_o + tr I_parallel`.
+    fn spin(&self, both: &Body, block: &Known) -> f64 {
+        let apart = self.apart(&self.the_box.p, &both.p, block.mass);
+        (block.I_cm + apart).trace() / (both.I - self.the_box.I).trace()
+    }
+
+    /// `I_o = J (I_c/J - I_b/J) - I_parallel`, about its mass centre.
+    fn object(&self, both: &Body, mass: f64, J: f64) -> Matrix3<f64> {
+        (both.I - self.the_box.I) * J - self.apart(&self.the_box.p, &both.p, mass)
+    }
+
+    /// Inertia of the two mass centres about the common one: the reduced mass at the distance
+    /// `p_bo = p_bc (m_b + m_o) / m_o`.
+    fn apart(&self, p_Sb: &Vector3<f64>, p_Sc: &Vector3<f64>, mass: f64) -> Matrix3<f64> {
+        let whole = self.box_mass + mass;
+        parallel_axis(
+            self.box_mass * mass / whole,
+            &((p_Sc - p_Sb) * (whole / mass)),
+        )
+    }
+
+    /// One sigma of the principal moments, %, to first order in everything that went in.
+    fn sigma(&self, both: &Body, known: &Known, (J, J_sigma): (f64, f64)) -> [f64; 3] {
+        let I = self.object(both, known.mass, J);
+        let eigen = I.symmetric_eigen();
+        let mut order = [0, 1, 2];
+        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+        let moments = principal(&known.I_cm);
+        std::array::from_fn(|k| {
+            let v: Vector3<f64> = eigen.eigenvectors.column(order[k]).into();
+            let along = |M: &Matrix3<f64>| (v.transpose() * M * v)[0];
+            let g = SVector::<f64, 6>::from_fn(|e, _| {
+                let (i, j) = TENSOR[e];
+                J * v[i] * v[j] * if i == j { 1.0 } else { 2.0 }
+            });
+            let tensors = (g.transpose() * (both.I_cov + self.the_box.I_cov) * g)[0];
+            let scale = along(&(both.I - self.the_box.I)) * J_sigma;
+            let step = 1.0e-6;
+            let slope = Vector3::from_fn(|axis, _| {
+                let mut d = Vector3::zeros();
+                d[axis] = step;
+                let there = self.apart(&self.the_box.p, &(both.p + d), known.mass);
+                let back = self.apart(&self.the_box.p, &(both.p - d), known.mass);
+                along(&(there - back)) / (2.0 * step)
+            });
+            let centres = (slope.transpose() * (both.p_cov + self.the_box.p_cov) * slope)[0];
+            100.0 * (tensors + scale * scale + centres).sqrt() / moments[k]
+        })
+    }
+}
+
+fn principal(tensor: &Matrix3<f64>) -> [f64; 3] {
+    let mut moments: [f64; 3] = tensor.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    moments
+}
+
+fn percent(found: &[f64; 3], known: &Known) -> [f64; 3] {
+    let known = principal(&known.I_cm);
+    std::array::from_fn(|k| 100.0 * (found[k] / known[k] - 1.0))
+}
