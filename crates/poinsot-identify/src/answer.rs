@@ -17,6 +17,11 @@ use crate::words;
 const MISFIT: f64 = 1.5;
 /// Chi-square per degree of freedom above which a model that explains little is rejected.
 const REJECT: f64 = 9.0;
+/// Chi-square per degree of freedom above which residuals that are correlated in time speak against the model, not
+/// against the declared noise: twenty times the noise at every reading.
+const CONTRADICTED: f64 = 400.0;
+/// Probability of a white residual below which it is called correlated in time.
+const CORRELATED: f64 = 1.0e-3;
 /// Sigmas beyond the edge of the physical bodies at which the data contradict the model.
 const PRESSED: f64 = 3.0;
 /// Share of the signal that a model must explain not to be rejected then.
@@ -47,7 +52,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         .iter()
         .any(|b| unphysical(b, chi2 > MISFIT || unexplained))
         || pressed(solved, chi2 > MISFIT || unexplained);
-    let rejected = (chi2 > REJECT && unexplained) || not_rigid || impossible;
+    let rejected =
+        (chi2 > REJECT && unexplained) || not_rigid || impossible || contradicted(solved);
     // What is rejected, and what did not settle, gets no numbers.
     let (judge, bodies) = if rejected || !solved.settled {
         answered(true)
@@ -87,6 +93,15 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
+}
+
+/// Whether residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that
+/// the model lacks. Only maximum likelihood compares readings one by one.
+fn contradicted(solved: &Solved) -> bool {
+    let mut channels = solved.fit.iter().flat_map(|s| &s.channels);
+    solved.method == "maximum_likelihood"
+        && solved.chi2_per_dof() > CONTRADICTED
+        && channels.any(|c| c.whiteness_p.is_some_and(|p| p < CORRELATED))
 }
 
 /// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
@@ -227,6 +242,11 @@ fn warnings(
     } else if rejected && solved.not_rigid {
         list.push(format!(
             "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
+        ));
+    } else if rejected && contradicted(solved) {
+        list.push(format!(
+            "rigid model rejected: residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}) and correlated in time; check units, signs, wheel axes, external torques",
+            chi2.sqrt()
         ));
     } else if rejected {
         let share = 100.0 * solved.explained.unwrap_or(0.0);

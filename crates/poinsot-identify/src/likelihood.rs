@@ -453,12 +453,14 @@ impl<'a> Compare<'a> {
         let residual_v =
             o.velocity[k].map(|v| R.transpose() * v - v_S + gain_of_v * self.translation_lag[0]);
         let residual_w = o.rate[k].map(|w| w - expected);
+        // In body axes a reading turns with the attitude.
+        let v_read = o.velocity[k].map_or(v_S, |v| R.transpose() * v);
         // How a change of state and twist shows in the two readings; nothing where one is missing.
         let seen = |column: &Column, twist: &Vector6, unknown: Option<&UnknownKind>| {
             let mut d = at_sensor(twist, &arm);
             // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
             let dphi: Vector3 = column.fixed_rows::<3>(0).into();
-            let mut dv = d.fixed_rows::<3>(0) + dphi.cross(&v_S);
+            let mut dv = d.fixed_rows::<3>(0) + dphi.cross(&v_read);
             if unknown == Some(&UnknownKind::VelocityLag) {
                 dv -= gain_of_v;
             }

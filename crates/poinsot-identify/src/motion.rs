@@ -512,11 +512,9 @@ impl<'a> Motion<'a> {
                 dF += change.F_B;
                 dT += change.T_B;
             }
-            let (mut dP, mut dH) = (R * dF, R * dT);
-            match kind {
-                Some(UnknownKind::InertialForce(k)) => dP[*k] += 1.0,
-                Some(UnknownKind::RandomTorque(gust)) if self.blows(gust) => dH[gust.axis] += 1.0,
-                _ => {}
+            let (mut dP, dH) = (R * dF, R * dT);
+            if let Some(UnknownKind::InertialForce(k)) = kind {
+                dP[*k] += 1.0;
             }
             slope.fixed_rows_mut::<3>(6).copy_from(&dP);
             slope.fixed_rows_mut::<3>(9).copy_from(&dH);

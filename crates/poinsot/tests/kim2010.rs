@@ -84,6 +84,7 @@ fn stat_three_slews_from_noisy_sensors() {
             (value - wanted).abs() < 4.0 * sigma,
             "{wanted}: {value} {sigma}"
         );
-        assert!(sigma < 1e-4, "{wanted}: {sigma}");
+        // Rounded tachometers drive the prediction, and count.
+        assert!(sigma < 1.3e-4, "{wanted}: {sigma}");
     }
 }

@@ -46,6 +46,13 @@ impl Motion<'_> {
             e[*k] = 1.0;
             change += to_base * e;
         }
+        if let Some(UnknownKind::RandomTorque(gust)) = kind
+            && self.blows(gust)
+        {
+            let mut e = Vector3::zeros();
+            e[gust.axis] = 1.0;
+            change += to_base * e;
+        }
         if let Some(gm) = v.gm {
             let distance = self.orbit_N.norm();
             let u = to_base * self.orbit_N / distance;

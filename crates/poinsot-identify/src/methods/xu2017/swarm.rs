@@ -273,6 +273,8 @@ mod tests {
         range.high[3] = 0.5;
         let end = fly(&Swarm::default(), &range, &bowl, |_, _, _| {});
         assert_eq!(end.on_bound, [3]);
-        assert!((end.best[0] - 1.0).abs() < 1.0e-9 && end.best[3] == 0.5);
+        assert_eq!(end.best[3], 0.5);
+        let error = (end.best[0] - 1.0).abs();
+        assert!(error < 1.0e-8, "{error:e}");
     }
 }
