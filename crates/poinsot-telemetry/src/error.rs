@@ -49,7 +49,7 @@ impl fmt::Display for Place {
             (row, false) => write!(f, ":{row}")?,
         }
         if !self.column.is_empty() {
-            write!(f, " column '{}'", self.column)?;
+            write!(f, " column '{}'", one_line(&self.column))?;
         }
         Ok(())
     }
@@ -316,4 +316,17 @@ pub(crate) fn shown(cell: &[u8]) -> String {
         short.push_str("...");
     }
     short
+}
+
+/// Text from a file as part of a message of one line: control characters escaped.
+pub(crate) fn one_line(text: &str) -> String {
+    let mut line = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() {
+            line.extend(c.escape_default());
+        } else {
+            line.push(c);
+        }
+    }
+    line
 }

@@ -234,6 +234,7 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
             )
         }
     };
+    let hint = crate::error::one_line(&hint);
     TelemetryError::NoTime {
         place: Place::file(path),
         hint,

@@ -62,10 +62,12 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let [xx, xy, xz, yy, yz, zz] = inertial.elements;
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let turn = rotation(inertial.rpy);
+    // Symmetric to the last bit, as a model file writes it.
+    let turned = turn * tensor * turn.transpose();
     let found = MassProperties {
         mass: inertial.mass,
         p_BoBcm_B: Vector3::from(inertial.xyz),
-        I_BBcm_B: turn * tensor * turn.transpose(),
+        I_BBcm_B: (turned + turned.transpose()) * 0.5,
     };
     if inertial.mass < 0.0 {
         let problem = format!("the mass is negative: {} kg", short(inertial.mass));

@@ -343,3 +343,12 @@ proptest::proptest! {
         }
     }
 }
+
+/// Found by fuzzing: line ends in a quoted column name broke the message into lines.
+#[test]
+fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
+    assert_eq!(
+        fault("\"tim\ne\",omega_x\n0,1\n"),
+        "E0207 run.csv: no column 'time_s'; map one of [tim\\ne, omega_x] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }"
+    );
+}
