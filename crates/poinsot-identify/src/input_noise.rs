@@ -5,7 +5,9 @@
 //! state and `L e` the part of it that follows a joint at once (a joint read too far has turned the base back),
 //! `s = x - L e` moves only slowly:
 //!
-//!     s' = A s + (A L + D - L') e,        dV = V_x x + V_u e
+//! ```text
+//! s' = A s + (A L + D - L') e,        dV = V_x x + V_u e
+//! ```
 //!
 //! `A` and `D` are the slopes of the equation of motion over state and inputs, `V_x` and `V_u` those of the twist.
 //! An error stays with its reading (`e_k+1 = a e_k + w`, see [`InputErrors`]). The pair `(s, e)` is the state of a

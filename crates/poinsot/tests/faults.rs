@@ -19,7 +19,7 @@ fn assert_named(planted: Planted, trials: u64) {
     );
 }
 
-/// False alarms were none in 1,000 trials.
+/// How often it errs is counted by `cargo run --release -p poinsot --example faults -- --clean 1000`.
 #[test]
 fn stat_nothing_is_said_where_nothing_is_wrong() {
     let row = row(&experiment(Planted::Nothing).unwrap(), Planted::Nothing, 40);
