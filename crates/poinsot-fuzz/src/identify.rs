@@ -21,6 +21,7 @@ pub fn identify(bytes: &[u8]) {
         method: problem.method.to_owned(),
         variant: problem.variant.map(str::to_owned),
         relative_accuracy: 1.0,
+        coordinates: Default::default(),
         strict: false,
         recover: false,
     };
