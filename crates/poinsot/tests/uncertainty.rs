@@ -53,7 +53,7 @@ fn exact_a_prior_adds_its_information_once() {
         mass: Some(sigmas[0]),
         com: Some(sigmas[1]),
         inertia: Some(sigmas[4]),
-        ..Prior::default()
+        entropic: None,
     };
     let declared = |k: usize| match k {
         0 => sigmas[0],
