@@ -1,6 +1,7 @@
 //! The committed corpus and deterministic mutations of it through every target.
 //!
 //! `POINSOT_FUZZ_SECONDS=60` mutates that long per target instead, and prints how many inputs that made.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use poinsot_fuzz::{Mutator, TARGETS};
 use std::path::Path;

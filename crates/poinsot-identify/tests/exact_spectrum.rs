@@ -1,5 +1,5 @@
 //! Sigmas of two-unknown problems that can be inverted by hand.
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 use faer::Mat;
 use poinsot_identify::Spectrum;

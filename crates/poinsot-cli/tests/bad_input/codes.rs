@@ -62,8 +62,11 @@ fn arm(b: &Bench, mass: &str, more: &str) {
     });
 }
 
+/// A column and its values as a function of time.
+type Column = (&'static str, fn(f64) -> f64);
+
 /// A robot of three bodies without wheels, what is to be estimated of each, and columns as functions of time.
-fn robot(b: &Bench, estimate: [&str; 3], more: &str, columns: &[(&str, fn(f64) -> f64)]) {
+fn robot(b: &Bench, estimate: [&str; 3], more: &str, columns: &[Column]) {
     let (head, _) = MODEL.split_once("[[wheel]]").unwrap();
     let (_, tail) = MODEL.split_once("[[sensor]]").unwrap();
     let head = head.replace("estimate = [\"inertia\"]", estimate[0]);
@@ -90,7 +93,7 @@ fn robot(b: &Bench, estimate: [&str; 3], more: &str, columns: &[(&str, fn(f64) -
 }
 
 /// Telemetry without wheels and with these columns.
-fn moving(columns: &[(&str, fn(f64) -> f64)]) -> String {
+fn moving(columns: &[Column]) -> String {
     let mut s = crate::bench::sheet();
     s.without("wheel");
     s.header.extend(columns.iter().map(|c| c.0.to_owned()));
@@ -103,11 +106,10 @@ fn moving(columns: &[(&str, fn(f64) -> f64)]) -> String {
 
 const THRUSTER: &str = "\n[[thruster]]\nname = \"thr\"\nbody = \"bus\"\nposition_m = [0.0, 0.3, 0.0]\nforce_direction = [1.0, 0.0, 0.0]\n";
 const ALL: &str = "estimate = true";
-const DRIFT: [(&str, fn(f64) -> f64); 3] =
-    [("v_x", |_| 0.01), ("v_y", |_| 0.02), ("v_z", |_| 0.03)];
+const DRIFT: [Column; 3] = [("v_x", |_| 0.01), ("v_y", |_| 0.02), ("v_z", |_| 0.03)];
 
 /// Columns of a drifting robot and of its joints.
-fn with(more: &[(&'static str, fn(f64) -> f64)]) -> Vec<(&'static str, fn(f64) -> f64)> {
+fn with(more: &[Column]) -> Vec<Column> {
     DRIFT.iter().chain(more).copied().collect()
 }
 
