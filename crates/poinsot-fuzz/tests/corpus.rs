@@ -75,12 +75,12 @@ fn prop_parquet_corpus_and_mutations() {
 
 #[test]
 fn prop_model_corpus_and_mutations() {
-    replay("model", 1000);
+    replay("model", 20_000);
 }
 
 #[test]
 fn prop_urdf_corpus_and_mutations() {
-    replay("urdf", 2000);
+    replay("urdf", 20_000);
 }
 
 #[test]

@@ -35,6 +35,8 @@ const ACCELERATION: f64 = 1.0e-4;
 const RATE: f64 = 0.05;
 /// Size of a joint's motion that is tried, rad or m, and its turns in the record.
 const SWING: (f64, f64) = (0.3, 3.0);
+/// Most joints that are swung, those next to the base first: the time of all grows with the square of a chain.
+const JOINTS: usize = 32;
 /// Largest force that is tried, N, its arm, m, and the share of the record that it lasts.
 const PUSH: (f64, f64, f64) = (1.0, 0.5, 0.1);
 /// Accuracy of a number that is given, natural units.
@@ -381,7 +383,7 @@ impl<'a> Ground<'a> {
         let tree = self.problem.tree;
         let dof = tree.dof();
         let (size, turns) = SWING;
-        for (joint, at) in tree.coordinates.iter().enumerate() {
+        for (joint, at) in tree.coordinates.iter().enumerate().take(JOINTS) {
             let mut moving = trial.clone();
             let o = &mut moving.segment.observations;
             let span = o.time_s.last().copied().unwrap_or(1.0) - o.time_s[0];

@@ -68,6 +68,8 @@ const DIFFERENCES: &str = "\
 - M1: massless links on fixed joints are accepted, and a massless base whose subtree has mass.
 - M5: a mimic joint is read as a joint of its own and named; telemetry needs a column for it.
 - M2: there is no --allow-unphysical.
+- S1: a case may name a model or a torque table outside of its folder, as the shipped ones do: such files are only
+  read. No name that stands in a file becomes the name of an output.
 - S3: no CSV with text cells is written.
 ";
 

@@ -17,6 +17,19 @@ pub fn rows() -> Vec<Row> {
             0,
             &["../../x", "written: out/estimate.json"],
         ),
+        row(
+            "S1",
+            "a case whose model lies outside its folder, and is not there",
+            |b| {
+                b.write(
+                    "case.toml",
+                    crate::bench::CASE.replace("truth.toml", "../../no/truth.toml"),
+                )
+            },
+            2,
+            &["E0101 ../../no/truth.toml"],
+        )
+        .run(&["simulate", "case.toml", "--out", "sim"]),
         urdf(
             "S1",
             "a link named like a device",

@@ -73,6 +73,9 @@ fn cells() -> Vec<Row> {
         row("T1", "1e300 in the gyro", |b| b.spoil(|s| s.map("omega", |_, x| x * 1e300)), 2, &["E0306 t.csv: channel 'omega_x'"]),
         row("T1", "denormal numbers in the gyro", |b| b.spoil(|s| s.map("omega", |_, x| x * 1e-310)), 1,
             &["residual of the gyro"]).never(&["every number asked for is determined"]),
+        row("T1", "denormal numbers in gyro and wheels, the attitude at rest", |b| b.spoil(|s| { s.map("omega", |_, _| 5e-324); s.map("wheel", |_, _| 5e-324); s.map("q_", |_, _| 0.5); }), 1,
+            &["nothing that was asked for is determined"]),
+        row("T1", "1e300 in every cell but the time", |b| b.spoil(|s| { s.map("omega", |_, _| 1e300); s.map("wheel", |_, _| 1e300); s.map("q_", |_, _| 1e300); }), 2, &["E0"]),
     ]
 }
 

@@ -25,6 +25,9 @@ pub(super) fn check(channels: &Channels) -> Result<(), BindError> {
         let fault = match channel.name.as_str() {
             "omega_x" | "omega_y" | "omega_z" => turns_too_far(channel),
             "v_x" | "v_y" | "v_z" => beyond(channel, 1.0e6, "m/s"),
+            "dv_x" | "dv_y" | "dv_z" => beyond(channel, 1.0e6, "m/s"),
+            "acc_x" | "acc_y" | "acc_z" => beyond(channel, 1.0e6, "m/s2"),
+            "domega_x" | "domega_y" | "domega_z" => beyond(channel, 1.0e6, "rad/s2"),
             name => LARGEST
                 .iter()
                 .find(|(end, ..)| name.ends_with(end))
