@@ -506,19 +506,26 @@ impl<'a> Compare<'a> {
             residual_w.unwrap_or_default(),
         );
         rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
-        let present = [
-            (VELOCITY, 0, residual_v.is_some()),
-            (GYRO, 3, residual_w.is_some()),
-        ];
-        for (channel, at, _) in present.iter().filter(|p| p.2) {
-            self.coloured((*channel, *at, k), &mut rows, &mut slopes);
+        let Some(r_v) = residual_v else {
+            // The rate alone: half as many rows for the filter.
+            let lower = |d: &Vector6| -> Vector3 { d.fixed_rows::<3>(3).into() };
+            let mut rows: Vec<Vector3> = rows.iter().map(lower).collect();
+            let mut slopes: Vec<Vector3> = slopes.iter().map(lower).collect();
+            self.coloured((GYRO, 0, k), &mut rows, &mut slopes);
+            let white_noise = white_noise.fixed_view::<3, 3>(3, 3).into();
+            if let Some(white) = self.take(&slopes, &white_noise, &noise.gyro, rows) {
+                self.note(GYRO, &w, white);
+            }
+            return;
+        };
+        self.coloured((VELOCITY, 0, k), &mut rows, &mut slopes);
+        if residual_w.is_some() {
+            self.coloured((GYRO, 3, k), &mut rows, &mut slopes);
         }
         let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
             return;
         };
-        if let Some(r) = residual_v {
-            self.note(VELOCITY, &r, white.fixed_rows::<3>(0).into());
-        }
+        self.note(VELOCITY, &r_v, white.fixed_rows::<3>(0).into());
         if let Some(r) = residual_w {
             self.note(GYRO, &r, white.fixed_rows::<3>(3).into());
         }

@@ -1,0 +1,233 @@
+//! The variational equation: how small changes of state and unknowns grow.
+//!
+//! ```text
+//! dV = V_x x + V_u        x' = A x + b_u
+//! ```
+//!
+//! for the column `x = [dphi_B, dp_N, dP_N, dh_N]` of unknown u. `A` and `b` are those of the pose by way of the twist,
+//! and those of the momentum where anything pushes from outside.
+
+use super::{Centre, Column, Instant, Motion, State, matrix};
+use crate::parameters::UnknownKind;
+use nalgebra::SMatrix;
+use poinsot_dynamics::{momentum_regressor, wheel_regressor};
+use poinsot_spatial::{Matrix6, Vector3, Vector6, skew};
+
+type Matrix6x12 = SMatrix<f64, 6, 12>;
+
+/// Change of the pose around one instant.
+pub(super) struct Variation {
+    /// `V_x`.
+    pub map: Matrix6x12,
+    /// `V_u` per unknown.
+    twists: Vec<Vector6>,
+    /// The upper half of `A`.
+    pose: Matrix6x12,
+    /// The upper half of `b`, per unknown.
+    drive: Vec<Vector6>,
+}
+
+/// Change of the momentum around one instant, by what acts from outside: the lower halves of `A` and `b`.
+pub(super) struct Push {
+    momentum: Matrix6x12,
+    drive: Vec<Vector6>,
+}
+
+impl Variation {
+    /// Change of the twist with a column, that of the given unknown.
+    pub fn twist(&self, column: &Column, unknown: Option<usize>) -> Vector6 {
+        times(&self.map, column) + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
+    }
+
+    /// Whether an unknown does not move the vehicle.
+    fn idle(&self, unknown: usize) -> bool {
+        self.twists[unknown] == Vector6::zeros()
+    }
+}
+
+/// `A x` with a matrix that no position enters.
+fn times(matrix: &Matrix6x12, x: &Column) -> Vector6 {
+    let mut sum = matrix.column(0) * x[0] + matrix.column(1) * x[1] + matrix.column(2) * x[2];
+    for j in 6..12 {
+        sum += matrix.column(j) * x[j];
+    }
+    sum
+}
+
+/// The equation at the start, in the middle and at the end of a step.
+pub(super) struct Along<'v> {
+    pub variation: [&'v Variation; 3],
+    /// Empty where nothing pushes.
+    pub push: Vec<Push>,
+}
+
+impl Along<'_> {
+    /// Carries a column over a step of dt: Runge-Kutta of fourth order, exact in the order of the step for an equation
+    /// that is linear.
+    pub fn carry(&self, x: &mut Column, unknown: Option<usize>, dt: f64) {
+        let zero = Column::zeros();
+        let idle = |u: usize| {
+            self.variation.iter().all(|v| v.idle(u))
+                && self.push.iter().all(|p| p.drive[u] == Vector6::zeros())
+        };
+        if *x == zero && unknown.is_some_and(idle) {
+            return;
+        }
+        let slope = |at: usize, x: &Column| {
+            let v = self.variation[at];
+            let mut pose = times(&v.pose, x);
+            if let Some(u) = unknown {
+                pose += v.drive[u];
+            }
+            let mut slope = zero;
+            slope.fixed_rows_mut::<6>(0).copy_from(&pose);
+            if let Some(push) = self.push.get(at) {
+                let mut momentum = times(&push.momentum, x);
+                if let Some(u) = unknown {
+                    momentum += push.drive[u];
+                }
+                slope.fixed_rows_mut::<6>(6).copy_from(&momentum);
+            }
+            slope
+        };
+        let a = slope(0, x);
+        let b = slope(1, &(*x + a * (0.5 * dt)));
+        let c = slope(1, &(*x + b * (0.5 * dt)));
+        let d = slope(2, &(*x + c * dt));
+        *x += (a + (b + c) * 2.0 + d) * (dt / 6.0);
+    }
+}
+
+impl Motion<'_> {
+    /// The variational equation of the pose at the inputs in hand: with `V = H^-1 (X [P; h] - c - c_w)`,
+    /// `dV = H^-1 (d(X [P; h]) - Y(V) dpi)`.
+    pub(super) fn linearise(&mut self, state: &State, instant: &Instant) -> Variation {
+        let (v, twist) = (self.vehicle, &instant.twist);
+        let site = &mut self.site;
+        site.kinematics
+            .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
+        momentum_regressor(&site.kinematics, &mut self.regressor);
+        wheel_regressor(
+            v.tree,
+            &site.kinematics,
+            &site.wheels,
+            &mut self.wheel_columns,
+        );
+        let mut twists: Vec<Vector6> = (0..v.kinds.len())
+            .map(|u| self.twist_change(u, &instant.centre, &instant.inverse_inertia))
+            .collect();
+        self.input_columns(
+            twist,
+            &instant.centre,
+            &instant.inverse_inertia,
+            &mut twists,
+        );
+
+        let map = self.map_at(state, instant);
+        let R = matrix(&state.R_NB);
+        let pose_of = |twist: &Vector6| {
+            let v = R * twist.fixed_rows::<3>(0);
+            Vector6::new(twist[3], twist[4], twist[5], v.x, v.y, v.z)
+        };
+        let mut pose = Matrix6x12::zeros();
+        for j in (0..3).chain(6..12) {
+            pose.set_column(j, &pose_of(&map.column(j).into()));
+        }
+        let (turn, slide) = (-skew(&twist.w), -(R * skew(&twist.v)));
+        let mut own = pose.fixed_view_mut::<3, 3>(0, 0);
+        own += turn;
+        let mut own = pose.fixed_view_mut::<3, 3>(3, 0);
+        own += slide;
+        Variation {
+            map,
+            drive: twists.iter().map(pose_of).collect(),
+            twists,
+            pose,
+        }
+    }
+
+    /// Change of the twist with one unknown, the state held.
+    fn twist_change(&self, unknown: usize, centre: &Centre, inverse_inertia: &Matrix6) -> Vector6 {
+        let v = self.vehicle;
+        let own = match &v.kinds[unknown] {
+            UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
+            UnknownKind::WheelTilt(w, _) => {
+                let h = self.site.kinematics.R[v.tree.rotors[*w].body]
+                    * v.tilt_slopes[unknown]
+                    * (v.spin[*w] * self.site.wheels[*w]);
+                Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
+            }
+            kind if kind.is_nuisance() => return Vector6::zeros(),
+            UnknownKind::ThrusterScale(_) => return Vector6::zeros(),
+            _ => {
+                let mut sum = Vector6::zeros();
+                for (at, slope) in &v.slopes[unknown] {
+                    sum += Vector6::from(self.regressor[*at]) * *slope;
+                }
+                let moved = self.mass_centre_change(unknown, centre).cross(&centre.l);
+                let angular = sum.fixed_rows::<3>(3) - moved;
+                sum.fixed_rows_mut::<3>(3).copy_from(&angular);
+                sum
+            }
+        };
+        -(inverse_inertia * own)
+    }
+
+    /// Change of the system's mass centre in B with one unknown: `d(mc)/m - c dm/m`.
+    fn mass_centre_change(&self, unknown: usize, centre: &Centre) -> Vector3 {
+        let mut change = Vector3::zeros();
+        for &(at, slope) in &self.vehicle.slopes[unknown] {
+            let (body, k) = (at / 10, at % 10);
+            let step = match k {
+                0 => self.site.kinematics.p[body] - centre.c,
+                1..=3 => self.site.kinematics.R[body].column(k - 1).into_owned(),
+                _ => continue,
+            };
+            change += step * (slope / centre.mass);
+        }
+        change
+    }
+
+    /// The same for the momentum, in the interval after grid time k; `None` where nothing pushes.
+    pub(super) fn push(
+        &mut self,
+        state: &State,
+        instant: &Instant,
+        variation: &Variation,
+        k: usize,
+    ) -> Option<Push> {
+        if !self.pushed(k) && !self.vehicle.pushes {
+            return None;
+        }
+        let outside = self.outside_changes(state, k, &instant.centre, &instant.twist.w);
+        let forces = self.thrust_now(instant, k);
+        let (centre, w) = (&instant.centre, &instant.twist.w);
+        let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
+        let drive = |(u, twist): (usize, &Vector6)| {
+            let kind = &self.vehicle.kinds[u];
+            let dw: Vector3 = twist.fixed_rows::<3>(3).into();
+            let mut dF = Vector3::zeros();
+            let mut dT = self.surroundings_change(state, centre, (w, &dw), &still, Some(u));
+            for force in &forces {
+                dT -= self.mass_centre_change(u, centre).cross(&force.F_B);
+                if *kind == UnknownKind::ThrusterScale(force.thruster) {
+                    dF += force.per_scale_B;
+                    dT += force.arm_B.cross(&force.per_scale_B);
+                }
+            }
+            for change in outside.iter().filter(|c| c.unknown == u) {
+                dF += change.F_B;
+                dT += change.T_B;
+            }
+            let (mut dP, dh) = (R * dF, R * dT);
+            if let UnknownKind::InertialForce(k) = kind {
+                dP[*k] += 1.0;
+            }
+            Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
+        };
+        Some(Push {
+            drive: variation.twists.iter().enumerate().map(drive).collect(),
+            momentum: self.wrench_slopes(state, instant, &variation.map, k),
+        })
+    }
+}
