@@ -649,7 +649,14 @@ impl<'a> Compare<'a> {
         mut rows: Vec<SVector<f64, M>>,
     ) -> Option<SVector<f64, M>> {
         let alone = Cholesky::new(*sensors)?.l();
-        let spread = self.inputs.spread(slopes);
+        let correlation = self.inputs.correlation(slopes);
+        // `M P M^T`.
+        let spread = slopes
+            .iter()
+            .zip(&correlation)
+            .fold(SMatrix::zeros(), |sum: SMatrix<f64, M, M>, (a, b)| {
+                sum + a * b.transpose()
+            });
         let mut root = Cholesky::new(noise + spread)?.l();
         self.log_det += 2.0
             * (0..M)
@@ -670,7 +677,8 @@ impl<'a> Compare<'a> {
         }
         let identity = SMatrix::<f64, M, M>::identity();
         let inverse_root = root.solve_lower_triangular(&identity)?;
-        self.inputs.take(slopes, &inverse_root, &mut rows);
+        self.inputs
+            .take(slopes, &correlation, &inverse_root, &mut rows);
         if let Some(qr) = &mut self.qr {
             qr.push(M, |i, j| rows[j][i]);
         }

@@ -107,10 +107,10 @@ impl Motion<'_> {
             std::mem::swap(&mut self.site, &mut self.middle);
             let along = Along {
                 variation: [at_start, &in_middle, at_end],
-                push: [push_at_start, push_in_middle, push_at_end]
-                    .into_iter()
-                    .flatten()
-                    .collect(),
+                push: match (push_at_start, push_in_middle, push_at_end) {
+                    (Some(start), Some(middle), Some(end)) => Some([start, middle, end]),
+                    _ => None,
+                },
             };
             let head = self.head;
             for (j, column) in self.columns.iter_mut().enumerate() {

@@ -15,10 +15,13 @@ use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 impl Motion<'_> {
     /// Whether anything acts from outside in the interval after grid time k.
     pub(super) fn pushed(&self, k: usize) -> bool {
+        self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.surrounded()
+    }
+
+    /// Whether a torque of the surroundings acts.
+    fn surrounded(&self) -> bool {
         let v = self.vehicle;
-        let thrust = self.thrust.get(k).is_some_and(|t| !t.is_empty());
-        let steady = v.has_surroundings() || v.torque_N != Vector3::zeros();
-        thrust || steady || !self.gusts.is_empty()
+        v.has_surroundings() || v.torque_N != Vector3::zeros() || !self.gusts.is_empty()
     }
 
     /// Torque of the surroundings about the system's mass centre, in B, N m.
@@ -44,6 +47,9 @@ impl Motion<'_> {
     ) -> Vector3 {
         let v = self.vehicle;
         let kind = unknown.map(|u| &v.kinds[u]);
+        if !v.pushes && !self.surrounded() {
+            return Vector3::zeros();
+        }
         let to_base = state.R_NB.inverse();
         // R^T a moves by a x dphi when the base turns.
         let gust = self.gusts.get(self.now).copied().unwrap_or_default();

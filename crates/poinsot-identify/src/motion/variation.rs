@@ -15,86 +15,150 @@ use poinsot_spatial::{Matrix6, Vector3, Vector6, skew};
 
 type Matrix6x12 = SMatrix<f64, 6, 12>;
 
+type Matrix6x3 = SMatrix<f64, 6, 3>;
+
 /// Change of the pose around one instant.
 pub(super) struct Variation {
     /// `V_x`.
     pub map: Matrix6x12,
     /// `V_u` per unknown.
     twists: Vec<Vector6>,
-    /// The upper half of `A`.
-    pose: Matrix6x12,
+    pose: Half,
     /// The upper half of `b`, per unknown.
     drive: Vec<Vector6>,
 }
 
-/// Change of the momentum around one instant, by what acts from outside: the lower halves of `A` and `b`.
+/// Change of the momentum around one instant, by what acts from outside.
 pub(super) struct Push {
-    momentum: Matrix6x12,
+    momentum: Half,
+    /// The lower half of `b`, per unknown.
     drive: Vec<Vector6>,
+}
+
+/// Six rows of `A`: no position enters.
+struct Half {
+    attitude: Matrix6x3,
+    momentum: Matrix6,
+    /// Whether any element of `momentum` is not zero.
+    coupled: bool,
+}
+
+impl Half {
+    fn new(rows: &Matrix6x12) -> Self {
+        let momentum: Matrix6 = rows.fixed_view::<6, 6>(0, 6).into();
+        Self {
+            attitude: rows.fixed_view::<6, 3>(0, 0).into(),
+            coupled: momentum != Matrix6::zeros(),
+            momentum,
+        }
+    }
 }
 
 impl Variation {
     /// Change of the twist with a column, that of the given unknown.
     pub fn twist(&self, column: &Column, unknown: Option<usize>) -> Vector6 {
-        times(&self.map, column) + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
-    }
-
-    /// Whether an unknown does not move the vehicle.
-    fn idle(&self, unknown: usize) -> bool {
-        self.twists[unknown] == Vector6::zeros()
+        let (attitude, momentum) = parts(column);
+        let mut twist = self.map.fixed_view::<6, 3>(0, 0) * attitude;
+        if momentum != Vector6::zeros() {
+            twist += self.map.fixed_view::<6, 6>(0, 6) * momentum;
+        }
+        twist + unknown.map_or_else(Vector6::zeros, |u| self.twists[u])
     }
 }
 
-/// `A x` with a matrix that no position enters.
-fn times(matrix: &Matrix6x12, x: &Column) -> Vector6 {
-    let mut sum = matrix.column(0) * x[0] + matrix.column(1) * x[1] + matrix.column(2) * x[2];
-    for j in 6..12 {
-        sum += matrix.column(j) * x[j];
-    }
-    sum
+fn parts(x: &Column) -> (Vector3, Vector6) {
+    (x.fixed_rows::<3>(0).into(), x.fixed_rows::<6>(6).into())
 }
 
 /// The equation at the start, in the middle and at the end of a step.
 pub(super) struct Along<'v> {
     pub variation: [&'v Variation; 3],
-    /// Empty where nothing pushes.
-    pub push: Vec<Push>,
+    /// Where anything pushes.
+    pub push: Option<[Push; 3]>,
 }
 
+/// Which of the three a stage of Runge and Kutta's looks at, and how far into the step it is.
+const STAGES: [(usize, f64); 4] = [(0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0)];
+
 impl Along<'_> {
-    /// Carries a column over a step of dt: Runge-Kutta of fourth order, exact in the order of the step for an equation
-    /// that is linear.
+    /// Carries a column over a step of dt: Runge-Kutta of fourth order on an equation that is linear.
     pub fn carry(&self, x: &mut Column, unknown: Option<usize>, dt: f64) {
-        let zero = Column::zeros();
-        let idle = |u: usize| {
-            self.variation.iter().all(|v| v.idle(u))
-                && self.push.iter().all(|p| p.drive[u] == Vector6::zeros())
+        let (attitude, momentum) = parts(x);
+        let change = match &self.push {
+            None => self.carry_pose(&attitude, &momentum, unknown, dt),
+            Some(push) => self.carry_all(push, &attitude, &momentum, unknown, dt),
         };
-        if *x == zero && unknown.is_some_and(idle) {
-            return;
+        *x += change * (dt / 6.0);
+    }
+
+    /// The momentum stays: its part of the slope is known beforehand.
+    fn carry_pose(
+        &self,
+        attitude: &Vector3,
+        momentum: &Vector6,
+        unknown: Option<usize>,
+        dt: f64,
+    ) -> Column {
+        let given = self.variation.map(|v| {
+            let drive = unknown.map_or_else(Vector6::zeros, |u| v.drive[u]);
+            if *momentum == Vector6::zeros() {
+                drive
+            } else {
+                drive + v.pose.momentum * momentum
+            }
+        });
+        let mut change = Column::zeros();
+        if *attitude == Vector3::zeros() && given.iter().all(|g| *g == Vector6::zeros()) {
+            return change;
         }
-        let slope = |at: usize, x: &Column| {
-            let v = self.variation[at];
-            let mut pose = times(&v.pose, x);
+        let mut slopes = [Vector6::zeros(); 4];
+        for (i, (at, share)) in STAGES.into_iter().enumerate() {
+            let before = slopes[i.saturating_sub(1)].fixed_rows::<3>(0) * (share * dt);
+            slopes[i] = self.variation[at].pose.attitude * (attitude + before) + given[at];
+        }
+        let [a, b, c, d] = slopes;
+        change
+            .fixed_rows_mut::<6>(0)
+            .copy_from(&(a + (b + c) * 2.0 + d));
+        change
+    }
+
+    fn carry_all(
+        &self,
+        push: &[Push; 3],
+        attitude: &Vector3,
+        momentum: &Vector6,
+        unknown: Option<usize>,
+        dt: f64,
+    ) -> Column {
+        let mut slopes = [(Vector6::zeros(), Vector6::zeros()); 4];
+        for (i, (at, share)) in STAGES.into_iter().enumerate() {
+            let (v, p) = (self.variation[at], &push[at]);
+            let (pose, force) = slopes[i.saturating_sub(1)];
+            let turned = attitude + pose.fixed_rows::<3>(0) * (share * dt);
+            let pushed = momentum + force * (share * dt);
+            let mut slope = (
+                v.pose.attitude * turned + v.pose.momentum * pushed,
+                p.momentum.attitude * turned,
+            );
+            if p.momentum.coupled {
+                slope.1 += p.momentum.momentum * pushed;
+            }
             if let Some(u) = unknown {
-                pose += v.drive[u];
+                slope.0 += v.drive[u];
+                slope.1 += p.drive[u];
             }
-            let mut slope = zero;
-            slope.fixed_rows_mut::<6>(0).copy_from(&pose);
-            if let Some(push) = self.push.get(at) {
-                let mut momentum = times(&push.momentum, x);
-                if let Some(u) = unknown {
-                    momentum += push.drive[u];
-                }
-                slope.fixed_rows_mut::<6>(6).copy_from(&momentum);
-            }
-            slope
-        };
-        let a = slope(0, x);
-        let b = slope(1, &(*x + a * (0.5 * dt)));
-        let c = slope(1, &(*x + b * (0.5 * dt)));
-        let d = slope(2, &(*x + c * dt));
-        *x += (a + (b + c) * 2.0 + d) * (dt / 6.0);
+            slopes[i] = slope;
+        }
+        let [a, b, c, d] = slopes;
+        let mut change = Column::zeros();
+        change
+            .fixed_rows_mut::<6>(0)
+            .copy_from(&(a.0 + (b.0 + c.0) * 2.0 + d.0));
+        change
+            .fixed_rows_mut::<6>(6)
+            .copy_from(&(a.1 + (b.1 + c.1) * 2.0 + d.1));
+        change
     }
 }
 
@@ -142,7 +206,7 @@ impl Motion<'_> {
             map,
             drive: twists.iter().map(pose_of).collect(),
             twists,
-            pose,
+            pose: Half::new(&pose),
         }
     }
 
@@ -227,7 +291,7 @@ impl Motion<'_> {
         };
         Some(Push {
             drive: variation.twists.iter().enumerate().map(drive).collect(),
-            momentum: self.wrench_slopes(state, instant, &variation.map, k),
+            momentum: Half::new(&self.wrench_slopes(state, instant, &variation.map, k)),
         })
     }
 }
