@@ -36,10 +36,9 @@ const FACTORS: [(f64, &str); 10] = [
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];
 /// Factors that put body rates right, and the mistake.
-const RATES: [(f64, &str); 3] = [
+const RATES: [(f64, &str); 2] = [
     (PI / 180.0, "body rates in deg/s that are read as rad/s"),
     (PI / 30.0, "body rates in rpm that are read as rad/s"),
-    (180.0 / PI, "body rates in rad/s that are mapped as deg/s"),
 ];
 /// Chi-square per degree of freedom up to which a record fits.
 const FITS: f64 = 10.0;

@@ -67,6 +67,8 @@ const DIFFERENCES: &str = "\
 - F9: MCAP is not read.
 - M1: massless links on fixed joints are accepted, and a massless base whose subtree has mass.
 - M5: a mimic joint is read as a joint of its own and named; telemetry needs a column for it.
+- T7: without attitude, body rates in rad/s that are mapped as deg/s contradict nothing: so slow a motion shows too
+  little, and the answer says that.
 - M2: there is no --allow-unphysical.
 - S1: a case may name a model or a torque table outside of its folder, as the shipped ones do: such files are only
   read. No name that stands in a file becomes the name of an output.

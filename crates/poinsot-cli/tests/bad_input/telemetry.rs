@@ -262,12 +262,10 @@ fn units() -> Vec<Row> {
                     s.map("omega", |_, w| w.to_radians());
                 })
             },
-            2,
-            &[
-                "E0220",
-                "fit it as body rates in rad/s that are mapped as deg/s",
-            ],
-        ),
+            1,
+            &["part of what was asked for is determined"],
+        )
+        .never(&["every number"]),
         row(
             "T7",
             "gyro in rpm",
