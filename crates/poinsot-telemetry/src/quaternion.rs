@@ -51,8 +51,8 @@ pub(crate) fn tidy(
             return Err(TelemetryError::Quaternion {
                 place: Place::cell(path, row, column),
                 why: format!(
-                    "the quaternion ({}, {}, {}, {}) has norm {norm}, not 1; correct the row or the order of the columns",
-                    here[0], here[1], here[2], here[3]
+                    "the quaternion ({}) has norm {norm}, not 1; correct the row or the order of the columns",
+                    here.map(short).join(", ")
                 ),
             });
         }
@@ -108,6 +108,14 @@ pub(crate) fn tidy(
         .collect())
 }
 
+/// A number as text, without hundreds of zeros.
+fn short(x: f64) -> String {
+    match x.abs() {
+        size if size >= 1.0e16 || (size > 0.0 && size < 1.0e-5) => format!("{x:e}"),
+        _ => x.to_string(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,6 +164,12 @@ mod tests {
         assert_eq!(
             run(&[[0.0, 0.0, 0.0, 1.1]]).unwrap_err().to_string(),
             "E0214 a.csv:2 column 'q_x': the quaternion (0, 0, 0, 1.1) has norm 1.1, not 1; correct the row or the order of the columns"
+        );
+        assert_eq!(
+            run(&[[1e300, -1e300, 5e-324, 0.0]])
+                .unwrap_err()
+                .to_string(),
+            "E0214 a.csv:2 column 'q_x': the quaternion (1e300, -1e300, 5e-324, 0) has norm inf, not 1; correct the row or the order of the columns"
         );
         let mut q = columns(&[[0.0, 0.0, 0.0, 1.0005]]);
         let strict = tidy(Path::new("a.csv"), "q_x", &[2], &mut q, true).unwrap_err();
