@@ -4,7 +4,7 @@
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
 //! not move.
 
-use crate::coordinates::{ChartSteps, Coordinates, WORTH, at_the_edge, inside, physical_share};
+use crate::coordinates::{Coordinates, PhysicalBodies};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
@@ -22,6 +22,8 @@ pub(crate) const ITERATIONS: usize = 60;
 const SETTLED: f64 = 1.0e-8;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
+/// Fall of chi-square beyond the edge that is more than the barrier's own: a five-hundredth of a sigma.
+const FELT: f64 = 4.0e-6;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE: f64 = 1.0e-4;
 
@@ -97,16 +99,19 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point,
 
 /// A start whose bodies are physical: as far from the nominal numbers towards it as they stay so.
 fn physical(experiment: &Experiment, mut start: Point) -> Point {
-    if experiment.coordinates == Coordinates::LogCholesky {
-        let nominal = experiment.parameters.nominal_vector();
-        let share = physical_share(experiment.parameters, &nominal, &start.x);
-        if share < 1.0 {
-            for (x, from) in start.x.iter_mut().zip(&nominal) {
-                *x = from + share * (*x - from);
-            }
-        }
+    let mass_unknowns = experiment.parameters.mass_unknowns;
+    if let Some(bodies) = physical_bodies(experiment, mass_unknowns) {
+        bodies.start(&mut start.x);
     }
     start
+}
+
+/// The bodies that are to stay physical.
+fn physical_bodies(experiment: &Experiment, mass_unknowns: usize) -> Option<PhysicalBodies> {
+    match experiment.coordinates {
+        Coordinates::Linear => None,
+        Coordinates::Physical => PhysicalBodies::new(experiment.parameters, mass_unknowns),
+    }
 }
 
 /// Bodies that the data press against the edge of what positive mass can have.
@@ -116,6 +121,8 @@ pub(crate) struct Held {
     pub bodies: Vec<String>,
     /// How much chi-square would fall beyond the edge, to first order.
     pub cost: f64,
+    /// How many conditions hold them: the degrees of freedom of `cost`.
+    pub conditions: usize,
 }
 
 /// Where the iteration ended.
@@ -136,8 +143,8 @@ pub(crate) struct Local {
     evaluated: Vec<Evaluated>,
     shared: Shared,
     spectrum: Spectrum,
-    /// Steps in free coordinates, where a plain step would leave the physical bodies.
-    chart: Option<ChartSteps>,
+    /// The bodies that the steps keep physical.
+    bodies: Option<PhysicalBodies>,
 }
 
 impl LeastSquares for Experiment<'_> {
@@ -173,20 +180,20 @@ impl Experiment<'_> {
     /// Step of the mass unknowns, natural units, and how much the linear model says that it lowers chi-square.
     fn mass_step(&self, x: &[f64], local: &Local, damping: f64) -> (Vec<f64>, f64) {
         let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
-        if let Some(chart) = &local.chart {
-            return chart.step(spectrum, &rhs, damping);
-        }
-        let mut step = spectrum.damped(&rhs, damping);
-        let mut lowered = spectrum.decrease(&rhs, damping);
-        if self.coordinates == Coordinates::LogCholesky {
-            let share = inside(self.parameters, &spectrum.natural, x, &step);
-            if share < 1.0 {
-                step.iter_mut().for_each(|z| *z *= share);
-                lowered *= share * (2.0 - share);
+        let step = spectrum.damped(&rhs, damping);
+        match &local.bodies {
+            Some(bodies) if !bodies.contain(&after(x, &step, spectrum)) => {
+                bodies.step(spectrum, &rhs, damping, x)
             }
+            _ => (step, spectrum.decrease(&rhs, damping)),
         }
-        (step, lowered)
     }
+}
+
+/// The mass unknowns after a step in natural units.
+fn after(x: &[f64], step: &[f64], spectrum: &Spectrum) -> Vec<f64> {
+    let moved = x.iter().zip(step).zip(&spectrum.natural);
+    moved.map(|((x, z), unit)| x + z * unit).collect()
 }
 
 fn linearised(
@@ -200,21 +207,12 @@ fn linearised(
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
-    let chart = match experiment.coordinates {
-        Coordinates::Linear => None,
-        Coordinates::LogCholesky => {
-            let (natural, x) = (&spectrum.natural, &at.x);
-            let step = spectrum.damped(&shared.rhs(), 0.0);
-            (inside(experiment.parameters, natural, x, &step) < WORTH)
-                .then(|| ChartSteps::new(experiment.parameters, &spectrum, x))
-                .flatten()
-        }
-    };
+    let bodies = physical_bodies(experiment, spectrum.natural.len());
     let local = Local {
         evaluated,
         shared,
         spectrum,
-        chart,
+        bodies,
     };
     Ok(Linearised {
         cost,
@@ -259,17 +257,21 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
     })
 }
 
+/// Where the plain step from the answer would leave the physical bodies, and chi-square feels it.
 fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option<Held> {
-    let chart = local.chart.as_ref()?;
-    let bodies = at_the_edge(experiment.parameters, &at.x);
-    let rhs = local.shared.rhs();
-    let (beyond, within) = (
-        local.spectrum.decrease(&rhs, 0.0),
-        chart.step(&local.spectrum, &rhs, 0.0).1,
-    );
-    (!bodies.is_empty()).then_some(Held {
-        bodies,
-        cost: beyond - within,
+    let bodies = local.bodies.as_ref()?;
+    let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
+    if bodies.contain(&after(&at.x, &spectrum.damped(&rhs, 0.0), spectrum)) {
+        return None;
+    }
+    let within = bodies.step(spectrum, &rhs, 0.0, &at.x).1;
+    let cost = spectrum.decrease(&rhs, 0.0) - within;
+    let (indices, conditions) = bodies.at_the_edge(&at.x);
+    let names = &experiment.parameters.body_names;
+    (cost > FELT && !indices.is_empty()).then(|| Held {
+        bodies: indices.iter().map(|k| names[*k].clone()).collect(),
+        cost,
+        conditions,
     })
 }
 

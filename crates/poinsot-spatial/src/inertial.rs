@@ -225,6 +225,43 @@ mod tests {
         );
     }
 
+    /// The bodies of the arm of Xu 2017 with the sums written out; their products of inertia vanish about the mass
+    /// centre, so what stands off the diagonal is the parallel-axis part alone.
+    #[test]
+    fn exact_parallel_axis_is_the_sum_over_the_elements() {
+        let arm = [
+            (12.6, [0.004, -0.003, 0.155], [0.4845, 0.4845, 0.19]),
+            (9.6, [0.274, -0.003, -0.246], [0.28634, 1.86533, 1.7407]),
+            (10.4, [0.004, -0.003, 0.155], [0.4074, 0.4074, 0.1455]),
+            (7.6, [0.004, -0.003, -0.345], [0.525, 0.525, 0.2205]),
+            (6.36, [0.004, -0.037, 0.005], [0.3168, 0.16512, 0.2496]),
+        ];
+        for (mass, c, moments) in arm {
+            let body = MassProperties {
+                mass,
+                p_BoBcm_B: Vector3::from(c),
+                I_BBcm_B: Matrix3::from_diagonal(&Vector3::from(moments)),
+            };
+            let about_origin = body.parameters();
+            let back = about_origin.mass_properties().unwrap();
+            for i in 0..3 {
+                assert!((about_origin.mc_B[i] - mass * c[i]).abs() < 1.0e-14);
+                for j in 0..3 {
+                    let (p, q) = ((i + 1) % 3, (i + 2) % 3);
+                    let central = if i == j { moments[i] } else { 0.0 };
+                    let shift = match i == j {
+                        true => c[p] * c[p] + c[q] * c[q],
+                        false => -c[i] * c[j],
+                    };
+                    let gap = about_origin.I_BBo_B[(i, j)] - (central + mass * shift);
+                    assert!(gap.abs() < 1.0e-14, "{mass} kg, {i} {j}: {gap:e}");
+                    let gap = back.I_BBcm_B[(i, j)] - central;
+                    assert!(gap.abs() < 1.0e-14, "{mass} kg, {i} {j}: {gap:e} about the mass centre");
+                }
+            }
+        }
+    }
+
     #[test]
     fn unit_pseudo_inertia_is_definite_for_a_real_body_and_not_for_a_broken_one() {
         assert!(pseudo_inertia(&body().parameters()).cholesky().is_some());

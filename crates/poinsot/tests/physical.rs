@@ -53,7 +53,7 @@ fn exact_coordinates_make_no_difference_with_good_data() {
         truth.sensors = sensors(1.0e-4);
         let table = noisy(fly(&truth, &moving(&truth, 3)), 5, 1.0e-4);
         let model = off_nominal(&truth, 0.2);
-        let [a, b] = [Coordinates::LogCholesky, Coordinates::Linear]
+        let [a, b] = [Coordinates::Physical, Coordinates::Linear]
             .map(|c| ask_in(&model, &table, c).estimate);
         assert_eq!(a.status, Status::Converged);
         let numbers = |e: &poinsot_identify::Estimate| {
@@ -103,7 +103,7 @@ fn stat_a_plate_stays_physical() {
                 table = rotation_only(table);
             }
             let linear = ask_in(&model, &table, Coordinates::Linear).estimate;
-            let free = ask_in(&model, &table, Coordinates::LogCholesky).estimate;
+            let free = ask_in(&model, &table, Coordinates::Physical).estimate;
             if free.status == Status::IterationLimit {
                 // Said, with every number withheld; rare.
                 unsettled += 1;
@@ -162,7 +162,7 @@ fn unit_data_beyond_every_body_are_rejected() {
     let table = rotation_only(noisy(fly(&truth, &moving(&truth, 9)), 4, 1.0e-4));
     let mut model = truth;
     model.bodies[0].nominal.I_BBcm_B[(2, 2)] = 9.0;
-    let answer = ask_in(&model, &table, Coordinates::LogCholesky).estimate;
+    let answer = ask_in(&model, &table, Coordinates::Physical).estimate;
     assert_eq!(answer.status, Status::Rejected, "{:?}", answer.warnings);
     assert!(answer.bodies[0].inertia.iter().all(|n| n.value.is_none()));
 }
