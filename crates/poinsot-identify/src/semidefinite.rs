@@ -260,7 +260,10 @@ mod tests {
             let normal = (A.transpose() * &A).cholesky().unwrap();
             let L = normal.solve(&(A.transpose() * &target));
             let miss = (&A * &L - &target).norm();
-            assert!(miss < 1.0e-5 * (1.0 + target.norm()), "trial {trial}: {miss:e}");
+            assert!(
+                miss < 1.0e-5 * (1.0 + target.norm()),
+                "trial {trial}: {miss:e}"
+            );
             let mut at = 0;
             for size in sizes {
                 pressed[size.min(2)] += 1;
