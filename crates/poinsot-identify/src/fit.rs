@@ -28,13 +28,60 @@ const FELT: f64 = 4.0e-6;
 const NEGLIGIBLE: f64 = 1.0e-4;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
+///
+/// The bodies are free at first: close to the edge, far from the answer, the equations of motion bend more than
+/// beyond it. What then lies beyond is brought back by the step that costs least and fitted on within the edge.
 pub(crate) fn fit(
     experiment: &Experiment,
     linear: Option<&Solved>,
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
+    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    if let Some(bodies) = bodies.as_ref().filter(|_| limit >= ITERATIONS) {
+        let mut free = experiment.with_parameters(experiment.parameters);
+        free.coordinates = Coordinates::Linear;
+        let found = fit_within(&free, linear, Some(bodies), limit)?;
+        if found.settled {
+            if bodies.contain(&found.at.x) {
+                return Ok(found);
+            }
+            let back = brought_back(experiment, &found, bodies, limit);
+            if let Some(found) = back.filter(|f| f.settled) {
+                return Ok(found);
+            }
+        }
+    }
+    fit_within(experiment, linear, bodies.as_ref(), limit)
+}
+
+/// Fits on from the step that leads back to physical bodies at the least cost.
+fn brought_back(
+    experiment: &Experiment,
+    beyond: &Fitted,
+    bodies: &PhysicalBodies,
+    limit: usize,
+) -> Option<Fitted> {
+    let rhs = beyond.shared.rhs();
+    let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
+    let (shared, natural) = (&beyond.shared, &beyond.spectrum.natural);
+    let at = moved(
+        experiment,
+        &beyond.at,
+        (&beyond.evaluated, shared, natural),
+        &step,
+    );
+    fit_from(experiment, at, limit)
+}
+
+/// Fits in the coordinates of the experiment, from starts at which the bodies are physical.
+fn fit_within(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    bodies: Option<&PhysicalBodies>,
+    limit: usize,
+) -> Result<Fitted, ProblemError> {
     let mut best: Option<Fitted> = None;
-    for start in starting_points(experiment, linear) {
+    for start in starting_points(experiment, linear, bodies) {
         let at = start.point;
         let Some(here) = start.here.or_else(|| experiment.linearise(&at)) else {
             continue;
@@ -77,10 +124,21 @@ struct Start {
 }
 
 /// The linear solution and the nominal numbers, the better one first.
-fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Start> {
+fn starting_points(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    bodies: Option<&PhysicalBodies>,
+) -> Vec<Start> {
     let mut found = Vec::new();
     let mut close = false;
-    if let Some(point) = linear.map(|solved| physical(experiment, experiment.point(solved)))
+    let point = linear.map(|solved| {
+        let mut point = experiment.point(solved);
+        if let Some(bodies) = bodies {
+            bodies.start(&mut point.x);
+        }
+        point
+    });
+    if let Some(point) = point
         && let Some(here) = experiment.linearise(&point)
     {
         let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
@@ -117,7 +175,7 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point,
     )?;
     for _ in 0..limit {
         let held = vec![0.0; here.rows.spectrum.natural.len()];
-        let next = moved(experiment, &at, &here.rows, &held);
+        let next = moved(experiment, &at, here.rows.parts(), &held);
         let Some(evaluated) = evaluate(&next) else {
             break;
         };
@@ -128,15 +186,6 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point,
         (at, here) = (next, there);
     }
     Ok(at)
-}
-
-/// A start whose bodies are physical: as far from the nominal numbers towards it as they stay so.
-fn physical(experiment: &Experiment, mut start: Point) -> Point {
-    let mass_unknowns = experiment.parameters.mass_unknowns;
-    if let Some(bodies) = physical_bodies(experiment, mass_unknowns) {
-        bodies.start(&mut start.x);
-    }
-    start
 }
 
 /// The bodies that are to stay physical.
@@ -180,6 +229,13 @@ pub(crate) struct Local {
     bodies: Option<PhysicalBodies>,
 }
 
+impl Local {
+    /// What a step of the mass properties takes with it.
+    fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
+        (&self.evaluated, &self.shared, &self.spectrum.natural)
+    }
+}
+
 impl LeastSquares for Experiment<'_> {
     type Point = Point;
     type Rows = Local;
@@ -202,7 +258,7 @@ impl LeastSquares for Experiment<'_> {
         let local = &here.rows;
         let (step, lowered) = self.mass_step(&at.x, local, damping);
         Step {
-            to: moved(self, at, local, &step),
+            to: moved(self, at, local.parts(), &step),
             promised: promised_decrease(self, local, lowered),
             bend: 0.0,
         }
@@ -334,17 +390,18 @@ fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f6
 }
 
 /// The point after a step of the mass properties: biases and heads follow.
-fn moved(experiment: &Experiment, at: &Point, local: &Local, step: &[f64]) -> Point {
-    let mut dx: Vec<f64> = step
-        .iter()
-        .zip(&local.spectrum.natural)
-        .map(|(z, unit)| z * unit)
-        .collect();
-    dx.extend(local.shared.nuisances_for(&dx));
+fn moved(
+    experiment: &Experiment,
+    at: &Point,
+    (evaluated, shared, natural): (&[Evaluated], &Shared, &[f64]),
+    step: &[f64],
+) -> Point {
+    let mut dx: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
+    dx.extend(shared.nuisances_for(&dx));
     let heads = at
         .heads
         .iter()
-        .zip(&local.evaluated)
+        .zip(evaluated)
         .zip(&experiment.unknown)
         .map(|((old, one), unknown)| {
             let Some(triangle) = &one.triangle else {

@@ -25,7 +25,7 @@ use vehicle::*;
 /// attitude, velocity and position, SI. A rod that takes up the whole momentum of the wheels spins too fast for the record.
 const SHAPES: [(&str, [f64; 3], f64, f64); 3] = [
     ("plate", [6.9999, 5.9999, 1.0e-4], 1.0, 3.0e-3),
-    ("rod", [6.0, 0.01, 0.01], 0.02, 1.0e-2),
+    ("rod", [6.0, 0.03, 0.03], 0.02, 3.0e-2),
     ("disc", [6.0, 6.0, 0.0], 1.0, 3.0e-3),
 ];
 
