@@ -84,12 +84,7 @@ fn tensor(second: [f64; 3]) -> Matrix3 {
 /// Bodies whose thickness is far below what the data can tell: linear steps end beyond them in about half of the
 /// trials, physical ones never do, all settle, and those say that they are held at the edge whose free answer is
 /// impossible, and no other. `--example physical_edge` does the same with more trials, and counts intervals.
-fn stays_physical(
-    second: [f64; 3],
-    wheels: f64,
-    trials: u64,
-    expected: std::ops::RangeInclusive<u32>,
-) {
+fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclusive<u32>) {
     let I = tensor(second);
     let inertia = EstimateSet {
         mass: false,

@@ -180,7 +180,7 @@ fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
 fn stat_a_case_against_its_telemetry() {
     let (mut case, model) = load("slosh.toml");
     // Twice the readings of the example, so that the mean square is sharp.
-    case.output.rate_hz = 10.0;
+    case.rate_hz = 10.0;
     for trial in 0..3 {
         let table = simulate_trial(&case, &model, trial).unwrap().table;
         let found = compare_with_telemetry(&case, &Mover::of_model(model.clone()), &table).unwrap();
