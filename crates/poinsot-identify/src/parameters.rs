@@ -43,6 +43,8 @@ pub enum UnknownKind {
     GyroScale(usize),
     /// Component of the small rotation between true and assumed gyro axes, rad.
     GyroMisalignment(usize),
+    /// Turn of two gyro axes towards each other, rad: of the pair that leaves out this axis.
+    GyroShear(usize),
     /// How late the gyro reads, s.
     GyroLag,
     /// How late the attitude reads, s.
@@ -99,6 +101,7 @@ impl UnknownKind {
             Self::GyroBias(_)
                 | Self::GyroScale(_)
                 | Self::GyroMisalignment(_)
+                | Self::GyroShear(_)
                 | Self::GyroLag
                 | Self::AttitudeLag
                 | Self::Instrument { .. }
@@ -166,6 +169,8 @@ pub struct Parameters {
 pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
 const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 const AXES: [&str; 3] = ["x", "y", "z"];
+/// Pairs of axes by the one that is left out.
+const PAIRS: [&str; 3] = ["yz", "xz", "xy"];
 
 /// Why the question cannot be asked of the linear method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -410,6 +415,12 @@ impl Parameters {
             self.add_axes(gyro.scale, UnknownKind::GyroScale, name, "scale", "1");
             let turned = UnknownKind::GyroMisalignment;
             self.add_axes(gyro.misalignment, turned, name, "misalignment", "rad");
+            if gyro.nonorthogonality != Nuisance::Known {
+                for (k, pair) in PAIRS.iter().enumerate() {
+                    let name = format!("{name}.nonorthogonality_{pair}");
+                    self.push(UnknownKind::GyroShear(k), name, "rad", 0.0, 1.0);
+                }
+            }
             self.add_lag(gyro.lag, UnknownKind::GyroLag, name);
         }
         if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
