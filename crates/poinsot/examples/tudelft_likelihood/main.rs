@@ -8,12 +8,13 @@
 #![allow(non_snake_case)]
 
 mod chain;
+mod device;
 mod likelihood;
 #[path = "../tudelft_throw/throws/mod.rs"]
 #[allow(dead_code)]
 mod throws;
 
-use chain::{Answer, Object, Throws, declared, identify, prepare};
+use chain::{Answer, Object, Throws, calibrate, declared, identify, prepare};
 use likelihood::{Declared, fit};
 use nalgebra::Vector3;
 use std::path::PathBuf;
@@ -30,7 +31,11 @@ fn main() -> Result<(), Fault> {
         println!("skipped: no shared data");
         return Ok(());
     }
-    let throws = prepare(&folder, words.iter().any(|w| w == "--segments"))?;
+    let mut throws = prepare(&folder, words.iter().any(|w| w == "--segments"))?;
+    if !words.iter().any(|w| w == "--ideal-box") {
+        calibrate(&mut throws)?;
+        print_box(&throws);
+    }
     if words.iter().any(|w| w == "--choose") {
         return choose(&throws);
     }
@@ -47,6 +52,23 @@ fn main() -> Result<(), Fault> {
     Ok(())
 }
 
+/// What the calibration throws say of the box.
+fn print_box(throws: &Throws) {
+    let d = &throws.device;
+    println!("the box: axes of the gyro, axis of the wheel, mrad; bias of the accelerometer, m/s2");
+    for (k, name) in device::FIVE.iter().enumerate() {
+        println!(
+            "  {name:26} {:+6.2} +- {:.2}",
+            1.0e3 * d.five[k],
+            1.0e3 * d.five_sigma[k]
+        );
+    }
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let sigma = d.bias_covariance[(k, k)].sqrt();
+        println!("  accelerometer.bias_{axis:8} {:+6.3} +- {sigma:.3}", d.bias[k]);
+    }
+}
+
 fn print_object(object: &Object) {
     println!(
         "\n{}: errors of the principal moments, %, with one sigma, %",
@@ -55,6 +77,8 @@ fn print_object(object: &Object) {
     for a in object.throws.iter().chain([&object.together]) {
         print_answer(a);
     }
+    let (mean, worst) = object.published();
+    println!("  by the paper's measure: mean {mean:.2} %, worst {worst:.2} %");
     println!(
         "  mean {:.2} %, worst {:.2} %; 95 % intervals hold the known moment in {:.0} % of {} cases, all three in {} of {} throws",
         object.mean_error(),
@@ -83,7 +107,7 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
     );
     for (name, group) in throws.groups() {
         for (torque, correlation, colour) in DECLARATIONS {
-            let mut own: Declared = declared(name);
+            let mut own: Declared = declared(name, &throws.device);
             own.torque.sigma_N_m = torque;
             own.torque.correlation_s = correlation;
             own.gyro_correlation_s = colour;
