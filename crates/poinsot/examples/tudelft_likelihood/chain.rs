@@ -27,20 +27,20 @@ pub fn declared(group: &str, device: &Device) -> Declared {
         false => Nuisance::Known,
     };
     let s = &device.five_sigma;
-    let (gyro, sigma_N_m) = match group {
-        "device_only" => (Vector3::new(0.040, 0.096, 0.148), 3.0e-5),
-        "proof_body" => (Vector3::new(0.020, 0.013, 0.029), 3.0e-4),
-        "config_empty" => (Vector3::new(0.014, 0.009, 0.019), 3.0e-4),
-        _ => (Vector3::new(0.0105, 0.007, 0.015), 3.0e-4),
+    let (gyro, gyro_correlation_s, sigma_N_m, correlation_s) = match group {
+        "device_only" => (Vector3::new(0.031, 0.085, 0.115), 0.0, 3.0e-5, 0.1),
+        "proof_body" => (Vector3::new(0.020, 0.013, 0.030), 0.003, 3.0e-5, 0.1),
+        "config_empty" => (Vector3::new(0.014, 0.009, 0.019), 0.003, 3.0e-4, 0.1),
+        _ => (Vector3::new(0.0109, 0.0073, 0.015), 0.003, 1.0e-4, 0.3),
     };
     Declared {
         gyro_axes: known((s.fixed_rows::<3>(0).norm_squared() / 3.0).sqrt()),
         wheel_axis: known((s.fixed_rows::<2>(3).norm_squared() / 2.0).sqrt()),
         gyro,
-        gyro_correlation_s: 0.003,
+        gyro_correlation_s,
         torque: RandomTorque {
             sigma_N_m,
-            correlation_s: 0.1,
+            correlation_s,
         },
     }
 }

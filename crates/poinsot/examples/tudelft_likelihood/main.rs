@@ -112,7 +112,7 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
             own.torque.correlation_s = correlation;
             own.gyro_correlation_s = colour;
             let (mut sum, mut gyro) = (0.0, Vector3::zeros());
-            for throw in group.iter().take(2) {
+            for throw in group.iter().take(3) {
                 own.gyro = Vector3::repeat(0.1);
                 let mut found = fit(&throws.model, &[throw], &own);
                 if let Ok(first) = &found {
@@ -122,7 +122,7 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
                 match found {
                     Ok(fitted) => {
                         sum += fitted.deviance;
-                        gyro += fitted.residual / 2.0;
+                        gyro += fitted.residual / 3.0;
                     }
                     Err(why) => println!("{name} {}: {why}", throw.name),
                 }
@@ -137,13 +137,18 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
 }
 
 /// Torque, its correlation, the gyro's correlation.
-const DECLARATIONS: [(f64, f64, f64); 8] = [
-    (3.0e-6, 0.1, 0.0),
+const DECLARATIONS: [(f64, f64, f64); 13] = [
     (3.0e-5, 0.1, 0.0),
-    (3.0e-6, 0.1, 0.003),
     (3.0e-5, 0.1, 0.003),
+    (1.0e-4, 0.1, 0.003),
     (3.0e-4, 0.1, 0.003),
-    (3.0e-5, 0.3, 0.003),
-    (3.0e-5, 0.1, 0.01),
     (3.0e-4, 0.1, 0.01),
+    (3.0e-5, 0.3, 0.003),
+    (1.0e-4, 0.3, 0.003),
+    (3.0e-4, 0.3, 0.003),
+    (1.0e-3, 0.3, 0.003),
+    (3.0e-5, 1.0, 0.003),
+    (1.0e-4, 1.0, 0.003),
+    (3.0e-4, 1.0, 0.003),
+    (1.0e-3, 1.0, 0.003),
 ];
