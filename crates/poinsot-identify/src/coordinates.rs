@@ -46,6 +46,8 @@ pub struct FitOptions {
     pub loss: Loss,
     /// Coordinates of the steps.
     pub coordinates: Coordinates,
+    /// Leaves out the look for what would explain a misfit. It changes no number, only the verdict.
+    pub undiagnosed: bool,
 }
 
 impl From<Loss> for FitOptions {

@@ -32,8 +32,9 @@ pub(crate) fn fit(
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let mut best: Option<Fitted> = None;
-    for at in starting_points(experiment, linear) {
-        let Some(here) = experiment.linearise(&at) else {
+    for start in starting_points(experiment, linear) {
+        let at = start.point;
+        let Some(here) = start.here.or_else(|| experiment.linearise(&at)) else {
             continue;
         };
         let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
@@ -49,26 +50,58 @@ pub(crate) fn fit(
 
 /// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
 pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Option<Fitted> {
-    let evaluated = experiment.evaluate(&at, true)?;
-    let here = linearised(experiment, &at, evaluated).ok()?;
+    let here = experiment.linearise(&at)?;
+    fit_on(experiment, at, here, limit)
+}
+
+/// The same where the problem at the point is known.
+pub(crate) fn fit_on(
+    experiment: &Experiment,
+    at: Point,
+    here: Linearised<Local>,
+    limit: usize,
+) -> Option<Fitted> {
     fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
 }
 
+/// Chi-square per row below which a start is taken without a look at another.
+const CLOSE: f64 = 10.0;
+
+/// A point to start from, with the problem there where it is known already.
+struct Start {
+    point: Point,
+    cost: f64,
+    here: Option<Linearised<Local>>,
+}
+
 /// The linear solution and the nominal numbers, the better one first.
-fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Point> {
-    let points = linear
-        .map(|solved| physical(experiment, experiment.point(solved)))
-        .into_iter()
-        .chain([experiment.nominal_point()]);
-    let mut found: Vec<(f64, Point)> = points
-        .filter_map(|point| {
-            let evaluated = experiment.evaluate(&point, false)?;
-            let chi2 = experiment.chi2(&point, &evaluated)?;
-            Some((chi2, point))
-        })
-        .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.into_iter().map(|(_, point)| point).collect()
+fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Start> {
+    let mut found = Vec::new();
+    let mut close = false;
+    if let Some(point) = linear.map(|solved| physical(experiment, experiment.point(solved)))
+        && let Some(here) = experiment.linearise(&point)
+    {
+        let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
+        close = here.cost < CLOSE * rows as f64;
+        found.push(Start {
+            point,
+            cost: here.cost,
+            here: Some(here),
+        });
+    }
+    let point = experiment.nominal_point();
+    let cost = if close {
+        Some(f64::INFINITY)
+    } else {
+        experiment.cost(&point)
+    };
+    found.extend(cost.map(|cost| Start {
+        point,
+        cost,
+        here: None,
+    }));
+    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    found
 }
 
 /// Pose, momentum and biases that fit best at the nominal mass properties, which are held.

@@ -235,43 +235,48 @@ impl InputNoise {
         if let Some((thrust, _)) = &before.thrust {
             A += thrust;
         }
-        let mut transition = vec![0.0; size * size];
+        // Rows of the active components; the errors of the inputs only fade.
+        let mut upper = vec![0.0; n * size];
+        let faded: Vec<f64> = self.memory.iter().map(|m| m.memory(k - 1)).collect();
         for (i, &row) in self.active.iter().enumerate() {
             for (j, &column) in self.active.iter().enumerate() {
                 // Exponential to second order: h is a fraction of a turn.
                 let own = if i == j { 1.0 } else { 0.0 };
                 let through = self.active.iter().map(|&k| A[(row, k)] * A[(k, column)]);
-                transition[i * size + j] =
+                upper[i * size + j] =
                     own + h * A[(row, column)] + 0.5 * h * h * through.sum::<f64>();
             }
         }
-        let mut fresh = Vec::with_capacity(self.inputs.len());
-        for (c, (_, variance)) in self.inputs.iter().enumerate() {
-            let a = self.memory[c].memory(k - 1);
+        let mut fresh = Vec::with_capacity(self.inputs.len() * n);
+        for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let mut ends = [before, now].map(|s| s.drive[c] * (0.5 * h) - turn);
             if let Some((thrust, drive)) = &before.thrust {
                 ends[0] += (thrust * before.at_once[c] + drive[c]) * (0.5 * h);
                 ends[1] += (thrust * now.at_once[c] + drive[c]) * (0.5 * h);
             }
-            let mut vector = vec![0.0; size];
             for (i, &row) in self.active.iter().enumerate() {
-                transition[i * size + n + c] = ends[0][row] + a * ends[1][row];
-                vector[i] = ends[1][row];
+                upper[i * size + n + c] = ends[0][row] + a * ends[1][row];
+                fresh.push(ends[1][row]);
             }
-            transition[(n + c) * size + n + c] = a;
-            vector[n + c] = 1.0;
-            fresh.push((vector, variance * (1.0 - a * a)));
         }
-        self.filter.advance(&transition);
-        for (vector, variance) in fresh.iter().filter(|f| f.1 > 0.0) {
-            self.filter.add_outer(vector, *variance);
+        self.filter.advance(&upper, &faded);
+        let mut vector = vec![0.0; size];
+        for (c, ((_, variance), a)) in self.inputs.iter().zip(&faded).enumerate() {
+            let new = variance * (1.0 - a * a);
+            if new > 0.0 {
+                vector.fill(0.0);
+                vector[..n].copy_from_slice(&fresh[c * n..(c + 1) * n]);
+                vector[n + c] = 1.0;
+                self.filter.add_outer(&vector, new);
+            }
         }
     }
 
-    /// Covariance of readings that the errors so far cause.
-    pub fn spread<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> SMatrix<f64, M, M> {
-        self.filter.spread(slopes)
+    /// Correlation of the errors so far with readings, one row per error.
+    pub fn correlation<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> Vec<SVector<f64, M>> {
+        let rows = self.filter.covariance.chunks_exact(self.filter.size.max(1));
+        rows.map(|row| weighted(row, slopes)).collect()
     }
 
     /// A residual less what earlier readings say of it.
@@ -287,10 +292,11 @@ impl InputNoise {
     pub fn take<const M: usize>(
         &mut self,
         slopes: &[SVector<f64, M>],
+        correlation: &[SVector<f64, M>],
         inverse_root: &SMatrix<f64, M, M>,
         rows: &mut [SVector<f64, M>],
     ) {
-        self.filter.take(slopes, inverse_root, rows);
+        self.filter.take(slopes, correlation, inverse_root, rows);
     }
 }
 
@@ -335,35 +341,42 @@ impl Filter {
         }
     }
 
-    /// `P = F P F^T`, and every mean `F m`.
-    fn advance(&mut self, F: &[f64]) {
-        let n = self.size;
+    /// `P = F P F^T`, and every mean `F m`: the upper rows of `F` are given, below it is diagonal.
+    fn advance(&mut self, upper: &[f64], faded: &[f64]) {
+        let size = self.size;
+        let n = size - faded.len();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let product = &mut self.scratch;
-        for (i, out) in product.chunks_exact_mut(n).enumerate() {
+        for (i, out) in product.chunks_exact_mut(size).enumerate().take(n) {
             out.fill(0.0);
-            for (f, row) in F[i * n..(i + 1) * n]
-                .iter()
-                .zip(self.covariance.chunks_exact(n))
-            {
-                if *f != 0.0 {
-                    out.iter_mut().zip(row).for_each(|(o, p)| *o += f * p);
-                }
+            let rows = self.covariance.chunks_exact(size);
+            for (f, row) in upper[i * size..(i + 1) * size].iter().zip(rows) {
+                out.iter_mut().zip(row).for_each(|(o, p)| *o += f * p);
             }
         }
-        for i in 0..n {
-            for j in 0..=i {
-                let (a, b) = (&product[i * n..(i + 1) * n], &F[j * n..(j + 1) * n]);
-                let p: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-                self.covariance[i * n + j] = p;
-                self.covariance[j * n + i] = p;
+        for (i, row) in product.chunks_exact(size).enumerate().take(n) {
+            for (j, f) in upper.chunks_exact(size).enumerate().take(i + 1) {
+                let p = dot(row, f);
+                self.covariance[i * size + j] = p;
+                self.covariance[j * size + i] = p;
             }
+            for (j, a) in faded.iter().enumerate() {
+                let p = row[n + j] * a;
+                self.covariance[i * size + n + j] = p;
+                self.covariance[(n + j) * size + i] = p;
+            }
+        }
+        for (i, a) in faded.iter().enumerate() {
+            let own = &mut self.covariance[(n + i) * size + n..(n + i + 1) * size];
+            own.iter_mut().zip(faded).for_each(|(p, b)| *p *= a * b);
         }
         let next = &mut self.scratch[..n];
-        for mean in self.means.chunks_exact_mut(n) {
-            for (x, row) in next.iter_mut().zip(F.chunks_exact(n)) {
-                *x = row.iter().zip(mean.iter()).map(|(f, m)| f * m).sum();
+        for mean in self.means.chunks_exact_mut(size) {
+            for (x, f) in next.iter_mut().zip(upper.chunks_exact(size)) {
+                *x = dot(f, mean);
             }
-            mean.copy_from_slice(next);
+            mean[..n].copy_from_slice(next);
+            mean[n..].iter_mut().zip(faded).for_each(|(m, a)| *m *= a);
         }
     }
 
@@ -377,20 +390,12 @@ impl Filter {
         residual - weighted(&self.means[last..], slopes)
     }
 
-    /// `M P M^T`.
-    fn spread<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> SMatrix<f64, M, M> {
-        let mut S = SMatrix::<f64, M, M>::zeros();
-        for (row, slope) in self.covariance.chunks_exact(self.size.max(1)).zip(slopes) {
-            S += slope * weighted(row, slopes).transpose();
-        }
-        S
-    }
-
     /// Turns every row into its whitened innovation and learns from it. `inverse_root` is `L^-1` of the covariance
     /// `L L^T` of the readings, noise of the sensor and of the inputs together.
     fn take<const M: usize>(
         &mut self,
         slopes: &[SVector<f64, M>],
+        correlation: &[SVector<f64, M>],
         inverse_root: &SMatrix<f64, M, M>,
         rows: &mut [SVector<f64, M>],
     ) {
@@ -399,11 +404,8 @@ impl Filter {
             rows.iter_mut().for_each(|row| *row = inverse_root * *row);
             return;
         }
-        let gains: Vec<SVector<f64, M>> = self
-            .covariance
-            .chunks_exact(n)
-            .map(|row| inverse_root * weighted(row, slopes))
-            .collect();
+        let gains = correlation.iter().map(|c| inverse_root * c);
+        let gains: Vec<SVector<f64, M>> = gains.collect();
         for (mean, row) in self.means.chunks_exact_mut(n).zip(rows) {
             for (m, slope) in mean.iter().zip(slopes) {
                 *row -= slope * *m;
@@ -413,10 +415,8 @@ impl Filter {
                 *m += gain.dot(row);
             }
         }
-        for (i, a) in gains.iter().enumerate() {
-            for (j, b) in gains.iter().enumerate() {
-                self.covariance[i * n + j] -= a.dot(b);
-            }
+        for (row, a) in self.covariance.chunks_exact_mut(n).zip(&gains) {
+            row.iter_mut().zip(&gains).for_each(|(p, b)| *p -= a.dot(b));
         }
     }
 }

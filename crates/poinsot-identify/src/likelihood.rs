@@ -517,19 +517,26 @@ impl<'a> Compare<'a> {
             residual_w.unwrap_or_default(),
         );
         rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
-        let present = [
-            (VELOCITY, 0, residual_v.is_some()),
-            (GYRO, 3, residual_w.is_some()),
-        ];
-        for (channel, at, _) in present.iter().filter(|p| p.2) {
-            self.coloured((*channel, *at, k), &mut rows, &mut slopes);
+        let Some(r_v) = residual_v else {
+            // The rate alone: half as many rows for the filter.
+            let lower = |d: &Vector6| -> Vector3 { d.fixed_rows::<3>(3).into() };
+            let mut rows: Vec<Vector3> = rows.iter().map(lower).collect();
+            let mut slopes: Vec<Vector3> = slopes.iter().map(lower).collect();
+            self.coloured((GYRO, 0, k), &mut rows, &mut slopes);
+            let white_noise = white_noise.fixed_view::<3, 3>(3, 3).into();
+            if let Some(white) = self.take(&slopes, &white_noise, &noise.gyro, rows) {
+                self.note(GYRO, &w, white);
+            }
+            return;
+        };
+        self.coloured((VELOCITY, 0, k), &mut rows, &mut slopes);
+        if residual_w.is_some() {
+            self.coloured((GYRO, 3, k), &mut rows, &mut slopes);
         }
         let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
             return;
         };
-        if let Some(r) = residual_v {
-            self.note(VELOCITY, &r, white.fixed_rows::<3>(0).into());
-        }
+        self.note(VELOCITY, &r_v, white.fixed_rows::<3>(0).into());
         if let Some(r) = residual_w {
             self.note(GYRO, &r, white.fixed_rows::<3>(3).into());
         }
@@ -653,7 +660,14 @@ impl<'a> Compare<'a> {
         mut rows: Vec<SVector<f64, M>>,
     ) -> Option<SVector<f64, M>> {
         let alone = Cholesky::new(*sensors)?.l();
-        let spread = self.inputs.spread(slopes);
+        let correlation = self.inputs.correlation(slopes);
+        // `M P M^T`.
+        let spread = slopes
+            .iter()
+            .zip(&correlation)
+            .fold(SMatrix::zeros(), |sum: SMatrix<f64, M, M>, (a, b)| {
+                sum + a * b.transpose()
+            });
         let mut root = Cholesky::new(noise + spread)?.l();
         self.log_det += 2.0
             * (0..M)
@@ -674,7 +688,8 @@ impl<'a> Compare<'a> {
         }
         let identity = SMatrix::<f64, M, M>::identity();
         let inverse_root = root.solve_lower_triangular(&identity)?;
-        self.inputs.take(slopes, &inverse_root, &mut rows);
+        self.inputs
+            .take(slopes, &correlation, &inverse_root, &mut rows);
         if let Some(qr) = &mut self.qr {
             qr.push(M, |i, j| rows[j][i]);
         }

@@ -9,7 +9,7 @@ use crate::answer;
 use crate::coordinates::FitOptions;
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_from};
+use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
@@ -89,7 +89,11 @@ pub(crate) fn solve(
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
+    let found = if options.undiagnosed {
+        Diagnostics::default()
+    } else {
+        diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted))
+    };
     let at = fitted.at.clone();
     let mut solved = conclude(&experiment, fitted, explained, found);
     solved.assumptions = assumptions;
@@ -109,7 +113,7 @@ fn smoother(
         let here = experiment.linearise(&other.at)?;
         let promising = here.cost - here.promised < held;
         promising
-            .then(|| fit_from(experiment, other.at.clone(), ITERATIONS))
+            .then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS))
             .flatten()?
     } else {
         fit(experiment, linear, ITERATIONS).ok()?

@@ -18,6 +18,8 @@ pub(crate) struct Vehicle<'a> {
     /// How unknowns move the barycentric parameters.
     pub slopes: Vec<Vec<(usize, f64)>>,
     pub kinds: Vec<UnknownKind>,
+    /// Whether any unknown is a force or torque from outside: it has a slope even where its value is zero.
+    pub pushes: bool,
     /// Constant torque in body axes, N m.
     pub torque_B: Vector3,
     /// Constant torque in inertial axes, N m.
@@ -78,6 +80,7 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
+            pushes: parameters.unknowns.iter().any(|u| is_push(&u.kind)),
             torque_B,
             torque_N,
             drag,
@@ -176,6 +179,17 @@ fn tilted_axes(parameters: &Parameters, x: &[f64]) -> Vec<(usize, Vector3)> {
         }
     }
     list
+}
+
+fn is_push(kind: &UnknownKind) -> bool {
+    matches!(
+        kind,
+        UnknownKind::DisturbanceTorque(_)
+            | UnknownKind::InertialTorque(_)
+            | UnknownKind::DragTorque(_)
+            | UnknownKind::RandomTorque(_)
+            | UnknownKind::InertialForce(_)
+    )
 }
 
 fn tilt_slopes(parameters: &Parameters, x: &[f64]) -> Vec<Vector3> {

@@ -228,6 +228,7 @@ pub fn identify_tables(
             let options = FitOptions {
                 loss: loss.unwrap_or_default(),
                 coordinates: request.coordinates,
+                undiagnosed: false,
             };
             let (mut estimate, predictions) =
                 maximum_likelihood_predicted(&problem, options, points)?;

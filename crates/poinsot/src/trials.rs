@@ -21,8 +21,8 @@ use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_identify::{
-    BodyEstimate, Estimate, Problem, Source, Status, axis_name, cramer_rao, linear,
-    maximum_likelihood, tensor_name,
+    BodyEstimate, Estimate, FitOptions, Problem, Source, Status, axis_name, cramer_rao, linear,
+    maximum_likelihood_with, tensor_name,
 };
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::MassProperties;
@@ -59,6 +59,8 @@ pub struct Study {
     pub biases: Vec<Option<Vec<f64>>>,
     /// Method.
     pub method: TrialMethod,
+    /// Whether maximum likelihood says what would explain a misfit; it changes no number.
+    pub diagnose: bool,
     /// Seed of all noise.
     pub seed: u64,
     /// Whether each trial draws where the steps of rounding sensors lie. Without it a motion that repeats
@@ -117,6 +119,7 @@ impl Study {
             model,
             biases,
             method: TrialMethod::Auto,
+            diagnose: true,
             seed: case.seed,
             draw_phase: true,
         })
@@ -134,6 +137,7 @@ impl Study {
             sensors: model.sensors.clone(),
             model,
             method: TrialMethod::Auto,
+            diagnose: true,
             seed: 1,
             draw_phase: true,
         }
@@ -229,7 +233,13 @@ impl Study {
         };
         Ok(match method {
             TrialMethod::Linear => linear(&problem)?,
-            TrialMethod::Auto => maximum_likelihood(&problem)?,
+            TrialMethod::Auto => {
+                let options = FitOptions {
+                    undiagnosed: !self.diagnose,
+                    ..FitOptions::default()
+                };
+                maximum_likelihood_with(&problem, options)?
+            }
         })
     }
 

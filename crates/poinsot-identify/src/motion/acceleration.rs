@@ -12,7 +12,7 @@
 //! a central difference with a step of one is its slope to round-off.
 
 use super::inputs::thruster_at;
-use super::{Drive, Instant, Motion, State};
+use super::{Instant, Motion, State};
 use crate::parameters::UnknownKind;
 use crate::segment::Observations;
 use crate::vehicle::{parabola_slope, wheel_slope};
@@ -74,7 +74,7 @@ impl Motion<'_> {
             kinematics: Kinematics::new(v.tree),
             body: Accelerations::new(v.tree),
         };
-        let wrench = self.wrench(state, &inputs.drive(), instant);
+        let wrench = self.wrench(state, &inputs.thrust, instant);
         let free = self.rate_without_base(&mut moving, &inputs, &instant.twist);
         let base = instant.inverse_inertia * (wrench - free);
         moving
@@ -91,7 +91,7 @@ impl Motion<'_> {
             let slopes = self.rate_slopes(&inputs, &instant.twist, points);
             for j in 0..self.columns.len() {
                 let change = self.base_change(state, j, &inputs, instant, &slopes, &moving);
-                let dw = lower(&self.buffer.twist_columns[j]);
+                let dw = lower(&self.twist_columns[j]);
                 for ((force, (body, p)), slope) in
                     forces.iter_mut().zip(points).zip(&slopes.force_B)
                 {
@@ -109,12 +109,12 @@ impl Motion<'_> {
     /// Velocity of a point of a body in base axes, m/s, and its place from the base origin, in B: at the
     /// instant of the last [`Motion::velocity`].
     pub fn point_velocity(&mut self, twist: &Twist, (body, p): &Point) -> (Vector3, Vector3) {
-        let v = self.vehicle;
-        self.kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, &self.buffer.rates);
-        let arm = self.kinematics.R[*body] * p;
-        let velocity = self.kinematics.v[*body] + self.kinematics.w[*body].cross(&arm);
-        (velocity, self.kinematics.p[*body] + arm)
+        let (v, site) = (self.vehicle, &mut self.site);
+        site.kinematics
+            .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
+        let arm = self.site.kinematics.R[*body] * p;
+        let velocity = self.site.kinematics.v[*body] + self.site.kinematics.w[*body].cross(&arm);
+        (velocity, self.site.kinematics.p[*body] + arm)
     }
 
     /// The velocity of a point in N, in base axes, with its change per column (a turn of the base included:
@@ -128,14 +128,14 @@ impl Motion<'_> {
         let mut columns: Vec<Vector3> = self
             .columns
             .iter()
-            .zip(&self.buffer.twist_columns)
+            .zip(&self.twist_columns)
             .map(|(column, d)| {
                 let dphi: Vector3 = column.fixed_rows::<3>(0).into();
                 upper(d) + lower(d).cross(&r) + dphi.cross(&velocity)
             })
             .collect();
         if !columns.is_empty() {
-            for change in &self.buffer.changes {
+            for change in &self.site.changes {
                 let Some((joint, dq, drate)) = change.joint else {
                     continue;
                 };
@@ -156,10 +156,10 @@ impl Motion<'_> {
         let mut kinematics = Kinematics::new(tree);
         let mut slope = Vector3::zeros();
         for weight in [0.5 / step, -0.5 / step] {
-            let mut q = self.buffer.q.clone();
+            let mut q = self.site.q.clone();
             q[joint] += step * weight.signum();
             kinematics.place(tree, &q);
-            kinematics.set_velocities(tree, &twist.v, &twist.w, &self.buffer.rates);
+            kinematics.set_velocities(tree, &twist.v, &twist.w, &self.site.rates);
             let arm = kinematics.R[*body] * p;
             slope += (kinematics.v[*body] + kinematics.w[*body].cross(&arm)) * weight;
         }
@@ -172,7 +172,7 @@ impl Motion<'_> {
         let zero = Vector3::zeros();
         let mut unit = vec![0.0; tree.dof()];
         unit[joint] = 1.0;
-        let mut kinematics = self.kinematics.clone();
+        let mut kinematics = self.site.kinematics.clone();
         kinematics.set_velocities(tree, &zero, &zero, &unit);
         kinematics.v[*body] + kinematics.w[*body].cross(&(kinematics.R[*body] * p))
     }
@@ -180,7 +180,7 @@ impl Motion<'_> {
     /// Change of a point's velocity in B per unit of a wheel's speed, the momentum held.
     pub fn point_wheel_gain(&self, instant: &Instant, wheel: usize, (body, p): &Point) -> Vector3 {
         let gain = self.wheel_gain(instant, wheel);
-        let r = self.kinematics.p[*body] + self.kinematics.R[*body] * p;
+        let r = self.site.kinematics.p[*body] + self.site.kinematics.R[*body] * p;
         upper(&gain) + lower(&gain).cross(&r)
     }
 
@@ -196,7 +196,7 @@ impl Motion<'_> {
 
     /// Rotation from body i to the base at the last instant.
     pub fn body_axes(&self, body: usize) -> Matrix3 {
-        self.kinematics.R[body]
+        self.site.kinematics.R[body]
     }
 
     /// Whether a thruster fires up to grid time k and the record ends there: whether it goes on is not known.
@@ -211,8 +211,8 @@ impl Motion<'_> {
         let wheels = v.tree.rotors.len();
         let last = o.time_s.len().saturating_sub(1);
         Inputs {
-            q: self.buffer.q.clone(),
-            rates: self.buffer.rates.clone(),
+            q: self.site.q.clone(),
+            rates: self.site.rates.clone(),
             accelerations: (0..dof)
                 .map(|j| match v.noisy_joints.get(j) {
                     // A second difference of noisy positions is noise.
@@ -220,7 +220,7 @@ impl Motion<'_> {
                     _ => joint_acceleration(o, dof, j, k),
                 })
                 .collect(),
-            wheels: self.buffer.wheels.clone(),
+            wheels: self.site.wheels.clone(),
             wheel_rates: (0..wheels)
                 .map(|j| match v.wheels_smooth {
                     true => wheel_slope(o, wheels, j, k),
@@ -237,10 +237,10 @@ impl Motion<'_> {
     }
 
     /// Force and torque about Bo of thrusters and surroundings, in B.
-    fn wrench(&self, state: &State, drive: &Drive, instant: &Instant) -> Vector6 {
+    fn wrench(&self, state: &State, thrust: &[(usize, f64)], instant: &Instant) -> Vector6 {
         let mut force = Vector3::zeros();
         let mut torque = self.surroundings(state, &instant.twist.w, &instant.centre);
-        for f in self.forces(drive, &instant.centre) {
+        for f in self.forces(thrust, &instant.centre) {
             force += f.F_B;
             torque += (f.arm_B + instant.centre.c).cross(&f.F_B);
         }
@@ -310,7 +310,7 @@ impl Motion<'_> {
         moving: &Moving,
     ) -> Vector6 {
         let v = self.vehicle;
-        let twist = &self.buffer.twist_columns[j];
+        let twist = &self.twist_columns[j];
         let kind = j.checked_sub(self.head).map(|u| &v.kinds[u]);
         let dphi: Vector3 = self.columns[j].fixed_rows::<3>(0).into();
         let torque = self.surroundings_change(
@@ -322,7 +322,7 @@ impl Motion<'_> {
         );
         let mut wrench = stack(&Vector3::zeros(), &torque);
         if let Some(UnknownKind::ThrusterScale(at)) = kind {
-            for f in self.forces(&inputs.drive(), &instant.centre) {
+            for f in self.forces(&inputs.thrust, &instant.centre) {
                 if f.thruster == *at {
                     let arm = f.arm_B + instant.centre.c;
                     wrench += stack(&f.per_scale_B, &arm.cross(&f.per_scale_B));
@@ -368,7 +368,7 @@ impl Motion<'_> {
         (base, points): (&Vector6, &[Point]),
         forces: &mut [PointForce],
     ) {
-        for change in &self.buffer.changes {
+        for change in &self.site.changes {
             let mut there = [inputs.clone(), inputs.clone()];
             // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
             let mut weigh = Vec::new();
@@ -398,8 +398,8 @@ impl Motion<'_> {
                 let (balance, own) = self.input_slopes(state, &there, step, instant, base, points);
                 let shift = instant.inverse_inertia * balance;
                 for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
-                    let R = self.kinematics.R[*body];
-                    let r = self.kinematics.p[*body] + R * p;
+                    let R = self.site.kinematics.R[*body];
+                    let r = self.site.kinematics.p[*body] + R * p;
                     let in_B = upper(&shift) + lower(&shift).cross(&r);
                     force.columns[self.head + change.unknown] +=
                         (own - R.transpose() * in_B) * share;
@@ -468,18 +468,6 @@ impl Motion<'_> {
             sum += stack(&F, &arm.cross(&F));
         }
         sum
-    }
-}
-
-impl Inputs {
-    fn drive(&self) -> Drive<'_> {
-        Drive {
-            q: &self.q,
-            rates: &self.rates,
-            wheels: &self.wheels,
-            thrust: &self.thrust,
-            changes: &[],
-        }
     }
 }
 

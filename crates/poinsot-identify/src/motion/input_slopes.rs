@@ -1,6 +1,6 @@
 //! How the motion answers to small changes of its inputs: joint positions, joint rates and wheel speeds.
 
-use super::{Drive, Force, Instant, Motion, State, matrix};
+use super::{Instant, Motion, State, matrix};
 use nalgebra::SMatrix;
 use poinsot_dynamics::{JointSlopes, Motion as Joint};
 use poinsot_spatial::{Vector3, skew};
@@ -15,20 +15,28 @@ impl Motion<'_> {
     /// Slopes of the momentum over the joints where the last velocity was taken.
     pub fn joint_slopes(&mut self, instant: &Instant, slopes: &mut JointSlopes) {
         let v = self.vehicle;
-        let (twist, rates) = (&instant.twist, &self.buffer.rates);
-        self.kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, rates);
+        let (twist, site) = (&instant.twist, &mut self.site);
+        site.kinematics
+            .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
         slopes.fill(
             v.tree,
             &v.bodies,
-            &self.kinematics,
+            &self.site.kinematics,
             &v.spin,
-            &self.buffer.wheels,
+            &self.site.wheels,
         );
     }
 
     /// Change of the base twist with the twelve components of a change of the state: `H^-1 d[l; h]`.
     pub fn state_map(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
+        let known = self.ready.as_ref().filter(|r| r.state == *state);
+        match known.and_then(|r| r.variation.as_ref()) {
+            Some(variation) => variation.map,
+            None => self.map_at(state, instant),
+        }
+    }
+
+    pub(super) fn map_at(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
         let centre = &instant.centre;
         let Rt = matrix(&state.R_NB).transpose();
         let arm = skew(&centre.c);
@@ -107,26 +115,15 @@ impl Motion<'_> {
         let mut at = body;
         while at != 0 {
             let link = &links[at];
-            let axis = link.axis_B(&self.kinematics.R[at]);
+            let axis = link.axis_B(&self.site.kinematics.R[at]);
             match link.motion {
                 Joint::Revolute(k) if k == joint => {
-                    return (axis.cross(F), axis.cross(&(p - self.kinematics.p[at])));
+                    return (axis.cross(F), axis.cross(&(p - self.site.kinematics.p[at])));
                 }
                 Joint::Prismatic(k) if k == joint => return (Vector3::zeros(), axis),
                 _ => at = link.parent,
             }
         }
         (Vector3::zeros(), Vector3::zeros())
-    }
-
-    fn thrust_now(&self, instant: &Instant, k: usize) -> Vec<Force> {
-        let drive = Drive {
-            q: &self.buffer.q,
-            rates: &self.buffer.rates,
-            wheels: &self.buffer.wheels,
-            thrust: self.thrust.get(k).map_or(&[], Vec::as_slice),
-            changes: &[],
-        };
-        self.forces(&drive, &instant.centre)
     }
 }

@@ -1,6 +1,6 @@
 //! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
 
-use super::{Buffers, Centre, Drive, Motion, State};
+use super::{Centre, Motion, Site, State};
 use crate::parameters::UnknownKind;
 use crate::segment::Observations;
 use crate::vehicle::{Vehicle, wheel_slope};
@@ -32,14 +32,15 @@ pub(super) struct OutsideChange {
 
 impl Motion<'_> {
     /// Inputs within the interval after grid time k, their faults taken off.
-    pub(super) fn inputs(&mut self, k: usize, at: f64, buffer: &mut Buffers) {
+    pub(super) fn inputs(&mut self, k: usize, at: f64) {
         self.now = k;
         self.set_orbit(k, at);
-        fill_inputs(self.observations, self.vehicle, k, at, buffer);
-        buffer.changes.clear();
+        let site = &mut self.site;
+        fill_inputs(self.observations, self.vehicle, k, at, site);
+        site.changes.clear();
         for fault in &self.vehicle.input_faults {
             let (unknown, value) = (fault.unknown, fault.value);
-            let changes = &mut buffer.changes;
+            let changes = &mut site.changes;
             let mut moved = |j: usize, q: f64, rate: f64| {
                 changes.push(InputChange {
                     unknown,
@@ -49,22 +50,22 @@ impl Motion<'_> {
             };
             match &self.vehicle.kinds[unknown] {
                 UnknownKind::JointOffset(j) => {
-                    buffer.q[*j] -= value;
+                    site.q[*j] -= value;
                     moved(*j, -1.0, 0.0);
                 }
                 // It reads late: the joint is where the reading will be.
                 UnknownKind::JointLag(joints) => {
                     for &j in joints {
-                        let (rate, acceleration) = (buffer.rates[j], buffer.accelerations[j]);
+                        let (rate, acceleration) = (site.rates[j], site.accelerations[j]);
                         moved(j, rate, acceleration);
-                        buffer.q[j] += rate * value;
-                        buffer.rates[j] += acceleration * value;
+                        site.q[j] += rate * value;
+                        site.rates[j] += acceleration * value;
                     }
                 }
                 UnknownKind::WheelLag(wheels) => {
                     for &w in wheels {
-                        let rate = buffer.wheel_rates[w];
-                        buffer.wheels[w] += rate * value;
+                        let rate = site.wheel_rates[w];
+                        site.wheels[w] += rate * value;
                         changes.push(InputChange {
                             unknown,
                             joint: None,
@@ -81,17 +82,17 @@ impl Motion<'_> {
     /// `Y pi - [l; h_cm + c x l]` a little further, momentum held; for rates and speeds the input gains.
     pub(super) fn input_columns(
         &mut self,
-        drive: &Drive,
         twist: &Twist,
         centre: &Centre,
         inverse_inertia: &Matrix6,
         twists: &mut [Vector6],
     ) {
-        for change in drive.changes {
-            let column = self.head + change.unknown;
+        for at in 0..self.site.changes.len() {
+            let change = self.site.changes[at];
+            let column = change.unknown;
             if let Some((joint, dq, drate)) = change.joint {
                 if dq != 0.0 {
-                    let slope = self.balance_slope(drive, twist, centre, joint);
+                    let slope = self.balance_slope(twist, centre, joint);
                     twists[column] -= inverse_inertia * slope * dq;
                 }
                 if drate != 0.0 {
@@ -104,22 +105,16 @@ impl Motion<'_> {
         }
     }
 
-    fn balance_slope(
-        &mut self,
-        drive: &Drive,
-        twist: &Twist,
-        centre: &Centre,
-        joint: usize,
-    ) -> Vector6 {
-        let v = self.vehicle;
-        let mut q = drive.q.to_vec();
+    fn balance_slope(&mut self, twist: &Twist, centre: &Centre, joint: usize) -> Vector6 {
+        let (v, site) = (self.vehicle, &self.site);
+        let mut q = site.q.clone();
         let mut ends = [Vector6::zeros(); 2];
         for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-            q[joint] = drive.q[joint] + sign * STEP;
+            q[joint] = site.q[joint] + sign * STEP;
             self.still.place(v.tree, &q);
             self.still
-                .set_velocities(v.tree, &twist.v, &twist.w, drive.rates);
-            let wheels = wheel_momentum(v.tree, &self.still, &v.spin, drive.wheels);
+                .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
+            let wheels = wheel_momentum(v.tree, &self.still, &v.spin, &site.wheels);
             let c = composite(&v.bodies, &self.still).p_BoScm_B();
             *end = momentum(&v.bodies, &self.still);
             let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
@@ -132,30 +127,30 @@ impl Motion<'_> {
     pub(super) fn outside_changes(
         &mut self,
         state: &State,
-        drive: &Drive,
+        k: usize,
         centre: &Centre,
         w: &Vector3,
     ) -> Vec<OutsideChange> {
-        let calm = drive.thrust.is_empty() && self.vehicle.gm.is_none();
-        if calm || drive.changes.is_empty() || self.columns_wanted == 0 {
+        let calm = self.thrust[k].is_empty() && self.vehicle.gm.is_none();
+        if calm {
             return Vec::new();
         }
         let mut list = Vec::new();
-        for change in drive.changes {
+        for change in &self.site.changes {
             let Some((joint, dq, _)) = change.joint else {
                 continue;
             };
             let (mut F_B, mut T_B) = (Vector3::zeros(), Vector3::zeros());
-            let mut q = drive.q.to_vec();
+            let mut q = self.site.q.clone();
             for weight in [0.5 / STEP, -0.5 / STEP] {
-                q[joint] = drive.q[joint] + STEP * weight.signum();
+                q[joint] = self.site.q[joint] + STEP * weight.signum();
                 self.still.place(self.vehicle.tree, &q);
                 let whole = composite(&self.vehicle.bodies, &self.still);
                 let mut there = *centre;
                 there.c = whole.p_BoScm_B();
                 there.I_SScm_B = whole.I_SScm_B();
                 T_B += self.surroundings(state, w, &there) * weight;
-                for (at, declared) in drive.thrust {
+                for (at, declared) in &self.thrust[k] {
                     let (F, arm) = thruster_at(self.vehicle, &self.still, *at, *declared, &there.c);
                     F_B += F * weight;
                     T_B += arm.cross(&F) * weight;
@@ -187,44 +182,43 @@ pub(super) fn thruster_at(
 
 /// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
 /// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
-fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, site: &mut Site) {
     let tree = vehicle.tree;
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
     let derivatives = !vehicle.input_faults.is_empty();
     if derivatives {
-        fill_derivatives(o, vehicle, k, at, buffer);
+        fill_derivatives(o, vehicle, k, at, site);
     }
-    if at == 0.0 {
-        buffer
-            .q
+    // At the end of an interval the readings are those of the next grid time.
+    if at == 0.0 || at == 1.0 {
+        let k = k + usize::from(at == 1.0);
+        site.q
             .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
-        buffer
-            .rates
+        site.rates
             .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
-        buffer
-            .wheels
+        site.wheels
             .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
         return;
     }
     let h = o.time_s[k + 1] - o.time_s[k];
     for j in 0..dof {
         let (d0, c2, c3) = cubic(o, dof, j, k, h);
-        buffer.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
-        buffer.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
+        site.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
+        site.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
     }
     for j in 0..wheels {
         let (a, b) = (
             o.wheel_speed[k * wheels + j],
             o.wheel_speed[(k + 1) * wheels + j],
         );
-        buffer.wheels[j] = a + at * (b - a);
+        site.wheels[j] = a + at * (b - a);
         if vehicle.wheels_smooth {
             let (left, right) = (
                 wheel_slope(o, wheels, j, k),
                 wheel_slope(o, wheels, j, k + 1),
             );
             let (d0, d1) = (left * h - (b - a), right * h - (b - a));
-            buffer.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
+            site.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
         }
     }
 }
@@ -238,10 +232,10 @@ fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64,
 }
 
 /// Second derivatives of the joints and slopes of the wheel speeds, for faults that shift them in time.
-fn fill_derivatives(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buffer: &mut Buffers) {
+fn fill_derivatives(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, site: &mut Site) {
     let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
-    buffer.accelerations.resize(dof, 0.0);
-    buffer.wheel_rates.resize(wheels, 0.0);
+    site.accelerations.resize(dof, 0.0);
+    site.wheel_rates.resize(wheels, 0.0);
     let last = o.time_s.len() - 1;
     if last == 0 {
         return;
@@ -251,20 +245,20 @@ fn fill_derivatives(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, buff
     let h = o.time_s[k + 1] - o.time_s[k];
     for j in 0..dof {
         let (_, c2, c3) = cubic(o, dof, j, k, h);
-        buffer.accelerations[j] = (2.0 * c2 + 6.0 * at * c3) / (h * h);
+        site.accelerations[j] = (2.0 * c2 + 6.0 * at * c3) / (h * h);
     }
     for j in 0..wheels {
         let (a, b) = (
             o.wheel_speed[k * wheels + j],
             o.wheel_speed[(k + 1) * wheels + j],
         );
-        buffer.wheel_rates[j] = (b - a) / h;
+        site.wheel_rates[j] = (b - a) / h;
         if vehicle.wheels_smooth {
             let (left, right) = (
                 wheel_slope(o, wheels, j, k),
                 wheel_slope(o, wheels, j, k + 1),
             );
-            buffer.wheel_rates[j] = left + at * (right - left);
+            site.wheel_rates[j] = left + at * (right - left);
         }
     }
 }

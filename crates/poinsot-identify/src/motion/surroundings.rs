@@ -13,13 +13,24 @@ use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 
 impl Motion<'_> {
+    /// Whether anything acts from outside in the interval after grid time k.
+    pub(super) fn pushed(&self, k: usize) -> bool {
+        self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.surrounded()
+    }
+
+    /// Whether a torque of the surroundings acts.
+    fn surrounded(&self) -> bool {
+        let v = self.vehicle;
+        v.has_surroundings() || v.torque_N != Vector3::zeros() || !self.gusts.is_empty()
+    }
+
     /// Torque of the surroundings about the system's mass centre, in B, N m.
     pub(super) fn surroundings(&self, state: &State, w: &Vector3, centre: &Centre) -> Vector3 {
         let to_base = state.R_NB.inverse();
         let gust = self.gusts.get(self.now).copied().unwrap_or_default();
         let mut torque = self.vehicle.torque(w) + to_base * (self.vehicle.torque_N + gust);
         if let Some(gm) = self.vehicle.gm {
-            let r_B = to_base * self.orbit_N;
+            let r_B = to_base * self.site.orbit_N;
             torque += gravity_gradient_torque(gm, &r_B, &centre.I_SScm_B);
         }
         torque
@@ -36,6 +47,9 @@ impl Motion<'_> {
     ) -> Vector3 {
         let v = self.vehicle;
         let kind = unknown.map(|u| &v.kinds[u]);
+        if !v.pushes && !self.surrounded() {
+            return Vector3::zeros();
+        }
         let to_base = state.R_NB.inverse();
         // R^T a moves by a x dphi when the base turns.
         let gust = self.gusts.get(self.now).copied().unwrap_or_default();
@@ -54,8 +68,8 @@ impl Motion<'_> {
             change += to_base * e;
         }
         if let Some(gm) = v.gm {
-            let distance = self.orbit_N.norm();
-            let u = to_base * self.orbit_N / distance;
+            let distance = self.site.orbit_N.norm();
+            let u = to_base * self.site.orbit_N / distance;
             let du = u.cross(dphi);
             let mut d = du.cross(&(centre.I_SScm_B * u)) + u.cross(&(centre.I_SScm_B * du));
             if let Some(at) = unknown.filter(|at| !v.slopes[*at].is_empty()) {
@@ -73,7 +87,7 @@ impl Motion<'_> {
         let c = &centre.c;
         for (at, slope) in &self.vehicle.slopes[unknown] {
             let (body, k) = (at / 10, at % 10);
-            let (R, p) = (&self.kinematics.R[body], &self.kinematics.p[body]);
+            let (R, p) = (&self.site.kinematics.R[body], &self.site.kinematics.p[body]);
             let mut unit = [0.0; 10];
             unit[k] = 1.0;
             let part = InertialParameters::from_array(&unit);
@@ -95,14 +109,14 @@ impl Motion<'_> {
         let Some((p0, v0)) = o.orbit.get(k) else {
             return;
         };
-        self.orbit_N = *p0;
+        self.site.orbit_N = *p0;
         if at > 0.0
             && let Some((p1, v1)) = o.orbit.get(k + 1)
         {
             let h = o.time_s[k + 1] - o.time_s[k];
             let (d0, d1, dp) = (v0 * h, v1 * h, p1 - p0);
             let (c2, c3) = (dp * 3.0 - d0 * 2.0 - d1, d0 + d1 - dp * 2.0);
-            self.orbit_N = p0 + (d0 + (c2 + c3 * at) * at) * at;
+            self.site.orbit_N = p0 + (d0 + (c2 + c3 * at) * at) * at;
         }
     }
 
@@ -114,7 +128,7 @@ impl Motion<'_> {
         let Some(before) = k.checked_sub(1).filter(|_| !late.is_empty()) else {
             return now;
         };
-        let whole = poinsot_dynamics::composite(&self.vehicle.bodies, &self.kinematics);
+        let whole = poinsot_dynamics::composite(&self.vehicle.bodies, &self.site.kinematics);
         let c = whole.p_BoScm_B();
         let R = super::matrix(&state.R_NB);
         for (unknown, thrusters, lag) in late {
@@ -124,7 +138,7 @@ impl Motion<'_> {
                     if thrusters.contains(at) {
                         let (F, arm) = super::inputs::thruster_at(
                             self.vehicle,
-                            &self.kinematics,
+                            &self.site.kinematics,
                             *at,
                             *declared,
                             &c,

@@ -15,6 +15,7 @@ pub struct Options {
     pub setups: Vec<String>,
     pub method: TrialMethod,
     pub stride: usize,
+    pub diagnose: bool,
     pub fixed_phase: bool,
     pub perfect: Vec<String>,
     pub white: Vec<String>,
@@ -22,7 +23,7 @@ pub struct Options {
     pub noise: Vec<(String, f64)>,
 }
 
-const USAGE: &str = "known are --trials N, --first N, --seconds S, --out DIR, --merge FILE..., --setup NAME, --threads N, --method auto|linear, --stride N, --fixed-phase, --perfect SENSOR, --white SENSOR, --offset SENSOR, --noise SENSOR=FACTOR";
+const USAGE: &str = "known are --trials N, --first N, --seconds S, --out DIR, --merge FILE..., --setup NAME, --threads N, --method auto|linear, --stride N, --fixed-phase, --diagnose, --perfect SENSOR, --white SENSOR, --offset SENSOR, --noise SENSOR=FACTOR";
 
 impl Options {
     /// What makes the experiments other than they are, in words.
@@ -65,6 +66,7 @@ pub fn read() -> Result<Options, Box<dyn Error>> {
         setups: Vec::new(),
         method: TrialMethod::Auto,
         stride: 1,
+        diagnose: false,
         fixed_phase: false,
         perfect: Vec::new(),
         white: Vec::new(),
@@ -76,6 +78,10 @@ pub fn read() -> Result<Options, Box<dyn Error>> {
         match word.as_str() {
             "--fixed-phase" => {
                 options.fixed_phase = true;
+                continue;
+            }
+            "--diagnose" => {
+                options.diagnose = true;
                 continue;
             }
             "--merge" => {

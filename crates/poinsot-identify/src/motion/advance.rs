@@ -1,0 +1,167 @@
+//! From one grid time to the next.
+//!
+//! The state goes by the classical Runge-Kutta of fourth order. Its sensitivities follow the variational equation along
+//! the path found: at both ends of a step and in its middle, of which the next step shares the end.
+
+use super::variation::Along;
+use super::{Instant, Motion, State};
+use nalgebra::Quaternion;
+use poinsot_spatial::{UnitQuaternion, Vector3};
+
+/// Derivative of the state.
+#[derive(Clone, Copy)]
+struct Slope {
+    R: Quaternion<f64>,
+    p: Vector3,
+    P: Vector3,
+    h: Vector3,
+}
+
+impl Slope {
+    fn sum<const N: usize>(parts: [(f64, Slope); N]) -> Self {
+        let mut sum = Self {
+            R: Quaternion::new(0.0, 0.0, 0.0, 0.0),
+            p: Vector3::zeros(),
+            P: Vector3::zeros(),
+            h: Vector3::zeros(),
+        };
+        for (weight, part) in parts {
+            sum.R += part.R * weight;
+            sum.p += part.p * weight;
+            sum.P += part.P * weight;
+            sum.h += part.h * weight;
+        }
+        sum
+    }
+}
+
+impl Motion<'_> {
+    /// Carries state and sensitivities from grid time k to k + 1, in steps that turn no more than a fiftieth of a
+    /// radian.
+    pub fn advance(&mut self, state: &State, k: usize) -> Option<State> {
+        let t = &self.observations.time_s;
+        let h = t[k + 1] - t[k];
+        self.arrive(state, k)?;
+        let rates = self.site.rates.iter();
+        let joints = rates.fold(0.0_f64, |a, b| a.max(b.abs()));
+        let fastest = self.ready.as_ref()?.instant.twist.w.norm() + joints;
+        let steps = (h * fastest / 0.02).ceil().max(1.0);
+        // Values of the unknowns that make it spin far faster than measured are not worth following.
+        self.steps_left -= steps;
+        if self.steps_left.is_nan() || self.steps_left < 0.0 {
+            return None;
+        }
+        let steps = steps as usize;
+        let mut now = self.late_thrust(state, k);
+        if now != *state {
+            self.look((k, 0.0), &now)?;
+        }
+        for i in 0..steps {
+            let from = i as f64 / steps as f64;
+            let to = (i + 1) as f64 / steps as f64;
+            now = self.step(k, from, to, h)?;
+        }
+        Some(now)
+    }
+
+    /// One step from the point that is ready, which the end of the step then is.
+    fn step(&mut self, k: usize, from: f64, to: f64, h: f64) -> Option<State> {
+        let dt = (to - from) * h;
+        let start = self.ready.take()?;
+        let state = &start.state;
+        let a = self.slope(state, &start.instant, k);
+        let push_at_start = start
+            .variation
+            .as_ref()
+            .and_then(|v| self.push(state, &start.instant, v, k));
+
+        std::mem::swap(&mut self.site, &mut self.middle);
+        self.go(k, 0.5 * (from + to));
+        let half = moved(state, &a, 0.5 * dt);
+        let b = self.slope(&half, &self.instant(&half)?, k);
+        let half = moved(state, &b, 0.5 * dt);
+        let c = self.slope(&half, &self.instant(&half)?, k);
+
+        std::mem::swap(&mut self.site, &mut self.middle);
+        self.go(k, to);
+        let full = moved(state, &c, dt);
+        let d = self.slope(&full, &self.instant(&full)?, k);
+        let sixth = 1.0 / 6.0;
+        let mean = Slope::sum([(sixth, a), (2.0 * sixth, b), (2.0 * sixth, c), (sixth, d)]);
+        let end = moved(state, &mean, dt);
+        self.look((k, to), &end)?;
+
+        if let Some(at_start) = &start.variation {
+            let ready = self.ready.take()?;
+            let at_end = ready.variation.as_ref()?;
+            let e = self.slope(&end, &ready.instant, k);
+            let push_at_end = self.push(&end, &ready.instant, at_end, k);
+            // The cubic through both ends, in its middle: as good as the step itself.
+            let halfway =
+                Slope::sum([(0.5 / dt, difference(state, &end)), (0.125, a), (-0.125, e)]);
+            let half = moved(state, &halfway, dt);
+            std::mem::swap(&mut self.site, &mut self.middle);
+            let instant = self.instant(&half)?;
+            let in_middle = self.linearise(&half, &instant);
+            let push_in_middle = self.push(&half, &instant, &in_middle, k);
+            std::mem::swap(&mut self.site, &mut self.middle);
+            let along = Along {
+                variation: [at_start, &in_middle, at_end],
+                push: match (push_at_start, push_in_middle, push_at_end) {
+                    (Some(start), Some(middle), Some(end)) => Some([start, middle, end]),
+                    _ => None,
+                },
+            };
+            let head = self.head;
+            for (j, column) in self.columns.iter_mut().enumerate() {
+                along.carry(column, j.checked_sub(head), dt);
+            }
+            self.ready = Some(ready);
+        }
+        Some(end)
+    }
+
+    fn slope(&self, state: &State, instant: &Instant, k: usize) -> Slope {
+        let (v, w) = (instant.twist.v, instant.twist.w);
+        let mut slope = Slope {
+            R: state.R_NB.quaternion() * Quaternion::from_imag(w) * 0.5,
+            p: state.R_NB * v,
+            P: Vector3::zeros(),
+            h: Vector3::zeros(),
+        };
+        if self.pushed(k) {
+            let mut torque = self.surroundings(state, &w, &instant.centre);
+            for force in self.thrust_now(instant, k) {
+                slope.P += state.R_NB * force.F_B;
+                torque += force.arm_B.cross(&force.F_B);
+            }
+            slope.h = state.R_NB * torque;
+        }
+        slope
+    }
+}
+
+fn moved(state: &State, slope: &Slope, dt: f64) -> State {
+    State {
+        R_NB: UnitQuaternion::from_quaternion(state.R_NB.quaternion() + slope.R * dt),
+        p_NoBo_N: state.p_NoBo_N + slope.p * dt,
+        P: state.P + slope.P * dt,
+        h_SScm_N: state.h_SScm_N + slope.h * dt,
+    }
+}
+
+/// `to - from`, the quaternions in one hemisphere.
+fn difference(from: &State, to: &State) -> Slope {
+    let (a, b) = (from.R_NB.quaternion(), to.R_NB.quaternion());
+    let b = if a.coords.dot(&b.coords) < 0.0 {
+        -b
+    } else {
+        *b
+    };
+    Slope {
+        R: b - a,
+        p: to.p_NoBo_N - from.p_NoBo_N,
+        P: to.P - from.P,
+        h: to.h_SScm_N - from.h_SScm_N,
+    }
+}
