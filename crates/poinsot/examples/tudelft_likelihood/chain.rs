@@ -26,7 +26,8 @@ pub fn declared(group: &str, device: &Device) -> Declared {
         true => Nuisance::Prior(sigma),
         false => Nuisance::Known,
     };
-    let s = &device.five_sigma;
+    let s = &device.numbers_sigma;
+    let steady = 3.0e-4;
     let (gyro, gyro_correlation_s, sigma_N_m, correlation_s) = match group {
         "device_only" => (Vector3::new(0.031, 0.085, 0.115), 0.0, 3.0e-5, 0.1),
         "proof_body" => (Vector3::new(0.020, 0.013, 0.030), 0.003, 3.0e-5, 0.1),
@@ -36,6 +37,8 @@ pub fn declared(group: &str, device: &Device) -> Declared {
     Declared {
         gyro_axes: known((s.fixed_rows::<3>(0).norm_squared() / 3.0).sqrt()),
         wheel_axis: known((s.fixed_rows::<2>(3).norm_squared() / 2.0).sqrt()),
+        wheel_lag: known(s[5]),
+        steady: Nuisance::Prior(steady),
         gyro,
         gyro_correlation_s,
         torque: RandomTorque {
@@ -115,6 +118,7 @@ pub fn calibrate(throws: &mut Throws) -> Result<(), Fault> {
             let mut asked = declared(group, &throws.device);
             if unknown {
                 (asked.gyro_axes, asked.wheel_axis) = (BUILT, BUILT);
+                asked.wheel_lag = Nuisance::Prior(2.0e-3);
             }
             for throw in own {
                 list.push(fit(&throws.model, &[throw], &asked)?);
@@ -123,9 +127,9 @@ pub fn calibrate(throws: &mut Throws) -> Result<(), Fault> {
         Ok(list)
     };
     let found: Vec<_> = fits(throws, true)?.iter().filter_map(|f| f.device).collect();
-    let (five, five_sigma) = Device::of_five(&found);
-    throws.device.five = five;
-    throws.device.five_sigma = five_sigma;
+    let (numbers, numbers_sigma) = Device::of_numbers(&found);
+    throws.device.numbers = numbers;
+    throws.device.numbers_sigma = numbers_sigma;
     let device = throws.device.clone();
     throws.model = device.tilted(&throws.model);
     let objects = throws.objects.iter_mut().map(|(_, own)| own);

@@ -1,5 +1,5 @@
-//! What all throws of the box share: axes of the gyro that are not square, a tilted wheel, a bias of the
-//! accelerometer. The calibration throws tell; the objects take no part.
+//! What all throws of the box share: axes of the gyro that are not square, a tilted wheel, a late tachometer, a bias
+//! of the accelerometer. The calibration throws tell; the objects take no part.
 
 use super::Fault;
 use super::likelihood::Fitted;
@@ -7,17 +7,18 @@ use super::throws::recording::Recording;
 use nalgebra::{Matrix3, SVector, Vector3};
 use poinsot_model::Model;
 
-/// The five numbers of the box, rad.
-pub const FIVE: [&str; 5] = [
+/// The numbers of the box: rad, the lag s.
+pub const NUMBERS: [&str; 6] = [
     "gyro.nonorthogonality_yz",
     "gyro.nonorthogonality_xz",
     "gyro.nonorthogonality_xy",
     "wheel.misalignment_x",
     "wheel.misalignment_y",
+    "tachometer.lag",
 ];
 
-/// Values of [`FIVE`].
-pub type Five = SVector<f64, 5>;
+/// Values of [`NUMBERS`].
+pub type Numbers = SVector<f64, 6>;
 
 /// Sums of `f_S = A r + b` with `A = [w'] + [w]^2`, `r` from the mass centre to the sensor, `b` its bias.
 #[derive(Debug, Clone, Copy, Default)]
@@ -62,8 +63,8 @@ impl Lever {
 /// The box as the calibration throws show it.
 #[derive(Debug, Clone)]
 pub struct Device {
-    pub five: Five,
-    pub five_sigma: Five,
+    pub numbers: Numbers,
+    pub numbers_sigma: Numbers,
     /// Bias of the accelerometer, m/s2, and its covariance from how the throws repeat.
     pub bias: Vector3<f64>,
     pub bias_covariance: Matrix3<f64>,
@@ -73,22 +74,22 @@ impl Device {
     /// The box as assumed: square axes, no bias.
     pub fn ideal() -> Self {
         Self {
-            five: Five::zeros(),
-            five_sigma: Five::zeros(),
+            numbers: Numbers::zeros(),
+            numbers_sigma: Numbers::zeros(),
             bias: Vector3::zeros(),
             bias_covariance: Matrix3::zeros(),
         }
     }
 
-    /// The five numbers of several throws, each weighed with its own sigma; where throws differ by more than they say
+    /// The numbers of the box from several throws, each weighed with its own sigma; where throws differ by more than they say
     /// the sigma is widened (Birge 1932).
-    pub fn of_five(found: &[(Five, Five)]) -> (Five, Five) {
+    pub fn of_numbers(found: &[(Numbers, Numbers)]) -> (Numbers, Numbers) {
         let weight = |sigma: f64| 1.0 / (sigma * sigma);
-        let mean = Five::from_fn(|k, _| {
+        let mean = Numbers::from_fn(|k, _| {
             let all: f64 = found.iter().map(|(_, s)| weight(s[k])).sum();
             found.iter().map(|(x, s)| x[k] * weight(s[k])).sum::<f64>() / all
         });
-        let sigma = Five::from_fn(|k, _| {
+        let sigma = Numbers::from_fn(|k, _| {
             let all: f64 = found.iter().map(|(_, s)| weight(s[k])).sum();
             let square: f64 = found
                 .iter()
@@ -121,13 +122,24 @@ impl Device {
         Some((mean, inverse * scatter * inverse * share))
     }
 
-    /// The readings of a gyro with square axes.
+    /// The readings of a gyro with square axes and of a tachometer that is not late.
     pub fn corrected(&self, throw: &Recording) -> Result<Recording, Fault> {
-        let [yz, xz, xy] = [self.five[0], self.five[1], self.five[2]];
+        let [yz, xz, xy] = [self.numbers[0], self.numbers[1], self.numbers[2]];
         let map = Matrix3::new(1.0, xy, xz, xy, 1.0, yz, xz, yz, 1.0);
         let inverse = map.try_inverse().ok_or("the gyro has no three axes")?;
         let mut out = throw.clone();
         out.w_NB_B = throw.w_NB_B.iter().map(|w| inverse * w).collect();
+        let late = self.numbers[5] * throw.rate_hz;
+        let speed = |k: f64| {
+            let last = throw.wheel_rad_s.len() - 1;
+            let k = k.clamp(0.0, last as f64);
+            let (at, share) = (k as usize, k.fract());
+            let next = throw.wheel_rad_s[(at + 1).min(last)];
+            throw.wheel_rad_s[at] * (1.0 - share) + next * share
+        };
+        out.wheel_rad_s = (0..throw.wheel_rad_s.len())
+            .map(|k| speed(k as f64 + late))
+            .collect();
         Ok(out)
     }
 
@@ -136,7 +148,7 @@ impl Device {
         let mut out = model.clone();
         for wheel in &mut out.wheels {
             let (a, about) = (wheel.axis_B, wheel.tilt_axes());
-            let tilt = about[0] * self.five[3] + about[1] * self.five[4];
+            let tilt = about[0] * self.numbers[3] + about[1] * self.numbers[4];
             wheel.axis_B = (a + tilt.cross(&a)).normalize();
         }
         out

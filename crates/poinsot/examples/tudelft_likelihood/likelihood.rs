@@ -1,14 +1,14 @@
 //! One body from its throws, by maximum likelihood: raw gyro, raw wheel speed, a random torque of the air.
 
 use super::Fault;
-use super::device::{FIVE, Five, Lever};
+use super::device::{Lever, NUMBERS, Numbers};
 use super::throws::inertia::table;
 use super::throws::recording::Recording;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Loss, Prediction, Problem, TENSOR, maximum_likelihood_predicted};
-use poinsot_model::{Model, Nuisance, RandomTorque, SensorKind};
+use poinsot_model::{Model, Nuisance, RandomTorque, Sensor, SensorKind};
 
 /// Covariance of the six tensor elements in the order of [`TENSOR`].
 pub type Covariance = SMatrix<f64, 6, 6>;
@@ -20,6 +20,10 @@ pub struct Declared {
     pub gyro_axes: Nuisance,
     /// Tilt of the wheel's axis, rad.
     pub wheel_axis: Nuisance,
+    /// Lag of the tachometer, s.
+    pub wheel_lag: Nuisance,
+    /// Constant torque of the air in inertial axes, N m (J = 1e-6); of single throws alone.
+    pub steady: Nuisance,
     /// White noise of the gyro, one sigma an axis, rad/s.
     pub gyro: Vector3<f64>,
     /// Correlation time of that noise, s; zero where it is white.
@@ -40,7 +44,7 @@ pub struct Fitted {
     /// What the accelerometer says of the mass centre along the fitted motion.
     pub lever: Lever,
     /// What was found of the box, with one sigma, where it was asked for.
-    pub device: Option<(Five, Five)>,
+    pub device: Option<(Numbers, Numbers)>,
 }
 
 /// Fits throws of one body as segments: the body is shared, each has its own momentum and random torque. What is
@@ -49,10 +53,18 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
     let sure = Declared {
         gyro_axes: Nuisance::Known,
         wheel_axis: Nuisance::Known,
+        wheel_lag: Nuisance::Known,
+        steady: Nuisance::Known,
         ..*declared
     };
     let first = fit_from(model, throws, &sure)?;
-    if (declared.gyro_axes, declared.wheel_axis) == (Nuisance::Known, Nuisance::Known) {
+    let asked = [
+        declared.gyro_axes,
+        declared.wheel_axis,
+        declared.wheel_lag,
+        declared.steady,
+    ];
+    if asked == [Nuisance::Known; 4] {
         return Ok(first);
     }
     let mut near = model.clone();
@@ -75,6 +87,23 @@ fn fit_from(model: &Model, throws: &[&Recording], declared: &Declared) -> Result
     }
     for wheel in &mut model.wheels {
         wheel.misalignment = declared.wheel_axis;
+    }
+    let gyro = model.sensors_of(SensorKind::Gyro).next().cloned();
+    if let Some(gyro) = gyro {
+        let tachometer = Sensor {
+            name: "tachometer".to_owned(),
+            kind: SensorKind::WheelSpeed,
+            noise_covariance: None,
+            correlation_s: 0.0,
+            nonorthogonality: Nuisance::Known,
+            lag: declared.wheel_lag,
+            of: vec![0],
+            ..gyro
+        };
+        model.sensors.push(tachometer);
+    }
+    if throws.len() == 1 {
+        model.environment.disturbance_torque_inertial = declared.steady;
     }
     let tables: Vec<_> = throws.iter().map(|t| table(t, 0, t.time_s.len())).collect();
     let tree = Tree::new(&model);
@@ -107,13 +136,13 @@ fn fit_from(model: &Model, throws: &[&Recording], declared: &Declared) -> Result
     if at.len() != 6 {
         return Err("the covariance lacks an entry".into());
     }
-    let found: Vec<(f64, f64)> = FIVE
+    let found: Vec<(f64, f64)> = NUMBERS
         .iter()
         .filter_map(|name| estimate.nuisance.iter().find(|n| n.name == *name))
         .filter_map(|n| n.number.value.zip(n.number.sigma))
         .collect();
-    let device = (found.len() == FIVE.len())
-        .then(|| (Five::from_fn(|k, _| found[k].0), Five::from_fn(|k, _| found[k].1)));
+    let device = (found.len() == NUMBERS.len())
+        .then(|| (Numbers::from_fn(|k, _| found[k].0), Numbers::from_fn(|k, _| found[k].1)));
     let diagnostics = estimate.diagnostics.ok_or("no diagnostics")?;
     Ok(Fitted {
         I_over_J: I / J,

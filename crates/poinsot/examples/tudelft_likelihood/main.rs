@@ -55,12 +55,12 @@ fn main() -> Result<(), Fault> {
 /// What the calibration throws say of the box.
 fn print_box(throws: &Throws) {
     let d = &throws.device;
-    println!("the box: axes of the gyro, axis of the wheel, mrad; bias of the accelerometer, m/s2");
-    for (k, name) in device::FIVE.iter().enumerate() {
+    println!("the box: axes of the gyro, axis of the wheel, mrad; lag of the tachometer, ms; bias of the accelerometer, m/s2");
+    for (k, name) in device::NUMBERS.iter().enumerate() {
         println!(
             "  {name:26} {:+6.2} +- {:.2}",
-            1.0e3 * d.five[k],
-            1.0e3 * d.five_sigma[k]
+            1.0e3 * d.numbers[k],
+            1.0e3 * d.numbers_sigma[k]
         );
     }
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
