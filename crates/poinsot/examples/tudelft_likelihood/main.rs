@@ -17,6 +17,7 @@ mod throws;
 use chain::{Answer, Object, Throws, calibrate, declared, identify, prepare};
 use likelihood::{Declared, fit};
 use nalgebra::Vector3;
+use poinsot_model::Nuisance;
 use std::path::PathBuf;
 use throws::Fault;
 
@@ -103,11 +104,15 @@ fn print_answer(a: &Answer) {
 /// square of the residual that the declaration leaves, found in two rounds.
 fn choose(throws: &Throws) -> Result<(), Fault> {
     println!(
-        "group, torque N m (J = 1e-6), its correlation s, gyro correlation s: -2 ln L, gyro rad/s"
+        "group, steady and random torque N m (J = 1e-6), its correlation s, gyro correlation s: -2 ln L, gyro rad/s"
     );
     for (name, group) in throws.groups() {
-        for (torque, correlation, colour) in DECLARATIONS {
+        for (steady, torque, correlation, colour) in DECLARATIONS {
             let mut own: Declared = declared(name, &throws.device);
+            own.steady = match steady > 0.0 {
+                true => Nuisance::Prior(steady),
+                false => Nuisance::Known,
+            };
             own.torque.sigma_N_m = torque;
             own.torque.correlation_s = correlation;
             own.gyro_correlation_s = colour;
@@ -128,7 +133,7 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
                 }
             }
             println!(
-                "{name} {torque:.0e} {correlation} {colour}: {sum:.1}  {:.4} {:.4} {:.4}",
+                "{name} {steady:.0e} {torque:.0e} {correlation} {colour}: {sum:.1}  {:.4} {:.4} {:.4}",
                 gyro.x, gyro.y, gyro.z
             );
         }
@@ -136,19 +141,19 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Torque, its correlation, the gyro's correlation.
-const DECLARATIONS: [(f64, f64, f64); 13] = [
-    (3.0e-5, 0.1, 0.0),
-    (3.0e-5, 0.1, 0.003),
-    (1.0e-4, 0.1, 0.003),
-    (3.0e-4, 0.1, 0.003),
-    (3.0e-4, 0.1, 0.01),
-    (3.0e-5, 0.3, 0.003),
-    (1.0e-4, 0.3, 0.003),
-    (3.0e-4, 0.3, 0.003),
-    (1.0e-3, 0.3, 0.003),
-    (3.0e-5, 1.0, 0.003),
-    (1.0e-4, 1.0, 0.003),
-    (3.0e-4, 1.0, 0.003),
-    (1.0e-3, 1.0, 0.003),
+/// Steady torque, random torque, its correlation, the gyro's correlation.
+const DECLARATIONS: [(f64, f64, f64, f64); 13] = [
+    (0.0, 3.0e-5, 0.1, 0.003),
+    (0.0, 1.0e-4, 0.1, 0.003),
+    (0.0, 3.0e-4, 0.1, 0.003),
+    (1.0e-4, 3.0e-5, 0.1, 0.0),
+    (1.0e-4, 3.0e-5, 0.1, 0.003),
+    (1.0e-4, 1.0e-4, 0.1, 0.003),
+    (1.0e-4, 3.0e-4, 0.1, 0.003),
+    (3.0e-4, 3.0e-5, 0.1, 0.003),
+    (3.0e-4, 1.0e-4, 0.1, 0.003),
+    (3.0e-4, 3.0e-4, 0.1, 0.003),
+    (3.0e-4, 1.0e-4, 0.3, 0.003),
+    (3.0e-4, 3.0e-4, 0.3, 0.003),
+    (3.0e-4, 1.0e-4, 0.1, 0.01),
 ];
