@@ -27,17 +27,18 @@ pub fn declared(group: &str, device: &Device) -> Declared {
         false => Nuisance::Known,
     };
     let s = &device.numbers_sigma;
-    let (gyro, steady_N_m, sigma_N_m) = match group {
-        "device_only" => (Vector3::new(0.033, 0.086, 0.119), 0.0, 3.0e-5),
-        "proof_body" => (Vector3::new(0.021, 0.013, 0.030), 0.0, 3.0e-5),
-        "config_empty" => (Vector3::new(0.014, 0.009, 0.017), 3.0e-4, 3.0e-4),
-        _ => (Vector3::new(0.0107, 0.0072, 0.0137), 0.0, 1.0e-4),
+    let (gyro, steady_N_m, sigma_N_m, drag_kg_m2) = match group {
+        "device_only" => (Vector3::new(0.033, 0.086, 0.119), 0.0, 3.0e-5, 0.0),
+        "proof_body" => (Vector3::new(0.021, 0.013, 0.030), 0.0, 3.0e-5, 0.0),
+        "config_empty" => (Vector3::new(0.0137, 0.0078, 0.0164), 0.0, 3.0e-4, 3.0e-6),
+        _ => (Vector3::new(0.0115, 0.0080, 0.0139), 0.0, 3.0e-5, 0.0),
     };
     Declared {
         gyro_axes: known((s.fixed_rows::<3>(0).norm_squared() / 3.0).sqrt()),
         wheel_axis: known((s.fixed_rows::<2>(3).norm_squared() / 2.0).sqrt()),
         wheel_lag: known(s[5]),
         steady: known(steady_N_m),
+        drag: known(drag_kg_m2),
         gyro,
         gyro_correlation_s: 0.003,
         torque: RandomTorque {

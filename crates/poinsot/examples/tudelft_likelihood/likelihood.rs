@@ -24,6 +24,8 @@ pub struct Declared {
     pub wheel_lag: Nuisance,
     /// Constant torque of the air in inertial axes, N m (J = 1e-6); of single throws alone.
     pub steady: Nuisance,
+    /// Coefficients of the drag torque `-c |w| w`, kg m2 (J = 1e-6).
+    pub drag: Nuisance,
     /// White noise of the gyro, one sigma an axis, rad/s.
     pub gyro: Vector3<f64>,
     /// Correlation time of that noise, s; zero where it is white.
@@ -55,6 +57,7 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
         wheel_axis: Nuisance::Known,
         wheel_lag: Nuisance::Known,
         steady: Nuisance::Known,
+        drag: Nuisance::Known,
         ..*declared
     };
     let first = fit_from(model, throws, &sure)?;
@@ -63,8 +66,9 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
         declared.wheel_axis,
         declared.wheel_lag,
         declared.steady,
+        declared.drag,
     ];
-    if asked == [Nuisance::Known; 4] {
+    if asked == [Nuisance::Known; 5] {
         return Ok(first);
     }
     let mut near = model.clone();
@@ -102,6 +106,7 @@ fn fit_from(model: &Model, throws: &[&Recording], declared: &Declared) -> Result
         };
         model.sensors.push(tachometer);
     }
+    model.environment.drag_torque = declared.drag;
     if throws.len() == 1 {
         model.environment.disturbance_torque_inertial = declared.steady;
     }

@@ -104,18 +104,18 @@ fn print_answer(a: &Answer) {
 /// square of the residual that the declaration leaves, found in two rounds.
 fn choose(throws: &Throws) -> Result<(), Fault> {
     println!(
-        "group, steady and random torque N m (J = 1e-6), its correlation s, gyro correlation s: -2 ln L, gyro rad/s"
+        "group, steady torque N m, drag kg m2, random torque N m (J = 1e-6), its correlation s: -2 ln L, gyro rad/s"
     );
     for (name, group) in throws.groups() {
-        for (steady, torque, correlation, colour) in DECLARATIONS {
+        for (steady, drag, torque, correlation) in DECLARATIONS {
             let mut own: Declared = declared(name, &throws.device);
-            own.steady = match steady > 0.0 {
-                true => Nuisance::Prior(steady),
+            let sized = |sigma: f64| match sigma > 0.0 {
+                true => Nuisance::Prior(sigma),
                 false => Nuisance::Known,
             };
+            (own.steady, own.drag) = (sized(steady), sized(drag));
             own.torque.sigma_N_m = torque;
             own.torque.correlation_s = correlation;
-            own.gyro_correlation_s = colour;
             let (mut sum, mut gyro) = (0.0, Vector3::zeros());
             for throw in group.iter().take(3) {
                 own.gyro = Vector3::repeat(0.1);
@@ -133,7 +133,7 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
                 }
             }
             println!(
-                "{name} {steady:.0e} {torque:.0e} {correlation} {colour}: {sum:.1}  {:.4} {:.4} {:.4}",
+                "{name} {steady:.0e} {drag:.0e} {torque:.0e} {correlation}: {sum:.1}  {:.4} {:.4} {:.4}",
                 gyro.x, gyro.y, gyro.z
             );
         }
@@ -141,19 +141,16 @@ fn choose(throws: &Throws) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Steady torque, random torque, its correlation, the gyro's correlation.
-const DECLARATIONS: [(f64, f64, f64, f64); 13] = [
-    (0.0, 3.0e-5, 0.1, 0.003),
-    (0.0, 1.0e-4, 0.1, 0.003),
-    (0.0, 3.0e-4, 0.1, 0.003),
-    (1.0e-4, 3.0e-5, 0.1, 0.0),
-    (1.0e-4, 3.0e-5, 0.1, 0.003),
-    (1.0e-4, 1.0e-4, 0.1, 0.003),
-    (1.0e-4, 3.0e-4, 0.1, 0.003),
-    (3.0e-4, 3.0e-5, 0.1, 0.003),
-    (3.0e-4, 1.0e-4, 0.1, 0.003),
-    (3.0e-4, 3.0e-4, 0.1, 0.003),
-    (3.0e-4, 1.0e-4, 0.3, 0.003),
-    (3.0e-4, 3.0e-4, 0.3, 0.003),
-    (3.0e-4, 1.0e-4, 0.1, 0.01),
+/// Steady torque, drag, random torque, its correlation.
+const DECLARATIONS: [(f64, f64, f64, f64); 10] = [
+    (0.0, 0.0, 3.0e-5, 0.1),
+    (0.0, 0.0, 1.0e-4, 0.1),
+    (0.0, 0.0, 3.0e-4, 0.1),
+    (0.0, 0.0, 1.0e-3, 0.1),
+    (3.0e-4, 0.0, 1.0e-4, 0.1),
+    (3.0e-4, 0.0, 3.0e-4, 0.1),
+    (0.0, 3.0e-6, 3.0e-4, 0.1),
+    (3.0e-4, 3.0e-6, 3.0e-4, 0.1),
+    (3.0e-4, 0.0, 3.0e-4, 0.2),
+    (3.0e-4, 0.0, 3.0e-4, 0.05),
 ];
