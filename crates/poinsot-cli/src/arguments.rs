@@ -150,7 +150,7 @@ pub struct Rows {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: usize,
     /// Most memory for the samples of one file, MiB: 256, of `identify` 64, which needs about ten times as much
-    /// in all.
+    /// in all. `inspect` looks at larger files in parts.
     #[arg(long, value_name = "MIB")]
     pub memory_mib: Option<usize>,
     /// Encoding of CSV text.

@@ -4,6 +4,7 @@ mod inputs;
 
 use crate::information::{Experiment, Point};
 use crate::linear::linear;
+use crate::loss::Loss;
 use crate::maximum_likelihood::maximum_likelihood;
 use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
@@ -270,8 +271,8 @@ fn noise(tree: &Tree) -> Noise {
     }
 }
 
-/// Half the slope of chi-square over every unknown of a segment: by `J^T r` and by differences.
-fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
+/// Half the slope of the loss over every unknown of a segment: by `J^T r` and by differences.
+fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
     let segments = [segment(&model, &tree, translation)];
@@ -296,7 +297,8 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
         nominal: 0.0,
         natural: 1.0,
     });
-    let experiment = Experiment::new(&problem, &parameters);
+    let mut experiment = Experiment::new(&problem, &parameters);
+    experiment.loss = loss;
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {
         // A lag acts through the predicted rates, whose own change with the unknowns is of second order.
@@ -315,7 +317,13 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
             .map(|i| triangle.r[(i, j)] * triangle.r[(i, last)])
             .sum()
     };
-    let chi2 = |p: &Point| experiment.evaluate(p, false).unwrap()[0].chi2;
+    let chi2 = |p: &Point| {
+        let evaluated = &experiment.evaluate(p, false).unwrap()[0];
+        match loss {
+            Loss::Gaussian => evaluated.chi2,
+            _ => evaluated.cost,
+        }
+    };
     let mut out = Vec::new();
     for j in 0..last {
         let step = 1.0e-5;
@@ -349,13 +357,28 @@ fn slopes(translation: bool) -> Vec<(String, f64, f64)> {
 #[test]
 fn exact_sensitivity_of_every_unknown_is_the_slope_of_chi2() {
     for translation in [true, false] {
-        for (name, by_rows, by_differences) in slopes(translation) {
+        for (name, by_rows, by_differences) in slopes(translation, Loss::Gaussian) {
             println!("{name}: {by_rows:.6e} {by_differences:.6e}");
             let gap = (by_rows - by_differences).abs();
             let size = by_rows.abs().max(by_differences.abs()).max(1.0);
             assert!(
                 gap < 2.0e-6 * size,
                 "{name} (translation {translation}): rows {by_rows:.9e}, differences {by_differences:.9e}"
+            );
+        }
+    }
+}
+
+/// The weights of a robust loss in the rows are what makes them its slope.
+#[test]
+fn exact_sensitivity_under_a_robust_loss_is_the_slope_of_the_loss() {
+    for loss in [Loss::Huber, Loss::StudentT] {
+        for (name, by_rows, by_differences) in slopes(true, loss) {
+            let gap = (by_rows - by_differences).abs();
+            let size = by_rows.abs().max(by_differences.abs()).max(1.0);
+            assert!(
+                gap < 2.0e-6 * size,
+                "{name} ({loss:?}): rows {by_rows:.9e}, differences {by_differences:.9e}"
             );
         }
     }

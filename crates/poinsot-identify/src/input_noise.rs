@@ -15,13 +15,11 @@
 //! (Kailath 1968), and so are the sensitivities that went through the same filter: maximum likelihood with errors
 //! in the inputs at a cost linear in the samples.
 
-use crate::motion::{Column, Instant, Motion, State, matrix};
+use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::segment::{InputErrors, Noise, Segment};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::JointSlopes;
-use poinsot_spatial::{Vector6, skew};
-
-type Matrix12 = SMatrix<f64, 12, 12>;
+use poinsot_spatial::Vector6;
 
 /// An input whose readings err.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,14 +30,14 @@ enum Input {
 
 /// The equation of motion around the prediction at one grid time.
 struct Slopes {
-    /// `A`, without what thrusters add.
-    state: Matrix12,
-    /// `L` per input.
-    at_once: Vec<Column>,
-    /// `A L + D` per input, without what thrusters add.
-    drive: Vec<Column>,
-    /// What thrusters add to `A` and `D` in the interval that begins here.
-    thrust: Option<(Matrix12, Vec<Column>)>,
+    /// Upper half of `A`: the pose's.
+    pose: Matrix6x12,
+    /// `L` per input: it reaches the pose alone.
+    at_once: Vec<Vector6>,
+    /// Upper half of `A L + D` per input.
+    drive: Vec<Vector6>,
+    /// Lower halves of `A` and `D` in the interval that begins here, where anything pushes.
+    push: Option<(Matrix6x12, Vec<Vector6>)>,
 }
 
 /// The filter along one segment.
@@ -126,8 +124,10 @@ impl InputNoise {
             self.twists[i] = map * self.columns[i];
         }
         for (c, at_once) in now.at_once.iter().enumerate() {
-            self.columns[n + c] = *at_once;
-            self.twists[n + c] += map * at_once;
+            let mut column = Column::zeros();
+            column.fixed_rows_mut::<6>(0).copy_from(at_once);
+            self.columns[n + c] = column;
+            self.twists[n + c] += map.fixed_view::<6, 6>(0, 0) * at_once;
         }
         self.before = Some(now);
     }
@@ -138,21 +138,12 @@ impl InputNoise {
         motion: &Motion,
         state: &State,
         instant: &Instant,
-        map: &SMatrix<f64, 6, 12>,
+        map: &Matrix6x12,
         k: usize,
     ) -> Slopes {
         let R = matrix(&state.R_NB);
         let n = self.active.len();
-        let (v, w) = (instant.twist.v, instant.twist.w);
-        let mut A = Matrix12::zeros();
-        let turning = map.fixed_view::<3, 12>(3, 0);
-        A.fixed_view_mut::<3, 12>(0, 0).copy_from(&turning);
-        let moving = R * map.fixed_view::<3, 12>(0, 0);
-        A.fixed_view_mut::<3, 12>(3, 0).copy_from(&moving);
-        let mut own = A.fixed_view_mut::<3, 3>(0, 0);
-        own -= skew(&w);
-        let mut own = A.fixed_view_mut::<3, 3>(3, 0);
-        own -= R * skew(&v);
+        let pose = motion.pose_slopes(state, instant, map);
         let mut at_once = Vec::with_capacity(self.inputs.len());
         let mut drive = Vec::with_capacity(self.inputs.len());
         for (c, (input, _)) in self.inputs.iter().enumerate() {
@@ -172,45 +163,42 @@ impl InputNoise {
             let mut slow = pose_change(&R, &position);
             if rate != Vector6::zeros() {
                 // Only attitude and place follow at once.
-                slow += A.fixed_view::<12, 6>(0, 0) * once.fixed_rows::<6>(0);
+                slow += pose.fixed_view::<6, 6>(0, 0) * once;
             }
             at_once.push(once);
             drive.push(slow);
         }
-        let thrust = (self.active.len() > 6 || self.active.contains(&9))
-            .then(|| self.thrust_slopes(motion, state, instant, map, k));
+        let push = (self.active.len() > 6 || self.active.contains(&9))
+            .then(|| self.push_slopes(motion, state, instant, map, k));
         Slopes {
-            state: A,
+            pose,
             at_once,
             drive,
-            thrust,
+            push,
         }
     }
 
-    /// What thrust and torque of the surroundings add: they turn with the base, and their arms with the joints.
-    fn thrust_slopes(
+    /// What thrust and torque of the surroundings do: they turn with the base, and their arms with the joints.
+    fn push_slopes(
         &self,
         motion: &Motion,
         state: &State,
         instant: &Instant,
-        map: &SMatrix<f64, 6, 12>,
+        map: &Matrix6x12,
         k: usize,
-    ) -> (Matrix12, Vec<Column>) {
+    ) -> (Matrix6x12, Vec<Vector6>) {
         let R = matrix(&state.R_NB);
-        let mut A = Matrix12::zeros();
-        let slopes = motion.wrench_slopes(state, instant, map, k);
-        A.fixed_view_mut::<6, 12>(6, 0).copy_from(&slopes);
         let drives = self.inputs.iter().map(|(input, _)| {
-            let mut column = Column::zeros();
-            if let Input::Joint(j) = input {
-                let first_moment = &self.slopes.of[*j].first_moment;
-                let (dF, dT) = motion.wrench_change(instant, k, *j, first_moment);
-                column.fixed_rows_mut::<3>(6).copy_from(&(R * dF));
-                column.fixed_rows_mut::<3>(9).copy_from(&(R * dT));
-            }
-            column
+            let Input::Joint(j) = input else {
+                return Vector6::zeros();
+            };
+            let first_moment = &self.slopes.of[*j].first_moment;
+            let (dF, dT) = motion.wrench_change(instant, k, *j, first_moment);
+            let (dP, dh) = (R * dF, R * dT);
+            Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
         });
-        (A, drives.collect())
+        let drives = drives.collect();
+        (motion.wrench_slopes(state, instant, map, k), drives)
     }
 
     /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
@@ -219,7 +207,7 @@ impl InputNoise {
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             let at_once = &now.at_once[c];
             let of = |i: usize| match i.checked_sub(n) {
-                None => -at_once[self.active[i]],
+                None => -at_once.get(self.active[i]).copied().unwrap_or_default(),
                 Some(input) => f64::from(u8::from(input == c)),
             };
             let vector: Vec<f64> = (0..n + self.inputs.len()).map(of).collect();
@@ -231,10 +219,12 @@ impl InputNoise {
     fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
         let n = self.active.len();
         let size = n + self.inputs.len();
-        let mut A = (before.state + now.state) * 0.5;
-        if let Some((thrust, _)) = &before.thrust {
-            A += thrust;
-        }
+        let pose = (before.pose + now.pose) * 0.5;
+        let push = before.push.as_ref();
+        let A = |row: usize, column: usize| match row.checked_sub(6) {
+            None => pose[(row, column)],
+            Some(row) => push.map_or(0.0, |(lower, _)| lower[(row, column)]),
+        };
         // Rows of the active components; the errors of the inputs only fade.
         let mut upper = vec![0.0; n * size];
         let faded: Vec<f64> = self.memory.iter().map(|m| m.memory(k - 1)).collect();
@@ -242,22 +232,23 @@ impl InputNoise {
             for (j, &column) in self.active.iter().enumerate() {
                 // Exponential to second order: h is a fraction of a turn.
                 let own = if i == j { 1.0 } else { 0.0 };
-                let through = self.active.iter().map(|&k| A[(row, k)] * A[(k, column)]);
-                upper[i * size + j] =
-                    own + h * A[(row, column)] + 0.5 * h * h * through.sum::<f64>();
+                let through = self.active.iter().map(|&k| A(row, k) * A(k, column));
+                upper[i * size + j] = own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
             }
         }
         let mut fresh = Vec::with_capacity(self.inputs.len() * n);
         for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
-            let mut ends = [before, now].map(|s| s.drive[c] * (0.5 * h) - turn);
-            if let Some((thrust, drive)) = &before.thrust {
-                ends[0] += (thrust * before.at_once[c] + drive[c]) * (0.5 * h);
-                ends[1] += (thrust * now.at_once[c] + drive[c]) * (0.5 * h);
-            }
+            let ends = [before, now].map(|s| {
+                let slow = s.drive[c] * (0.5 * h) - turn;
+                let pushed = push.map_or_else(Vector6::zeros, |(lower, drive)| {
+                    (lower.fixed_view::<6, 6>(0, 0) * s.at_once[c] + drive[c]) * (0.5 * h)
+                });
+                move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
+            });
             for (i, &row) in self.active.iter().enumerate() {
-                upper[i * size + n + c] = ends[0][row] + a * ends[1][row];
-                fresh.push(ends[1][row]);
+                upper[i * size + n + c] = ends[0](row) + a * ends[1](row);
+                fresh.push(ends[1](row));
             }
         }
         self.filter.advance(&upper, &faded);
@@ -298,17 +289,6 @@ impl InputNoise {
     ) {
         self.filter.take(slopes, correlation, inverse_root, rows);
     }
-}
-
-fn pose_change(R: &poinsot_spatial::Matrix3, twist: &Vector6) -> Column {
-    let mut column = Column::zeros();
-    column
-        .fixed_rows_mut::<3>(0)
-        .copy_from(&twist.fixed_rows::<3>(3));
-    column
-        .fixed_rows_mut::<3>(3)
-        .copy_from(&(R * twist.fixed_rows::<3>(0)));
-    column
 }
 
 /// Covariance of the errors, and for every sequence what the readings so far say of them.

@@ -14,6 +14,7 @@ mod surroundings;
 mod variation;
 
 pub(crate) use acceleration::Point;
+pub(crate) use variation::{Matrix6x12, pose_change};
 
 use crate::parameters::Gust;
 use crate::segment::{Observations, Segment};

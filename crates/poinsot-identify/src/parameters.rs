@@ -199,7 +199,18 @@ pub enum ParametersError {
         /// Number of bodies.
         bodies: usize,
     },
+    /// The matrices would not fit into memory, nor the time into a day.
+    #[error(
+        "E0406 the model asks for {numbers} mass properties at once; at most {MOST_NUMBERS} are solved for: take estimate out of bodies that are known well enough"
+    )]
+    TooMany {
+        /// Numbers asked for.
+        numbers: usize,
+    },
 }
+
+/// Most mass properties that are solved for together: their spectrum costs the cube of it.
+const MOST_NUMBERS: usize = 1000;
 
 impl Parameters {
     /// The unknowns of a model under the equations that the data allow.
@@ -236,6 +247,10 @@ impl Parameters {
             Equations::Rotation => parameters.add_rotation(model, thrusters_fire)?,
         }
         parameters.mass_unknowns = parameters.unknowns.len();
+        if parameters.mass_unknowns > MOST_NUMBERS {
+            let numbers = parameters.mass_unknowns;
+            return Err(ParametersError::TooMany { numbers });
+        }
         parameters.add_nuisances(model, tree);
         if parameters.unknowns.is_empty() {
             return Err(ParametersError::NothingUnknown);

@@ -105,3 +105,40 @@ impl TenParameters {
         Quantity { value, gradient }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The ten parameters as their own unknowns.
+    fn ten(value: [f64; 10]) -> TenParameters {
+        let unit = |i: usize| (0..10).map(|k| f64::from(u8::from(i == k))).collect();
+        TenParameters {
+            value,
+            gradient: (0..10).map(unit).collect(),
+        }
+    }
+
+    #[test]
+    fn exact_gradients_of_mass_centre_and_central_inertia_are_their_slopes() {
+        let at = [7.0, 0.7, -1.4, 2.1, 3.0, 0.2, 4.0, -0.3, 0.1, 5.0];
+        let quantities = |v| {
+            let t = ten(v);
+            let centre = (0..3).map(|k| t.mass_centre(k));
+            let inertia = (0..6).map(|k| t.central_inertia(k));
+            centre.chain(inertia).collect::<Vec<_>>()
+        };
+        let here = quantities(at);
+        for k in 0..10 {
+            let h = 1e-5;
+            let (mut up, mut down) = (at, at);
+            up[k] += h;
+            down[k] -= h;
+            let ends = quantities(up).into_iter().zip(quantities(down));
+            for (q, (up, down)) in here.iter().zip(ends) {
+                let slope = (up.value - down.value) / (2.0 * h);
+                assert!((slope - q.gradient[k]).abs() < 1e-8, "{k}: {q:?}");
+            }
+        }
+    }
+}

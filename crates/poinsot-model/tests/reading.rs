@@ -3,8 +3,9 @@
 #![allow(clippy::panic, clippy::unwrap_used, clippy::expect_used)]
 
 use poinsot_model::{
-    EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, SpringDamper, describe,
-    model_schema, parse_model, parse_telemetry_map, read_model, read_telemetry_map, write_model,
+    EstimateSet, JointKind, Model, MomentumKnowledge, Nuisance, RandomTorque, SpringDamper,
+    describe, model_schema, parse_model, parse_telemetry_map, read_model, read_telemetry_map,
+    write_model,
 };
 use proptest::prelude::*;
 use std::fmt::Write;
@@ -225,6 +226,54 @@ fn exact_a_written_model_reads_back() {
     for path in examples() {
         assert_reads_back(&read_model(path).unwrap());
     }
+}
+
+/// Everything in a model that may be known, unknown or known roughly.
+fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
+    let mut all = Vec::new();
+    for sensor in &mut model.sensors {
+        all.push(&mut sensor.bias);
+        all.push(&mut sensor.scale);
+        all.push(&mut sensor.lag);
+        if !sensor.kind.is_scalar() {
+            all.push(&mut sensor.misalignment);
+        }
+    }
+    all.extend(model.wheels.iter_mut().map(|w| &mut w.misalignment));
+    all.extend(model.thrusters.iter_mut().map(|t| &mut t.scale));
+    let around = &mut model.environment;
+    all.push(&mut around.disturbance_torque);
+    all.push(&mut around.disturbance_torque_inertial);
+    all.push(&mut around.drag_torque);
+    all
+}
+
+#[test]
+fn exact_every_nuisance_reads_back_from_what_was_written() {
+    let model = accepted(&full());
+    let places = nuisances(&mut model.clone()).len();
+    assert_eq!(places, 6 * 3 + 2 + 1 + 1 + 3);
+    for place in 0..places {
+        for value in [
+            Nuisance::Known,
+            Nuisance::Estimate,
+            Nuisance::Prior(0.1),
+            Nuisance::Prior(3.0e-17),
+        ] {
+            let mut changed = model.clone();
+            if let Some(nuisance) = nuisances(&mut changed).into_iter().nth(place) {
+                *nuisance = value;
+            }
+            assert_reads_back(&changed);
+        }
+    }
+    let mut gusty = model;
+    gusty.environment.random_torque = Some(RandomTorque {
+        sigma_N_m: 1.0e-5,
+        correlation_s: 30.0,
+    });
+    gusty.sensors[0].correlation_s = 0.3;
+    assert_reads_back(&gusty);
 }
 
 #[test]

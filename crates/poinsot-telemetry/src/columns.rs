@@ -59,6 +59,53 @@ impl Columns {
         }
     }
 
+    /// One row, whole.
+    pub(crate) fn row(&self, k: usize) -> Self {
+        Self {
+            time_s: self.time_s.get(k).copied().into_iter().collect(),
+            rows: self.rows.get(k).copied().into_iter().collect(),
+            values: self
+                .values
+                .iter()
+                .map(|v| v.get(k).copied().into_iter().collect())
+                .collect(),
+            nan_cells: vec![(0, 0); self.values.len()],
+            ..Self::default()
+        }
+    }
+
+    /// This row before the rows of another.
+    pub(crate) fn followed_by(&self, mut rest: Self) -> Self {
+        fn before<T: Copy>(first: &[T], rest: &mut Vec<T>) {
+            rest.splice(0..0, first.iter().copied());
+        }
+        before(&self.time_s, &mut rest.time_s);
+        before(&self.rows, &mut rest.rows);
+        for (first, values) in self.values.iter().zip(&mut rest.values) {
+            before(first, values);
+        }
+        rest
+    }
+
+    /// Leaves out the first row.
+    pub(crate) fn drop_first(&mut self) {
+        let mut keep = vec![true; self.rows.len()];
+        if let Some(first) = keep.first_mut() {
+            *first = false;
+        }
+        self.retain(&keep);
+    }
+
+    /// The rows so far; those that follow count on.
+    pub(crate) fn split(&mut self) -> Self {
+        let next = Self {
+            rows_read: self.rows_read,
+            filter_seen: std::mem::take(&mut self.filter_seen),
+            ..Self::with_channels(self.values.len())
+        };
+        std::mem::replace(self, next)
+    }
+
     /// Keeps only the rows for which `keep` says so.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
         fn filter<T: Copy>(v: &mut Vec<T>, keep: &[bool]) {

@@ -5,7 +5,7 @@ use crate::columns::Columns;
 use crate::error::{Place, shown};
 use crate::number::{self, Cell};
 use crate::plan::{self, Plan};
-use crate::read::Selection;
+use crate::read::{Selection, WhenFull};
 use crate::{Encoding, ReadOptions, TelemetryError};
 use csv::ByteRecord;
 use std::io::{Read, Seek};
@@ -16,6 +16,7 @@ pub(crate) fn read(
     path: &Path,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
+    mut full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let (mut file, before) = open(path)?;
     refuse_utf16(path, &mut file)?;
@@ -41,7 +42,8 @@ pub(crate) fn read(
         columns.rows_read += 1;
         let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns)
         else {
-            selection.check(path, last_row, columns.rows.len(), plan.channels.len())?;
+            let full = full.as_deref_mut();
+            selection.check(path, &plan, &mut columns, last_row, full)?;
             continue;
         };
         let is_last = !next(path, &mut reader, &mut record)?;

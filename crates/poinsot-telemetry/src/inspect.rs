@@ -96,7 +96,7 @@ pub fn inspect(table: &Table) -> Inspection {
         ignored: table.ignored.clone(),
         suggestions: table.ignored.iter().filter_map(|c| suggest(c)).collect(),
         repairs: table.repairs.clone(),
-        notes: table.channels.iter().flat_map(notes).collect(),
+        notes: channels.iter().flat_map(notes).collect(),
         findings: crate::checks::findings(table),
         channels,
     }
@@ -137,10 +137,10 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
 /// Fastest wheel that needs no question, rad/s (9550 rpm).
 const FAST_WHEEL: f64 = 1000.0;
 
-fn notes(channel: &Channel) -> Vec<String> {
-    let name = full_name(&channel.sensor, &channel.name);
+pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {
+    let name = &channel.name;
     let mut notes = Vec::new();
-    let largest = channel.values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest = channel.max.abs().max(channel.min.abs());
     if name.ends_with("_rad_s") && largest > FAST_WHEEL {
         notes.push(format!(
             "{name} reaches {largest:.0} rad/s ({:.0} rpm); if the file holds rpm, map it with unit = \"rpm\". \

@@ -7,7 +7,7 @@ use crate::columns::Columns;
 use crate::error::Place;
 use crate::number::Cell;
 use crate::plan::{self, Plan};
-use crate::read::Selection;
+use crate::read::{Selection, WhenFull};
 use crate::{ReadOptions, TelemetryError};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -31,6 +31,7 @@ const BATCH: usize = 8192;
 pub(crate) fn read(
     path: &Path,
     options: &ReadOptions,
+    full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let (mut file, before) = open(path)?;
     let sha256 = sha256_of(path, &mut file)?;
@@ -40,7 +41,7 @@ pub(crate) fn read(
         source,
     })?;
     let decoded = catch_unwind(AssertUnwindSafe(|| {
-        decode(path, file, before.len(), options)
+        decode(path, file, before.len(), options, full)
     }));
     let (plan, columns) = decoded
         .unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))?;
@@ -60,6 +61,7 @@ fn decode(
     file: File,
     bytes: u64,
     options: &ReadOptions,
+    mut full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns), TelemetryError> {
     // Without the embedded Arrow schema, strings and dictionaries of strings arrive as one plain type.
     let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
@@ -88,7 +90,8 @@ fn decode(
         let batch = batch.map_err(|e| refused(path, e))?;
         take_batch(path, &plan, &header, &batch, &mut selection, &mut columns)?;
         let row = columns.rows_read as u64;
-        selection.check(path, row, columns.rows.len(), plan.channels.len())?;
+        let full = full.as_deref_mut();
+        selection.check(path, &plan, &mut columns, row, full)?;
     }
     if columns.rows_read as u64 != declared {
         return Err(refused(

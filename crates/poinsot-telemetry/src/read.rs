@@ -83,27 +83,37 @@ impl Selection {
         (self.seen - 1).is_multiple_of(self.every)
     }
 
+    /// Hands the rows kept to `full` where they fill the memory allowed.
+    ///
     /// # Errors
-    /// The rows kept fill the memory allowed.
+    /// Nobody takes them, or the one who does finds a fault.
     pub(crate) fn check(
         &self,
         path: &Path,
+        plan: &Plan,
+        columns: &mut Columns,
         row: u64,
-        rows: usize,
-        channels: usize,
+        full: Option<&mut WhenFull>,
     ) -> Result<(), TelemetryError> {
+        let (rows, channels) = (columns.rows.len(), plan.channels.len());
         let per_row = 8 * (channels + 2);
         if rows.saturating_mul(per_row) <= self.bytes {
             return Ok(());
         }
-        Err(TelemetryError::TooLarge {
-            place: Place::row(path, row),
-            most: rows,
-            channels,
-            mib: self.bytes >> 20,
-        })
+        match full {
+            Some(take) => take(plan, columns.split()),
+            None => Err(TelemetryError::TooLarge {
+                place: Place::row(path, row),
+                most: rows,
+                channels,
+                mib: self.bytes >> 20,
+            }),
+        }
     }
 }
+
+/// Takes the rows read so far.
+pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), TelemetryError> + 'a;
 
 /// Reads the files of one segment into one table.
 ///
@@ -166,31 +176,31 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
     Ok(table)
 }
 
+/// Reads a file whose rows may fill `1 / share` of the memory allowed and then go to `take`; gives the rest.
+pub(crate) fn read_file_in_parts(
+    path: &Path,
+    options: &ReadOptions,
+    share: usize,
+    repairs: &mut Vec<String>,
+    take: &mut WhenFull,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let mib = match options.memory_mib {
+        0 => MEMORY_MIB,
+        mib => mib,
+    };
+    let options = ReadOptions {
+        memory_mib: (mib / share).max(1),
+        ..options.clone()
+    };
+    decode(path, &options, repairs, Some(take))
+}
+
 fn read_file(
     path: &Path,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .map(str::to_lowercase);
-    let (plan, columns, sha256) = match extension.as_deref() {
-        Some("parquet" | "pq") => parquet_reader::read(path, options)?,
-        Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs)?,
-        _ => {
-            return Err(TelemetryError::Format {
-                place: Place::file(path),
-                why: "the kind of file is not known from its name; telemetry is .csv or .parquet"
-                    .into(),
-            });
-        }
-    };
-    if columns.rows_read == 0 {
-        return Err(TelemetryError::Empty {
-            place: Place::file(path),
-        });
-    }
+    let (plan, columns, sha256) = decode(path, options, repairs, None)?;
     if columns.time_s.is_empty()
         && let Some((column, text)) = options.row_filter.first()
     {
@@ -216,6 +226,36 @@ fn read_file(
             column: plan.time_column.clone(),
             text: format!("{from},{to}"),
             why: format!("no row of {} lies between these times, s", path.display()),
+        });
+    }
+    Ok((plan, columns, sha256))
+}
+
+/// By the kind of file that its name says.
+fn decode(
+    path: &Path,
+    options: &ReadOptions,
+    repairs: &mut Vec<String>,
+    full: Option<&mut WhenFull>,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_lowercase);
+    let (plan, columns, sha256) = match extension.as_deref() {
+        Some("parquet" | "pq") => parquet_reader::read(path, options, full)?,
+        Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs, full)?,
+        _ => {
+            return Err(TelemetryError::Format {
+                place: Place::file(path),
+                why: "the kind of file is not known from its name; telemetry is .csv or .parquet"
+                    .into(),
+            });
+        }
+    };
+    if columns.rows_read == 0 {
+        return Err(TelemetryError::Empty {
+            place: Place::file(path),
         });
     }
     Ok((plan, columns, sha256))

@@ -155,8 +155,8 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
             not_acceptable(&mut identified.estimate, share, &f.channel);
         }
     }
-    identified.findings = findings;
-    against_model(&mut identified, &policies, &label)?;
+    let by_the_fit = std::mem::replace(&mut identified.findings, findings);
+    against_model(&mut identified, by_the_fit, &policies, &label)?;
     Ok(identified)
 }
 
@@ -168,12 +168,13 @@ fn table_label(table: &Table) -> String {
 /// Checks of the telemetry that need the answer.
 fn against_model(
     identified: &mut Identified,
+    by_the_fit: Vec<Finding>,
     policies: &Policies,
     label: &str,
 ) -> Result<(), Error> {
     let estimate = &identified.estimate;
     let found = mixups::units(estimate);
-    for mut finding in found {
+    for mut finding in found.into_iter().chain(by_the_fit) {
         finding.policy = policies.of(finding.check);
         if finding.policy == Policy::Refuse {
             return Err(checks::refused(label, &finding).into());
@@ -236,6 +237,12 @@ pub fn identify_tables(
             (estimate, predictions)
         }
     };
+    let findings = match METHODS.contains(&request.method.as_str()) {
+        true => mixups::rates(&problem, &tables, &estimate)
+            .into_iter()
+            .collect(),
+        false => Vec::new(),
+    };
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
@@ -252,7 +259,7 @@ pub fn identify_tables(
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,
-        findings: Vec::new(),
+        findings,
     })
 }
 

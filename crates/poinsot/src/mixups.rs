@@ -1,6 +1,9 @@
-//! Mixed-up units that nothing in the telemetry contradicts: they show by the size of the answer.
+//! Mixed-up units that nothing in the telemetry contradicts: they show by the size of the answer, or because the
+//! record fits as soon as it is read in another unit.
 
-use poinsot_identify::{Estimate, Status};
+use crate::bind::bind;
+use poinsot_identify::{Estimate, Problem, Status, maximum_likelihood};
+use poinsot_telemetry::Table;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use std::f64::consts::PI;
 
@@ -32,6 +35,14 @@ const FACTORS: [(f64, &str); 10] = [
     (1.0e4, "kg cm2 for kg m2 in the model"),
     (1.0e-4, "kg m2 for kg cm2 in the model"),
 ];
+/// Factors that put body rates right, and the mistake.
+const RATES: [(f64, &str); 3] = [
+    (PI / 180.0, "body rates in deg/s that are read as rad/s"),
+    (PI / 30.0, "body rates in rpm that are read as rad/s"),
+    (180.0 / PI, "body rates in rad/s that are mapped as deg/s"),
+];
+/// Chi-square per degree of freedom up to which a record fits.
+const FITS: f64 = 10.0;
 /// How far the mean factor may be off, relative.
 const MEAN: f64 = 0.15;
 /// How far the factor of one axis may be off the mean, relative.
@@ -72,6 +83,46 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
         }
     }
     all
+}
+
+/// A record without attitude that contradicts the model, and fits once its body rates are read in another unit. With
+/// an attitude the reader compares the two itself.
+pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) -> Option<Finding> {
+    let answered = !matches!(estimate.status, Status::Rejected | Status::IterationLimit);
+    let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
+    if answered || tables.iter().any(has_attitude) {
+        return None;
+    }
+    let (_, words) = RATES.iter().find(|(factor, _)| {
+        let other = scaled(tables, *factor);
+        fits(problem, &other).unwrap_or(false)
+    })?;
+    let text = format!("the data contradict the model, and fit it as {words}");
+    Some(finding(Check::Units, "omega", text))
+}
+
+/// The tables with their body rates times a factor.
+fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
+    let mut all = tables.to_vec();
+    let channels = all.iter_mut().flat_map(|t| &mut t.channels);
+    for channel in channels.filter(|c| c.name.starts_with("omega_")) {
+        channel.values.iter_mut().for_each(|w| *w *= factor);
+    }
+    all
+}
+
+/// Whether the model explains these tables; `None` where the question cannot even be asked.
+fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
+    let bound = bind(problem.model, problem.tree, tables).ok()?;
+    let other = Problem {
+        segments: &bound.segments,
+        noise: &bound.noise,
+        ..*problem
+    };
+    let found = maximum_likelihood(&other).ok()?;
+    let d = found.diagnostics.as_ref()?;
+    let answered = matches!(found.status, Status::Converged | Status::Partial);
+    Some(answered && d.chi2 < FITS * d.dof as f64)
 }
 
 fn finding(check: Check, channel: &str, text: String) -> Finding {

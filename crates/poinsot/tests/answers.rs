@@ -6,7 +6,7 @@ mod vehicle;
 use poinsot::{Error, Identified, identify, identify_tables};
 use poinsot_dynamics::{Start, StartVelocity};
 use poinsot_identify::{Number, Source, Status};
-use poinsot_model::{EstimateSet, Model, Momentum, MomentumKnowledge, Nuisance};
+use poinsot_model::{EstimateSet, Model, Momentum, MomentumKnowledge, Nuisance, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Source as File, Table};
 use std::path::{Path, PathBuf};
@@ -454,13 +454,56 @@ fn exact_gyro_bias_is_found() {
         let column = channel(&mut table, &format!("omega_{axis}"));
         column.values.iter_mut().for_each(|w| *w += b);
     }
-    let answer = ask(&asked, vec![table], "maximum_likelihood");
+    let answer = ask(&asked, vec![table.clone()], "maximum_likelihood");
     assert_found(&answer, &truth, 1.0e-5, "biased gyro");
     for (axis, b) in ["x", "y", "z"].into_iter().zip(bias) {
         let found = nuisance(&answer, &format!("gyro.bias_{axis}"));
         println!("bias {axis}: {:?}", found.value);
         assert!((found.value.unwrap() - b).abs() < 1.0e-7);
         assert_eq!(found.source, Source::Data);
+    }
+    // The linear rows take the bias to first order at the nominal numbers: exact where these are the truth.
+    asked.bodies = truth.bodies.clone();
+    let answer = ask(&asked, vec![table], "linear");
+    for (axis, b) in ["x", "y", "z"].into_iter().zip(bias) {
+        let found = nuisance(&answer, &format!("gyro.bias_{axis}"));
+        println!("linear bias {axis}: {:?}", found.value);
+        assert!((found.value.unwrap() - b).abs() < 1.0e-8);
+    }
+}
+
+/// Readings of position and velocity far from the base's origin, each at its own place.
+#[test]
+fn exact_sensors_may_sit_anywhere_on_the_base() {
+    let mut truth = known_arm(28);
+    let (flight, ..) = drifting(&truth, 28);
+    let mut table = fly(&truth, &flight);
+    let (p_BoR_B, p_BoV_B) = (Vector3::new(0.7, -0.4, 0.2), Vector3::new(-0.5, 0.3, 0.9));
+    for k in 0..table.channels[0].values.len() {
+        let mut read = |names: [&str; 3]| {
+            Vector3::from_iterator(names.map(|n| channel(&mut table, n).values[k]))
+        };
+        let q = read(["q_x", "q_y", "q_z"]);
+        let w_NB_B = read(["omega_x", "omega_y", "omega_z"]);
+        let q_w = channel(&mut table, "q_w").values[k];
+        let R_NB =
+            nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::from_parts(q_w, q));
+        for (name, shift) in [("r", R_NB * p_BoR_B), ("v", R_NB * w_NB_B.cross(&p_BoV_B))] {
+            for (axis, by) in ["x", "y", "z"].into_iter().zip(shift.iter()) {
+                channel(&mut table, &format!("{name}_{axis}")).values[k] += by;
+            }
+        }
+    }
+    for sensor in &mut truth.sensors {
+        match sensor.kind {
+            SensorKind::Position => sensor.p_BoS_B = p_BoR_B,
+            SensorKind::Velocity => sensor.p_BoS_B = p_BoV_B,
+            _ => {}
+        }
+    }
+    for method in METHODS {
+        let answer = ask(&off_nominal(&truth, 0.1), vec![table.clone()], method);
+        assert_found(&answer, &truth, tolerance(method), method);
     }
 }
 

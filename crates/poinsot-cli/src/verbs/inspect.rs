@@ -4,7 +4,7 @@ use super::{Failure, Outcome, print, print_json};
 use crate::arguments::Inspect;
 use poinsot::segment_files;
 use poinsot_model::read_telemetry_map;
-use poinsot_telemetry::{ColumnMap, ReadOptions, inspect, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, inspect_files};
 
 pub fn run(arguments: &Inspect) -> Outcome {
     let rows = &arguments.rows;
@@ -28,8 +28,8 @@ pub fn run(arguments: &Inspect) -> Outcome {
             })
             .collect();
     }
-    let table = read(&segment_files(&arguments.telemetry), &options).map_err(Failure::from)?;
-    let inspection = inspect(&table);
+    let files = segment_files(&arguments.telemetry);
+    let inspection = inspect_files(&files, &options).map_err(Failure::from)?;
     if arguments.json {
         print_json(&inspection);
     } else if !arguments.quiet {

@@ -67,7 +67,6 @@ const DIFFERENCES: &str = "\
 - F9: MCAP is not read.
 - M1: massless links on fixed joints are accepted, and a massless base whose subtree has mass.
 - M5: a mimic joint is read as a joint of its own and named; telemetry needs a column for it.
-- T7: a gyro in deg/s without attitude is not recognised as such; the answer is rejected.
 - M2: there is no --allow-unphysical.
 - S3: no CSV with text cells is written.
 ";

@@ -109,8 +109,6 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
         "E0003 standard output: No space left on device (os error 28); free space, or write to another place".to_owned(),
         None,
     ));
-    all.entry("E0509".to_owned())
-        .or_insert((String::new(), Some("the model's own checks come before")));
     all
 }
 

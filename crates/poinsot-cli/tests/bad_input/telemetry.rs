@@ -219,10 +219,52 @@ fn units() -> Vec<Row> {
                     s.map("omega", |_, w| angle(w));
                 })
             },
+            2,
+            &[
+                "E0220 t.csv: channel 'omega': units: the data contradict the model, and fit it as body rates in deg/s that are read as rad/s; correct it, or accept it by --policy units=report (without --strict)",
+            ],
+        ),
+        row(
+            "T7",
+            "the same, accepted",
+            |b| {
+                b.spoil(|s| {
+                    s.without("q_");
+                    s.map("omega", |_, w| angle(w));
+                })
+            },
             1,
-            &["residual"],
+            &["units: the data contradict the model, and fit it as body rates in deg/s that are read as rad/s"],
         )
+        .more(&["--policy", "units=report"])
         .never(&["every number asked for is determined"]),
+        row(
+            "T7",
+            "gyro in rpm, no attitude",
+            |b| {
+                b.spoil(|s| {
+                    s.without("q_");
+                    s.map("omega", |_, w| rpm(w));
+                })
+            },
+            2,
+            &["E0220", "fit it as body rates in rpm that are read as rad/s"],
+        ),
+        row(
+            "T7",
+            "gyro mapped as deg/s that is rad/s, no attitude",
+            |b| {
+                b.spoil(|s| {
+                    s.without("q_");
+                    s.map("omega", |_, w| w.to_radians());
+                })
+            },
+            2,
+            &[
+                "E0220",
+                "fit it as body rates in rad/s that are mapped as deg/s",
+            ],
+        ),
         row(
             "T7",
             "gyro in rpm",

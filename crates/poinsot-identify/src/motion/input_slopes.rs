@@ -29,8 +29,7 @@ impl Motion<'_> {
 
     /// Change of the base twist with the twelve components of a change of the state: `H^-1 d[l; h]`.
     pub fn state_map(&self, state: &State, instant: &Instant) -> SMatrix<f64, 6, 12> {
-        let known = self.ready.as_ref().filter(|r| r.state == *state);
-        match known.and_then(|r| r.variation.as_ref()) {
+        match self.variation(state) {
             Some(variation) => variation.map,
             None => self.map_at(state, instant),
         }

@@ -11,9 +11,9 @@ use super::{Centre, Column, Instant, Motion, State, matrix};
 use crate::parameters::UnknownKind;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{momentum_regressor, wheel_regressor};
-use poinsot_spatial::{Matrix6, Vector3, Vector6, skew};
+use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, skew};
 
-type Matrix6x12 = SMatrix<f64, 6, 12>;
+pub(crate) type Matrix6x12 = SMatrix<f64, 6, 12>;
 
 type Matrix6x3 = SMatrix<f64, 6, 3>;
 
@@ -51,6 +51,13 @@ impl Half {
             coupled: momentum != Matrix6::zeros(),
             momentum,
         }
+    }
+
+    fn rows(&self) -> Matrix6x12 {
+        let mut rows = Matrix6x12::zeros();
+        rows.fixed_view_mut::<6, 3>(0, 0).copy_from(&self.attitude);
+        rows.fixed_view_mut::<6, 6>(0, 6).copy_from(&self.momentum);
+        rows
     }
 }
 
@@ -162,6 +169,25 @@ impl Along<'_> {
     }
 }
 
+/// What a change of the twist does to the pose's rate `[dphi_B'; dp_N']`.
+pub(crate) fn pose_change(R: &Matrix3, twist: &Vector6) -> Vector6 {
+    let v = R * twist.fixed_rows::<3>(0);
+    Vector6::new(twist[3], twist[4], twist[5], v.x, v.y, v.z)
+}
+
+fn pose_slopes(R: &Matrix3, instant: &Instant, map: &Matrix6x12) -> Matrix6x12 {
+    let twist = &instant.twist;
+    let mut pose = Matrix6x12::zeros();
+    for j in (0..3).chain(6..12) {
+        pose.set_column(j, &pose_change(R, &map.column(j).into()));
+    }
+    let mut own = pose.fixed_view_mut::<3, 3>(0, 0);
+    own -= skew(&twist.w);
+    let mut own = pose.fixed_view_mut::<3, 3>(3, 0);
+    own -= R * skew(&twist.v);
+    pose
+}
+
 impl Motion<'_> {
     /// The variational equation of the pose at the inputs in hand: with `V = H^-1 (X [P; h] - c - c_w)`,
     /// `dV = H^-1 (d(X [P; h]) - Y(V) dpi)`.
@@ -189,25 +215,26 @@ impl Motion<'_> {
 
         let map = self.map_at(state, instant);
         let R = matrix(&state.R_NB);
-        let pose_of = |twist: &Vector6| {
-            let v = R * twist.fixed_rows::<3>(0);
-            Vector6::new(twist[3], twist[4], twist[5], v.x, v.y, v.z)
-        };
-        let mut pose = Matrix6x12::zeros();
-        for j in (0..3).chain(6..12) {
-            pose.set_column(j, &pose_of(&map.column(j).into()));
-        }
-        let (turn, slide) = (-skew(&twist.w), -(R * skew(&twist.v)));
-        let mut own = pose.fixed_view_mut::<3, 3>(0, 0);
-        own += turn;
-        let mut own = pose.fixed_view_mut::<3, 3>(3, 0);
-        own += slide;
         Variation {
+            pose: Half::new(&pose_slopes(&R, instant, &map)),
             map,
-            drive: twists.iter().map(pose_of).collect(),
+            drive: twists.iter().map(|twist| pose_change(&R, twist)).collect(),
             twists,
-            pose: Half::new(&pose),
         }
+    }
+
+    /// Slopes of the pose's rate over the state: the upper half of `A`; `map` is [`Self::state_map`].
+    pub fn pose_slopes(&self, state: &State, instant: &Instant, map: &Matrix6x12) -> Matrix6x12 {
+        match self.variation(state) {
+            Some(variation) => variation.pose.rows(),
+            None => pose_slopes(&matrix(&state.R_NB), instant, map),
+        }
+    }
+
+    /// The equation where the last velocity was taken, if it was at this state.
+    pub(super) fn variation(&self, state: &State) -> Option<&Variation> {
+        let ready = self.ready.as_ref().filter(|r| r.state == *state);
+        ready.and_then(|r| r.variation.as_ref())
     }
 
     /// Change of the twist with one unknown, the state held.

@@ -18,8 +18,8 @@ pub(crate) struct EnvironmentFile {
     pub disturbance_torque: Option<NuisanceFile>,
     /// Constant torque in inertial axes, N m: "none" (default), "estimate", or { sigma_N_m = x }.
     pub disturbance_torque_inertial: Option<NuisanceFile>,
-    /// Torque of drag in body axes, -c |w| w with one coefficient an axis, kg m2: "none" (default) or
-    /// "estimate".
+    /// Torque of drag in body axes, -c |w| w with one coefficient an axis, kg m2: "none" (default), "estimate", or
+    /// { sigma_kg_m2 = x }.
     pub drag_torque: Option<NuisanceFile>,
     /// Random torque about the mass centre, alike about every inertial axis, with its sigma and the time after
     /// which it has forgotten itself (Gauss-Markov): air, outgassing, what else no formula knows. None by default.

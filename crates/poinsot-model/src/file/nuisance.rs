@@ -42,13 +42,15 @@ pub(crate) struct SigmaFile {
     pub sigma_N: Option<f64>,
     /// One sigma, N m.
     pub sigma_N_m: Option<f64>,
+    /// One sigma of a coefficient of drag, kg m2.
+    pub sigma_kg_m2: Option<f64>,
     /// One sigma of a lag, s.
     pub sigma_s: Option<f64>,
 }
 
 impl SigmaFile {
     /// Every key with its value.
-    pub fn entries(&self) -> [(&'static str, Option<f64>); 9] {
+    pub fn entries(&self) -> [(&'static str, Option<f64>); 10] {
         [
             ("sigma", self.sigma),
             ("sigma_rad", self.sigma_rad),
@@ -58,6 +60,7 @@ impl SigmaFile {
             ("sigma_m_s2", self.sigma_m_s2),
             ("sigma_N", self.sigma_N),
             ("sigma_N_m", self.sigma_N_m),
+            ("sigma_kg_m2", self.sigma_kg_m2),
             ("sigma_s", self.sigma_s),
         ]
     }

@@ -1,7 +1,8 @@
 //! What the inspection of a table says.
 
-use crate::read_text;
-use poinsot_telemetry::{ReadOptions, inspect};
+use crate::{Folder, read_text};
+use poinsot_telemetry::{Channel, ReadOptions, Table, inspect, inspect_files, read, write};
+use std::sync::Arc;
 
 #[test]
 fn unit_an_inspection_lists_rates_gaps_and_proposals() {
@@ -45,4 +46,90 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert!(shown.contains("omega_x") && shown.contains("Columns not taken:\n  wy [deg/s], Mode"));
     let json = serde_json::to_value(&seen).unwrap();
     assert_eq!(json["channels"][0]["name"], "omega_x");
+}
+
+/// A long record: noise on a slow swing, gaps of two lengths, one of them between two parts of 1 MiB.
+fn long() -> Table {
+    let (mut t, mut state) = (0.0, 1_u64);
+    let mut times = Vec::new();
+    for k in 0..60_000 {
+        t += match k {
+            21_846 => 3.0,
+            40_000 => 2.0,
+            _ => 0.01,
+        };
+        times.push(t);
+    }
+    let time_s: Arc<[f64]> = times.into();
+    let mut noise = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let names = ["omega_x", "omega_y", "omega_z", "wheel_rad_s"];
+    let channels = names.map(|name| Channel {
+        name: name.to_owned(),
+        sensor: String::new(),
+        unit: "rad/s".to_owned(),
+        frame: String::new(),
+        time_s: time_s.clone(),
+        values: time_s
+            .iter()
+            .map(|t| (0.01 * t).sin() + 1.0e-3 * noise())
+            .collect(),
+    });
+    Table {
+        channels: channels.to_vec(),
+        ..Table::default()
+    }
+}
+
+#[test]
+fn exact_a_file_looked_at_in_parts_is_the_file_looked_at_whole() {
+    let folder = Folder::new();
+    let small = ReadOptions {
+        memory_mib: 1,
+        ..ReadOptions::default()
+    };
+    for name in ["run.csv", "run.parquet"] {
+        let path = folder.path(name);
+        write(&path, &long().channels).unwrap();
+        let refused = folder.message(&read(&[&path], &small).unwrap_err());
+        assert!(refused.starts_with("E0221"), "{refused}");
+        let whole = inspect_files(&[&path], &ReadOptions::default()).unwrap();
+        let parts = inspect_files(&[&path], &small).unwrap();
+        assert_eq!(parts.sources, whole.sources);
+        assert_eq!(parts.time_s, whole.time_s);
+        assert!(parts.notes[0].contains("looked at in parts"));
+        assert_eq!(parts.channels.len(), 4);
+        for (a, b) in parts.channels.iter().zip(&whole.channels) {
+            assert_eq!((a.samples, a.gaps), (60_000, 2));
+            let exact = |c: &poinsot_telemetry::ChannelSummary| {
+                (c.time_s, c.longest_gap_s, c.min, c.max, c.constant)
+            };
+            assert_eq!(exact(a), exact(b));
+            let noise = a.noise.unwrap() / b.noise.unwrap();
+            assert!((noise - 1.0).abs() < 0.02, "{noise}");
+            assert!((a.rate_hz.unwrap() / b.rate_hz.unwrap() - 1.0).abs() < 1.0e-9);
+        }
+    }
+}
+
+#[test]
+fn unit_time_that_goes_back_between_two_parts_is_refused() {
+    let folder = Folder::new();
+    let path = folder.path("run.csv");
+    write(&path, &long().channels).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    // The same rows again: somewhere a part begins with a time of long ago.
+    let path = folder.file("twice.csv", format!("{head}\n{rows}{rows}"));
+    let small = ReadOptions {
+        memory_mib: 1,
+        ..ReadOptions::default()
+    };
+    let error = folder.message(&inspect_files(&[path], &small).unwrap_err());
+    assert!(error.starts_with("E0208 twice.csv:60002"), "{error}");
+    assert!(error.contains("time goes back"), "{error}");
 }

@@ -55,6 +55,6 @@ fn turns_too_far(channel: &Channel) -> Option<(usize, String)> {
     let turns = channel.values.get(at)?.abs() * step / (2.0 * PI);
     Some((
         at,
-        format!("{turns:.3e} turns between samples {step} s apart"),
+        format!("{turns:.3e} turns between samples {step:.3e} s apart"),
     ))
 }

@@ -76,6 +76,12 @@ pub(super) const CODES: &[Entry] = &[
         "Check mass_kg and inertia_kg_m2.",
     ),
     (
+        "E0406",
+        "More mass properties are asked for at once than are solved for together.",
+        "estimate = true on every link of a long chain.",
+        "Take estimate out of bodies that are known well enough.",
+    ),
+    (
         "E0410",
         "The equations hold a number that is not finite.",
         "Magnitudes near the limits of double precision.",

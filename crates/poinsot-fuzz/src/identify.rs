@@ -1,0 +1,59 @@
+//! Small arbitrary problems into `identify`.
+
+use crate::small_problem::SmallProblem;
+use arbitrary::Unstructured;
+use poinsot::{Identified, IdentifyRequest, estimate_document, estimate_json, identify_tables};
+use poinsot_model::parse_model;
+
+/// A small vehicle with a short record, both arbitrary. Whatever comes out, every number has a sigma, and both are
+/// finite.
+pub fn identify(bytes: &[u8]) {
+    let Ok(problem) = SmallProblem::new(&mut Unstructured::new(bytes)) else {
+        return;
+    };
+    let Ok(model) = parse_model(&problem.model, "fuzzed.toml") else {
+        return;
+    };
+    let request = IdentifyRequest {
+        model: "fuzzed.toml".into(),
+        segments: Vec::new(),
+        map: None,
+        method: problem.method.to_owned(),
+        variant: problem.variant.map(str::to_owned),
+        relative_accuracy: 1.0,
+        coordinates: Default::default(),
+        strict: false,
+        recover: false,
+    };
+    match identify_tables(model, vec![problem.table], &request) {
+        Ok(identified) => check(&identified),
+        Err(error) => {
+            let text = error.to_string();
+            assert!(text.starts_with('E'), "no code: {text}");
+            assert!(error.exit_code() != 4, "{text}");
+        }
+    }
+}
+
+fn check(identified: &Identified) {
+    let estimate = &identified.estimate;
+    for body in estimate
+        .bodies
+        .iter()
+        .chain(estimate.system.iter().map(|s| &s.0))
+    {
+        let numbers = std::iter::once(&body.mass)
+            .chain(&body.com)
+            .chain(&body.inertia);
+        for number in numbers {
+            assert_eq!(number.value.is_some(), number.sigma.is_some(), "{number:?}");
+            let finite = |x: Option<f64>| x.is_none_or(f64::is_finite);
+            assert!(finite(number.value) && finite(number.sigma), "{number:?}");
+            assert!(number.sigma.is_none_or(|s| s >= 0.0), "{number:?}");
+        }
+    }
+    let mut all = estimate.covariance.iter().flatten();
+    assert!(all.all(|c| c.is_finite()), "a covariance is not finite");
+    let _ = estimate_json(identified);
+    let _ = estimate_document(identified).to_string();
+}

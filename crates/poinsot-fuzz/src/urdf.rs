@@ -1,0 +1,36 @@
+//! Bytes as a URDF file.
+
+use crate::model::check_model;
+use poinsot_model::{LinkInertial, export_urdf, parse_urdf};
+
+/// Bytes as a URDF file. A file that is taken must make a sound model, and take its own inertials back.
+pub fn urdf(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let read = parse_urdf(text, "robot.urdf");
+    let model = match read.model {
+        Ok(model) => model,
+        Err(error) => {
+            assert!(
+                !error.to_string().trim().is_empty(),
+                "an error without words"
+            );
+            return;
+        }
+    };
+    check_model(&model);
+    let links: Vec<LinkInertial> = model
+        .bodies
+        .iter()
+        .filter(|body| body.nominal.mass > 0.0)
+        .map(|body| LinkInertial {
+            link: body.name.clone(),
+            properties: body.nominal,
+        })
+        .collect();
+    let exported = export_urdf(text, &links);
+    let again = parse_urdf(&exported.text, "exported.urdf").model;
+    let bodies = again.as_ref().map(|m| m.bodies.len());
+    assert_eq!(bodies.ok(), Some(model.bodies.len()), "{}", exported.text);
+}

@@ -1,0 +1,89 @@
+//! The committed corpus and deterministic mutations of it through every target.
+//!
+//! `POINSOT_FUZZ_SECONDS=60` mutates that long per target instead, and prints how many inputs that made.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use poinsot_fuzz::{Mutator, TARGETS};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Longest time a single small input may take.
+const LONGEST: Duration = Duration::from_secs(10);
+
+fn corpus(name: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fuzz/corpus")
+        .join(name);
+    let mut paths: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .collect();
+    paths.sort();
+    paths.iter().map(|p| std::fs::read(p).unwrap()).collect()
+}
+
+fn replay(name: &str, mutations: u64) {
+    let target = TARGETS.iter().find(|t| t.0 == name).unwrap().1;
+    let corpus = corpus(name);
+    assert!(!corpus.is_empty());
+    let seconds = std::env::var("POINSOT_FUZZ_SECONDS").ok();
+    let until = seconds.map(|s| Instant::now() + Duration::from_secs(s.parse().unwrap()));
+    let mut mutator = Mutator::new(name.len() as u64);
+    let started = Instant::now();
+    let mut count = 0;
+    let mut slowest = (Duration::ZERO, 0);
+    let mut inputs = corpus.clone().into_iter();
+    while until.map_or(count < mutations + corpus.len() as u64, |end| {
+        Instant::now() < end
+    }) {
+        let input = inputs.next().unwrap_or_else(|| mutator.input(&corpus));
+        count += 1;
+        let began = Instant::now();
+        if std::panic::catch_unwind(|| target(&input)).is_err() {
+            let path = std::env::temp_dir().join(format!("poinsot-fuzz-{name}-{count}"));
+            std::fs::write(&path, &input).unwrap();
+            panic!("{name}: input {count} fails, kept as {}", path.display());
+        }
+        let took = began.elapsed();
+        slowest = slowest.max((took, count));
+        if took > LONGEST {
+            let path = std::env::temp_dir().join(format!("poinsot-fuzz-slow-{name}-{count}"));
+            std::fs::write(&path, &input).unwrap();
+            panic!(
+                "{name}: input {count} takes {took:?}, kept as {}",
+                path.display()
+            );
+        }
+    }
+    println!(
+        "{name}: {count} inputs in {:.1} s, the slowest ({}) {:.2} s",
+        started.elapsed().as_secs_f64(),
+        slowest.1,
+        slowest.0.as_secs_f64()
+    );
+}
+
+#[test]
+fn prop_csv_corpus_and_mutations() {
+    replay("csv", 2000);
+}
+
+#[test]
+fn prop_parquet_corpus_and_mutations() {
+    replay("parquet", 2000);
+}
+
+#[test]
+fn prop_model_corpus_and_mutations() {
+    replay("model", 1000);
+}
+
+#[test]
+fn prop_urdf_corpus_and_mutations() {
+    replay("urdf", 2000);
+}
+
+#[test]
+fn prop_identify_corpus_and_mutations() {
+    replay("identify", 60);
+}

@@ -1,0 +1,214 @@
+//! Inspection of files of any size: what does not fit into memory is looked at part by part, in one pass.
+
+use crate::checks::{Finding, SHOWN};
+use crate::columns::Columns;
+use crate::inspect::{ChannelSummary, FileSummary, Inspection, notes};
+use crate::plan::{self, Plan};
+use crate::read::{read, read_file_in_parts};
+use crate::{ReadOptions, Source, Table, TelemetryError, assemble, inspect, suggest, time_base};
+use std::path::{Path, PathBuf};
+
+/// Share of the memory allowed that one part may fill: looking at it takes more.
+const PART: usize = 4;
+/// Most lines of repairs that are kept.
+const LINES: usize = 100;
+
+/// Looks at files as [`inspect`] does, whatever their size.
+///
+/// Files that do not fit into [`ReadOptions::memory_mib`] are read in parts: extremes, counts and gaps are those of
+/// the whole, noise is the mean square of the parts', rate and quantum are those of the first part. Attitude is then
+/// compared with the gyro of the same file, in the part that says most.
+///
+/// # Errors
+/// As [`read`](crate::read), but for the size.
+pub fn inspect_files<P: AsRef<Path>>(
+    paths: &[P],
+    options: &ReadOptions,
+) -> Result<Inspection, TelemetryError> {
+    match read(paths, options) {
+        Ok(table) => return Ok(inspect(&table)),
+        Err(TelemetryError::TooLarge { .. }) => {}
+        Err(other) => return Err(other),
+    }
+    let paths: Vec<PathBuf> = paths.iter().map(|p| p.as_ref().to_owned()).collect();
+    let mut unused = plan::Unused::new(options);
+    let mut all: Option<Inspection> = None;
+    for path in &paths {
+        let one = in_parts(path, options, &mut unused)?;
+        all = Some(match all {
+            None => one,
+            Some(mut before) => {
+                before.sources.extend(one.sources.iter().cloned());
+                merge(&mut before, one);
+                before
+            }
+        });
+    }
+    unused.check(&paths)?;
+    all.map(finished).ok_or_else(|| TelemetryError::Empty {
+        place: crate::error::Place::file(Path::new("")),
+    })
+}
+
+/// One file.
+fn in_parts(
+    path: &Path,
+    options: &ReadOptions,
+    unused: &mut plan::Unused,
+) -> Result<Inspection, TelemetryError> {
+    let mut repairs = Vec::new();
+    let mut parts = Parts {
+        path,
+        strict: options.strict,
+        last: None,
+        seen: None,
+    };
+    let (plan, rest, sha256) =
+        read_file_in_parts(path, options, PART, &mut repairs, &mut |plan, columns| {
+            parts.take(plan, columns)
+        })?;
+    let rows = rest.rows_read;
+    parts.take(&plan, rest)?;
+    unused.mark(&plan);
+    let mut all = parts.seen.ok_or_else(|| TelemetryError::Empty {
+        place: crate::error::Place::file(path),
+    })?;
+    repairs.append(&mut all.repairs);
+    all.repairs = repairs;
+    all.sources = vec![FileSummary {
+        path: path.display().to_string(),
+        sha256,
+        rows,
+        time_s: all.time_s.unwrap_or_default(),
+    }];
+    Ok(all)
+}
+
+/// What was seen so far, and the row before the next part.
+struct Parts<'a> {
+    path: &'a Path,
+    strict: bool,
+    last: Option<Columns>,
+    seen: Option<Inspection>,
+}
+
+impl Parts<'_> {
+    /// Looks at one part; times must follow those of the part before.
+    fn take(&mut self, plan: &Plan, part: Columns) -> Result<(), TelemetryError> {
+        if part.rows.is_empty() {
+            return Ok(());
+        }
+        let followed = self.last.take();
+        let last = part.row(part.rows.len() - 1);
+        // With the last row before it: so times are compared, and a repeated row is found.
+        let mut columns = match &followed {
+            Some(before) => before.followed_by(part),
+            None => part,
+        };
+        let mut table = Table {
+            ignored: plan.ignored.clone(),
+            ..Table::default()
+        };
+        let strict = self.strict;
+        time_base::check(self.path, plan, &mut columns, strict, &mut table.repairs)?;
+        if followed.is_some() {
+            columns.drop_first();
+        }
+        self.last = Some(last);
+        if columns.rows.is_empty() {
+            return Ok(());
+        }
+        table.sources.push(Source {
+            path: self.path.display().to_string(),
+            sha256: String::new(),
+            rows: columns.rows.len(),
+            time_s: [0.0; 2],
+        });
+        let mut found = assemble::Found::default();
+        assemble::add(self.path, plan, columns, strict, &mut found, &mut table)?;
+        let one = inspect(&table);
+        match &mut self.seen {
+            None => self.seen = Some(one),
+            Some(before) => merge(before, one),
+        }
+        Ok(())
+    }
+}
+
+/// Adds what a later part, or another file, shows.
+fn merge(all: &mut Inspection, part: Inspection) {
+    for channel in part.channels {
+        match all.channels.iter_mut().find(|c| c.name == channel.name) {
+            Some(before) => join(before, &channel),
+            None => all.channels.push(channel),
+        }
+    }
+    all.time_s = match (all.time_s, part.time_s) {
+        (Some([a0, a1]), Some([b0, b1])) => Some([a0.min(b0), a1.max(b1)]),
+        (one, other) => one.or(other),
+    };
+    for test in part.conventions {
+        let same =
+            |t: &&mut crate::ConventionTest| (&t.attitude, &t.gyro) == (&test.attitude, &test.gyro);
+        match all.conventions.iter_mut().find(same) {
+            // The fastest part tells readings apart best.
+            Some(before) if test.rate_rad_s > before.rate_rad_s => *before = test,
+            Some(_) => {}
+            None => all.conventions.push(test),
+        }
+    }
+    for name in part.ignored {
+        if !all.ignored.contains(&name) {
+            all.ignored.push(name);
+        }
+    }
+    for line in part.repairs {
+        if all.repairs.len() < LINES && !all.repairs.contains(&line) {
+            all.repairs.push(line);
+        }
+    }
+    for finding in part.findings {
+        let same = |f: &&mut Finding| f.check == finding.check && f.channel == finding.channel;
+        match all.findings.iter_mut().find(same) {
+            Some(before) => {
+                before.count += finding.count;
+                before.of += finding.of;
+                before.first_times_s.extend(&finding.first_times_s);
+                before.first_times_s.truncate(SHOWN);
+            }
+            None => all.findings.push(finding),
+        }
+    }
+}
+
+/// One channel over two stretches, the second after the first.
+fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
+    let between = next.time_s[0] - before.time_s[1];
+    let gap = before.rate_hz.is_some_and(|hz| between > 3.0 / hz);
+    before.gaps += next.gaps + usize::from(gap);
+    let longest = before.longest_gap_s.max(next.longest_gap_s);
+    before.longest_gap_s = if gap { longest.max(between) } else { longest };
+    before.time_s[1] = next.time_s[1];
+    before.constant = before.constant && next.constant && before.min == next.min;
+    before.min = before.min.min(next.min);
+    before.max = before.max.max(next.max);
+    let (n, m) = (before.samples as f64, next.samples as f64);
+    before.noise = match (before.noise, next.noise) {
+        (Some(a), Some(b)) => Some(((n * a * a + m * b * b) / (n + m)).sqrt()),
+        (one, other) => one.or(other),
+    };
+    before.quantum = before.quantum.filter(|_| next.quantum.is_some());
+    before.samples += next.samples;
+}
+
+/// What is said of the whole.
+fn finished(mut all: Inspection) -> Inspection {
+    all.notes = all.channels.iter().flat_map(notes).collect();
+    all.notes.insert(
+        0,
+        "the files are larger than --memory-mib and were looked at in parts: noise is the mean of the parts, rate and quantum are those of the first, a finding's words are those of the first part that has it"
+            .to_owned(),
+    );
+    all.suggestions = all.ignored.iter().filter_map(|c| suggest(c)).collect();
+    all
+}
