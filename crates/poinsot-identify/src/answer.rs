@@ -54,9 +54,11 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         .iter()
         .any(|b| unphysical(b, chi2 > MISFIT || unexplained))
         || pressed(solved, chi2 > MISFIT || unexplained);
-    let rejected =
-        (chi2 > REJECT && unexplained) || not_rigid || impossible || contradicted(solved)
-            || misled(solved);
+    let rejected = (chi2 > REJECT && unexplained)
+        || not_rigid
+        || impossible
+        || contradicted(solved)
+        || misled(solved);
     // What is rejected, and what did not settle, gets no numbers.
     let (judge, bodies) = if rejected || !solved.settled {
         answered(true)

@@ -124,7 +124,8 @@ pub(crate) fn adds_up(problem: &Problem) -> bool {
         let linear = whole.mass.powi(2) * velocity + momentum * attitude;
         let n = impulses.len() as f64;
         let too_much = |walk: f64, row: f64| walk * n > TOO_MUCH * row;
-        square > 0.0 && (too_much(square * position, angular) || too_much(square * attitude, linear))
+        square > 0.0
+            && (too_much(square * position, angular) || too_much(square * attitude, linear))
     })
 }
 

@@ -687,7 +687,7 @@ fn gradient_gm(model: &Model) -> Option<f64> {
     around.point_mass_gm.filter(|_| around.gravity_gradient)
 }
 
-/// Intervals between grid times in stretches of half a correlation time, first and last of each: an even
+/// Intervals between grid times in stretches of a share of the correlation time, first and last of each: an even
 /// number of stretches in all would do, but a grid with gaps has no even ones.
 fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();

@@ -187,6 +187,40 @@ fn exact_lags_of_all_sensors_come_back() {
     }
 }
 
+/// A lag of 20 ms that nobody declared: the diagnosis names it first, with the sensor that has it.
+#[test]
+fn exact_lags_of_20_ms_are_named_with_their_sensor() {
+    let mut truth = with_thrusters(with_wheels(known_arm(13)));
+    truth.sensors = sensors(1.0e-4);
+    truth
+        .sensors
+        .push(reader(SensorKind::JointPosition, vec![0, 1]));
+    truth
+        .sensors
+        .push(reader(SensorKind::WheelSpeed, vec![0, 1, 2]));
+    let flight = Flight {
+        rate_hz: 10.0,
+        ..moving(&truth, 14)
+    };
+    let clean = fly(&truth, &flight);
+    for (prefix, what) in [
+        ("joint", "a lag of the joints"),
+        ("wheel", "a lag of the wheels"),
+        ("r_", "a lag of the position"),
+        ("v_", "a lag of the velocity"),
+    ] {
+        let mut table = clean.clone();
+        shift(&mut table, prefix, 0.02);
+        let answer = ask(&off_nominal(&truth, 0.02), vec![table], "auto");
+        let found = answer.estimate.diagnostics.unwrap();
+        let first = found.suspects.first().unwrap();
+        println!("{prefix}: {first:?}");
+        assert_eq!(first.name, what);
+        let lag = first.values[0].1;
+        assert!((lag - 0.02).abs() < 0.002, "{prefix}: {lag}");
+    }
+}
+
 /// A body with a wheel of constant speed under a constant torque in N, by the classical fourth-order Runge-Kutta
 /// method in steps of a millisecond: Euler's equation and `q' = q w / 2`, and nothing of the program.
 fn pushed(I: &Matrix3, h_w: &Vector3, T_N: &Vector3) -> Table {

@@ -114,7 +114,10 @@ pub fn prepare(folder: &Path, as_segments: bool) -> Result<Throws, Fault> {
 pub fn calibrate(throws: &mut Throws) -> Result<(), Fault> {
     let fits = |throws: &Throws, unknown: bool| -> Result<Vec<Fitted>, Fault> {
         let mut list = Vec::new();
-        for (group, own) in [("device_only", &throws.alone), ("proof_body", &throws.proof)] {
+        for (group, own) in [
+            ("device_only", &throws.alone),
+            ("proof_body", &throws.proof),
+        ] {
             let mut asked = declared(group, &throws.device);
             if unknown {
                 (asked.gyro_axes, asked.wheel_axis) = (BUILT, BUILT);
@@ -126,7 +129,10 @@ pub fn calibrate(throws: &mut Throws) -> Result<(), Fault> {
         }
         Ok(list)
     };
-    let found: Vec<_> = fits(throws, true)?.iter().filter_map(|f| f.device).collect();
+    let found: Vec<_> = fits(throws, true)?
+        .iter()
+        .filter_map(|f| f.device)
+        .collect();
     let (numbers, numbers_sigma) = Device::of_numbers(&found);
     throws.device.numbers = numbers;
     throws.device.numbers_sigma = numbers_sigma;

@@ -146,8 +146,12 @@ fn fit_from(model: &Model, throws: &[&Recording], declared: &Declared) -> Result
         .filter_map(|name| estimate.nuisance.iter().find(|n| n.name == *name))
         .filter_map(|n| n.number.value.zip(n.number.sigma))
         .collect();
-    let device = (found.len() == NUMBERS.len())
-        .then(|| (Numbers::from_fn(|k, _| found[k].0), Numbers::from_fn(|k, _| found[k].1)));
+    let device = (found.len() == NUMBERS.len()).then(|| {
+        (
+            Numbers::from_fn(|k, _| found[k].0),
+            Numbers::from_fn(|k, _| found[k].1),
+        )
+    });
     let diagnostics = estimate.diagnostics.ok_or("no diagnostics")?;
     Ok(Fitted {
         I_over_J: I / J,
