@@ -91,7 +91,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         fit: solved.fit.clone(),
         // A line in the residual is evidence enough, however small it is beside the noise.
         covariance_trustworthy: chi2 <= MISFIT
-            && !(solved.adds_up && chi2 > NOISE_FREE)
+            && (!solved.adds_up || chi2 <= NOISE_FREE)
             && !rejected
             && !solved.not_rigid
             && solved.settled

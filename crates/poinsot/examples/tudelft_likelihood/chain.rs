@@ -28,10 +28,10 @@ pub fn declared(group: &str, device: &Device) -> Declared {
     };
     let s = &device.numbers_sigma;
     let (gyro, steady_N_m, sigma_N_m, drag_kg_m2) = match group {
-        "device_only" => (Vector3::new(0.033, 0.086, 0.119), 0.0, 3.0e-5, 0.0),
-        "proof_body" => (Vector3::new(0.021, 0.013, 0.030), 0.0, 3.0e-5, 0.0),
-        "config_empty" => (Vector3::new(0.0137, 0.0078, 0.0164), 0.0, 3.0e-4, 3.0e-6),
-        _ => (Vector3::new(0.0115, 0.0080, 0.0139), 0.0, 3.0e-5, 0.0),
+        "device_only" => (Vector3::new(0.0324, 0.0840, 0.1167), 0.0, 3.0e-5, 0.0),
+        "proof_body" => (Vector3::new(0.0213, 0.0138, 0.0300), 0.0, 3.0e-5, 0.0),
+        "config_empty" => (Vector3::new(0.0132, 0.0080, 0.0166), 0.0, 3.0e-4, 0.0),
+        _ => (Vector3::new(0.0112, 0.0079, 0.0127), 0.0, 1.0e-4, 0.0),
     };
     Declared {
         gyro_axes: known((s.fixed_rows::<3>(0).norm_squared() / 3.0).sqrt()),
