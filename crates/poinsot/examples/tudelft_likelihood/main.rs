@@ -1,8 +1,9 @@
 //! Inertia of two objects from single throws by hand, by maximum likelihood on raw readings.
 //!
-//!     cargo run --release -p poinsot --example tudelft_likelihood -- ../shared/data/real/tudelft_throw [--choose | --segments]
+//!     cargo run --release -p poinsot --example tudelft_likelihood -- ../shared/data/real/tudelft_throw [--choose | --segments | --ideal-box]
 //!
 //! `--segments` fits all throws of a body as one problem besides, which takes minutes.
+//! `--ideal-box` takes gyro, tachometer, wheel and accelerometer of the box as perfect.
 //! `--choose` prints the likelihood of other declarations of the disturbances, calibration throws and objects by
 //! themselves; the known inertia of the objects takes no part. See `examples/tudelft_throw/README.md`.
 #![allow(non_snake_case)]
