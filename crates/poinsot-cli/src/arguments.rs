@@ -115,8 +115,8 @@ pub struct Identify {
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
-    /// Coordinates of the fit's steps: log-cholesky keeps every unknown body physical, linear lets an impossible
-    /// tensor pass.
+    /// Where the fit may step: physical keeps every unknown body one of positive mass, linear lets an impossible tensor
+    /// pass
     #[arg(long, default_value = Coordinates::NAMES[0], value_parser = Coordinates::NAMES, value_name = "COORDINATES")]
     pub coordinates: String,
     /// Print the result as JSON on standard output.

@@ -12,6 +12,7 @@ use crate::problem::Problem;
 use crate::remedies;
 use crate::solved::Solved;
 use crate::words;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chi-square per degree of freedom above which the declared noise cannot be right.
 const MISFIT: f64 = 1.5;
@@ -24,8 +25,9 @@ const CONTRADICTED: f64 = 400.0;
 const NOISE_FREE: f64 = 1.0e-3;
 /// Probability of a white residual below which it is called correlated in time.
 const CORRELATED: f64 = 1.0e-3;
-/// Sigmas beyond the edge of the physical bodies at which the data contradict the model.
-const PRESSED: f64 = 3.0;
+/// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
+/// contradict the model: three sigma where one condition holds a body.
+const PRESSED: f64 = 2.7e-3;
 /// Share of the signal that a model must explain not to be rejected then.
 const EXPLAINED: f64 = 0.5;
 
@@ -135,11 +137,14 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
     bad_fit || violation > 3.0 * sigma
 }
 
-/// Whether the fit is held at the edge of the physical bodies although the data stand more than three sigma
-/// beyond it, or at all where the fit is bad besides.
+/// Whether the fit is held at the edge of the physical bodies although the data stand further beyond it than noise
+/// explains, or at all where the fit is bad besides.
 fn pressed(solved: &Solved, bad_fit: bool) -> bool {
     let held = solved.held.as_ref();
-    held.is_some_and(|h| bad_fit || h.cost > PRESSED * PRESSED)
+    held.is_some_and(|h| {
+        let beyond = ChiSquared::new(h.conditions as f64);
+        bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)
+    })
 }
 
 fn whole(problem: &Problem, solved: &Solved, judge: &Judge) -> Option<(BodyEstimate, Vec<f64>)> {

@@ -1,38 +1,35 @@
 //! Steps that keep every unknown body physical.
 //!
-//! Answer, covariance and identifiability are stated in the ten linear parameters of each body; only the *steps* of
-//! the fit are taken in other coordinates. A step that leaves every body inside what positive mass can have is taken
-//! as it is; one that would not goes nine tenths of the way to the edge, where that is worth it. Close to the edge
-//! steps are taken in log-Cholesky coordinates (Rucker and Wensing 2022), in which none leaves: the coordinate
-//! that is pressed against the edge falls and loses its weight, and the others settle as if it stood still. Far
-//! from the edge the logarithms would only bend a problem that is straight.
+//! Answer, covariance and identifiability are stated in the ten linear parameters of each body, and so are the steps. In
+//! them the pseudo-inertia is straight, so the bodies that positive mass can have are a convex cone, and close to a
+//! point chi-square is a parabola: the best step within the cone is the shortest vector of a small convex problem
+//! (`semidefinite.rs`), with one answer, on the edge or not. A plain step that stays inside is taken as it is.
 
 use crate::loss::Loss;
-use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
+use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind};
+use crate::semidefinite::{Block, shortest};
 use crate::spectrum::Spectrum;
-use faer::Mat;
-use nalgebra::SymmetricEigen;
-use poinsot_model::EstimateSet;
-use poinsot_spatial::{InertialParameters, LogCholesky, Vector3, pseudo_inertia};
+use nalgebra::{Matrix4, SymmetricEigen};
+use poinsot_spatial::{MassProperties, Matrix3, pseudo_inertia};
 
-/// In which coordinates the fit steps.
+/// In which space the fit steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Coordinates {
-    /// Linear, with log-Cholesky wherever a step would leave the physical bodies: the answer is always one.
+    /// The linear parameters of bodies of positive mass: the answer is always one.
     #[default]
-    LogCholesky,
-    /// Linear throughout: an impossible tensor is possible.
+    Physical,
+    /// All linear parameters: an impossible tensor is possible.
     Linear,
 }
 
 impl Coordinates {
     /// Names for the command line.
-    pub const NAMES: [&'static str; 2] = ["log-cholesky", "linear"];
+    pub const NAMES: [&'static str; 2] = ["physical", "linear"];
 
     /// By its name.
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
-            "log-cholesky" => Some(Self::LogCholesky),
+            "physical" => Some(Self::Physical),
             "linear" => Some(Self::Linear),
             _ => None,
         }
@@ -44,7 +41,7 @@ impl Coordinates {
 pub struct FitOptions {
     /// Loss of a reading.
     pub loss: Loss,
-    /// Coordinates of the steps.
+    /// Space of the steps.
     pub coordinates: Coordinates,
     /// Leaves out the look for what would explain a misfit. It changes no number, only the verdict.
     pub undiagnosed: bool,
@@ -59,404 +56,285 @@ impl From<Loss> for FitOptions {
     }
 }
 
-/// Smallest eigenvalue of the new pseudo-inertia over the present one that is inside.
-const INSIDE: f64 = 1.0e-3;
-/// The same over the nominal one for a start.
-const START: f64 = 0.05;
-/// Part of a plain step to the edge that is worth taking.
-pub(crate) const WORTH: f64 = 0.2;
-/// Longest step of a logarithm.
-const LONGEST: f64 = 1.5;
-/// Smallest principal second moment, over mass times squared radius of gyration, that is not at the edge.
-const EDGE: f64 = 1.0e-6;
-/// The same at which a logarithm falls no further.
+/// Smallest eigenvalue of a pseudo-inertia over the reference that is kept: above round-off, far below any thickness.
 const FLOOR: f64 = 1.0e-10;
+/// The same below which a body stands at the edge.
+const EDGE: f64 = 1.0e-6;
+/// The same of a start.
+const START: f64 = 0.05;
+/// Least second moment of the reference along any axis, over their sum: a nominal plate may be flat.
+const THICKNESS: f64 = 1.0e-3;
+/// Relative violation of the triangle inequality that printed nominal numbers may have.
+const PRINTED: f64 = 1.0e-9;
+/// Weight of open directions over that of the weakest identified one: they follow the others and cost nothing.
+const OPEN: f64 = 1.0e-4;
 
-/// One unknown body in free coordinates.
-struct Body {
-    theta: LogCholesky,
-    /// Free coordinates of `theta`, none for a body of which the mass alone is unknown.
-    free: Vec<usize>,
-    /// Unknowns that belong to it, with the function of the parameters that each is.
-    unknowns: Vec<(usize, Element)>,
-}
-
-/// What an unknown is of the ten parameters of its body.
-#[derive(Clone, Copy)]
-enum Element {
-    /// Parameter k about the origin.
-    Origin(usize),
-    /// Element e of the tensor about the mass centre.
-    Central(usize),
-}
-
-impl Element {
-    fn of(self, body: &InertialParameters) -> f64 {
-        match self {
-            Self::Origin(k) => body.to_array()[k],
-            Self::Central(e) => body
-                .mass_properties()
-                .map_or(f64::NAN, |p| p.I_BBcm_B[TENSOR[e]]),
-        }
-    }
-}
-
-/// Free coordinates of all unknown bodies at one value of the unknowns.
-pub(crate) struct Chart {
+/// The unknown bodies, each as a matrix that is positive definite while the body is physical.
+pub(crate) struct PhysicalBodies {
     bodies: Vec<Body>,
-    /// Unknowns outside of any body: steps as they are, in natural units.
-    others: Vec<usize>,
-    /// Coordinates over all: those of each body in turn, then the others.
-    width: usize,
+    /// Values of the mass unknowns at which every matrix is the identity.
+    reference: Vec<f64>,
 }
 
-impl Chart {
-    /// `None` where no unknown body is physical: then there is nothing to keep.
-    pub fn new(parameters: &Parameters, mass_unknowns: usize, x: &[f64]) -> Option<Self> {
-        let all = bodies_at(parameters, x);
-        let mut bodies = Vec::new();
-        let mut others: Vec<usize> = (0..mass_unknowns).collect();
-        for (index, set) in parameters.estimate.iter().enumerate() {
-            let unknowns = unknowns_of(parameters, mass_unknowns, index);
-            if unknowns.is_empty() {
-                continue;
-            }
-            // A body that is none to begin with cannot be kept one.
-            let Some(theta) = LogCholesky::from_parameters(&all[index]) else {
-                continue;
-            };
-            others.retain(|u| unknowns.iter().all(|(own, _)| own != u));
-            bodies.push(Body {
-                theta,
-                free: free(parameters.equations, *set),
-                unknowns,
-            });
-        }
-        let own: usize = bodies.iter().map(Body::width).sum();
-        (!bodies.is_empty()).then(|| Self {
-            width: own + others.len(),
-            bodies,
-            others,
-        })
+/// One unknown body: its pseudo-inertia over that of the reference, `L^-1 J(x) L^-T`, is straight in the unknowns.
+struct Body {
+    /// Index in the model.
+    index: usize,
+    /// The matrix where all unknowns are zero.
+    constant: Matrix4<f64>,
+    /// Its slope over the unknowns that belong to the body.
+    slopes: Vec<(usize, Matrix4<f64>)>,
+}
+
+impl PhysicalBodies {
+    /// `None` where no unknown body is physical to begin with: then there is nothing to keep.
+    pub fn new(parameters: &Parameters, mass_unknowns: usize) -> Option<Self> {
+        let mut reference = parameters.nominal_vector();
+        let bodies: Vec<Body> = (0..parameters.estimate.len())
+            .filter_map(|index| Body::new(parameters, mass_unknowns, index, &mut reference))
+            .collect();
+        reference.truncate(mass_unknowns);
+        (!bodies.is_empty()).then_some(Self { bodies, reference })
     }
 
-    /// Slope of the mass unknowns over the coordinates, in natural units.
-    fn slope(&self, natural: &[f64], x: &[f64]) -> Mat<f64> {
-        let mut out = Mat::zeros(natural.len(), self.width);
-        let mut at = 0;
-        for body in &self.bodies {
-            body.fill_slope(&mut out, at, natural, x);
-            at += body.width();
-        }
-        for (k, u) in self.others.iter().enumerate() {
-            out[(*u, at + k)] = 1.0;
-        }
-        out
+    /// Whether all bodies are physical at these values of the mass unknowns.
+    pub fn contain(&self, x: &[f64]) -> bool {
+        self.bodies.iter().all(|b| b.smallest(x) > FLOOR)
     }
 
-    /// The change of the mass unknowns, natural units, for a step of the coordinates.
-    pub fn retract(&self, step: &[f64], natural: &[f64], x: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; natural.len()];
-        let mut at = 0;
+    /// A physical start: as far from the reference towards it as the bodies stay so.
+    pub fn start(&self, x: &mut [f64]) {
+        let mut share: f64 = 1.0;
         for body in &self.bodies {
-            let moved = body.moved(&step[at..at + body.width()], x);
-            for (u, value) in moved {
-                out[u] = (value - x[u]) / natural[u];
+            // (1 - s) + s l > 0 for the smallest eigenvalue l.
+            let l = body.smallest(x);
+            if l < START {
+                share = share.min(0.9 / (1.0 - l.max(-1.0e9)));
             }
-            at += body.width();
         }
-        for (k, u) in self.others.iter().enumerate() {
-            out[*u] = step[at + k];
+        if share < 1.0 {
+            for (x, from) in x.iter_mut().zip(&self.reference) {
+                *x = from + share * (*x - from);
+            }
         }
-        out
+    }
+
+    /// Indices of the bodies that stand at the edge, and the conditions that hold them: a matrix with k vanishing
+    /// eigenvalues presses in k (k + 1) / 2 ways.
+    pub fn at_the_edge(&self, x: &[f64]) -> (Vec<usize>, usize) {
+        let mut conditions = 0;
+        let mut indices = Vec::new();
+        for body in &self.bodies {
+            let eigen = SymmetricEigen::new(body.at(x)).eigenvalues;
+            let k = eigen.iter().filter(|e| **e < EDGE).count();
+            if k > 0 {
+                conditions += k * (k + 1) / 2;
+                indices.push(body.index);
+            }
+        }
+        (indices, conditions)
+    }
+
+    /// The damped step of the mass unknowns, natural units, that lowers the linear model's chi-square most while all
+    /// bodies stay physical, and how much it does. Open directions may follow.
+    ///
+    /// In the directions of the spectrum, `y = V^T z`, the cost is `sum w_k^2 (y_k - t_k)^2`, so `u_k = w_k (y_k - t_k)`
+    /// is the shortest vector for which the bodies are physical.
+    pub fn step(
+        &self,
+        spectrum: &Spectrum,
+        rhs: &[f64],
+        damping: f64,
+        x: &[f64],
+    ) -> (Vec<f64>, f64) {
+        let n = spectrum.natural.len();
+        let open = OPEN * spectrum.weakest().min(1.0e12);
+        let along: Vec<f64> = (0..spectrum.rank)
+            .map(|k| spectrum.left_along(rhs, k))
+            .collect();
+        let weight: Vec<f64> = (0..n)
+            .map(|k| match k < spectrum.rank {
+                true => (spectrum.singular[k].powi(2) + damping).sqrt(),
+                false => open,
+            })
+            .collect();
+        let target: Vec<f64> = (0..n)
+            .map(|k| match along.get(k) {
+                Some(b) => spectrum.singular[k] * b / (weight[k] * weight[k]),
+                None => 0.0,
+            })
+            .collect();
+        let blocks: Vec<Block> = self
+            .bodies
+            .iter()
+            .map(|body| body.block(spectrum, x, &target, &weight))
+            .collect();
+        let start: Vec<f64> = (0..n)
+            .map(|k| {
+                let y: f64 = (0..n)
+                    .map(|i| {
+                        spectrum.directions[(i, k)] * (self.reference[i] - x[i])
+                            / spectrum.natural[i]
+                    })
+                    .sum();
+                weight[k] * (y - target[k])
+            })
+            .collect();
+        let Some(u) = shortest(&blocks, &start) else {
+            return (vec![0.0; n], 0.0);
+        };
+        let y: Vec<f64> = (0..n).map(|k| target[k] + u[k] / weight[k]).collect();
+        let lowered = along
+            .iter()
+            .zip(&spectrum.singular)
+            .zip(&y)
+            .map(|((b, s), y)| b * b - (b - s * y).powi(2))
+            .sum();
+        let step = (0..n)
+            .map(|i| (0..n).map(|k| spectrum.directions[(i, k)] * y[k]).sum())
+            .collect();
+        (step, lowered)
     }
 }
 
 impl Body {
-    fn width(&self) -> usize {
-        self.free.len().max(1)
-    }
-
-    fn fill_slope(&self, out: &mut Mat<f64>, at: usize, natural: &[f64], x: &[f64]) {
-        if self.free.is_empty() {
-            // The mass alone: its logarithm.
-            for (u, _) in &self.unknowns {
-                out[(*u, at)] = x[*u] / natural[*u];
-            }
-            return;
+    /// `None` where nothing is unknown or the nominal body is none: what is impossible to begin with cannot be kept
+    /// possible. A nominal plate or rod is thickened in the reference.
+    fn new(
+        parameters: &Parameters,
+        mass_unknowns: usize,
+        index: usize,
+        reference: &mut [f64],
+    ) -> Option<Self> {
+        let unknowns = unknowns_of(parameters, mass_unknowns, index);
+        if unknowns.is_empty() {
+            return None;
         }
-        let pi = self.theta.parameters();
-        let jacobian = self.theta.jacobian();
-        for (k, coordinate) in self.free.iter().enumerate() {
-            let d = &jacobian[*coordinate];
-            for (u, element) in &self.unknowns {
-                let slope = match element {
-                    Element::Origin(i) => d[*i],
-                    Element::Central(e) => central_slope(&pi, d, *e),
-                };
-                out[(*u, at + k)] = slope / natural[*u];
+        if has_inertia(parameters, index) {
+            let thicker = thickening(&parameters.nominal_properties[index])?;
+            for u in &unknowns {
+                if is_moment(&parameters.unknowns[*u].kind) {
+                    reference[*u] += 2.0 * thicker;
+                }
             }
         }
-    }
-
-    /// Values of its unknowns after a step; logarithms move by no more than [`LONGEST`], nor below the floor.
-    fn moved(&self, step: &[f64], x: &[f64]) -> Vec<(usize, f64)> {
-        if self.free.is_empty() {
-            let factor = step[0].clamp(-LONGEST, LONGEST).exp();
-            return self
-                .unknowns
-                .iter()
-                .map(|(u, _)| (*u, x[*u] * factor))
-                .collect();
-        }
-        let mut theta = self.theta;
-        let largest = theta.theta[1..4]
-            .iter()
-            .fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-        let floor = largest + 0.5 * FLOOR.ln();
-        for (coordinate, d) in self.free.iter().zip(step) {
-            let now = &mut theta.theta[*coordinate];
-            match coordinate {
-                0 => *now += d.clamp(-LONGEST, LONGEST),
-                1..=3 => *now = (*now + d.clamp(-LONGEST, LONGEST)).max(floor.min(*now)),
-                _ => *now += d,
-            }
-        }
-        let body = theta.parameters();
-        self.unknowns
-            .iter()
-            .map(|(u, element)| (*u, element.of(&body)))
-            .collect()
-    }
-}
-
-/// Slope of an element of the tensor about the mass centre, `I_Bo - (s.s 1 - s s^T) / m` with the first moment s.
-fn central_slope(pi: &InertialParameters, d: &[f64; 10], element: usize) -> f64 {
-    let (i, j) = TENSOR[element];
-    let (m, s) = (pi.mass, pi.mc_B);
-    let (dm, ds) = (d[0], Vector3::new(d[1], d[2], d[3]));
-    let unit = f64::from(u8::from(i == j));
-    let square = s.norm_squared() * unit - s[i] * s[j];
-    let change = 2.0 * s.dot(&ds) * unit - ds[i] * s[j] - s[i] * ds[j];
-    d[4 + element] - change / m + dm * square / (m * m)
-}
-
-/// Free coordinates of a body for what is unknown of it: alpha with the mass, t with the mass centre, the factor of
-/// the second moment with the inertia.
-fn free(equations: Equations, set: EstimateSet) -> Vec<usize> {
-    let rotation = equations == Equations::Rotation;
-    if !set.inertia {
-        return Vec::new();
-    }
-    let mut free: Vec<usize> = Vec::new();
-    if set.mass && !rotation {
-        free.push(0);
-    }
-    free.extend(1..7);
-    if set.com && !rotation {
-        free.extend(7..10);
-    }
-    free
-}
-
-/// The unknowns that make up a body's mass and inertia.
-fn unknowns_of(
-    parameters: &Parameters,
-    mass_unknowns: usize,
-    body: usize,
-) -> Vec<(usize, Element)> {
-    let set = parameters.estimate[body];
-    let list = parameters.unknowns[..mass_unknowns].iter().enumerate();
-    list.filter_map(|(u, unknown)| match &unknown.kind {
-        UnknownKind::Barycentric(parts) => {
-            let at = parts.first()?.0;
-            let element = match (at % 10).checked_sub(4) {
-                Some(e) if !set.com => Element::Central(e),
-                _ => Element::Origin(at % 10),
-            };
-            (at / 10 == body).then_some((u, element))
-        }
-        UnknownKind::CentralInertia(e) => (body == 0).then_some((u, Element::Central(*e))),
-        _ => None,
-    })
-    .collect()
-}
-
-fn bodies_at(parameters: &Parameters, x: &[f64]) -> Vec<InertialParameters> {
-    match parameters.equations {
-        Equations::Momentum => parameters.bodies(x),
-        Equations::Rotation => vec![rotation_properties(parameters, x).parameters()],
-    }
-}
-
-/// How much of a change of the mass unknowns, natural units, leaves every unknown body inside: 1 for all of it,
-/// else the part that goes nine tenths of the way to the edge.
-pub(crate) fn inside(parameters: &Parameters, natural: &[f64], x: &[f64], step: &[f64]) -> f64 {
-    let mut moved = x.to_vec();
-    for ((m, z), unit) in moved.iter_mut().zip(step).zip(natural) {
-        *m += z * unit;
-    }
-    share_to(parameters, x, &moved, INSIDE)
-}
-
-/// Smallest eigenvalue of one pseudo-inertia over another; `None` where the other is not positive definite.
-fn smallest_share(before: &InertialParameters, after: &InertialParameters) -> Option<f64> {
-    let L = pseudo_inertia(before).cholesky()?.l();
-    let half = L.solve_lower_triangular(&pseudo_inertia(after))?;
-    let share = L.solve_lower_triangular(&half.transpose())?;
-    let symmetric = (share + share.transpose()) * 0.5;
-    if symmetric.iter().any(|x| !x.is_finite()) {
-        return Some(f64::NEG_INFINITY);
-    }
-    Some(SymmetricEigen::new(symmetric).eigenvalues.min())
-}
-
-/// How far from a physical point towards another the bodies stay physical, at most 1.
-pub(crate) fn physical_share(parameters: &Parameters, from: &[f64], to: &[f64]) -> f64 {
-    share_to(parameters, from, to, START)
-}
-
-fn share_to(parameters: &Parameters, from: &[f64], to: &[f64], least: f64) -> f64 {
-    let (a, b) = (bodies_at(parameters, from), bodies_at(parameters, to));
-    let mut share: f64 = 1.0;
-    for ((a, b), set) in a.iter().zip(&b).zip(&parameters.estimate) {
-        // (1 - s) + s l > 0 for the smallest eigenvalue l of b over a.
-        if let Some(l) = smallest_share(a, b).filter(|l| set.any() && *l < least) {
-            share = share.min(0.9 / (1.0 - l.max(-1.0e9)));
-        }
-    }
-    share
-}
-
-/// Names of the unknown bodies that stand at the edge of what positive mass can have.
-pub(crate) fn at_the_edge(parameters: &Parameters, x: &[f64]) -> Vec<String> {
-    let bodies = bodies_at(parameters, x);
-    let mut names = Vec::new();
-    for (index, body) in bodies.iter().enumerate() {
-        if !parameters.estimate[index].any() {
-            continue;
-        }
-        let Some(p) = body.mass_properties() else {
-            continue;
+        let L = matrix(parameters, index, reference).cholesky()?.l();
+        let over = |J: Matrix4<f64>| -> Option<Matrix4<f64>> {
+            let half = L.solve_lower_triangular(&J)?;
+            let whole = L.solve_lower_triangular(&half.transpose())?;
+            Some((whole + whole.transpose()) * 0.5)
         };
-        let moment = p.I_BBcm_B.trace() / 2.0;
-        let sigma = nalgebra::Matrix3::identity() * moment - p.I_BBcm_B;
-        if SymmetricEigen::new(sigma).eigenvalues.min() < EDGE * moment {
-            names.push(parameters.body_names[index].clone());
+        let mut x = vec![0.0; reference.len()];
+        let nothing = matrix(parameters, index, &x);
+        let mut slopes = Vec::new();
+        for u in unknowns {
+            x[u] = 1.0;
+            slopes.push((u, over(matrix(parameters, index, &x) - nothing)?));
+            x[u] = 0.0;
         }
-    }
-    names
-}
-
-/// The linear problem in free coordinates, restricted to the directions that are identified.
-pub(crate) struct ChartSteps {
-    chart: Chart,
-    /// `diag(s) V^T G`: what the identified directions see of each coordinate.
-    A: Mat<f64>,
-    /// Which coordinates are logarithms.
-    logarithm: Vec<bool>,
-    x: Vec<f64>,
-}
-
-/// Share of the largest singular value below which a coordinate is not seen.
-const UNSEEN: f64 = 1.0e-12;
-
-impl ChartSteps {
-    /// `None` where the bodies have no chart here.
-    pub fn new(parameters: &Parameters, spectrum: &Spectrum, x: &[f64]) -> Option<Self> {
-        let m = spectrum.natural.len();
-        let chart = Chart::new(parameters, m, x)?;
-        let G = chart.slope(&spectrum.natural, x);
-        let A = Mat::from_fn(spectrum.rank, chart.width, |k, j| {
-            let along: f64 = (0..m)
-                .map(|i| spectrum.directions[(i, k)] * G[(i, j)])
-                .sum();
-            spectrum.singular[k] * along
-        });
-        let mut logarithm = Vec::new();
-        for body in &chart.bodies {
-            match body.free.is_empty() {
-                true => logarithm.push(true),
-                false => logarithm.extend(body.free.iter().map(|k| *k <= 3)),
-            }
-        }
-        logarithm.resize(chart.width, false);
         Some(Self {
-            A,
-            logarithm,
-            chart,
-            x: x.to_vec(),
+            index,
+            constant: over(nothing)?,
+            slopes,
         })
     }
 
-    /// Change of the mass unknowns, natural units, of a damped step, and how much the linear model says that it
-    /// lowers chi-square.
-    ///
-    /// No logarithm moves by more than [`LONGEST`]. One that wants to is held there and the rest solved again: what
-    /// is pressed against the edge falls quickly, and the others settle as if it stood still.
-    pub fn step(&self, spectrum: &Spectrum, rhs: &[f64], damping: f64) -> (Vec<f64>, f64) {
-        let (rows, width) = (self.A.nrows(), self.chart.width);
-        let b: Vec<f64> = (0..rows).map(|k| spectrum.left_along(rhs, k)).collect();
-        let mut theta = vec![0.0; width];
-        let mut free: Vec<usize> = (0..width).collect();
-        loop {
-            let left: Vec<f64> = (0..rows).map(|i| b[i] - self.seen(&theta, i)).collect();
-            let found = self.solve(&free, &left, damping);
-            let long = |(j, d): (&usize, &f64)| self.logarithm[*j] && d.abs() > LONGEST;
-            let held: Vec<usize> = free
-                .iter()
-                .zip(&found)
-                .filter(|pair| long(*pair))
-                .map(|(j, d)| {
-                    theta[*j] = LONGEST.copysign(*d);
-                    *j
+    fn at(&self, x: &[f64]) -> Matrix4<f64> {
+        let slopes = self.slopes.iter();
+        slopes.fold(self.constant, |S, (u, slope)| S + slope * x[*u])
+    }
+
+    /// Smallest eigenvalue; minus infinity where a number is not finite.
+    fn smallest(&self, x: &[f64]) -> f64 {
+        let S = self.at(x);
+        if S.iter().any(|x| !x.is_finite()) {
+            return f64::NEG_INFINITY;
+        }
+        SymmetricEigen::new(S).eigenvalues.min()
+    }
+
+    /// The condition on `u = w (y - t)` that the body stays above the floor after the step `V y`.
+    fn block(&self, spectrum: &Spectrum, x: &[f64], target: &[f64], weight: &[f64]) -> Block {
+        let along: Vec<Matrix4<f64>> = (0..weight.len())
+            .map(|k| {
+                let own = self.slopes.iter();
+                own.fold(Matrix4::zeros(), |sum, (u, slope)| {
+                    sum + slope * (spectrum.directions[(*u, k)] * spectrum.natural[*u])
                 })
-                .collect();
-            if held.is_empty() {
-                for (j, d) in free.iter().zip(&found) {
-                    theta[*j] = *d;
+            })
+            .collect();
+        let here = self.at(x) - Matrix4::identity() * FLOOR;
+        Block {
+            constant: along.iter().zip(target).fold(here, |S, (B, t)| S + B * *t),
+            slopes: along.iter().zip(weight).map(|(B, w)| B / *w).collect(),
+        }
+    }
+}
+
+/// The matrix that is positive definite while a body is physical: the pseudo-inertia, or of it the part that can
+/// change. Straight in the unknowns.
+fn matrix(parameters: &Parameters, index: usize, x: &[f64]) -> Matrix4<f64> {
+    match (parameters.equations, has_inertia(parameters, index)) {
+        (Equations::Momentum, true) => pseudo_inertia(&parameters.bodies(x)[index]),
+        (Equations::Momentum, false) => {
+            let mass = parameters.bodies(x)[index].mass;
+            let mut J = Matrix4::identity();
+            J[(3, 3)] = mass;
+            J
+        }
+        // The mass is known and the mass centre has no part in it.
+        (Equations::Rotation, _) => {
+            let mut I = Matrix3::zeros();
+            for (unknown, value) in parameters.unknowns.iter().zip(x) {
+                if let UnknownKind::CentralInertia(e) = unknown.kind {
+                    let (i, j) = TENSOR[e];
+                    I[(i, j)] = *value;
+                    I[(j, i)] = *value;
                 }
-                break;
             }
-            free.retain(|j| !held.contains(j));
+            let mut J = Matrix4::identity();
+            J.fixed_view_mut::<3, 3>(0, 0).copy_from(&second_moment(&I));
+            J
         }
-        let square = |x: f64| x * x;
-        let decrease = (0..rows)
-            .map(|i| square(b[i]) - square(b[i] - self.seen(&theta, i)))
-            .sum();
-        let change = self.chart.retract(&theta, &spectrum.natural, &self.x);
-        (change, decrease)
     }
+}
 
-    /// Row i of `A theta`.
-    fn seen(&self, theta: &[f64], i: usize) -> f64 {
-        theta
-            .iter()
-            .enumerate()
-            .map(|(j, t)| self.A[(i, j)] * t)
-            .sum()
-    }
+fn has_inertia(parameters: &Parameters, index: usize) -> bool {
+    parameters.estimate[index].inertia
+}
 
-    /// The shortest damped solution over some of the coordinates; zero where they cannot be decomposed.
-    fn solve(&self, free: &[usize], b: &[f64], damping: f64) -> Vec<f64> {
-        let rows = b.len();
-        let part = Mat::from_fn(rows, free.len(), |i, k| self.A[(i, free[k])]);
-        let mut out = vec![0.0; free.len()];
-        let Ok(svd) = part.thin_svd() else {
-            return out;
-        };
-        let count = rows.min(free.len());
-        let largest = if count > 0 { svd.S()[0] } else { 0.0 };
-        for k in 0..count {
-            let s = svd.S()[k];
-            if s <= UNSEEN * largest {
-                continue;
-            }
-            let along: f64 = (0..rows).map(|i| svd.U()[(i, k)] * b[i]).sum();
-            for (j, o) in out.iter_mut().enumerate() {
-                *o += svd.V()[(j, k)] * along * s / (s * s + damping);
-            }
-        }
-        out
-    }
+fn second_moment(I: &Matrix3) -> Matrix3 {
+    Matrix3::identity() * (0.5 * I.trace()) - I
+}
+
+/// What the second moment of the nominal body lacks to be [`THICKNESS`] thick along every axis, kg m2; `None` for an
+/// impossible one.
+fn thickening(nominal: &MassProperties) -> Option<f64> {
+    let second = second_moment(&nominal.I_BBcm_B);
+    let sum = second.trace();
+    let least = SymmetricEigen::new(second).eigenvalues.min();
+    let possible = nominal.mass > 0.0 && sum > 0.0 && least >= -PRINTED * sum;
+    possible.then(|| (THICKNESS * sum - least).max(0.0))
+}
+
+/// Whether an unknown is a moment of inertia: on the diagonal of a tensor.
+fn is_moment(kind: &UnknownKind) -> bool {
+    let element = match kind {
+        UnknownKind::Barycentric(parts) => parts.first().and_then(|p| (p.0 % 10).checked_sub(4)),
+        UnknownKind::CentralInertia(e) => Some(*e),
+        _ => None,
+    };
+    element.is_some_and(|e| TENSOR[e].0 == TENSOR[e].1)
+}
+
+/// The unknowns that make up a body's mass and inertia.
+fn unknowns_of(parameters: &Parameters, mass_unknowns: usize, body: usize) -> Vec<usize> {
+    let list = parameters.unknowns[..mass_unknowns].iter().enumerate();
+    list.filter(|(_, unknown)| match &unknown.kind {
+        UnknownKind::Barycentric(parts) => parts.first().is_some_and(|p| p.0 / 10 == body),
+        UnknownKind::CentralInertia(_) => body == 0,
+        _ => false,
+    })
+    .map(|(u, _)| u)
+    .collect()
 }

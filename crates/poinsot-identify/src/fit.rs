@@ -4,7 +4,7 @@
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
 //! not move.
 
-use crate::coordinates::{ChartSteps, Coordinates, WORTH, at_the_edge, inside, physical_share};
+use crate::coordinates::{Coordinates, PhysicalBodies};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{
     End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
@@ -22,17 +22,66 @@ pub(crate) const ITERATIONS: usize = 60;
 const SETTLED: f64 = 1.0e-8;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
+/// Fall of chi-square beyond the edge that is more than the barrier's own: a five-hundredth of a sigma.
+const FELT: f64 = 4.0e-6;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE: f64 = 1.0e-4;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
+///
+/// The bodies are free at first: close to the edge, far from the answer, the equations of motion bend more than
+/// beyond it. What then lies beyond is brought back by the step that costs least and fitted on within the edge.
 pub(crate) fn fit(
     experiment: &Experiment,
     linear: Option<&Solved>,
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
+    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    if let Some(bodies) = bodies.as_ref().filter(|_| limit >= ITERATIONS) {
+        let mut free = experiment.with_parameters(experiment.parameters);
+        free.coordinates = Coordinates::Linear;
+        let found = fit_within(&free, linear, Some(bodies), limit)?;
+        if found.settled {
+            if bodies.contain(&found.at.x) {
+                return Ok(found);
+            }
+            let back = brought_back(experiment, &found, bodies, limit);
+            if let Some(found) = back.filter(|f| f.settled) {
+                return Ok(found);
+            }
+        }
+    }
+    fit_within(experiment, linear, bodies.as_ref(), limit)
+}
+
+/// Fits on from the step that leads back to physical bodies at the least cost.
+fn brought_back(
+    experiment: &Experiment,
+    beyond: &Fitted,
+    bodies: &PhysicalBodies,
+    limit: usize,
+) -> Option<Fitted> {
+    let rhs = beyond.shared.rhs();
+    let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
+    let (shared, natural) = (&beyond.shared, &beyond.spectrum.natural);
+    let at = moved(
+        experiment,
+        &beyond.at,
+        (&beyond.evaluated, shared, natural),
+        &step,
+    );
+    fit_from(experiment, at, limit)
+}
+
+/// Fits in the coordinates of the experiment, from starts at which the bodies are physical.
+fn fit_within(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    bodies: Option<&PhysicalBodies>,
+    limit: usize,
+) -> Result<Fitted, ProblemError> {
     let mut best: Option<Fitted> = None;
-    for start in starting_points(experiment, linear) {
+    for start in starting_points(experiment, linear, bodies) {
         let at = start.point;
         let Some(here) = start.here.or_else(|| experiment.linearise(&at)) else {
             continue;
@@ -75,10 +124,21 @@ struct Start {
 }
 
 /// The linear solution and the nominal numbers, the better one first.
-fn starting_points(experiment: &Experiment, linear: Option<&Solved>) -> Vec<Start> {
+fn starting_points(
+    experiment: &Experiment,
+    linear: Option<&Solved>,
+    bodies: Option<&PhysicalBodies>,
+) -> Vec<Start> {
     let mut found = Vec::new();
     let mut close = false;
-    if let Some(point) = linear.map(|solved| physical(experiment, experiment.point(solved)))
+    let point = linear.map(|solved| {
+        let mut point = experiment.point(solved);
+        if let Some(bodies) = bodies {
+            bodies.start(&mut point.x);
+        }
+        point
+    });
+    if let Some(point) = point
         && let Some(here) = experiment.linearise(&point)
     {
         let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
@@ -115,7 +175,7 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point,
     )?;
     for _ in 0..limit {
         let held = vec![0.0; here.rows.spectrum.natural.len()];
-        let next = moved(experiment, &at, &here.rows, &held);
+        let next = moved(experiment, &at, here.rows.parts(), &held);
         let Some(evaluated) = evaluate(&next) else {
             break;
         };
@@ -128,18 +188,12 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point,
     Ok(at)
 }
 
-/// A start whose bodies are physical: as far from the nominal numbers towards it as they stay so.
-fn physical(experiment: &Experiment, mut start: Point) -> Point {
-    if experiment.coordinates == Coordinates::LogCholesky {
-        let nominal = experiment.parameters.nominal_vector();
-        let share = physical_share(experiment.parameters, &nominal, &start.x);
-        if share < 1.0 {
-            for (x, from) in start.x.iter_mut().zip(&nominal) {
-                *x = from + share * (*x - from);
-            }
-        }
+/// The bodies that are to stay physical.
+fn physical_bodies(experiment: &Experiment, mass_unknowns: usize) -> Option<PhysicalBodies> {
+    match experiment.coordinates {
+        Coordinates::Linear => None,
+        Coordinates::Physical => PhysicalBodies::new(experiment.parameters, mass_unknowns),
     }
-    start
 }
 
 /// Bodies that the data press against the edge of what positive mass can have.
@@ -149,6 +203,8 @@ pub(crate) struct Held {
     pub bodies: Vec<String>,
     /// How much chi-square would fall beyond the edge, to first order.
     pub cost: f64,
+    /// How many conditions hold them: the degrees of freedom of `cost`.
+    pub conditions: usize,
 }
 
 /// Where the iteration ended.
@@ -169,8 +225,15 @@ pub(crate) struct Local {
     evaluated: Vec<Evaluated>,
     shared: Shared,
     spectrum: Spectrum,
-    /// Steps in free coordinates, where a plain step would leave the physical bodies.
-    chart: Option<ChartSteps>,
+    /// The bodies that the steps keep physical.
+    bodies: Option<PhysicalBodies>,
+}
+
+impl Local {
+    /// What a step of the mass properties takes with it.
+    fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
+        (&self.evaluated, &self.shared, &self.spectrum.natural)
+    }
 }
 
 impl LeastSquares for Experiment<'_> {
@@ -195,7 +258,7 @@ impl LeastSquares for Experiment<'_> {
         let local = &here.rows;
         let (step, lowered) = self.mass_step(&at.x, local, damping);
         Step {
-            to: moved(self, at, local, &step),
+            to: moved(self, at, local.parts(), &step),
             promised: promised_decrease(self, local, lowered),
             bend: 0.0,
         }
@@ -206,20 +269,20 @@ impl Experiment<'_> {
     /// Step of the mass unknowns, natural units, and how much the linear model says that it lowers chi-square.
     fn mass_step(&self, x: &[f64], local: &Local, damping: f64) -> (Vec<f64>, f64) {
         let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
-        if let Some(chart) = &local.chart {
-            return chart.step(spectrum, &rhs, damping);
-        }
-        let mut step = spectrum.damped(&rhs, damping);
-        let mut lowered = spectrum.decrease(&rhs, damping);
-        if self.coordinates == Coordinates::LogCholesky {
-            let share = inside(self.parameters, &spectrum.natural, x, &step);
-            if share < 1.0 {
-                step.iter_mut().for_each(|z| *z *= share);
-                lowered *= share * (2.0 - share);
+        let step = spectrum.damped(&rhs, damping);
+        match &local.bodies {
+            Some(bodies) if !bodies.contain(&after(x, &step, spectrum)) => {
+                bodies.step(spectrum, &rhs, damping, x)
             }
+            _ => (step, spectrum.decrease(&rhs, damping)),
         }
-        (step, lowered)
     }
+}
+
+/// The mass unknowns after a step in natural units.
+fn after(x: &[f64], step: &[f64], spectrum: &Spectrum) -> Vec<f64> {
+    let moved = x.iter().zip(step).zip(&spectrum.natural);
+    moved.map(|((x, z), unit)| x + z * unit).collect()
 }
 
 fn linearised(
@@ -233,21 +296,12 @@ fn linearised(
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
-    let chart = match experiment.coordinates {
-        Coordinates::Linear => None,
-        Coordinates::LogCholesky => {
-            let (natural, x) = (&spectrum.natural, &at.x);
-            let step = spectrum.damped(&shared.rhs(), 0.0);
-            (inside(experiment.parameters, natural, x, &step) < WORTH)
-                .then(|| ChartSteps::new(experiment.parameters, &spectrum, x))
-                .flatten()
-        }
-    };
+    let bodies = physical_bodies(experiment, spectrum.natural.len());
     let local = Local {
         evaluated,
         shared,
         spectrum,
-        chart,
+        bodies,
     };
     Ok(Linearised {
         cost,
@@ -292,17 +346,21 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
     })
 }
 
+/// Where the plain step from the answer would leave the physical bodies, and chi-square feels it.
 fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option<Held> {
-    let chart = local.chart.as_ref()?;
-    let bodies = at_the_edge(experiment.parameters, &at.x);
-    let rhs = local.shared.rhs();
-    let (beyond, within) = (
-        local.spectrum.decrease(&rhs, 0.0),
-        chart.step(&local.spectrum, &rhs, 0.0).1,
-    );
-    (!bodies.is_empty()).then_some(Held {
-        bodies,
-        cost: beyond - within,
+    let bodies = local.bodies.as_ref()?;
+    let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
+    if bodies.contain(&after(&at.x, &spectrum.damped(&rhs, 0.0), spectrum)) {
+        return None;
+    }
+    let within = bodies.step(spectrum, &rhs, 0.0, &at.x).1;
+    let cost = spectrum.decrease(&rhs, 0.0) - within;
+    let (indices, conditions) = bodies.at_the_edge(&at.x);
+    let names = &experiment.parameters.body_names;
+    (cost > FELT && !indices.is_empty()).then(|| Held {
+        bodies: indices.iter().map(|k| names[*k].clone()).collect(),
+        cost,
+        conditions,
     })
 }
 
@@ -332,17 +390,18 @@ fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f6
 }
 
 /// The point after a step of the mass properties: biases and heads follow.
-fn moved(experiment: &Experiment, at: &Point, local: &Local, step: &[f64]) -> Point {
-    let mut dx: Vec<f64> = step
-        .iter()
-        .zip(&local.spectrum.natural)
-        .map(|(z, unit)| z * unit)
-        .collect();
-    dx.extend(local.shared.nuisances_for(&dx));
+fn moved(
+    experiment: &Experiment,
+    at: &Point,
+    (evaluated, shared, natural): (&[Evaluated], &Shared, &[f64]),
+    step: &[f64],
+) -> Point {
+    let mut dx: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
+    dx.extend(shared.nuisances_for(&dx));
     let heads = at
         .heads
         .iter()
-        .zip(&local.evaluated)
+        .zip(evaluated)
         .zip(&experiment.unknown)
         .map(|((old, one), unknown)| {
             let Some(triangle) = &one.triangle else {

@@ -42,6 +42,7 @@ mod remedies;
 mod residual;
 mod rows;
 mod segment;
+mod semidefinite;
 mod solved;
 mod spectrum;
 mod vehicle;

@@ -5,7 +5,8 @@
 //! runs every set-up on all cores, prints progress and time left on stderr and its table on stdout, and writes the sums
 //! of each set-up to `DIR/SETUP_FIRST.json`. In pieces, on one machine or several: `--first N` is the number of the first
 //! trial, which is also its random stream; `--seconds S` stops a set-up after S seconds with what is done (the file says
-//! how far it came); `--merge FILE...` prints the tables of pieces put together. The exit code is 1 where a set-up misses
+//! how far it came); `--merge FILE...`, the last of all words, prints the tables of pieces put
+//! together and with `--out` writes their sums, one file a set-up. The exit code is 1 where a set-up misses
 //! what is asked of 10^4 trials.
 //!
 //! `--setup NAME` chooses (may be given several times), `--method linear` judges the linear method, `--threads N`.
@@ -114,6 +115,12 @@ fn merged(options: &Options) -> Result<Vec<Sums>, Box<dyn Error>> {
         }
     }
     all.sort_by(|a, b| a.setup.cmp(&b.setup));
+    if let Some(folder) = &options.out {
+        for sums in &all {
+            let name = sums.setup.split([':', ' ']).next().unwrap_or("sums");
+            sums.write(&folder.join(format!("{name}.json")))?;
+        }
+    }
     Ok(all)
 }
 
@@ -126,7 +133,7 @@ fn report(sums: &Sums) -> usize {
         println!("  trials {first} to {}", past - 1);
     }
     println!(
-        "  {:.3} s of one core a trial",
+        "  {:.3} s a trial, wall time by threads",
         sums.seconds / sums.trials.max(1) as f64
     );
     if misses.is_empty() {

@@ -1,0 +1,286 @@
+//! The shortest vector over positive semidefinite blocks, by a barrier.
+//!
+//! Wanted is the u of least length for which every block `S(u) = C + sum_j u_j B_j` is positive semidefinite. The
+//! problem is convex and its answer unique. The barrier makes it smooth:
+//!
+//! ```text
+//! F(u) = |u|^2 - mu sum log det S(u),      mu -> 0
+//! ```
+//!
+//! `F / mu` is self-concordant, so Newton's method, damped by its own decrement, needs no line search and stays inside
+//! (Boyd and Vandenberghe 2004, sections 9.6 and 11.6). What remains above the smallest cost is mu times the rows of all
+//! blocks.
+
+use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
+
+/// One block; every slope belongs to one component of u.
+pub(crate) struct Block {
+    pub constant: Matrix4<f64>,
+    pub slopes: Vec<Matrix4<f64>>,
+}
+
+/// Barrier at which the answer is near enough: costs are chi-squares.
+const FINAL: f64 = 1.0e-8;
+/// Smallest eigenvalue of a block, of order one, that round-off leaves a meaning.
+const LEAST: f64 = 1.0e-12;
+/// Factor of the barrier from one stretch to the next.
+const SHRINK: f64 = 0.1;
+/// Decrement below which full steps converge quadratically.
+const NEAR: f64 = 0.25;
+/// Decrement of an answer.
+const SETTLED: f64 = 1.0e-3;
+/// Most steps: fourteen decades take about eighty.
+const STEPS: usize = 400;
+/// Independent elements of a symmetric block.
+const ELEMENTS: usize = 10;
+
+/// The shortest vector, from a start strictly inside; `None` where the start is not.
+pub(crate) fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
+    let mut u = DVector::from_column_slice(start);
+    let mut here = Whitened::at(blocks, &u)?;
+    let mut mu = u.norm_squared().max(FINAL);
+    for _ in 0..STEPS {
+        let Some((step, decrement)) = here.newton(&u, mu) else {
+            break;
+        };
+        let length = if decrement < NEAR {
+            1.0
+        } else {
+            1.0 / (1.0 + decrement)
+        };
+        let next = &u + step * length;
+        // Only round-off leads out.
+        let Some(there) = Whitened::at(blocks, &next) else {
+            break;
+        };
+        (u, here) = (next, there);
+        let last = mu <= FINAL || here.smallest < LEAST;
+        if last && decrement < SETTLED {
+            break;
+        }
+        if !last && decrement < NEAR {
+            mu = FINAL.max(SHRINK * mu);
+        }
+    }
+    Some(u.as_slice().to_vec())
+}
+
+/// All blocks at one u, in the coordinates in which each is the identity.
+struct Whitened {
+    /// Ten rows a block, one column a component of u: elements of the whitened slopes, those off the diagonal
+    /// times the root of two, so that products of rows are traces.
+    slopes: DMatrix<f64>,
+    /// The identity in the same elements.
+    identity: DVector<f64>,
+    /// Smallest eigenvalue of all blocks.
+    smallest: f64,
+}
+
+impl Whitened {
+    fn at(blocks: &[Block], u: &DVector<f64>) -> Option<Self> {
+        let rows = ELEMENTS * blocks.len();
+        let mut out = Self {
+            slopes: DMatrix::zeros(rows, u.len()),
+            identity: DVector::zeros(rows),
+            smallest: f64::INFINITY,
+        };
+        for (b, block) in blocks.iter().enumerate() {
+            let mut S = block.constant;
+            for (slope, step) in block.slopes.iter().zip(u.iter()) {
+                S += slope * *step;
+            }
+            if S.iter().any(|x| !x.is_finite()) {
+                return None;
+            }
+            let eigen = SymmetricEigen::new(S);
+            let smallest = eigen.eigenvalues.min();
+            if smallest <= 0.0 {
+                return None;
+            }
+            out.smallest = out.smallest.min(smallest);
+            let root = Matrix4::from_diagonal(&eigen.eigenvalues.map(|x| 1.0 / x.sqrt()))
+                * eigen.eigenvectors.transpose();
+            let at = ELEMENTS * b;
+            for (j, slope) in block.slopes.iter().enumerate() {
+                let own = elements(&(root * slope * root.transpose()));
+                for (k, x) in own.iter().enumerate() {
+                    out.slopes[(at + k, j)] = *x;
+                }
+            }
+            for (k, x) in elements(&Matrix4::identity()).iter().enumerate() {
+                out.identity[at + k] = *x;
+            }
+        }
+        Some(out)
+    }
+
+    /// Newton's step of `F` and its decrement.
+    ///
+    /// With N the whitened slopes and e the identity, gradient and Hessian of F are `2 u - mu N^T e` and
+    /// `2 + mu N^T N`. The step ends at `N^T q` with `(N N^T + 2 / mu) q = e + N u`: the small system, whose
+    /// rows are as unequal as the eigenvalues of the blocks, which Cholesky's method does not mind.
+    fn newton(&self, u: &DVector<f64>, mu: f64) -> Option<(DVector<f64>, f64)> {
+        let N = &self.slopes;
+        let mut normal = N * N.transpose();
+        for k in 0..normal.nrows() {
+            normal[(k, k)] += 2.0 / mu;
+        }
+        let q = normal.cholesky()?.solve(&(&self.identity + N * u));
+        let step = N.tr_mul(&q) - u;
+        let square = 2.0 * step.norm_squared() / mu + (N * &step).norm_squared();
+        square.is_finite().then(|| (step, square.sqrt()))
+    }
+}
+
+/// Elements of a symmetric matrix, those off the diagonal times the root of two.
+fn elements(m: &Matrix4<f64>) -> [f64; ELEMENTS] {
+    let mut out = [0.0; ELEMENTS];
+    let mut k = 0;
+    for i in 0..4 {
+        for j in 0..=i {
+            let weight = if i == j {
+                1.0
+            } else {
+                std::f64::consts::SQRT_2
+            };
+            out[k] = weight * m[(i, j)];
+            k += 1;
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random(state: &mut u64) -> f64 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (*state >> 33) as f64 / 2_f64.powi(31) - 0.5
+    }
+
+    fn symmetric(state: &mut u64) -> Matrix4<f64> {
+        let m = Matrix4::from_fn(|_, _| random(state));
+        m + m.transpose()
+    }
+
+    fn value(block: &Block, u: &[f64]) -> Matrix4<f64> {
+        let moved = block.slopes.iter().zip(u);
+        moved.fold(block.constant, |S, (B, x)| S + B * *x)
+    }
+
+    /// Two conditions on a diagonal, worked out by hand: `u1 >= 1`, `u2 >= -1`; shortest is (1, 0).
+    #[test]
+    fn unit_a_corner() {
+        let slope = |k: usize| {
+            let mut B = Matrix4::zeros();
+            B[(k, k)] = 1.0;
+            B
+        };
+        let mut constant = Matrix4::identity();
+        constant[(0, 0)] = -1.0;
+        let block = Block {
+            constant,
+            slopes: vec![slope(0), slope(1)],
+        };
+        let u = shortest(&[block], &[5.0, 3.0]).unwrap();
+        assert!((u[0] - 1.0).abs() < 1.0e-8, "{u:?}");
+        assert!(u[1].abs() < 1.0e-7, "{u:?}");
+    }
+
+    #[test]
+    fn unit_a_start_outside_has_no_answer() {
+        let block = Block {
+            constant: -Matrix4::identity(),
+            slopes: vec![Matrix4::identity()],
+        };
+        assert_eq!(shortest(&[block], &[0.5]), None);
+    }
+
+    /// The conditions of Karush, Kuhn and Tucker, sufficient for a convex problem: `2 u_j = sum tr(L_b B_bj)` with
+    /// multipliers `L_b` that are positive semidefinite and vanish where the block does not. They are found from u
+    /// alone: least squares over the null spaces of the blocks.
+    #[test]
+    fn exact_no_vector_inside_is_shorter() {
+        let mut state = 11;
+        let mut pressed = [0; 3];
+        for trial in 0..60 {
+            let (n, count) = (6, 2);
+            let blocks: Vec<Block> = (0..count)
+                .map(|_| Block {
+                    // Zero is outside by one or two eigenvalues, the start inside.
+                    constant: {
+                        let S = symmetric(&mut state);
+                        S * 2.0 + Matrix4::identity() * 0.3
+                    },
+                    slopes: (0..n)
+                        .map(|j| match j {
+                            0 => Matrix4::identity() + symmetric(&mut state) * 0.3,
+                            _ => symmetric(&mut state),
+                        })
+                        .collect(),
+                })
+                .collect();
+            let mut start = vec![0.0; n];
+            start[0] = 100.0;
+            let Some(u) = shortest(&blocks, &start) else {
+                continue;
+            };
+            // Columns: null vectors of the blocks, in pairs.
+            let mut columns: Vec<Vec<f64>> = Vec::new();
+            let mut sizes = Vec::new();
+            for block in &blocks {
+                let eigen = SymmetricEigen::new(value(block, &u));
+                assert!(eigen.eigenvalues.min() > -1.0e-9, "trial {trial}");
+                let null: Vec<usize> = (0..4).filter(|k| eigen.eigenvalues[*k] < 1.0e-5).collect();
+                sizes.push(null.len());
+                for (a, i) in null.iter().enumerate() {
+                    for j in &null[..=a] {
+                        let (v, w) = (eigen.eigenvectors.column(*i), eigen.eigenvectors.column(*j));
+                        let twice = if i == j { 1.0 } else { 2.0 };
+                        columns.push(
+                            block
+                                .slopes
+                                .iter()
+                                .map(|B| twice * v.dot(&(B * w)))
+                                .collect(),
+                        );
+                    }
+                }
+            }
+            let target = DVector::from_fn(n, |j, _| 2.0 * u[j]);
+            if columns.is_empty() {
+                assert!(target.norm() < 1.0e-6, "trial {trial}: {u:?}");
+                pressed[0] += 1;
+                continue;
+            }
+            let A = DMatrix::from_fn(n, columns.len(), |j, k| columns[k][j]);
+            let normal = (A.transpose() * &A).cholesky().unwrap();
+            let L = normal.solve(&(A.transpose() * &target));
+            let miss = (&A * &L - &target).norm();
+            assert!(
+                miss < 1.0e-5 * (1.0 + target.norm()),
+                "trial {trial}: {miss:e}"
+            );
+            let mut at = 0;
+            for size in sizes {
+                pressed[size.min(2)] += 1;
+                let mut multiplier = DMatrix::zeros(size, size);
+                for i in 0..size {
+                    for j in 0..=i {
+                        multiplier[(i, j)] = L[at];
+                        multiplier[(j, i)] = L[at];
+                        at += 1;
+                    }
+                }
+                if size > 0 {
+                    let least = SymmetricEigen::new(multiplier).eigenvalues.min();
+                    assert!(least > -1.0e-6, "trial {trial}: {least:e}");
+                }
+            }
+        }
+        assert!(pressed.iter().all(|n| *n >= 5), "{pressed:?}");
+    }
+}
