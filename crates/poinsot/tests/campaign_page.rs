@@ -24,7 +24,11 @@ fn regress_the_page_of_the_campaign_shows_the_recorded_sums() {
         let sums = Sums::read(&file).unwrap();
         let statistics = statistics_of(&sums);
         let table = statistics_document(&sums.setup, &statistics).to_string();
-        assert!(page.contains(table.trim_end()), "{}\n{table}", file.display());
+        assert!(
+            page.contains(table.trim_end()),
+            "{}\n{table}",
+            file.display()
+        );
         // What misses its aim is said on the page.
         for miss in statistics.misses() {
             assert!(page.contains(&format!("missed: {miss}")), "{miss}");
