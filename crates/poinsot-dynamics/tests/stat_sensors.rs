@@ -20,6 +20,7 @@ fn sensor(kind: SensorKind) -> Sensor {
         bias: Nuisance::Known,
         scale: Nuisance::Known,
         misalignment: Nuisance::Known,
+        nonorthogonality: Nuisance::Known,
         lag: Nuisance::Known,
         correlation_s: 0.0,
         R_BS: Matrix3::identity(),

@@ -21,6 +21,8 @@ const REJECT: f64 = 9.0;
 /// Chi-square per degree of freedom above which residuals that are correlated in time speak against the model, not
 /// against the declared noise: twenty times the noise at every reading.
 const CONTRADICTED: f64 = 400.0;
+/// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
+const NOISE_FREE: f64 = 1.0e-3;
 /// Probability of a white residual below which it is called correlated in time.
 const CORRELATED: f64 = 1.0e-3;
 /// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
@@ -54,8 +56,11 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         .iter()
         .any(|b| unphysical(b, chi2 > MISFIT || unexplained))
         || pressed(solved, chi2 > MISFIT || unexplained);
-    let rejected =
-        (chi2 > REJECT && unexplained) || not_rigid || impossible || contradicted(solved);
+    let rejected = (chi2 > REJECT && unexplained)
+        || not_rigid
+        || impossible
+        || contradicted(solved)
+        || misled(solved);
     // What is rejected, and what did not settle, gets no numbers.
     let (judge, bodies) = if rejected || !solved.settled {
         answered(true)
@@ -88,6 +93,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         fit: solved.fit.clone(),
         // A line in the residual is evidence enough, however small it is beside the noise.
         covariance_trustworthy: chi2 <= MISFIT
+            && (!solved.adds_up || chi2 <= NOISE_FREE)
             && !rejected
             && !solved.not_rigid
             && solved.settled
@@ -104,6 +110,12 @@ fn contradicted(solved: &Solved) -> bool {
     solved.method == "maximum_likelihood"
         && solved.chi2_per_dof() > CONTRADICTED
         && channels.any(|c| c.whiteness_p.is_some_and(|p| p < CORRELATED))
+}
+
+/// Whether noise that adds up under thrust shows in chi-square: sigmas that take it as fresh are then wrong by any
+/// factor, and so are the numbers.
+fn misled(solved: &Solved) -> bool {
+    solved.adds_up && solved.chi2_per_dof() > MISFIT
 }
 
 /// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
@@ -244,6 +256,10 @@ fn warnings(
         list.push(format!(
             "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty (chi-square per degree of freedom {chi2:.1}); check units, signs, wheel axes, external torques"
         ));
+    } else if rejected && misled(solved) {
+        list.push(format!(
+            "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample (chi-square per degree of freedom {chi2:.1}), which its sigmas take as fresh: numbers are withheld; use --method auto"
+        ));
     } else if rejected && solved.not_rigid {
         list.push(format!(
             "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
@@ -264,6 +280,12 @@ fn warnings(
             "residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}): sigmas are widened by that factor and the covariance is not trustworthy",
             chi2.sqrt()
         ));
+    }
+    if solved.adds_up && !rejected && chi2 > NOISE_FREE {
+        list.push(
+            "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample, which its sigmas take as fresh: the covariance is not trustworthy; use --method auto"
+                .to_owned(),
+        );
     }
     if let Some(held) = &solved.held {
         list.push(format!(

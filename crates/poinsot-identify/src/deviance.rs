@@ -5,12 +5,11 @@
 
 use crate::fit::Fitted;
 use crate::information::Experiment;
-use crate::parameters::UnknownKind;
 use crate::prior;
 use poinsot_spatial::Matrix3;
 
 /// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and
-/// calibrations, determinants of the sensors' noise and of the random torque's, and that of the information.
+/// calibrations, determinants of the sensors' noise, of the random torque's and of the calibrations', and that of the information.
 /// The noise of joints and wheels counts in chi-square alone.
 pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
     let noise = experiment.problem.noise;
@@ -27,20 +26,10 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
     }
     let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);
     sum += calibration.chi2;
-    let own: Vec<usize> = (0..experiment.parameters.len())
-        .filter(|k| {
-            let kind = &experiment.parameters.unknowns[*k].kind;
-            matches!(kind, UnknownKind::RandomTorque(_))
-        })
-        .collect();
     for row in &calibration.rows {
-        // The last entry is the stretch that the row is about.
-        let last = own
-            .iter()
-            .rev()
-            .map(|k| row.gradient[*k])
-            .find(|g| *g != 0.0);
-        sum -= 2.0 * last.map_or(0.0, f64::ln);
+        // A row is about its last entry: a stretch of the random torque, or the one number of a calibration.
+        let last = row.gradient.iter().rev().find(|g| **g != 0.0);
+        sum -= 2.0 * last.map_or(0.0, |g| g.abs().ln());
     }
     for (one, unknown) in fitted.evaluated.iter().zip(&experiment.unknown) {
         if let Some(t) = &one.triangle {

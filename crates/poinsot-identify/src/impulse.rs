@@ -1,8 +1,10 @@
 //! Impulse of the thrusters between samples, with the force turning with the body.
 
+use crate::parameters::Equations;
+use crate::problem::Problem;
 use crate::segment::{Firing, Segment};
 use nalgebra::Unit;
-use poinsot_dynamics::{Kinematics, Tree};
+use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{Nuisance, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, skew};
 
@@ -81,6 +83,50 @@ pub fn integrate(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -> Impu
         }
     }
     out
+}
+
+/// Share of a row's own information on what thrust does from which noise that adds up is too much.
+const TOO_MUCH: f64 = 0.5;
+
+/// Whether the noise of measured positions and attitudes adds up under thrust beyond what the rows allow for.
+///
+/// The moment `p x F dt` of every interval holds the error of `p` there, and so do all rows after it; `F dt` that of
+/// the attitude. The rows take their noise as fresh: averaged over n rows it falls as 1/n, and what adds up does not.
+pub(crate) fn adds_up(problem: &Problem) -> bool {
+    if problem.linear_equations() != Equations::Momentum {
+        return false;
+    }
+    let one = |covariance: &Matrix3| covariance.trace() / 3.0;
+    let noise = problem.noise;
+    let (position, attitude) = (one(&noise.position), one(&noise.attitude));
+    let (velocity, rate) = (one(&noise.velocity), one(&noise.gyro));
+    let bodies: Vec<_> = problem
+        .model
+        .bodies
+        .iter()
+        .map(|b| b.nominal.parameters())
+        .collect();
+    let whole = composite(&bodies, &Kinematics::new(problem.tree));
+    let inertia = whole.I_SBo_B.trace() / 3.0;
+    problem.segments.iter().any(|segment| {
+        let Some(translation) = segment.samples.translation.as_ref() else {
+            return false;
+        };
+        let impulses = integrate(problem.tree, &problem.model.thrusters, segment).total;
+        let steps = impulses.windows(2);
+        let square: f64 = steps
+            .map(|p| (p[1].linear - p[0].linear).norm_squared())
+            .sum();
+        let largest = |list: &[Vector3]| list.iter().map(Vector3::norm_squared).fold(0.0, f64::max);
+        let momentum = whole.mass.powi(2) * largest(&translation.v_NBo_N);
+        let arm = whole.mass.powi(2) * largest(&translation.p_NoBo_N);
+        let angular = inertia.powi(2) * rate + momentum * position + arm * velocity;
+        let linear = whole.mass.powi(2) * velocity + momentum * attitude;
+        let n = impulses.len() as f64;
+        let too_much = |walk: f64, row: f64| walk * n > TOO_MUCH * row;
+        square > 0.0
+            && (too_much(square * position, angular) || too_much(square * attitude, linear))
+    })
 }
 
 /// Firings that overlap the interval after sample k.

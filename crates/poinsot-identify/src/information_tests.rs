@@ -77,6 +77,7 @@ noise_rad_s = 1.0e-3
 bias = "estimate"
 scale = "estimate"
 misalignment = "estimate"
+nonorthogonality = "estimate"
 lag = "estimate"
 
 [[sensor]]

@@ -285,6 +285,7 @@ impl GyroErrors {
                 UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
                 UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
                 UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
+                UnknownKind::GyroShear(k) => gyro.turn += shear(k) * *value,
                 UnknownKind::GyroLag => gyro.lag = *value,
                 UnknownKind::AttitudeLag => attitude_lag = *value,
                 _ => {}
@@ -318,11 +319,21 @@ impl GyroErrors {
             Some(UnknownKind::GyroBias(k)) => change[*k] += 1.0,
             Some(UnknownKind::GyroScale(k)) => change[*k] += w[*k],
             Some(UnknownKind::GyroMisalignment(k)) => change += axis(*k).cross(w),
+            Some(UnknownKind::GyroShear(k)) => change += shear(*k) * w,
             Some(UnknownKind::GyroLag) => change -= acceleration + self.turn * acceleration,
             _ => {}
         }
         change
     }
+}
+
+/// Each of the two axes other than `k` reads of the other what it should not.
+fn shear(k: usize) -> Matrix3 {
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let mut both = Matrix3::zeros();
+    both[(i, j)] = 1.0;
+    both[(j, i)] = 1.0;
+    both
 }
 
 /// How late velocity and position read, s.

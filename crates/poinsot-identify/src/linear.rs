@@ -259,6 +259,7 @@ fn conclude(
         iterations: 1,
         settled: true,
         warnings: Vec::new(),
+        adds_up: impulse::adds_up(problem),
         not_rigid: false,
         held: None,
         diagnostics: None,

@@ -245,6 +245,7 @@ pub(crate) fn conclude(
         iterations: fitted.iterations,
         settled: fitted.settled,
         warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
+        adds_up: false,
         not_rigid: found
             .findings
             .iter()

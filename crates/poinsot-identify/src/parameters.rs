@@ -43,6 +43,8 @@ pub enum UnknownKind {
     GyroScale(usize),
     /// Component of the small rotation between true and assumed gyro axes, rad.
     GyroMisalignment(usize),
+    /// Turn of two gyro axes towards each other, rad: of the pair that leaves out this axis.
+    GyroShear(usize),
     /// How late the gyro reads, s.
     GyroLag,
     /// How late the attitude reads, s.
@@ -99,6 +101,7 @@ impl UnknownKind {
             Self::GyroBias(_)
                 | Self::GyroScale(_)
                 | Self::GyroMisalignment(_)
+                | Self::GyroShear(_)
                 | Self::GyroLag
                 | Self::AttitudeLag
                 | Self::Instrument { .. }
@@ -166,6 +169,11 @@ pub struct Parameters {
 pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
 const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 const AXES: [&str; 3] = ["x", "y", "z"];
+/// Stretch of time in which a random torque is one number, over its correlation time. Half of it was too coarse: where
+/// the stretches began moved the inertia of a thrown body by 2 %.
+const STRETCH: f64 = 0.2;
+/// Pairs of axes by the one that is left out.
+const PAIRS: [&str; 3] = ["yz", "xz", "xy"];
 
 /// Why the question cannot be asked of the linear method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -425,6 +433,12 @@ impl Parameters {
             self.add_axes(gyro.scale, UnknownKind::GyroScale, name, "scale", "1");
             let turned = UnknownKind::GyroMisalignment;
             self.add_axes(gyro.misalignment, turned, name, "misalignment", "rad");
+            if gyro.nonorthogonality != Nuisance::Known {
+                for (k, pair) in PAIRS.iter().enumerate() {
+                    let name = format!("{name}.nonorthogonality_{pair}");
+                    self.push(UnknownKind::GyroShear(k), name, "rad", 0.0, 1.0);
+                }
+            }
             self.add_lag(gyro.lag, UnknownKind::GyroLag, name);
         }
         if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
@@ -673,13 +687,13 @@ fn gradient_gm(model: &Model) -> Option<f64> {
     around.point_mass_gm.filter(|_| around.gravity_gradient)
 }
 
-/// Intervals between grid times in stretches of half a correlation time, first and last of each: an even
+/// Intervals between grid times in stretches of a share of the correlation time, first and last of each: an even
 /// number of stretches in all would do, but a grid with gaps has no even ones.
 fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut from = 0;
     for k in 0..time_s.len().saturating_sub(1) {
-        if time_s[k + 1] - time_s[from] >= 0.5 * correlation_s || k + 2 == time_s.len() {
+        if time_s[k + 1] - time_s[from] >= STRETCH * correlation_s || k + 2 == time_s.len() {
             found.push((from, k));
             from = k + 1;
         }

@@ -56,6 +56,7 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
             UnknownKind::GyroBias(_) => gyro.map(|g| g.bias),
             UnknownKind::GyroScale(_) => gyro.map(|g| g.scale),
             UnknownKind::GyroMisalignment(_) => gyro.map(|g| g.misalignment),
+            UnknownKind::GyroShear(_) => gyro.map(|g| g.nonorthogonality),
             UnknownKind::GyroLag => gyro.map(|g| g.lag),
             UnknownKind::AttitudeLag => tracker.map(|t| t.lag),
             UnknownKind::Instrument { sensor, fault } => {

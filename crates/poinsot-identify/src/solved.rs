@@ -189,6 +189,8 @@ pub(crate) struct Solved {
     pub held: Option<Held>,
     /// What the residuals say; `None` of a method that does not ask them.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
+    /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
+    pub adds_up: bool,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

@@ -207,6 +207,11 @@ fn check_sensor(
         bias: nuisance("bias", file.bias.as_ref(), &format!("sigma_{unit}")),
         scale: nuisance("scale", file.scale.as_ref(), "sigma"),
         misalignment: nuisance("misalignment", file.misalignment.as_ref(), "sigma_rad"),
+        nonorthogonality: nuisance(
+            "nonorthogonality",
+            file.nonorthogonality.as_ref(),
+            "sigma_rad",
+        ),
         lag: nuisance("lag", file.lag.as_ref(), "sigma_s"),
         R_BS: rotation.unwrap_or_else(Matrix3::identity),
         p_BoS_B: Vector3::from(file.position_m.unwrap_or([0.0; 3])),
@@ -283,6 +288,7 @@ fn check_unit(
 fn refuse_axes(file: &SensorFile, kind: SensorKind, key: &Key, findings: &mut Findings<'_, '_>) {
     for (name, given) in [
         ("misalignment", file.misalignment.is_some()),
+        ("nonorthogonality", file.nonorthogonality.is_some()),
         ("rotation_xyzw", file.rotation_xyzw.is_some()),
         ("rotation_matrix", file.rotation_matrix.is_some()),
         ("position_m", file.position_m.is_some()),

@@ -375,6 +375,7 @@ fn unknown(model: &Model) -> Vec<String> {
         add(&sensor.name, "bias", sensor.bias);
         add(&sensor.name, "scale", sensor.scale);
         add(&sensor.name, "misalignment", sensor.misalignment);
+        add(&sensor.name, "nonorthogonality", sensor.nonorthogonality);
         add(&sensor.name, "lag", sensor.lag);
     }
     add(

@@ -285,6 +285,9 @@ pub struct Sensor {
     pub scale: Nuisance,
     /// Misalignment.
     pub misalignment: Nuisance,
+    /// How far the axes are from square to each other, rad: axis i reads `g_ij` of the rate about axis j and axis j
+    /// as much of that about i.
+    pub nonorthogonality: Nuisance,
     /// Lag, s.
     pub lag: Nuisance,
     /// Rotation that takes components in the sensor's axes to the body's.

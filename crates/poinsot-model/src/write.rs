@@ -180,6 +180,12 @@ fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
     nuisance(out, "bias", sensor.bias, &format!("sigma_{unit}"));
     nuisance(out, "scale", sensor.scale, "sigma");
     nuisance(out, "misalignment", sensor.misalignment, "sigma_rad");
+    nuisance(
+        out,
+        "nonorthogonality",
+        sensor.nonorthogonality,
+        "sigma_rad",
+    );
     nuisance(out, "lag", sensor.lag, "sigma_s");
     if sensor.R_BS != Matrix3::identity() {
         line(out, "rotation_matrix", matrix(&sensor.R_BS));

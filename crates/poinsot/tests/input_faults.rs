@@ -103,6 +103,47 @@ fn exact_tilted_wheels_come_back() {
     }
 }
 
+/// Scale errors and axes that are not square to each other, planted in the readings of a gyro, come back.
+#[test]
+fn exact_a_gyro_whose_axes_are_not_square_comes_back() {
+    let mut truth = with_wheels(known_arm(17));
+    truth.sensors = sensors(1.0e-5);
+    let flight = Flight {
+        rate_hz: 20.0,
+        ..moving(&truth, 6)
+    };
+    let mut table = fly(&truth, &flight);
+    let (yz, xz, xy) = (3.0e-3, -2.0e-3, 4.0e-3);
+    let error = Matrix3::new(0.01, xy, xz, xy, -0.02, yz, xz, yz, 0.015);
+    let axes = ["omega_x", "omega_y", "omega_z"];
+    for k in 0..channel(&mut table, "omega_x").values.len() {
+        let w = Vector3::from(axes.map(|n| channel(&mut table, n).values[k]));
+        let read = w + error * w;
+        for (axis, name) in axes.into_iter().enumerate() {
+            channel(&mut table, name).values[k] = read[axis];
+        }
+    }
+    let mut asked = off_nominal(&truth, 0.03);
+    for s in asked
+        .sensors
+        .iter_mut()
+        .filter(|s| s.kind == SensorKind::Gyro)
+    {
+        s.scale = Nuisance::Estimate;
+        s.nonorthogonality = Nuisance::Estimate;
+    }
+    let answer = ask(&asked, vec![table], "auto");
+    for (pair, planted) in [("yz", yz), ("xz", xz), ("xy", xy)] {
+        let name = format!("gyro.nonorthogonality_{pair}");
+        assert!((found(&answer, &name) - planted).abs() < 1.0e-6);
+    }
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        assert!((found(&answer, &format!("gyro.scale_{axis}")) - error[(k, k)]).abs() < 1.0e-6);
+    }
+    assert_eq!(answer.estimate.status, Status::Converged);
+    assert!(worst_error(&answer, &truth, 0) < 1.0e-5);
+}
+
 /// Every sensor reads 2 ms late, thrusters act 5 ms late; what is left over is of second order in the lag.
 #[test]
 fn exact_lags_of_all_sensors_come_back() {
@@ -143,6 +184,40 @@ fn exact_lags_of_all_sensors_come_back() {
         let worst = worst_error(&answer, &truth, 0);
         println!("{}: numbers of the base off by {worst:.1e}", kind.word());
         assert!(worst < 5.0e-4, "{}: {worst:e}", kind.word());
+    }
+}
+
+/// A lag of 20 ms that nobody declared: the diagnosis names it first, with the sensor that has it.
+#[test]
+fn exact_lags_of_20_ms_are_named_with_their_sensor() {
+    let mut truth = with_thrusters(with_wheels(known_arm(13)));
+    truth.sensors = sensors(1.0e-4);
+    truth
+        .sensors
+        .push(reader(SensorKind::JointPosition, vec![0, 1]));
+    truth
+        .sensors
+        .push(reader(SensorKind::WheelSpeed, vec![0, 1, 2]));
+    let flight = Flight {
+        rate_hz: 10.0,
+        ..moving(&truth, 14)
+    };
+    let clean = fly(&truth, &flight);
+    for (prefix, what) in [
+        ("joint", "a lag of the joints"),
+        ("wheel", "a lag of the wheels"),
+        ("r_", "a lag of the position"),
+        ("v_", "a lag of the velocity"),
+    ] {
+        let mut table = clean.clone();
+        shift(&mut table, prefix, 0.02);
+        let answer = ask(&off_nominal(&truth, 0.02), vec![table], "auto");
+        let found = answer.estimate.diagnostics.unwrap();
+        let first = found.suspects.first().unwrap();
+        println!("{prefix}: {first:?}");
+        assert_eq!(first.name, what);
+        let lag = first.values[0].1;
+        assert!((lag - 0.02).abs() < 0.002, "{prefix}: {lag}");
     }
 }
 

@@ -7,8 +7,11 @@
 mod setups;
 
 use nalgebra::Matrix3;
+use poinsot::bind::bind;
 use poinsot::predict::{predict, prediction_document, prediction_json};
 use poinsot::trials::{Statistics, Study, statistics, statistics_document};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, Problem, Status, linear};
 use std::path::{Path, PathBuf};
 
 fn study(name: &str, stride: usize) -> Study {
@@ -107,6 +110,60 @@ fn stat_a_wrong_declaration_is_caught() {
     let result = judge(&study, 60);
     assert!(!result.faults().is_empty());
     assert!((result.chi2_per_dof - 1.5).abs() < 0.05);
+}
+
+fn linear_answer(study: &Study, trial: u64) -> Option<Estimate> {
+    let (tables, _) = study.draw(trial);
+    let tree = Tree::new(&study.model);
+    let bound = bind(&study.model, &tree, &tables).ok()?;
+    linear(&Problem {
+        model: &study.model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    })
+    .ok()
+}
+
+/// Noise of measured positions adds up in `p x F dt`: the inertia errs by up to 80 of the sigmas that the rows alone
+/// would give. Such numbers are withheld, however often the sensors read.
+#[test]
+fn stat_the_linear_method_under_thrust_withholds_what_it_cannot_judge() {
+    for stride in [1, 5, 10] {
+        let study = study("tug_thrusters", stride);
+        for trial in 0..4 {
+            let answer = linear_answer(&study, trial).unwrap();
+            assert_eq!(answer.status, Status::Rejected, "stride {stride}");
+            assert!(!answer.covariance_trustworthy);
+            assert!(answer.bodies[0].mass.value.is_none());
+            assert!(answer.warnings.iter().any(|w| w.contains("adds up")));
+        }
+    }
+}
+
+/// Without noise there is nothing to add up.
+#[test]
+fn exact_the_linear_method_under_thrust_answers_noise_free_records() {
+    let mut study = study("tug_thrusters", 1);
+    let exact = study.exact.clone();
+    let tree = Tree::new(&study.model);
+    let bound = bind(&study.model, &tree, &exact).unwrap();
+    for nominal in &mut study.model.bodies {
+        nominal.nominal.mass *= 1.01;
+    }
+    let answer = linear(&Problem {
+        model: &study.model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    })
+    .unwrap();
+    assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings);
+    assert!(answer.covariance_trustworthy);
+    let error = answer.bodies[0].mass.value.unwrap() / study.truth[0].mass - 1.0;
+    assert!(error.abs() < 1.0e-6, "{error:e}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::types::FaultKind;
 use crate::information::Experiment;
 use crate::likelihood::Sight;
 use crate::parameters::{Unknown, UnknownKind, axis_name};
-use poinsot_model::SensorKind;
+use poinsot_model::{Model, SensorKind};
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
@@ -33,6 +33,7 @@ fn triple(kind: fn(usize) -> UnknownKind, prefix: &str, unit: &'static str) -> V
 /// Candidates that the fit did not have; the drift of momentum stands last.
 pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_sensors(experiment);
+    list.extend(of_late_readings(experiment));
     list.extend(of_surroundings());
     list.extend(of_actuators(experiment));
     if experiment.sight == Sight::Rotation {
@@ -96,6 +97,56 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
             )],
         ),
     ]
+}
+
+/// Lags of what is not gyro or attitude: position and velocity of the base, and the readings of joints and wheels
+/// that drive the motion, sensor by sensor where sensors are declared.
+fn of_late_readings(experiment: &Experiment) -> Vec<Candidate> {
+    let (model, tree) = (experiment.problem.model, experiment.problem.tree);
+    let late = |what: &str, owner: &str, kind| Candidate {
+        name: format!("a lag of the {what}"),
+        fault: FaultKind::Lag,
+        unknowns: vec![unknown(kind, format!("{owner}.lag"), "s")],
+    };
+    let mut list = Vec::new();
+    if experiment.sight != Sight::Rotation {
+        for (kind, lag) in [
+            (SensorKind::Velocity, UnknownKind::VelocityLag),
+            (SensorKind::Position, UnknownKind::PositionLag),
+        ] {
+            let own = model.sensors_of(kind).find(|s| s.body == 0);
+            list.push(late(kind.word(), own.map_or(kind.word(), |s| &s.name), lag));
+        }
+    }
+    let joints = readers(model, SensorKind::JointPosition, model.joints.len());
+    for (owner, of) in joints {
+        let coordinates = (0..tree.dof())
+            .filter(|k| of.contains(&tree.coordinates[*k]))
+            .collect();
+        list.push(late("joints", &owner, UnknownKind::JointLag(coordinates)));
+    }
+    for (owner, of) in readers(model, SensorKind::WheelSpeed, model.wheels.len()) {
+        list.push(late("wheels", &owner, UnknownKind::WheelLag(of)));
+    }
+    list.retain(|c| {
+        !c.unknowns.iter().any(|u| match &u.kind {
+            UnknownKind::JointLag(of) | UnknownKind::WheelLag(of) => of.is_empty(),
+            _ => false,
+        })
+    });
+    list
+}
+
+/// Sensors of joints or wheels with what each reads; all `count` of them as one where none is declared.
+fn readers(model: &Model, kind: SensorKind, count: usize) -> Vec<(String, Vec<usize>)> {
+    let own: Vec<_> = model
+        .sensors_of(kind)
+        .map(|s| (s.name.clone(), s.of.clone()))
+        .collect();
+    match own.is_empty() {
+        true => vec![(kind.word().to_owned(), (0..count).collect())],
+        false => own,
+    }
 }
 
 fn of_surroundings() -> Vec<Candidate> {

@@ -48,6 +48,7 @@ pub(super) fn suspects(
         let fitted = FITTED.min(list.len());
         list[..fitted].sort_by(falling);
     }
+    late_before_early(&mut list, SIGNIFICANT * per_number);
     list.into_iter()
         .map(|(_, mut s)| {
             s.explains = if misfit {
@@ -59,6 +60,23 @@ pub(super) fn suspects(
             s
         })
         .collect()
+}
+
+/// Where one sensor reading early explains no more than another reading late, the late one is named first: nothing
+/// reads what has not happened yet.
+fn late_before_early(list: &mut [(usize, Suspect)], margin: f64) {
+    let lag = |s: &Suspect| match s.fault {
+        FaultKind::Lag => s.values.first().map_or(0.0, |v| v.1),
+        _ => 0.0,
+    };
+    let Some((_, first)) = list.first().filter(|(_, s)| lag(s) < 0.0) else {
+        return;
+    };
+    let enough = first.decrease - margin;
+    let late = |(_, s): &(usize, Suspect)| lag(s) > 0.0 && s.decrease >= enough;
+    if let Some(at) = list.iter().position(late) {
+        list[..=at].rotate_right(1);
+    }
 }
 
 fn suspect(candidate: &Candidate, decrease: f64, values: &[f64]) -> Suspect {

@@ -55,6 +55,8 @@ pub(crate) struct SensorFile {
     pub scale: Option<NuisanceFile>,
     /// Small rotation of the sensor: "none" (default), "estimate", or { sigma_rad = x }.
     pub misalignment: Option<NuisanceFile>,
+    /// Small turn of one gyro axis towards another: "none" (default), "estimate", or { sigma_rad = x }. Gyros alone.
+    pub nonorthogonality: Option<NuisanceFile>,
     /// Delay of the samples, s: "none" (default), "estimate", or { sigma_s = x }.
     pub lag: Option<NuisanceFile>,
     /// Body from sensor: quaternion, Hamilton, scalar last. Default identity.

@@ -20,6 +20,8 @@ use std::sync::Arc;
 const STRIDE: usize = 5;
 /// A lag of one of the samples at 50 Hz.
 const LATE: usize = 1;
+/// The same, s.
+const LATE_S: f64 = 0.02;
 /// Size of an outlier, in sigmas of the gyro.
 const OUTLIER: f64 = 20.0;
 
@@ -31,6 +33,9 @@ pub enum Planted {
     WheelSign,
     GyroLag,
     TrackerLag,
+    WheelLag,
+    VelocityLag,
+    PositionLag,
     GyroInDegrees,
     WheelsInDegrees,
     Noise,
@@ -42,12 +47,15 @@ pub enum Planted {
 
 impl Planted {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::Nothing,
         Self::GyroScale,
         Self::WheelSign,
         Self::GyroLag,
         Self::TrackerLag,
+        Self::WheelLag,
+        Self::VelocityLag,
+        Self::PositionLag,
         Self::GyroInDegrees,
         Self::WheelsInDegrees,
         Self::Noise,
@@ -65,6 +73,9 @@ impl Planted {
             Self::WheelSign => "sign of one wheel flipped",
             Self::GyroLag => "gyro 20 ms late",
             Self::TrackerLag => "star tracker 20 ms late",
+            Self::WheelLag => "wheel speeds 20 ms late",
+            Self::VelocityLag => "velocity 20 ms late, its noise a tenth",
+            Self::PositionLag => "position 20 ms late, its noise a tenth",
             Self::GyroInDegrees => "gyro in deg/s, declared rad/s",
             Self::WheelsInDegrees => "one wheel in deg/s, declared rad/s",
             Self::Noise => "gyro noise understated by 3",
@@ -86,7 +97,11 @@ impl Planted {
             Self::Nothing => None,
             Self::GyroScale => Some(FaultKind::GyroScale),
             Self::WheelSign => Some(FaultKind::WheelSign),
-            Self::GyroLag | Self::TrackerLag => Some(FaultKind::Lag),
+            Self::GyroLag
+            | Self::TrackerLag
+            | Self::WheelLag
+            | Self::VelocityLag
+            | Self::PositionLag => Some(FaultKind::Lag),
             Self::GyroInDegrees | Self::WheelsInDegrees => Some(FaultKind::Units),
             Self::Noise => Some(FaultKind::NoiseUnderstated),
             Self::Thruster => Some(FaultKind::Thrust),
@@ -101,6 +116,9 @@ impl Planted {
             Self::WheelSign | Self::WheelsInDegrees => "wheel2",
             Self::Thruster => "thr2",
             Self::TrackerLag => "tracker",
+            Self::WheelLag => "a lag of the wheels",
+            Self::VelocityLag => "a lag of the velocity",
+            Self::PositionLag => "a lag of the position",
             Self::Nothing => "",
             Self::Pendulum | Self::Panel => "line at",
             _ => "gyro",
@@ -149,6 +167,15 @@ pub fn experiment(planted: Planted) -> Result<Study, Error> {
         body.nominal.p_BoBcm_B += Vector3::new(0.01, -0.01, 0.015);
         body.nominal.I_BBcm_B *= 0.93;
     }
+    let sharp = match planted {
+        Planted::VelocityLag => Some(SensorKind::Velocity),
+        Planted::PositionLag => Some(SensorKind::Position),
+        _ => None,
+    };
+    // 20 ms of this motion are below the noise of the sensors as they are: nobody could notice them.
+    for sensor in model.sensors.iter_mut().filter(|s| Some(s.kind) == sharp) {
+        sensor.noise_covariance = sensor.noise_covariance.map(|c| c * 0.01);
+    }
     Study::of_case(&case, &truth, model)
 }
 
@@ -188,7 +215,10 @@ fn plant(study: &Study, planted: Planted) -> Study {
         // Telemetry tells less than the thruster gave.
         Planted::Thruster => scale(table, |c| c.name == "thr2_N", 1.0 / 1.1),
         Planted::GyroLag => delay(table, gyro),
-        Planted::TrackerLag => delay(table, attitude),
+        Planted::TrackerLag => late_s(table, attitude),
+        Planted::WheelLag => delay(table, |c| c.name.starts_with("wheel")),
+        Planted::VelocityLag => late_s(table, |c| c.name.starts_with("v_")),
+        Planted::PositionLag => late_s(table, |c| c.name.starts_with("r_")),
         Planted::Noise => {
             for sensor in study
                 .sensors
@@ -221,6 +251,13 @@ fn delay(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
         let times: Vec<f64> = channel.time_s[LATE..].to_vec();
         channel.values.truncate(times.len());
         channel.time_s = times.into();
+    }
+}
+
+/// The same for sensors slower than that: their clock is 20 ms late.
+fn late_s(table: &mut Table, wanted: impl Fn(&Channel) -> bool) {
+    for channel in table.channels.iter_mut().filter(|c| wanted(c)) {
+        channel.time_s = channel.time_s.iter().map(|t| t + LATE_S).collect();
     }
 }
 

@@ -1,20 +1,31 @@
 //! One body from its throws, by maximum likelihood: raw gyro, raw wheel speed, a random torque of the air.
 
 use super::Fault;
+use super::device::{Lever, NUMBERS, Numbers};
 use super::throws::inertia::table;
 use super::throws::recording::Recording;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Loss, Prediction, Problem, TENSOR, maximum_likelihood_predicted};
-use poinsot_model::{Model, RandomTorque, SensorKind};
+use poinsot_model::{Model, Nuisance, RandomTorque, Sensor, SensorKind};
 
 /// Covariance of the six tensor elements in the order of [`TENSOR`].
 pub type Covariance = SMatrix<f64, 6, 6>;
 
-/// What is declared of the disturbances.
+/// What is declared of the disturbances and of the box.
 #[derive(Debug, Clone, Copy)]
 pub struct Declared {
+    /// Axes of the gyro that are not square to each other, rad.
+    pub gyro_axes: Nuisance,
+    /// Tilt of the wheel's axis, rad.
+    pub wheel_axis: Nuisance,
+    /// Lag of the tachometer, s.
+    pub wheel_lag: Nuisance,
+    /// Constant torque of the air in inertial axes, N m (J = 1e-6); of single throws alone.
+    pub steady: Nuisance,
+    /// Coefficients of the drag torque `-c |w| w`, kg m2 (J = 1e-6).
+    pub drag: Nuisance,
     /// White noise of the gyro, one sigma an axis, rad/s.
     pub gyro: Vector3<f64>,
     /// Correlation time of that noise, s; zero where it is white.
@@ -32,12 +43,40 @@ pub struct Fitted {
     pub deviance: f64,
     /// Root mean square of the gyro's residual, rad/s.
     pub residual: Vector3<f64>,
-    /// Mass centre from the accelerometer along the fitted motion, from the sensor, body axes, m.
-    pub p_Sc_B: Vector3<f64>,
+    /// What the accelerometer says of the mass centre along the fitted motion.
+    pub lever: Lever,
+    /// What was found of the box, with one sigma, where it was asked for.
+    pub device: Option<(Numbers, Numbers)>,
 }
 
-/// Fits throws of one body as segments: the body is shared, each has its own momentum and random torque.
+/// Fits throws of one body as segments: the body is shared, each has its own momentum and random torque. What is
+/// unknown of the box is fitted from the answer with the box as assumed: the linear start cannot see it.
 pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<Fitted, Fault> {
+    let sure = Declared {
+        gyro_axes: Nuisance::Known,
+        wheel_axis: Nuisance::Known,
+        wheel_lag: Nuisance::Known,
+        steady: Nuisance::Known,
+        drag: Nuisance::Known,
+        ..*declared
+    };
+    let first = fit_from(model, throws, &sure)?;
+    let asked = [
+        declared.gyro_axes,
+        declared.wheel_axis,
+        declared.wheel_lag,
+        declared.steady,
+        declared.drag,
+    ];
+    if asked == [Nuisance::Known; 5] {
+        return Ok(first);
+    }
+    let mut near = model.clone();
+    near.bodies[0].nominal.I_BBcm_B = first.I_over_J * model.wheels[0].spin_inertia;
+    fit_from(&near, throws, declared)
+}
+
+fn fit_from(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<Fitted, Fault> {
     let mut model = model.clone();
     model.environment.random_torque = Some(declared.torque);
     for sensor in model
@@ -48,6 +87,28 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
         let squares = declared.gyro.component_mul(&declared.gyro);
         sensor.noise_covariance = Some(Matrix3::from_diagonal(&squares));
         sensor.correlation_s = declared.gyro_correlation_s;
+        sensor.nonorthogonality = declared.gyro_axes;
+    }
+    for wheel in &mut model.wheels {
+        wheel.misalignment = declared.wheel_axis;
+    }
+    let gyro = model.sensors_of(SensorKind::Gyro).next().cloned();
+    if let Some(gyro) = gyro {
+        let tachometer = Sensor {
+            name: "tachometer".to_owned(),
+            kind: SensorKind::WheelSpeed,
+            noise_covariance: None,
+            correlation_s: 0.0,
+            nonorthogonality: Nuisance::Known,
+            lag: declared.wheel_lag,
+            of: vec![0],
+            ..gyro
+        };
+        model.sensors.push(tachometer);
+    }
+    model.environment.drag_torque = declared.drag;
+    if throws.len() == 1 {
+        model.environment.disturbance_torque_inertial = declared.steady;
     }
     let tables: Vec<_> = throws.iter().map(|t| table(t, 0, t.time_s.len())).collect();
     let tree = Tree::new(&model);
@@ -74,21 +135,31 @@ pub fn fit(model: &Model, throws: &[&Recording], declared: &Declared) -> Result<
         I[(*i, *j)] = value;
         I[(*j, *i)] = value;
     }
+    let place = |name: &str| estimate.covariance_names.iter().position(|n| n == name);
     let wanted = ["xx", "xy", "yy", "xz", "yz", "zz"].map(|k| format!("thrown.inertia_{k}"));
-    let at: Vec<usize> = wanted
-        .iter()
-        .filter_map(|name| estimate.covariance_names.iter().position(|n| n == name))
-        .collect();
+    let at: Vec<usize> = wanted.iter().filter_map(|name| place(name)).collect();
     if at.len() != 6 {
         return Err("the covariance lacks an entry".into());
     }
+    let found: Vec<(f64, f64)> = NUMBERS
+        .iter()
+        .filter_map(|name| estimate.nuisance.iter().find(|n| n.name == *name))
+        .filter_map(|n| n.number.value.zip(n.number.sigma))
+        .collect();
+    let device = (found.len() == NUMBERS.len()).then(|| {
+        (
+            Numbers::from_fn(|k, _| found[k].0),
+            Numbers::from_fn(|k, _| found[k].1),
+        )
+    });
     let diagnostics = estimate.diagnostics.ok_or("no diagnostics")?;
     Ok(Fitted {
         I_over_J: I / J,
         covariance: Covariance::from_fn(|i, j| estimate.covariance[at[i]][at[j]] / (J * J)),
         deviance: diagnostics.deviance,
         residual: residual(&predictions),
-        p_Sc_B: mass_centre(throws, &predictions).ok_or("the mass centre is not seen")?,
+        lever: lever(throws, &predictions).ok_or("the mass centre is not seen")?,
+        device,
     })
 }
 
@@ -104,10 +175,9 @@ fn residual(predictions: &[Prediction]) -> Vector3<f64> {
     })
 }
 
-/// `f_S = w' x r + w x (w x r)` with `r` from the mass centre to the sensor: raw readings of the accelerometer,
-/// the fitted motion. Nothing is filtered; the regressors have no noise.
-fn mass_centre(throws: &[&Recording], predictions: &[Prediction]) -> Option<Vector3<f64>> {
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+/// Raw readings of the accelerometer along the fitted motion: nothing is filtered, the regressors have no noise.
+fn lever(throws: &[&Recording], predictions: &[Prediction]) -> Option<Lever> {
+    let mut lever = Lever::default();
     for (throw, predicted) in throws.iter().zip(predictions) {
         let (t, w) = (&predicted.motion.time_s, &predicted.motion.w_NB_B);
         if w.len() != throw.f_S_B.len() {
@@ -116,10 +186,8 @@ fn mass_centre(throws: &[&Recording], predictions: &[Prediction]) -> Option<Vect
         for k in 1..w.len().saturating_sub(1) {
             let dw = (Vector3::from(w[k + 1]) - Vector3::from(w[k - 1])) / (t[k + 1] - t[k - 1]);
             let turn = Vector3::from(w[k]).cross_matrix();
-            let A = dw.cross_matrix() + turn * turn;
-            normal += A.transpose() * A;
-            right += A.transpose() * throw.f_S_B[k];
+            lever.push(&(dw.cross_matrix() + turn * turn), &throw.f_S_B[k]);
         }
     }
-    normal.cholesky().map(|c| -c.solve(&right))
+    Some(lever)
 }

@@ -6,7 +6,8 @@ use poinsot_model::{Model, Nuisance, SensorKind};
 /// Faults that the fit knows, by kind of sensor.
 fn known(kind: SensorKind) -> &'static [&'static str] {
     match kind {
-        SensorKind::Gyro | SensorKind::Accelerometer | SensorKind::VelocityIncrement => {
+        SensorKind::Gyro => &["bias", "scale", "misalignment", "nonorthogonality", "lag"],
+        SensorKind::Accelerometer | SensorKind::VelocityIncrement => {
             &["bias", "scale", "misalignment", "lag"]
         }
         SensorKind::JointPosition => &["bias", "lag"],
@@ -28,6 +29,7 @@ pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
             ("bias", sensor.bias),
             ("scale", sensor.scale),
             ("misalignment", sensor.misalignment),
+            ("nonorthogonality", sensor.nonorthogonality),
             ("lag", sensor.lag),
         ] {
             if declared == Nuisance::Known || known(kind).contains(&what) {

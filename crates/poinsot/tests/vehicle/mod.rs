@@ -160,6 +160,7 @@ pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
         bias: Nuisance::Known,
         scale: Nuisance::Known,
         misalignment: Nuisance::Known,
+        nonorthogonality: Nuisance::Known,
         lag: Nuisance::Known,
         R_BS: Matrix3::identity(),
         p_BoS_B: Vector3::zeros(),

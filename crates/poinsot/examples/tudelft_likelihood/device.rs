@@ -1,0 +1,156 @@
+//! What all throws of the box share: axes of the gyro that are not square, a tilted wheel, a late tachometer, a bias
+//! of the accelerometer. The calibration throws tell; the objects take no part.
+
+use super::Fault;
+use super::likelihood::Fitted;
+use super::throws::recording::Recording;
+use nalgebra::{Matrix3, SVector, Vector3};
+use poinsot_model::Model;
+
+/// The numbers of the box: rad, the lag s.
+pub const NUMBERS: [&str; 6] = [
+    "gyro.nonorthogonality_yz",
+    "gyro.nonorthogonality_xz",
+    "gyro.nonorthogonality_xy",
+    "wheel.misalignment_x",
+    "wheel.misalignment_y",
+    "tachometer.lag",
+];
+
+/// Values of [`NUMBERS`].
+pub type Numbers = SVector<f64, 6>;
+
+/// Sums of `f_S = A r + b` with `A = [w'] + [w]^2`, `r` from the mass centre to the sensor, `b` its bias.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Lever {
+    AA: Matrix3<f64>,
+    A: Matrix3<f64>,
+    Af: Vector3<f64>,
+    f: Vector3<f64>,
+    n: f64,
+}
+
+impl Lever {
+    pub fn push(&mut self, A: &Matrix3<f64>, f_S: &Vector3<f64>) {
+        self.AA += A.transpose() * A;
+        self.A += A;
+        self.Af += A.transpose() * f_S;
+        self.f += f_S;
+        self.n += 1.0;
+    }
+
+    /// Information of one throw on the bias, its own lever free, and the right side.
+    fn of_bias(&self) -> Option<(Matrix3<f64>, Vector3<f64>)> {
+        let inverse = self.AA.try_inverse()?;
+        let project = self.A * inverse;
+        Some((
+            Matrix3::identity() * self.n - project * self.A.transpose(),
+            self.f - project * self.Af,
+        ))
+    }
+
+    /// Mass centre from the sensor, body axes, m, with a bias of the accelerometer taken off.
+    pub fn p_Sc_B(&self, bias: &Vector3<f64>) -> Option<Vector3<f64>> {
+        Some(-(self.AA.try_inverse()? * (self.Af - self.A.transpose() * bias)))
+    }
+
+    /// Its slope over the bias.
+    pub fn slope(&self) -> Option<Matrix3<f64>> {
+        Some(self.AA.try_inverse()? * self.A.transpose())
+    }
+}
+
+/// The box as the calibration throws show it.
+#[derive(Debug, Clone)]
+pub struct Device {
+    pub numbers: Numbers,
+    pub numbers_sigma: Numbers,
+    /// Bias of the accelerometer, m/s2, and its covariance from how the throws repeat.
+    pub bias: Vector3<f64>,
+    pub bias_covariance: Matrix3<f64>,
+}
+
+impl Device {
+    /// The box as assumed: square axes, no bias.
+    pub fn ideal() -> Self {
+        Self {
+            numbers: Numbers::zeros(),
+            numbers_sigma: Numbers::zeros(),
+            bias: Vector3::zeros(),
+            bias_covariance: Matrix3::zeros(),
+        }
+    }
+
+    /// The numbers of the box from several throws, each weighed with its own sigma; where throws differ by more than they say
+    /// the sigma is widened (Birge 1932).
+    pub fn of_numbers(found: &[(Numbers, Numbers)]) -> (Numbers, Numbers) {
+        let weight = |sigma: f64| 1.0 / (sigma * sigma);
+        let mean = Numbers::from_fn(|k, _| {
+            let all: f64 = found.iter().map(|(_, s)| weight(s[k])).sum();
+            found.iter().map(|(x, s)| x[k] * weight(s[k])).sum::<f64>() / all
+        });
+        let sigma = Numbers::from_fn(|k, _| {
+            let all: f64 = found.iter().map(|(_, s)| weight(s[k])).sum();
+            let square: f64 = found
+                .iter()
+                .map(|(x, s)| (x[k] - mean[k]).powi(2) * weight(s[k]))
+                .sum();
+            ((square / (found.len() as f64 - 1.0)).max(1.0) / all).sqrt()
+        });
+        (mean, sigma)
+    }
+
+    /// The bias that all these throws share, and its covariance from its scatter between them.
+    pub fn of_bias(fits: &[&Fitted]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+        let (mut information, mut sum) = (Matrix3::zeros(), Vector3::zeros());
+        let each: Vec<(Matrix3<f64>, Vector3<f64>)> = fits
+            .iter()
+            .map(|f| f.lever.of_bias())
+            .collect::<Option<_>>()?;
+        for (own, right) in &each {
+            information += own;
+            sum += right;
+        }
+        let inverse = information.try_inverse()?;
+        let mean = inverse * sum;
+        let mut scatter = Matrix3::zeros();
+        for (own, right) in &each {
+            let score = right - own * mean;
+            scatter += score * score.transpose();
+        }
+        let share = each.len() as f64 / (each.len() as f64 - 1.0);
+        Some((mean, inverse * scatter * inverse * share))
+    }
+
+    /// The readings of a gyro with square axes and of a tachometer that is not late.
+    pub fn corrected(&self, throw: &Recording) -> Result<Recording, Fault> {
+        let [yz, xz, xy] = [self.numbers[0], self.numbers[1], self.numbers[2]];
+        let map = Matrix3::new(1.0, xy, xz, xy, 1.0, yz, xz, yz, 1.0);
+        let inverse = map.try_inverse().ok_or("the gyro has no three axes")?;
+        let mut out = throw.clone();
+        out.w_NB_B = throw.w_NB_B.iter().map(|w| inverse * w).collect();
+        let late = self.numbers[5] * throw.rate_hz;
+        let speed = |k: f64| {
+            let last = throw.wheel_rad_s.len() - 1;
+            let k = k.clamp(0.0, last as f64);
+            let (at, share) = (k as usize, k.fract());
+            let next = throw.wheel_rad_s[(at + 1).min(last)];
+            throw.wheel_rad_s[at] * (1.0 - share) + next * share
+        };
+        out.wheel_rad_s = (0..throw.wheel_rad_s.len())
+            .map(|k| speed(k as f64 + late))
+            .collect();
+        Ok(out)
+    }
+
+    /// The model with its wheel tilted.
+    pub fn tilted(&self, model: &Model) -> Model {
+        let mut out = model.clone();
+        for wheel in &mut out.wheels {
+            let (a, about) = (wheel.axis_B, wheel.tilt_axes());
+            let tilt = about[0] * self.numbers[3] + about[1] * self.numbers[4];
+            wheel.axis_B = (a + tilt.cross(&a)).normalize();
+        }
+        out
+    }
+}
