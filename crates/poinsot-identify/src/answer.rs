@@ -254,7 +254,8 @@ fn warnings(
     let mut list = solved.warnings.clone();
     if impossible {
         list.push(format!(
-            "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty (chi-square per degree of freedom {chi2:.1}); check units, signs, wheel axes, external torques"
+            "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty; residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); check units, signs, wheel axes, external torques",
+            chi2.sqrt()
         ));
     } else if rejected && misled(solved) {
         list.push(format!(

@@ -66,10 +66,13 @@ const START: f64 = 0.05;
 const THICKNESS: f64 = 1.0e-3;
 /// Relative violation of the triangle inequality that printed nominal numbers may have.
 const PRINTED: f64 = 1.0e-9;
+/// Share that an open direction may have in a body that it does not change.
+const SEEN: f64 = 1.0e-6;
 /// Weight of open directions over that of the weakest identified one: they follow the others and cost nothing.
 const OPEN: f64 = 1.0e-4;
 
 /// The unknown bodies, each as a matrix that is positive definite while the body is physical.
+#[derive(Clone)]
 pub(crate) struct PhysicalBodies {
     bodies: Vec<Body>,
     /// Values of the mass unknowns at which every matrix is the identity.
@@ -77,6 +80,7 @@ pub(crate) struct PhysicalBodies {
 }
 
 /// One unknown body: its pseudo-inertia over that of the reference, `L^-1 J(x) L^-T`, is straight in the unknowns.
+#[derive(Clone)]
 struct Body {
     /// Index in the model.
     index: usize,
@@ -95,6 +99,30 @@ impl PhysicalBodies {
             .collect();
         reference.truncate(mass_unknowns);
         (!bodies.is_empty()).then_some(Self { bodies, reference })
+    }
+
+    /// Those that no open direction trades against another body; `None` where there are none. Of the others no number
+    /// is stated that could be impossible.
+    pub fn seen_apart(mut self, spectrum: &Spectrum) -> Option<Self> {
+        let touched = |body: &Body, k: usize| {
+            let own = body.slopes.iter().map(|(u, _)| u);
+            own.map(|u| spectrum.directions[(*u, k)].powi(2))
+                .sum::<f64>()
+                > SEEN * SEEN
+        };
+        let mut traded = vec![false; self.bodies.len()];
+        for k in spectrum.rank..spectrum.natural.len() {
+            let own: Vec<bool> = self.bodies.iter().map(|b| touched(b, k)).collect();
+            if own.iter().filter(|t| **t).count() > 1 {
+                traded
+                    .iter_mut()
+                    .zip(own)
+                    .for_each(|(all, one)| *all |= one);
+            }
+        }
+        let mut apart = traded.iter().map(|t| !t);
+        self.bodies.retain(|_| apart.next().unwrap_or(true));
+        (!self.bodies.is_empty()).then_some(self)
     }
 
     /// Whether all bodies are physical at these values of the mass unknowns.
@@ -180,8 +208,9 @@ impl PhysicalBodies {
                 weight[k] * (y - target[k])
             })
             .collect();
+        // Without an answer there is no step, and no word on how much one would bring: the fit does not settle.
         let Some(u) = shortest(&blocks, &start) else {
-            return (vec![0.0; n], 0.0);
+            return (vec![0.0; n], f64::NAN);
         };
         let y: Vec<f64> = (0..n).map(|k| target[k] + u[k] / weight[k]).collect();
         let lowered = along

@@ -42,10 +42,13 @@ pub(crate) fn fit(
         free.coordinates = Coordinates::Linear;
         let found = fit_within(&free, linear, Some(bodies), limit)?;
         if found.settled {
+            let Some(bodies) = bodies.clone().seen_apart(&found.spectrum) else {
+                return Ok(found);
+            };
             if bodies.contain(&found.at.x) {
                 return Ok(found);
             }
-            let back = brought_back(experiment, &found, bodies, limit);
+            let back = brought_back(experiment, &found, &bodies, limit);
             if let Some(found) = back.filter(|f| f.settled) {
                 return Ok(found);
             }
@@ -230,6 +233,12 @@ pub(crate) struct Local {
 }
 
 impl Local {
+    /// Whether a step in natural units leads out of the physical bodies.
+    fn leaves(&self, x: &[f64], step: &[f64]) -> bool {
+        let bodies = self.bodies.as_ref();
+        bodies.is_some_and(|b| !b.contain(&after(x, step, &self.spectrum)))
+    }
+
     /// What a step of the mass properties takes with it.
     fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
         (&self.evaluated, &self.shared, &self.spectrum.natural)
@@ -250,8 +259,15 @@ impl LeastSquares for Experiment<'_> {
         linearised(self, at, evaluated).ok()
     }
 
-    fn settled(&self, _: &Point, here: &Linearised<Local>) -> bool {
-        here.promised < SETTLED
+    fn settled(&self, at: &Point, here: &Linearised<Local>) -> bool {
+        let local = &here.rows;
+        let plain = local.spectrum.damped(&local.shared.rhs(), 0.0);
+        // The barrier knows a step along the edge no better than this.
+        let limit = match local.leaves(&at.x, &plain) {
+            true => FELT,
+            false => SETTLED,
+        };
+        here.promised < limit
     }
 
     fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
@@ -271,9 +287,7 @@ impl Experiment<'_> {
         let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
         let step = spectrum.damped(&rhs, damping);
         match &local.bodies {
-            Some(bodies) if !bodies.contain(&after(x, &step, spectrum)) => {
-                bodies.step(spectrum, &rhs, damping, x)
-            }
+            Some(bodies) if local.leaves(x, &step) => bodies.step(spectrum, &rhs, damping, x),
             _ => (step, spectrum.decrease(&rhs, damping)),
         }
     }
@@ -296,7 +310,8 @@ fn linearised(
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
-    let bodies = physical_bodies(experiment, spectrum.natural.len());
+    let bodies = physical_bodies(experiment, spectrum.natural.len())
+        .and_then(|bodies| bodies.seen_apart(&spectrum));
     let local = Local {
         evaluated,
         shared,

@@ -265,10 +265,14 @@ impl<'a> Motion<'a> {
     /// `I_cm w = h_cm - h_joints`, `v = (l - l_joints) / m - w x c`.
     fn instant(&self, state: &State) -> Option<Instant> {
         let locked = self.site.locked.as_ref()?;
-        let inverse = matrix(&state.R_NB).transpose();
-        let (l, h_cm) = (inverse * state.P, inverse * state.h_SScm_N);
+        let to_base = matrix(&state.R_NB).transpose();
+        let (l, h_cm) = (to_base * state.P, to_base * state.h_SScm_N);
         let inverse_inertia = locked.inverse_inertia;
-        let w = inverse_inertia.fixed_view::<3, 3>(3, 3) * (h_cm - locked.h_joints);
+        let inverse = inverse_inertia.fixed_view::<3, 3>(3, 3);
+        let h_turn = h_cm - locked.h_joints;
+        let w = inverse * h_turn;
+        // Refined once: what the inverse is off by would add up over a record, and show what no data can.
+        let w = w + inverse * (h_turn - locked.I_SScm_B * w);
         let v = (l - locked.l_joints) / locked.mass - w.cross(&locked.c);
         Some(Instant {
             twist: Twist { v, w },
