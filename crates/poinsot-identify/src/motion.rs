@@ -21,7 +21,7 @@ use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval};
 use inputs::InputChange;
 use nalgebra::SVector;
-use poinsot_dynamics::{Kinematics, Tree, Twist, composite, momentum, wheel_momentum};
+use poinsot_dynamics::{JointSlopes, Kinematics, Tree, Twist, composite, momentum, wheel_momentum};
 use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
 use variation::Variation;
 
@@ -47,6 +47,8 @@ struct Site {
     wheel_rates: Vec<f64>,
     /// What faults of the readings do to the inputs.
     changes: Vec<InputChange>,
+    /// Slopes of the momentum over the joints, where faults of their readings need them.
+    joint_slopes: JointSlopes,
     /// Position of the reference orbit, in N, m; where a gravity gradient acts.
     orbit_N: Vector3,
     kinematics: Kinematics,
@@ -100,7 +102,8 @@ pub(crate) struct Motion<'a> {
     /// Index of the segment, and grid time of the interval in hand.
     segment: usize,
     now: usize,
-    ready: Option<Ready>,
+    /// Boxed: it is large, and changes hands at every step.
+    ready: Option<Box<Ready>>,
 }
 
 /// How much faster than measured a vehicle may turn, on the whole, for its motion to be followed.
@@ -149,6 +152,7 @@ impl Site {
             accelerations: Vec::new(),
             wheel_rates: Vec::new(),
             changes: Vec::new(),
+            joint_slopes: JointSlopes::default(),
             orbit_N: Vector3::zeros(),
             kinematics: Kinematics::new(tree),
             locked: None,
@@ -208,15 +212,21 @@ impl<'a> Motion<'a> {
         (&site.q, &site.rates, &site.wheels)
     }
 
-    /// Makes grid time k ready: the end of the interval before it is, where no fault of the inputs has two sides.
+    /// Makes grid time k ready: the end of the interval before it is, where no fault moves the inputs.
     fn arrive(&mut self, state: &State, k: usize) -> Option<()> {
-        let sided = !self.vehicle.input_faults.is_empty();
-        let same = |at: (usize, f64)| at == (k, 0.0) || !sided && at.1 == 1.0 && at.0 + 1 == k;
-        let ready = self.ready.as_mut();
-        if let Some(ready) = ready.filter(|r| r.state == *state && same(r.at)) {
-            ready.at = (k, 0.0);
-            self.now = k;
-            return Some(());
+        let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
+        let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k;
+        match self.ready.take().filter(|r| r.state == *state) {
+            Some(ready) if ready.at == (k, 0.0) => {
+                self.ready = Some(ready);
+                return Some(());
+            }
+            Some(mut ready) if end(ready.at) => {
+                self.other_side(&mut ready, k);
+                self.ready = Some(ready);
+                return Some(());
+            }
+            _ => {}
         }
         self.go(k, 0.0);
         self.look((k, 0.0), state)
@@ -226,12 +236,12 @@ impl<'a> Motion<'a> {
     fn look(&mut self, at: (usize, f64), state: &State) -> Option<()> {
         let instant = self.instant(state)?;
         let variation = (!self.columns.is_empty()).then(|| self.linearise(state, &instant));
-        self.ready = Some(Ready {
+        self.ready = Some(Box::new(Ready {
             at,
             state: *state,
             instant,
             variation,
-        });
+        }));
         Some(())
     }
 
@@ -317,13 +327,8 @@ impl<'a> Motion<'a> {
         self.forces(thrust, &instant.centre)
     }
 
-    /// Change of the base twist per unit of each joint rate and wheel speed at the instant given:
-    /// `dV/dq' = -H^-1 dc/dq'`. Used to pass their noise on.
+    /// Change of the base twist per unit of a joint rate at the instant given: `dV/dq' = -H^-1 dc/dq'`.
     pub fn input_gain(&mut self, instant: &Instant, joint: usize) -> Vector6 {
-        self.rate_gain(&instant.inverse_inertia, joint)
-    }
-
-    fn rate_gain(&mut self, inverse_inertia: &Matrix6, joint: usize) -> Vector6 {
         let v = self.vehicle;
         let zero = Vector3::zeros();
         let mut unit = vec![0.0; v.tree.dof()];
@@ -331,18 +336,14 @@ impl<'a> Motion<'a> {
         self.still.R.clone_from(&self.site.kinematics.R);
         self.still.p.clone_from(&self.site.kinematics.p);
         self.still.set_velocities(v.tree, &zero, &zero, &unit);
-        -(inverse_inertia * momentum(&v.bodies, &self.still))
+        -(instant.inverse_inertia * momentum(&v.bodies, &self.still))
     }
 
     /// The same for a wheel: `-H^-1 [0; Js a]`.
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
-        self.speed_gain(&instant.inverse_inertia, wheel)
-    }
-
-    fn speed_gain(&self, inverse_inertia: &Matrix6, wheel: usize) -> Vector6 {
         let rotor = &self.vehicle.tree.rotors[wheel];
         let h = self.site.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
-        -(inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
+        -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
     }
 }
 

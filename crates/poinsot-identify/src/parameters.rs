@@ -120,6 +120,18 @@ impl UnknownKind {
         )
     }
 
+    /// Whether it is a force or torque from outside.
+    pub(crate) fn pushes(&self) -> bool {
+        matches!(
+            self,
+            Self::DisturbanceTorque(_)
+                | Self::InertialTorque(_)
+                | Self::DragTorque(_)
+                | Self::RandomTorque(_)
+                | Self::InertialForce(_)
+        )
+    }
+
     /// Whether it changes what joints and wheels do.
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(

@@ -80,7 +80,7 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
-            pushes: parameters.unknowns.iter().any(|u| is_push(&u.kind)),
+            pushes: parameters.unknowns.iter().any(|u| u.kind.pushes()),
             torque_B,
             torque_N,
             drag,
@@ -179,17 +179,6 @@ fn tilted_axes(parameters: &Parameters, x: &[f64]) -> Vec<(usize, Vector3)> {
         }
     }
     list
-}
-
-fn is_push(kind: &UnknownKind) -> bool {
-    matches!(
-        kind,
-        UnknownKind::DisturbanceTorque(_)
-            | UnknownKind::InertialTorque(_)
-            | UnknownKind::DragTorque(_)
-            | UnknownKind::RandomTorque(_)
-            | UnknownKind::InertialForce(_)
-    )
 }
 
 fn tilt_slopes(parameters: &Parameters, x: &[f64]) -> Vec<Vector3> {

@@ -1,11 +1,11 @@
 //! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
 
-use super::{Centre, Motion, Site, State};
+use super::{Centre, Instant, Motion, Ready, Site, State, matrix, pose_change};
 use crate::parameters::UnknownKind;
 use crate::segment::Observations;
 use crate::vehicle::{Vehicle, wheel_slope};
-use poinsot_dynamics::{Kinematics, Twist, composite, momentum, wheel_momentum};
-use poinsot_spatial::{Matrix6, Vector3, Vector6};
+use poinsot_dynamics::{Kinematics, composite};
+use poinsot_spatial::{Vector3, Vector6};
 
 /// Step of the differences over a joint's position, rad or m.
 const STEP: f64 = 1.0e-5;
@@ -78,49 +78,55 @@ impl Motion<'_> {
         }
     }
 
-    /// What the faults of the inputs do to the twist: for a joint's position the balance
-    /// `Y pi - [l; h_cm + c x l]` a little further, momentum held; for rates and speeds the input gains.
-    pub(super) fn input_columns(
-        &mut self,
-        twist: &Twist,
-        centre: &Centre,
-        inverse_inertia: &Matrix6,
-        twists: &mut [Vector6],
-    ) {
-        for at in 0..self.site.changes.len() {
-            let change = self.site.changes[at];
-            let column = change.unknown;
+    /// What the faults of the inputs do to the twist, their slopes known: for a joint's position the change of `Y pi - [l; h_cm + c x l]`,
+    /// momentum held; for rates and speeds the input gains.
+    pub(super) fn input_columns(&self, instant: &Instant, twists: &mut [Vector6]) {
+        for change in &self.site.changes {
+            let twist = &mut twists[change.unknown];
             if let Some((joint, dq, drate)) = change.joint {
-                if dq != 0.0 {
-                    let slope = self.balance_slope(twist, centre, joint);
-                    twists[column] -= inverse_inertia * slope * dq;
-                }
-                if drate != 0.0 {
-                    twists[column] += self.rate_gain(inverse_inertia, joint) * drate;
-                }
+                let slope = &self.site.joint_slopes.of[joint];
+                let mut own = slope.position * dq + slope.rate * drate;
+                let turned = self.centre_change(instant, &slope.first_moment) * dq;
+                let h = own.fixed_rows::<3>(3) - turned;
+                own.fixed_rows_mut::<3>(3).copy_from(&h);
+                *twist -= instant.inverse_inertia * own;
             }
             if let Some((wheel, dspeed)) = change.wheel {
-                twists[column] += self.speed_gain(inverse_inertia, wheel) * dspeed;
+                *twist += self.wheel_gain(instant, wheel) * dspeed;
             }
         }
     }
 
-    fn balance_slope(&mut self, twist: &Twist, centre: &Centre, joint: usize) -> Vector6 {
-        let (v, site) = (self.vehicle, &self.site);
-        let mut q = site.q.clone();
-        let mut ends = [Vector6::zeros(); 2];
-        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-            q[joint] = site.q[joint] + sign * STEP;
-            self.still.place(v.tree, &q);
-            self.still
-                .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
-            let wheels = wheel_momentum(v.tree, &self.still, &v.spin, &site.wheels);
-            let c = composite(&v.bodies, &self.still).p_BoScm_B();
-            *end = momentum(&v.bodies, &self.still);
-            let h = end.fixed_rows::<3>(3) + wheels - c.cross(&centre.l);
-            end.fixed_rows_mut::<3>(3).copy_from(&h);
+    /// Slopes of the momentum over the joints at the inputs in hand, where faults move a joint.
+    pub(super) fn fault_slopes(&mut self, instant: &Instant) {
+        if self.site.changes.iter().any(|c| c.joint.is_some()) {
+            let mut slopes = std::mem::take(&mut self.site.joint_slopes);
+            self.joint_slopes(instant, &mut slopes);
+            self.site.joint_slopes = slopes;
         }
-        (ends[0] - ends[1]) / (2.0 * STEP)
+    }
+
+    /// From the end of an interval to the start of the next one, k: faults that are zero leave the motion as it is, and
+    /// only what they would do to it has two sides.
+    pub(super) fn other_side(&mut self, ready: &mut Ready, k: usize) {
+        ready.at = (k, 0.0);
+        self.now = k;
+        if self.vehicle.input_faults.is_empty() {
+            return;
+        }
+        self.inputs(k, 0.0);
+        let Some(variation) = &mut ready.variation else {
+            return;
+        };
+        let faults = self.vehicle.input_faults.iter();
+        for at in faults.clone().map(|f| f.unknown) {
+            variation.twists[at] = Vector6::zeros();
+        }
+        self.input_columns(&ready.instant, &mut variation.twists);
+        let R = matrix(&ready.state.R_NB);
+        for at in faults.map(|f| f.unknown) {
+            variation.drive[at] = pose_change(&R, &variation.twists[at]);
+        }
     }
 
     /// What the faults of joint positions do to force and torque from outside.

@@ -22,15 +22,16 @@ pub(super) struct Variation {
     /// `V_x`.
     pub map: Matrix6x12,
     /// `V_u` per unknown.
-    twists: Vec<Vector6>,
+    pub(super) twists: Vec<Vector6>,
     pose: Half,
     /// The upper half of `b`, per unknown.
-    drive: Vec<Vector6>,
+    pub(super) drive: Vec<Vector6>,
 }
 
 /// Change of the momentum around one instant, by what acts from outside.
 pub(super) struct Push {
-    momentum: Half,
+    /// `None` where nothing acts yet that could turn with the vehicle: unknown torques that are zero.
+    momentum: Option<Half>,
     /// The lower half of `b`, per unknown.
     drive: Vec<Vector6>,
 }
@@ -41,6 +42,13 @@ struct Half {
     momentum: Matrix6,
     /// Whether any element of `momentum` is not zero.
     coupled: bool,
+}
+
+impl Push {
+    /// Whether the momentum of a column moves by more than what it holds.
+    fn acts(&self, unknown: Option<usize>) -> bool {
+        self.momentum.is_some() || unknown.is_some_and(|u| self.drive[u] != Vector6::zeros())
+    }
 }
 
 impl Half {
@@ -91,7 +99,8 @@ impl Along<'_> {
     /// Carries a column over a step of dt: Runge-Kutta of fourth order on an equation that is linear.
     pub fn carry(&self, x: &mut Column, unknown: Option<usize>, dt: f64) {
         let (attitude, momentum) = parts(x);
-        let change = match &self.push {
+        let push = self.push.as_ref();
+        let change = match push.filter(|push| push.iter().any(|p| p.acts(unknown))) {
             None => self.carry_pose(&attitude, &momentum, unknown, dt),
             Some(push) => self.carry_all(push, &attitude, &momentum, unknown, dt),
         };
@@ -146,10 +155,13 @@ impl Along<'_> {
             let pushed = momentum + force * (share * dt);
             let mut slope = (
                 v.pose.attitude * turned + v.pose.momentum * pushed,
-                p.momentum.attitude * turned,
+                Vector6::zeros(),
             );
-            if p.momentum.coupled {
-                slope.1 += p.momentum.momentum * pushed;
+            if let Some(outside) = &p.momentum {
+                slope.1 = outside.attitude * turned;
+                if outside.coupled {
+                    slope.1 += outside.momentum * pushed;
+                }
             }
             if let Some(u) = unknown {
                 slope.0 += v.drive[u];
@@ -206,12 +218,8 @@ impl Motion<'_> {
         let mut twists: Vec<Vector6> = (0..v.kinds.len())
             .map(|u| self.twist_change(u, &instant.centre, &instant.inverse_inertia))
             .collect();
-        self.input_columns(
-            twist,
-            &instant.centre,
-            &instant.inverse_inertia,
-            &mut twists,
-        );
+        self.fault_slopes(instant);
+        self.input_columns(instant, &mut twists);
 
         let map = self.map_at(state, instant);
         let R = matrix(&state.R_NB);
@@ -287,7 +295,8 @@ impl Motion<'_> {
         variation: &Variation,
         k: usize,
     ) -> Option<Push> {
-        if !self.pushed(k) && !self.vehicle.pushes {
+        let acts = self.pushed(k);
+        if !acts && !self.vehicle.pushes {
             return None;
         }
         let outside = self.outside_changes(state, k, &instant.centre, &instant.twist.w);
@@ -296,6 +305,9 @@ impl Motion<'_> {
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
         let drive = |(u, twist): (usize, &Vector6)| {
             let kind = &self.vehicle.kinds[u];
+            if !acts && !kind.pushes() {
+                return Vector6::zeros();
+            }
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
             let mut dT = self.surroundings_change(state, centre, (w, &dw), &still, Some(u));
@@ -318,7 +330,8 @@ impl Motion<'_> {
         };
         Some(Push {
             drive: variation.twists.iter().enumerate().map(drive).collect(),
-            momentum: Half::new(&self.wrench_slopes(state, instant, &variation.map, k)),
+            momentum: acts
+                .then(|| Half::new(&self.wrench_slopes(state, instant, &variation.map, k))),
         })
     }
 }
