@@ -22,7 +22,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
             list.push((over / excess, finding(FaultKind::Outliers, text)));
         }
     }
-    if let Some(best) = d.suspects.first() {
+    if let Some(best) = d.suspects.first().filter(|s| s.decrease > 0.0) {
         let gain = match misfit {
             true => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
             false => format!("would lower chi-square by {:.0}", best.decrease),
@@ -120,4 +120,34 @@ fn too_large(c: &ChannelDiagnosis, excess: f64, caused: bool) -> Option<(f64, Fi
             ),
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Suspect;
+
+    fn said(decrease: f64) -> Vec<String> {
+        let suspect = Suspect {
+            name: "drag".to_owned(),
+            decrease,
+            explains: 0.0,
+            values: vec![("environment.drag_x".to_owned(), 1.0e-3, "kg m2")],
+            fault: FaultKind::Drag,
+        };
+        let found = findings(&Diagnostics {
+            chi2: 100.0,
+            dof: 100,
+            suspects: vec![suspect],
+            ..Diagnostics::default()
+        });
+        found.into_iter().map(|f| f.text).collect()
+    }
+
+    #[test]
+    fn regress_no_finding_lowers_chi_square_by_less_than_nothing() {
+        let good = "drag would lower chi-square by 50: environment.drag_x = 1.000e-3 kg m2";
+        assert_eq!(said(50.0), [good]);
+        assert!(said(-0.3).is_empty());
+    }
 }

@@ -45,6 +45,7 @@ pub(super) fn suspects(
                 *suspect_ = suspect(candidate, decrease, &values);
             }
         }
+        list = significant(list, SIGNIFICANT * per_number);
         let fitted = FITTED.min(list.len());
         list[..fitted].sort_by(falling);
     }
@@ -60,6 +61,12 @@ pub(super) fn suspects(
             s
         })
         .collect()
+}
+
+/// Without those that turned out to explain nothing when they were fitted.
+fn significant(mut list: Vec<(usize, Suspect)>, least: f64) -> Vec<(usize, Suspect)> {
+    list.retain(|(_, s)| s.decrease > least);
+    list
 }
 
 /// Where one sensor reading early explains no more than another reading late, the late one is named first: nothing
@@ -177,5 +184,27 @@ fn name(experiment: &Experiment, suspect: &mut Suspect) {
             }
         }
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_a_suspect_whose_fit_lowers_nothing_is_none() {
+        let with = |decrease: f64| {
+            let suspect = Suspect {
+                name: "drag".to_owned(),
+                decrease,
+                explains: 0.0,
+                values: Vec::new(),
+                fault: FaultKind::Drag,
+            };
+            (0, suspect)
+        };
+        let left = significant(vec![with(-0.3), with(500.0), with(f64::NAN)], 40.0);
+        assert_eq!(left.len(), 1);
+        assert_eq!(left[0].1.decrease, 500.0);
     }
 }
