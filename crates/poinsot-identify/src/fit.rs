@@ -26,6 +26,8 @@ const ROUND_OFF: f64 = 1.0e-12;
 const FELT: f64 = 4.0e-6;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
 const NEGLIGIBLE: f64 = 1.0e-4;
+/// Share of a chi-square that is far too large, below which what a step promises is not worth many iterations.
+const CREEPING: f64 = 1.0e-3;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
 ///
@@ -52,6 +54,9 @@ pub(crate) fn fit(
             if let Some(found) = back.filter(|f| f.settled) {
                 return Ok(found);
             }
+        } else if found.crept && bodies.contain(&found.at.x) {
+            // The edge is not what keeps it from settling.
+            return Ok(found);
         }
     }
     fit_within(experiment, linear, bodies.as_ref(), limit)
@@ -220,6 +225,8 @@ pub(crate) struct Fitted {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub settled: bool,
+    /// Not settled, and given up: the convergence was slow and chi-square far too large.
+    pub crept: bool,
     pub held: Option<Held>,
 }
 
@@ -268,6 +275,12 @@ impl LeastSquares for Experiment<'_> {
             false => SETTLED,
         };
         here.promised < limit
+    }
+
+    fn worth_it(&self, here: &Linearised<Local>, forecast: f64) -> bool {
+        let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
+        let hopeless = here.cost > CLOSE * rows as f64 && here.promised < CREEPING * here.cost;
+        !hopeless || forecast < SETTLED
     }
 
     fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
@@ -356,8 +369,9 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
         settled: match end {
             End::Settled => true,
             End::NoLowerCost | End::RoundOff => here.promised < NEGLIGIBLE * here.cost.max(1.0),
-            End::IterationLimit => false,
+            End::IterationLimit | End::Creeping => false,
         },
+        crept: end == End::Creeping,
     })
 }
 

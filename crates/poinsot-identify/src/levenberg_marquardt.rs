@@ -11,6 +11,10 @@ const LEAST_GAIN: f64 = 1.0e-3;
 const MOST_BEND: f64 = 0.25;
 /// Most attempts to find a step.
 const ATTEMPTS: usize = 30;
+/// Share of a promise by which another one differs: less is the same step.
+const SAME: f64 = 1.0e-12;
+/// Iterations from which the pace of the convergence is judged.
+const PACE: usize = 8;
 
 /// A cost that is a sum of squares.
 pub trait LeastSquares {
@@ -35,6 +39,13 @@ pub trait LeastSquares {
         here: &Linearised<Self::Rows>,
         damping: f64,
     ) -> Step<Self::Point>;
+
+    /// Whether to go on where the full step, at the pace seen, will still lower the cost by `forecast` in the last
+    /// iteration allowed.
+    fn worth_it(&self, here: &Linearised<Self::Rows>, forecast: f64) -> bool {
+        let _ = (here, forecast);
+        true
+    }
 }
 
 /// A least-squares problem close to a point.
@@ -74,6 +85,8 @@ pub enum End {
     RoundOff,
     /// No step lowers the cost: a minimum to round-off, or a model that breaks down next to it.
     NoLowerCost,
+    /// It would not arrive within the iterations allowed, and what is left is not worth them.
+    Creeping,
     /// As many iterations as allowed.
     IterationLimit,
 }
@@ -106,6 +119,7 @@ pub fn levenberg_marquardt<P: LeastSquares>(
 ) -> Minimum<P::Point, P::Rows> {
     let mut damping = 0.0;
     let mut iterations = 0;
+    let mut promises = vec![here.promised];
     let end = loop {
         if problem.settled(&at, &here) {
             break End::Settled;
@@ -125,8 +139,15 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         let felt = here.weakest * here.weakest;
         let mut growth = 2.0;
         let mut accepted = None;
+        let mut refused = None;
         for _ in 0..ATTEMPTS {
-            accepted = attempt(problem, &at, &here, damping);
+            let step = problem.step(&at, &here, damping);
+            // Damping that no longer changes the step does not mend it either.
+            if refused.is_some_and(|promise| same(promise, step.promised)) {
+                break;
+            }
+            refused = Some(step.promised);
+            accepted = attempt(problem, &here, step, damping);
             if accepted.is_some() {
                 break;
             }
@@ -140,6 +161,11 @@ pub fn levenberg_marquardt<P: LeastSquares>(
             break End::RoundOff;
         }
         (at, here) = (next, there);
+        promises.push(here.promised);
+        let forecast = forecast(&promises, limit - iterations);
+        if forecast.is_some_and(|left| !problem.worth_it(&here, left)) {
+            break End::Creeping;
+        }
 
         damping *= f64::max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0).powi(3));
         if damping < 1.0e-3 * felt {
@@ -154,15 +180,26 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     }
 }
 
+/// Whether two steps that promise so much are one.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs() || a.is_nan() && b.is_nan()
+}
+
+/// What the full step will promise after `more` iterations at the pace of the last few; `None` after too few.
+fn forecast(promises: &[f64], more: usize) -> Option<f64> {
+    let before = promises.get(promises.len().checked_sub(1 + PACE)?)?;
+    let now = promises.last()?;
+    Some(now * (now / before).powf(more as f64 / PACE as f64))
+}
+
 /// One step: where it leads, the problem there, and the share of the promise that came true. `None`
 /// where too little did, where the model bends too much to be believed, or does not hold.
 fn attempt<P: LeastSquares>(
     problem: &P,
-    at: &P::Point,
     here: &Linearised<P::Rows>,
+    step: Step<P::Point>,
     damping: f64,
 ) -> Option<(P::Point, Linearised<P::Rows>, f64)> {
-    let step = problem.step(at, here, damping);
     if damping == 0.0 {
         // A full step is rarely refused: its cost comes with the linearisation that follows.
         let there = problem.linearise(&step.to)?;
@@ -175,4 +212,87 @@ fn attempt<P: LeastSquares>(
     let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;
     let there = believed.then(|| problem.linearise(&step.to)).flatten()?;
     Some((step.to, there, gain))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// A step leads to `pace` times the distance from the minimum; or nowhere, whatever the damping.
+    struct Slow {
+        pace: f64,
+        moves: bool,
+        looks: Cell<usize>,
+    }
+
+    const SETTLED: f64 = 1.0e-8;
+
+    impl LeastSquares for Slow {
+        type Point = f64;
+        type Rows = ();
+
+        fn cost(&self, at: &f64) -> Option<f64> {
+            self.looks.set(self.looks.get() + 1);
+            self.moves.then_some(1.0e6 + at * at)
+        }
+
+        fn linearise(&self, at: &f64) -> Option<Linearised<()>> {
+            Some(Linearised {
+                cost: self.cost(at)?,
+                round_off: 1.0e-12,
+                promised: at * at,
+                weakest: 1.0,
+                rows: (),
+            })
+        }
+
+        fn settled(&self, _: &f64, here: &Linearised<()>) -> bool {
+            here.promised < SETTLED
+        }
+
+        fn worth_it(&self, _: &Linearised<()>, forecast: f64) -> bool {
+            forecast < SETTLED
+        }
+
+        fn step(&self, at: &f64, _: &Linearised<()>, _: f64) -> Step<f64> {
+            Step {
+                to: self.pace * at,
+                promised: at * at,
+                bend: 0.0,
+            }
+        }
+    }
+
+    fn minimum(pace: f64, moves: bool) -> (Minimum<f64, ()>, usize) {
+        let problem = Slow {
+            pace,
+            moves,
+            looks: Cell::new(0),
+        };
+        let here = Linearised {
+            cost: 1.0e6 + 1.0,
+            round_off: 1.0e-12,
+            promised: 1.0,
+            weakest: 1.0,
+            rows: (),
+        };
+        let minimum = levenberg_marquardt(&problem, 1.0, here, 60);
+        (minimum, problem.looks.get())
+    }
+
+    #[test]
+    fn unit_a_fit_that_would_not_arrive_in_time_is_given_up() {
+        let (slow, _) = minimum(0.9, true);
+        assert_eq!((slow.end, slow.iterations), (End::Creeping, PACE));
+        // 0.8^(2 * 42) < 1e-8: it arrives.
+        let (steady, _) = minimum(0.8, true);
+        assert_eq!((steady.end, steady.iterations), (End::Settled, 42));
+    }
+
+    #[test]
+    fn unit_a_step_that_damping_does_not_change_is_tried_once() {
+        let (stuck, looks) = minimum(0.5, false);
+        assert_eq!((stuck.end, looks), (End::NoLowerCost, 1));
+    }
 }

@@ -4,6 +4,7 @@
 use super::types::{FaultKind, Suspect};
 use crate::fit::{Fitted, fit_from};
 use crate::information::Experiment;
+use crate::levenberg_marquardt::LeastSquares;
 
 /// Chi-square per number from which gross mistakes are looked for.
 const GROSS: f64 = 1.0e2;
@@ -46,11 +47,13 @@ pub(super) fn gross(
     if wheels.len() > 1 {
         groups.push(("all wheels".to_owned(), (0..wheels.len()).collect()));
     }
+    let nominal = experiment.cost(&experiment.nominal_point());
+    let nominal = nominal.unwrap_or(f64::INFINITY);
     let mut best: Option<Suspect> = None;
     // The mistake outside, the wheel inside: large factors make wild motions, which are slow to compute.
     for (factor, what) in MISTAKES {
-        for (owner, group) in &groups {
-            let Some(after) = cost(experiment, group, factor) else {
+        for (owner, other) in promising(experiment, &groups, factor, nominal) {
+            let Some(after) = cost(&other, before) else {
                 continue;
             };
             let decrease = before - after;
@@ -67,13 +70,38 @@ pub(super) fn gross(
     best
 }
 
-/// Chi-square that remains where the speeds of some wheels are read with a factor.
-fn cost(experiment: &Experiment, group: &[usize], factor: f64) -> Option<f64> {
-    let mut other = experiment.with_parameters(experiment.parameters);
-    for k in group {
-        *other.nominal_spin.get_mut(*k)? *= factor;
+/// The experiment with the speeds of some wheels read with the factor, for those wheels with which the nominal numbers
+/// fit better than `nominal`, without it; the best first. A mistake put right does not make them fit worse.
+fn promising<'a>(
+    experiment: &'a Experiment,
+    groups: &'a [(String, Vec<usize>)],
+    factor: f64,
+    nominal: f64,
+) -> Vec<(&'a str, Experiment<'a>)> {
+    let mut list = Vec::new();
+    for (owner, wheels) in groups {
+        let mut other = experiment.with_parameters(experiment.parameters);
+        for (k, spin) in other.nominal_spin.iter_mut().enumerate() {
+            *spin *= if wheels.contains(&k) { factor } else { 1.0 };
+        }
+        let start = other.cost(&other.nominal_point());
+        if let Some(start) = start.filter(|start| *start < nominal) {
+            list.push((start, (owner.as_str(), other)));
+        }
     }
-    let found = fit_from(&other, other.nominal_point(), ITERATIONS)?;
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    list.into_iter().map(|(_, one)| one).collect()
+}
+
+/// Chi-square that a fit from the nominal numbers leaves; given up where half of it has not come below what is to be
+/// explained.
+fn cost(other: &Experiment, before: f64) -> Option<f64> {
+    let half = fit_from(other, other.nominal_point(), ITERATIONS / 2)?;
+    let after = other.chi2(&half.at, &half.evaluated)?;
+    if half.settled || after > before {
+        return Some(after);
+    }
+    let found = fit_from(other, half.at, ITERATIONS / 2)?;
     other.chi2(&found.at, &found.evaluated)
 }
 
