@@ -1,10 +1,13 @@
 //! The unknowns of the linear problem: which numbers are asked for and how they make up the ten
 //! parameters of every body.
 
-use crate::point_sensor::Fault;
-use crate::segment::Segment;
+mod kind;
+mod nuisances;
+
+pub use kind::{Gust, UnknownKind};
+
 use poinsot_dynamics::{Kinematics, Tree, composite};
-use poinsot_model::{EstimateSet, JointKind, Model, Nuisance, SensorKind};
+use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
 };
@@ -22,123 +25,6 @@ pub struct Unknown {
     pub nominal: f64,
     /// Natural unit in which identifiability is judged: m, m L or m L^2 of its body.
     pub natural: f64,
-}
-
-/// What an unknown is.
-#[derive(Debug, Clone, PartialEq)]
-pub enum UnknownKind {
-    /// A combination of barycentric parameters: the index `10 body + k` and its coefficient.
-    Barycentric(Vec<(usize, f64)>),
-    /// Element k (order xx, xy, yy, xz, yz, zz) of the base's central inertia, where only rotation is seen.
-    CentralInertia(usize),
-    /// Component of the base's mass centre, where only rotation is seen (thrusters turn about it).
-    MassCentre(usize),
-    /// Spin inertia of a wheel.
-    SpinInertia(usize),
-    /// Factor of a thruster, less one.
-    ThrusterScale(usize),
-    /// Component of the gyro bias, rad/s.
-    GyroBias(usize),
-    /// Relative scale error of a gyro axis.
-    GyroScale(usize),
-    /// Component of the small rotation between true and assumed gyro axes, rad.
-    GyroMisalignment(usize),
-    /// Turn of two gyro axes towards each other, rad: of the pair that leaves out this axis.
-    GyroShear(usize),
-    /// How late the gyro reads, s.
-    GyroLag,
-    /// How late the attitude reads, s.
-    AttitudeLag,
-    /// What may be wrong with another sensor of three axes: its index in the model, and the fault.
-    Instrument {
-        /// Index in the model's sensors.
-        sensor: usize,
-        /// Fault.
-        fault: Fault,
-    },
-    /// Component of a constant torque in body axes, N m.
-    DisturbanceTorque(usize),
-    /// Component of a constant torque in inertial axes, N m.
-    InertialTorque(usize),
-    /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
-    DragTorque(usize),
-    /// How late the velocity reads, s.
-    VelocityLag,
-    /// How late the position reads, s.
-    PositionLag,
-    /// Constant error of the reading of a joint coordinate, rad or m.
-    JointOffset(usize),
-    /// How late the readings of these joint coordinates are, s.
-    JointLag(Vec<usize>),
-    /// How late the readings of these wheels are, s.
-    WheelLag(Vec<usize>),
-    /// How late these thrusters act, s.
-    ThrusterLag(Vec<usize>),
-    /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
-    WheelTilt(usize, usize),
-    /// Component in N of a constant force, N. Only tested for.
-    InertialForce(usize),
-    /// Component in N of a random torque about the mass centre during a stretch of time, N m.
-    RandomTorque(Gust),
-}
-
-/// A stretch of time in which the random torque is one number an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Gust {
-    /// Index of the segment.
-    pub segment: usize,
-    /// First and last interval between grid times.
-    pub span: (usize, usize),
-    /// Axis of N.
-    pub axis: usize,
-}
-
-impl UnknownKind {
-    /// Whether it belongs to a sensor or the surroundings: projected out before anything is judged.
-    pub fn is_nuisance(&self) -> bool {
-        matches!(
-            self,
-            Self::GyroBias(_)
-                | Self::GyroScale(_)
-                | Self::GyroMisalignment(_)
-                | Self::GyroShear(_)
-                | Self::GyroLag
-                | Self::AttitudeLag
-                | Self::Instrument { .. }
-                | Self::DisturbanceTorque(_)
-                | Self::InertialTorque(_)
-                | Self::DragTorque(_)
-                | Self::VelocityLag
-                | Self::PositionLag
-                | Self::JointOffset(_)
-                | Self::JointLag(_)
-                | Self::WheelLag(_)
-                | Self::ThrusterLag(_)
-                | Self::WheelTilt(..)
-                | Self::InertialForce(_)
-                | Self::RandomTorque(_)
-        )
-    }
-
-    /// Whether it is a force or torque from outside.
-    pub(crate) fn pushes(&self) -> bool {
-        matches!(
-            self,
-            Self::DisturbanceTorque(_)
-                | Self::InertialTorque(_)
-                | Self::DragTorque(_)
-                | Self::RandomTorque(_)
-                | Self::InertialForce(_)
-        )
-    }
-
-    /// Whether it changes what joints and wheels do.
-    pub(crate) fn shifts_inputs(&self) -> bool {
-        matches!(
-            self,
-            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
-        )
-    }
 }
 
 /// Which equations of motion can be written for the data at hand.
@@ -181,11 +67,6 @@ pub struct Parameters {
 pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
 const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 const AXES: [&str; 3] = ["x", "y", "z"];
-/// Stretch of time in which a random torque is one number, over its correlation time. Half of it was too coarse: where
-/// the stretches began moved the inertia of a thrown body by 2 %.
-const STRETCH: f64 = 0.2;
-/// Pairs of axes by the one that is left out.
-const PAIRS: [&str; 3] = ["yz", "xz", "xy"];
 
 /// Why the question cannot be asked of the linear method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -425,181 +306,6 @@ impl Parameters {
         Ok(())
     }
 
-    fn add_nuisances(&mut self, model: &Model, tree: &Tree) {
-        for (k, wheel) in model.wheels.iter().enumerate() {
-            if wheel.estimate {
-                let js = wheel.spin_inertia;
-                let name = format!("{}.spin_inertia", wheel.name);
-                self.push(UnknownKind::SpinInertia(k), name, "kg m2", js, js);
-            }
-        }
-        for (k, thruster) in model.thrusters.iter().enumerate() {
-            if thruster.scale != Nuisance::Known {
-                let name = format!("{}.scale", thruster.name);
-                self.push(UnknownKind::ThrusterScale(k), name, "1", 0.0, 1.0);
-            }
-        }
-        if let Some(gyro) = model.sensors_of(SensorKind::Gyro).next() {
-            let name = gyro.name.as_str();
-            self.add_axes(gyro.bias, UnknownKind::GyroBias, name, "bias", "rad/s");
-            self.add_axes(gyro.scale, UnknownKind::GyroScale, name, "scale", "1");
-            let turned = UnknownKind::GyroMisalignment;
-            self.add_axes(gyro.misalignment, turned, name, "misalignment", "rad");
-            if gyro.nonorthogonality != Nuisance::Known {
-                for (k, pair) in PAIRS.iter().enumerate() {
-                    let name = format!("{name}.nonorthogonality_{pair}");
-                    self.push(UnknownKind::GyroShear(k), name, "rad", 0.0, 1.0);
-                }
-            }
-            self.add_lag(gyro.lag, UnknownKind::GyroLag, name);
-        }
-        if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
-            self.add_lag(tracker.lag, UnknownKind::AttitudeLag, &tracker.name);
-        }
-        self.add_instruments(model);
-        self.add_input_faults(model, tree);
-        let around = &model.environment;
-        let torque = UnknownKind::DisturbanceTorque;
-        self.add_axes(
-            around.disturbance_torque,
-            torque,
-            "environment",
-            "torque",
-            "N m",
-        );
-        self.add_axes(
-            around.disturbance_torque_inertial,
-            UnknownKind::InertialTorque,
-            "environment",
-            "torque_inertial",
-            "N m",
-        );
-        self.add_axes(
-            around.drag_torque,
-            UnknownKind::DragTorque,
-            "environment",
-            "drag",
-            "kg m2",
-        );
-    }
-
-    /// Adds the random torque of the surroundings: one number an axis for every stretch of a correlation time.
-    pub fn add_random_torque(&mut self, model: &Model, segments: &[Segment]) {
-        let Some(random) = model.environment.random_torque else {
-            return;
-        };
-        for (at, segment) in segments.iter().enumerate() {
-            for span in stretches(&segment.observations.time_s, random.correlation_s) {
-                for axis in 0..3 {
-                    let gust = Gust {
-                        segment: at,
-                        span,
-                        axis,
-                    };
-                    let name = format!("random torque in segment {at} from {}", span.0);
-                    self.push(UnknownKind::RandomTorque(gust), name, "N m", 0.0, 1.0);
-                }
-            }
-        }
-    }
-
-    fn add_axes(
-        &mut self,
-        declared: Nuisance,
-        kind: fn(usize) -> UnknownKind,
-        owner: &str,
-        what: &str,
-        unit: &'static str,
-    ) {
-        if declared != Nuisance::Known {
-            for (k, axis) in AXES.iter().enumerate() {
-                self.push(kind(k), format!("{owner}.{what}_{axis}"), unit, 0.0, 1.0);
-            }
-        }
-    }
-
-    /// Faults of accelerometers and of velocity increments, as declared.
-    fn add_instruments(&mut self, model: &Model) {
-        for (sensor, of) in model.sensors.iter().enumerate() {
-            let unit = match of.kind {
-                SensorKind::Accelerometer => "m/s2",
-                SensorKind::VelocityIncrement => "m/s",
-                _ => continue,
-            };
-            let triples: [Declared; 3] = [
-                (of.bias, Fault::Bias, "bias", unit),
-                (of.scale, Fault::Scale, "scale", "1"),
-                (of.misalignment, Fault::Misalignment, "misalignment", "rad"),
-            ];
-            for (declared, fault, what, unit) in triples {
-                if declared != Nuisance::Known {
-                    for (k, axis) in AXES.iter().enumerate() {
-                        let kind = UnknownKind::Instrument {
-                            sensor,
-                            fault: fault(k),
-                        };
-                        self.push(kind, format!("{}.{what}_{axis}", of.name), unit, 0.0, 1.0);
-                    }
-                }
-            }
-            let fault = Fault::Lag;
-            self.add_lag(of.lag, UnknownKind::Instrument { sensor, fault }, &of.name);
-        }
-    }
-
-    /// Offsets and lags of what drives the vehicle, lags of position and velocity, and tilts of wheels.
-    fn add_input_faults(&mut self, model: &Model, tree: &Tree) {
-        for sensor in &model.sensors {
-            let coordinates: Vec<usize> = (0..tree.dof())
-                .filter(|k| sensor.of.contains(&tree.coordinates[*k]))
-                .collect();
-            let lag = match sensor.kind {
-                SensorKind::JointPosition => {
-                    if sensor.bias != Nuisance::Known {
-                        for &k in &coordinates {
-                            let joint = &model.joints[tree.coordinates[k]];
-                            let unit = match joint.kind {
-                                JointKind::Prismatic => "m",
-                                _ => "rad",
-                            };
-                            let name = format!("{}.offset", joint.name);
-                            self.push(UnknownKind::JointOffset(k), name, unit, 0.0, 1.0);
-                        }
-                    }
-                    UnknownKind::JointLag(coordinates)
-                }
-                SensorKind::WheelSpeed => UnknownKind::WheelLag(sensor.of.clone()),
-                SensorKind::Thrust => UnknownKind::ThrusterLag(sensor.of.clone()),
-                _ => continue,
-            };
-            self.add_lag(sensor.lag, lag, &sensor.name);
-        }
-        for (kind, lag) in [
-            (SensorKind::Velocity, UnknownKind::VelocityLag),
-            (SensorKind::Position, UnknownKind::PositionLag),
-        ] {
-            if let Some(sensor) = model.sensors_of(kind).find(|s| s.body == 0) {
-                self.add_lag(sensor.lag, lag, &sensor.name);
-            }
-        }
-        for (k, wheel) in model.wheels.iter().enumerate() {
-            if wheel.misalignment != Nuisance::Known {
-                for (i, about) in wheel.tilt_axes().iter().enumerate() {
-                    let axis = (0..3).find(|a| about[*a] == 1.0);
-                    let what = axis.map_or_else(|| format!("{}", i + 1), |a| AXES[a].to_owned());
-                    let name = format!("{}.misalignment_{what}", wheel.name);
-                    self.push(UnknownKind::WheelTilt(k, i), name, "rad", 0.0, 1.0);
-                }
-            }
-        }
-    }
-
-    fn add_lag(&mut self, declared: Nuisance, kind: UnknownKind, owner: &str) {
-        if declared != Nuisance::Known {
-            self.push(kind, format!("{owner}.lag"), "s", 0.0, 1.0);
-        }
-    }
-
     /// Number of unknowns.
     pub fn len(&self) -> usize {
         self.unknowns.len()
@@ -684,9 +390,6 @@ fn mass_centre_slope(body: &MassProperties, axis: usize) -> Vec<(usize, f64)> {
     slope
 }
 
-/// Whether a fault of an instrument is declared, the fault of an axis, its name and unit.
-type Declared = (Nuisance, fn(usize) -> Fault, &'static str, &'static str);
-
 /// Per wheel the spin axis and the two axes about which it may be tilted, in the host's axes.
 fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {
     let wheels = model.wheels.iter();
@@ -697,20 +400,6 @@ fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {
 fn gradient_gm(model: &Model) -> Option<f64> {
     let around = &model.environment;
     around.point_mass_gm.filter(|_| around.gravity_gradient)
-}
-
-/// Intervals between grid times in stretches of a share of the correlation time, first and last of each: an even
-/// number of stretches in all would do, but a grid with gaps has no even ones.
-fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    let mut from = 0;
-    for k in 0..time_s.len().saturating_sub(1) {
-        if time_s[k + 1] - time_s[from] >= STRETCH * correlation_s || k + 2 == time_s.len() {
-            found.push((from, k));
-            from = k + 1;
-        }
-    }
-    found
 }
 
 /// Natural unit of mass and length per body; a massless nominal body borrows those of the vehicle.

@@ -1,0 +1,120 @@
+//! What an unknown can be.
+
+use crate::point_sensor::Fault;
+
+/// What an unknown is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum UnknownKind {
+    /// A combination of barycentric parameters: the index `10 body + k` and its coefficient.
+    Barycentric(Vec<(usize, f64)>),
+    /// Element k (order xx, xy, yy, xz, yz, zz) of the base's central inertia, where only rotation is seen.
+    CentralInertia(usize),
+    /// Component of the base's mass centre, where only rotation is seen (thrusters turn about it).
+    MassCentre(usize),
+    /// Spin inertia of a wheel.
+    SpinInertia(usize),
+    /// Factor of a thruster, less one.
+    ThrusterScale(usize),
+    /// Component of the gyro bias, rad/s.
+    GyroBias(usize),
+    /// Relative scale error of a gyro axis.
+    GyroScale(usize),
+    /// Component of the small rotation between true and assumed gyro axes, rad.
+    GyroMisalignment(usize),
+    /// Turn of two gyro axes towards each other, rad: of the pair that leaves out this axis.
+    GyroShear(usize),
+    /// How late the gyro reads, s.
+    GyroLag,
+    /// How late the attitude reads, s.
+    AttitudeLag,
+    /// What may be wrong with another sensor of three axes: its index in the model, and the fault.
+    Instrument {
+        /// Index in the model's sensors.
+        sensor: usize,
+        /// Fault.
+        fault: Fault,
+    },
+    /// Component of a constant torque in body axes, N m.
+    DisturbanceTorque(usize),
+    /// Component of a constant torque in inertial axes, N m.
+    InertialTorque(usize),
+    /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
+    DragTorque(usize),
+    /// How late the velocity reads, s.
+    VelocityLag,
+    /// How late the position reads, s.
+    PositionLag,
+    /// Constant error of the reading of a joint coordinate, rad or m.
+    JointOffset(usize),
+    /// How late the readings of these joint coordinates are, s.
+    JointLag(Vec<usize>),
+    /// How late the readings of these wheels are, s.
+    WheelLag(Vec<usize>),
+    /// How late these thrusters act, s.
+    ThrusterLag(Vec<usize>),
+    /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
+    WheelTilt(usize, usize),
+    /// Component in N of a constant force, N. Only tested for.
+    InertialForce(usize),
+    /// Component in N of a random torque about the mass centre during a stretch of time, N m.
+    RandomTorque(Gust),
+}
+
+/// A stretch of time in which the random torque is one number an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gust {
+    /// Index of the segment.
+    pub segment: usize,
+    /// First and last interval between grid times.
+    pub span: (usize, usize),
+    /// Axis of N.
+    pub axis: usize,
+}
+
+impl UnknownKind {
+    /// Whether it belongs to a sensor or the surroundings: projected out before anything is judged.
+    pub fn is_nuisance(&self) -> bool {
+        matches!(
+            self,
+            Self::GyroBias(_)
+                | Self::GyroScale(_)
+                | Self::GyroMisalignment(_)
+                | Self::GyroShear(_)
+                | Self::GyroLag
+                | Self::AttitudeLag
+                | Self::Instrument { .. }
+                | Self::DisturbanceTorque(_)
+                | Self::InertialTorque(_)
+                | Self::DragTorque(_)
+                | Self::VelocityLag
+                | Self::PositionLag
+                | Self::JointOffset(_)
+                | Self::JointLag(_)
+                | Self::WheelLag(_)
+                | Self::ThrusterLag(_)
+                | Self::WheelTilt(..)
+                | Self::InertialForce(_)
+                | Self::RandomTorque(_)
+        )
+    }
+
+    /// Whether it is a force or torque from outside.
+    pub(crate) fn pushes(&self) -> bool {
+        matches!(
+            self,
+            Self::DisturbanceTorque(_)
+                | Self::InertialTorque(_)
+                | Self::DragTorque(_)
+                | Self::RandomTorque(_)
+                | Self::InertialForce(_)
+        )
+    }
+
+    /// Whether it changes what joints and wheels do.
+    pub(crate) fn shifts_inputs(&self) -> bool {
+        matches!(
+            self,
+            Self::JointOffset(_) | Self::JointLag(_) | Self::WheelLag(_)
+        )
+    }
+}
