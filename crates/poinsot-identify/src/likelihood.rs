@@ -1,95 +1,31 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
+mod base_rows;
 mod colour;
+mod gyro;
+mod head;
+mod ideal;
 mod point_rows;
+
+pub(crate) use gyro::GyroErrors;
+pub(crate) use head::{Head, HeadColumns, Sight, start};
+pub(crate) use ideal::translation_lag;
+pub(crate) use point_rows::perfect;
 
 use crate::block_qr::{BlockQr, Triangle};
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
-use crate::motion::{Column, Instant, Motion, State, matrix, small_turn};
-use crate::parameters::{Parameters, UnknownKind};
+use crate::motion::{Motion, State};
+use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
-use crate::vehicle::{Vehicle, parabola_slope, tilted};
+use crate::vehicle::{Vehicle, tilted};
 use colour::Colour;
-use nalgebra::{Cholesky, Matrix6, SMatrix, SVector};
+use ideal::Ideal;
+use nalgebra::{Cholesky, SMatrix, SVector};
 use poinsot_dynamics::Tree;
-use poinsot_model::{MomentumKnowledge, Thruster};
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3, Vector6, skew};
+use poinsot_model::Thruster;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use point_rows::PointCompare;
-pub(crate) use point_rows::perfect;
-
-/// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Head {
-    pub R_NB: UnitQuaternion,
-    pub p_NoBo_N: Vector3,
-    pub P: Vector3,
-    pub h_SScm_N: Vector3,
-}
-
-/// Which parts of the head are unknown: a column for each component.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct HeadColumns {
-    pub attitude: bool,
-    pub position: bool,
-    pub linear: bool,
-    pub angular: bool,
-}
-
-impl HeadColumns {
-    /// What a segment leaves unknown: a pose that no sensor measures is the choice of the frame.
-    ///
-    /// One that is taken as exact is known, at its first sample.
-    pub fn of(
-        segment: &Segment,
-        momentum: &poinsot_model::Momentum,
-        noise: &Noise,
-        sight: Sight,
-    ) -> Self {
-        let o = &segment.observations;
-        let seen = sight == Sight::Translation;
-        let noisy = |covariance: &Matrix3| *covariance != Matrix3::zeros();
-        Self {
-            // Without any attitude, motion in N still says how the base stands in N.
-            attitude: if o.attitude.iter().any(Option::is_some) {
-                noisy(&noise.attitude)
-            } else {
-                seen && (o.velocity.iter().any(Option::is_some)
-                    || o.position.iter().any(Option::is_some))
-            },
-            position: seen && noisy(&noise.position) && o.position.iter().any(Option::is_some),
-            linear: seen && momentum.linear == MomentumKnowledge::Estimate,
-            angular: momentum.angular == MomentumKnowledge::Estimate,
-        }
-    }
-
-    /// Number of columns.
-    pub fn count(&self) -> usize {
-        [self.attitude, self.position, self.linear, self.angular]
-            .iter()
-            .map(|b| 3 * usize::from(*b))
-            .sum()
-    }
-
-    /// First column of the linear and of the angular momentum.
-    pub fn momentum_at(&self) -> (Option<usize>, Option<usize>) {
-        let before = 3 * (usize::from(self.attitude) + usize::from(self.position));
-        let linear = self.linear.then_some(before);
-        let angular = self
-            .angular
-            .then_some(before + 3 * usize::from(self.linear));
-        (linear, angular)
-    }
-}
-
-/// Whether any translation is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sight {
-    /// Position or velocity.
-    Translation,
-    /// Attitude and rates only.
-    Rotation,
-}
 
 /// What stays the same over all evaluations.
 pub(crate) struct Setting<'a> {
@@ -172,77 +108,6 @@ pub(crate) fn evaluate(
     compare.finish()
 }
 
-/// Motion that a perfect sensor would read at all grid times: a lag needs what comes before and after.
-#[derive(Default)]
-struct Ideal {
-    rate: Vec<Vector3>,
-    /// Velocity of the velocity sensor, in N.
-    velocity: Vec<Vector3>,
-    /// Position of the position sensor, in N.
-    position: Vec<Vector3>,
-}
-
-impl Ideal {
-    /// Empty where no lag is unknown; `None` where the vehicle cannot move.
-    fn new(vehicle: &Vehicle, segment: &Segment, start: &State, index: usize) -> Option<Self> {
-        let late = |k: &UnknownKind| {
-            matches!(
-                k,
-                UnknownKind::GyroLag
-                    | UnknownKind::AttitudeLag
-                    | UnknownKind::VelocityLag
-                    | UnknownKind::PositionLag
-            )
-        };
-        let mut ideal = Self::default();
-        if !vehicle.kinds.iter().any(late) {
-            return Some(ideal);
-        }
-        let o = &segment.observations;
-        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, index);
-        let samples = o.time_s.len();
-        let mut state = *start;
-        for k in 0..samples {
-            let twist = motion.velocity(&state, k)?.0.twist;
-            ideal.rate.push(twist.w);
-            let moving = twist.v + twist.w.cross(&o.velocity_arm_B);
-            ideal.velocity.push(state.R_NB * moving);
-            let place = state.p_NoBo_N + state.R_NB * o.position_arm_B;
-            ideal.position.push(place);
-            if k + 1 < samples {
-                state = motion.advance(&state, k)?;
-            }
-        }
-        Some(ideal)
-    }
-}
-
-/// State at the first grid time and its change with every unknown.
-pub(crate) fn start(head: &Head, unknown: HeadColumns, unknowns: usize) -> (State, Vec<Column>) {
-    let state = State {
-        R_NB: head.R_NB,
-        p_NoBo_N: head.p_NoBo_N,
-        P: head.P,
-        h_SScm_N: head.h_SScm_N,
-    };
-    let mut columns = Vec::with_capacity(unknown.count() + unknowns);
-    let parts = [
-        unknown.attitude,
-        unknown.position,
-        unknown.linear,
-        unknown.angular,
-    ];
-    for (part, _) in parts.iter().enumerate().filter(|(_, wanted)| **wanted) {
-        for k in 0..3 {
-            let mut column = Column::zeros();
-            column[3 * part + k] = 1.0;
-            columns.push(column);
-        }
-    }
-    columns.resize(unknown.count() + unknowns, Column::zeros());
-    (state, columns)
-}
-
 /// Collects the rows of one segment.
 struct Compare<'a> {
     setting: &'a Setting<'a>,
@@ -264,99 +129,6 @@ struct Compare<'a> {
     translation_lag: [f64; 2],
     ideal: Ideal,
     points: PointCompare,
-}
-
-/// What may be wrong with the gyro: it reads `(1 + turn) w(t - lag) + bias`.
-#[derive(Default)]
-pub(crate) struct GyroErrors {
-    bias: Vector3,
-    /// Scale errors on the diagonal, misalignment beside it.
-    turn: Matrix3,
-    lag: f64,
-}
-
-impl GyroErrors {
-    /// The errors of the gyro, and how late the attitude reads.
-    pub fn of(parameters: &Parameters, x: &[f64]) -> (Self, f64) {
-        let mut gyro = Self::default();
-        let mut attitude_lag = 0.0;
-        for (u, value) in parameters.unknowns.iter().zip(x) {
-            match u.kind {
-                UnknownKind::GyroBias(k) => gyro.bias[k] = *value,
-                UnknownKind::GyroScale(k) => gyro.turn[(k, k)] += *value,
-                UnknownKind::GyroMisalignment(k) => gyro.turn += skew(&axis(k)) * *value,
-                UnknownKind::GyroShear(k) => gyro.turn += shear(k) * *value,
-                UnknownKind::GyroLag => gyro.lag = *value,
-                UnknownKind::AttitudeLag => attitude_lag = *value,
-                _ => {}
-            }
-        }
-        (gyro, attitude_lag)
-    }
-
-    /// The rate that a reading stands for, its lag left aside.
-    pub fn corrected(&self, reading: &Vector3) -> Vector3 {
-        let map = Matrix3::identity() + self.turn;
-        let clear = reading - self.bias;
-        map.lu().solve(&clear).unwrap_or(clear)
-    }
-
-    pub fn reading(&self, w: &Vector3, acceleration: &Vector3) -> Vector3 {
-        let then = w - acceleration * self.lag;
-        then + self.turn * then + self.bias
-    }
-
-    /// Change of the reading with the rate and with one unknown.
-    fn change(
-        &self,
-        w: &Vector3,
-        acceleration: &Vector3,
-        dw: &Vector3,
-        unknown: Option<&UnknownKind>,
-    ) -> Vector3 {
-        let mut change = dw + self.turn * dw;
-        match unknown {
-            Some(UnknownKind::GyroBias(k)) => change[*k] += 1.0,
-            Some(UnknownKind::GyroScale(k)) => change[*k] += w[*k],
-            Some(UnknownKind::GyroMisalignment(k)) => change += axis(*k).cross(w),
-            Some(UnknownKind::GyroShear(k)) => change += shear(*k) * w,
-            Some(UnknownKind::GyroLag) => change -= acceleration + self.turn * acceleration,
-            _ => {}
-        }
-        change
-    }
-}
-
-/// Each of the two axes other than `k` reads of the other what it should not.
-fn shear(k: usize) -> Matrix3 {
-    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-    let mut both = Matrix3::zeros();
-    both[(i, j)] = 1.0;
-    both[(j, i)] = 1.0;
-    both
-}
-
-/// How late velocity and position read, s.
-pub(crate) fn translation_lag(parameters: &Parameters, x: &[f64]) -> [f64; 2] {
-    let of = |kind: UnknownKind| {
-        let mut pairs = parameters.unknowns.iter().zip(x);
-        pairs.find(|(u, _)| u.kind == kind).map_or(0.0, |(_, x)| *x)
-    };
-    [of(UnknownKind::VelocityLag), of(UnknownKind::PositionLag)]
-}
-
-/// Slope over time of a series at grid time k; zero where there is none.
-fn slope(t: &[f64], series: &[Vector3], k: usize) -> Vector3 {
-    if series.len() < 2 || series.len() != t.len() {
-        return Vector3::zeros();
-    }
-    Vector3::from_fn(|axis, _| parabola_slope(t, |i| series[i][axis], k))
-}
-
-fn axis(k: usize) -> Vector3 {
-    let mut e = Vector3::zeros();
-    e[k] = 1.0;
-    e
 }
 
 const GYRO: usize = 0;
@@ -415,11 +187,6 @@ impl<'a> Compare<'a> {
         }
     }
 
-    /// Angular acceleration at grid time k from the predicted rates on both sides, rad/s2.
-    fn acceleration(&self, k: usize) -> Vector3 {
-        slope(&self.segment.observations.time_s, &self.ideal.rate, k)
-    }
-
     fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
         let o = &self.segment.observations;
         let measured = o.rate[k].is_some() || o.velocity[k].is_some();
@@ -442,169 +209,6 @@ impl<'a> Compare<'a> {
             self.point_rows(motion, state, &instant, k);
         }
         Some(())
-    }
-
-    /// Velocity and rate together: the noise of joints and wheels is common to both.
-    fn twist_rows(
-        &mut self,
-        motion: &Motion,
-        state: &State,
-        instant: &Instant,
-        twists: &[Vector6],
-        k: usize,
-    ) {
-        let o = &self.segment.observations;
-        let noise = self.setting.noise;
-        let R = matrix(&state.R_NB);
-        let arm = o.velocity_arm_B;
-        let v_S = instant.twist.v + instant.twist.w.cross(&arm);
-        let acceleration = self.acceleration(k);
-        let expected = self.gyro.reading(&instant.twist.w, &acceleration);
-        let gain_of_v = R.transpose() * slope(&o.time_s, &self.ideal.velocity, k);
-        let residual_v =
-            o.velocity[k].map(|v| R.transpose() * v - v_S + gain_of_v * self.translation_lag[0]);
-        let residual_w = o.rate[k].map(|w| w - expected);
-        // In body axes a reading turns with the attitude.
-        let v_read = o.velocity[k].map_or(v_S, |v| R.transpose() * v);
-        // How a change of state and twist shows in the two readings; nothing where one is missing.
-        let seen = |column: &Column, twist: &Vector6, unknown: Option<&UnknownKind>| {
-            let mut d = at_sensor(twist, &arm);
-            // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
-            let dphi: Vector3 = column.fixed_rows::<3>(0).into();
-            let mut dv = d.fixed_rows::<3>(0) + dphi.cross(&v_read);
-            if unknown == Some(&UnknownKind::VelocityLag) {
-                dv -= gain_of_v;
-            }
-            let dw: Vector3 = d.fixed_rows::<3>(3).into();
-            let dw = self
-                .gyro
-                .change(&instant.twist.w, &acceleration, &dw, unknown);
-            d.fixed_rows_mut::<3>(0)
-                .copy_from(&residual_v.map_or_else(Vector3::zeros, |_| dv));
-            d.fixed_rows_mut::<3>(3)
-                .copy_from(&residual_w.map_or_else(Vector3::zeros, |_| dw));
-            d
-        };
-        // Velocity is compared in body axes: there its noise and that of the joints add plainly. A missing half
-        // is given a variance without information, and is not counted.
-        let blind = Matrix3::identity() * (1.0e12 * (noise.velocity + noise.gyro).diagonal().max());
-        let velocity_B = residual_v.map_or(blind, |_| R.transpose() * noise.velocity * R);
-        let mut sensors = Matrix6::zeros();
-        sensors.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
-        sensors
-            .fixed_view_mut::<3, 3>(3, 3)
-            .copy_from(&residual_w.map_or(blind, |_| noise.gyro));
-        let mut white_noise = sensors;
-        for (gain, variance) in self.inputs.rate_gain.iter().zip(&self.joint_rate) {
-            if *variance > 0.0 {
-                let g = seen(&Column::zeros(), gain, None);
-                white_noise += g * g.transpose() * *variance;
-            }
-        }
-        let errors = self.inputs.columns.iter().zip(&self.inputs.twists);
-        let mut slopes: Vec<Vector6> = errors.map(|(c, t)| seen(c, t, None)).collect();
-        let mut rows: Vec<Vector6> = Vec::with_capacity(twists.len() + 1);
-        if self.qr.is_some() {
-            let kinds = &self.setting.parameters.unknowns;
-            let columns = motion.columns.iter().zip(twists).enumerate();
-            rows.extend(columns.map(|(j, (column, twist))| {
-                let unknown = j.checked_sub(self.head).map(|u| &kinds[u].kind);
-                seen(column, twist, unknown)
-            }));
-        }
-        let (v, w) = (
-            residual_v.unwrap_or_default(),
-            residual_w.unwrap_or_default(),
-        );
-        rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
-        let Some(r_v) = residual_v else {
-            // The rate alone: half as many rows for the filter.
-            let lower = |d: &Vector6| -> Vector3 { d.fixed_rows::<3>(3).into() };
-            let mut rows: Vec<Vector3> = rows.iter().map(lower).collect();
-            let mut slopes: Vec<Vector3> = slopes.iter().map(lower).collect();
-            self.coloured((GYRO, 0, k), &mut rows, &mut slopes);
-            let white_noise = white_noise.fixed_view::<3, 3>(3, 3).into();
-            if let Some(white) = self.take(&slopes, &white_noise, &noise.gyro, rows) {
-                self.note(GYRO, &w, white);
-            }
-            return;
-        };
-        self.coloured((VELOCITY, 0, k), &mut rows, &mut slopes);
-        if residual_w.is_some() {
-            self.coloured((GYRO, 3, k), &mut rows, &mut slopes);
-        }
-        let Some(white) = self.take(&slopes, &white_noise, &sensors, rows) else {
-            return;
-        };
-        self.note(VELOCITY, &r_v, white.fixed_rows::<3>(0).into());
-        if let Some(r) = residual_w {
-            self.note(GYRO, &r, white.fixed_rows::<3>(3).into());
-        }
-    }
-
-    fn pose_rows(&mut self, motion: &Motion, state: &State, k: usize) {
-        let o = &self.segment.observations;
-        let noise = self.setting.noise;
-        if let Some(measured) = o.attitude[k] {
-            let late = self.ideal.rate.get(k).copied().unwrap_or_default();
-            let residual = small_turn(&state.R_NB, &measured) + late * self.attitude_lag;
-            self.pose(
-                motion,
-                (ATTITUDE, k),
-                &noise.attitude,
-                &residual,
-                |column, unknown| {
-                    let own: Vector3 = column.fixed_rows::<3>(0).into();
-                    match unknown {
-                        Some(UnknownKind::AttitudeLag) => own - late,
-                        _ => own,
-                    }
-                },
-            );
-        }
-        if let Some(measured) = o.position[k] {
-            let R = matrix(&state.R_NB);
-            let arm = o.position_arm_B;
-            let moving = slope(&o.time_s, &self.ideal.position, k);
-            let residual = measured - state.p_NoBo_N - R * arm + moving * self.translation_lag[1];
-            let seen = |column: &Column, unknown: Option<&UnknownKind>| {
-                let dphi: Vector3 = column.fixed_rows::<3>(0).into();
-                let own = column.fixed_rows::<3>(3) + R * dphi.cross(&arm);
-                match unknown {
-                    Some(UnknownKind::PositionLag) => own - moving,
-                    _ => own,
-                }
-            };
-            self.pose(motion, (POSITION, k), &noise.position, &residual, seen);
-        }
-    }
-
-    /// Three rows of a sensor of the pose.
-    fn pose(
-        &mut self,
-        motion: &Motion,
-        (channel, k): (usize, usize),
-        covariance: &Matrix3,
-        residual: &Vector3,
-        seen: impl Fn(&Column, Option<&UnknownKind>) -> Vector3,
-    ) {
-        let errors = self.inputs.columns.iter();
-        let mut slopes: Vec<Vector3> = errors.map(|c| seen(c, None)).collect();
-        let mut rows: Vec<Vector3> = Vec::with_capacity(motion.columns.len() + 1);
-        if self.qr.is_some() {
-            let kinds = &self.setting.parameters.unknowns;
-            let columns = motion.columns.iter().enumerate();
-            rows.extend(
-                columns.map(|(j, column)| {
-                    seen(column, j.checked_sub(self.head).map(|u| &kinds[u].kind))
-                }),
-            );
-        }
-        rows.push(*residual);
-        self.coloured((channel, 0, k), &mut rows, &mut slopes);
-        if let Some(white) = self.take(&slopes, covariance, covariance, rows) {
-            self.note(channel, residual, white);
-        }
     }
 
     /// Takes off what the reading of this channel before says of coloured noise, in rows `at` to `at + 2`. The
@@ -739,13 +343,6 @@ impl<'a> Compare<'a> {
                 .collect(),
         })
     }
-}
-
-/// A change of the base twist as seen by a velocity sensor at `arm`, and by the gyro.
-fn at_sensor(twist: &Vector6, arm: &Vector3) -> Vector6 {
-    let w: Vector3 = twist.fixed_rows::<3>(3).into();
-    let v: Vector3 = twist.fixed_rows::<3>(0) + w.cross(arm);
-    Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
 }
 
 /// Variance of the joint rates in a segment: a locked joint has none.

@@ -1,6 +1,7 @@
 //! Rows of the instruments at points of bodies: specific force, and increments of velocity.
 
-use super::{ACCELEROMETER, Compare, INCREMENT, slope};
+use super::ideal::slope;
+use super::{ACCELEROMETER, Compare, INCREMENT};
 use crate::motion::{Instant, Motion, Point, State, matrix};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::point_sensor::{

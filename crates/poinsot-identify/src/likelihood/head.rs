@@ -1,0 +1,105 @@
+//! Pose and momentum at the start of a segment, and which of them are unknown.
+
+use crate::motion::{Column, State};
+use crate::segment::{Noise, Segment};
+use poinsot_model::MomentumKnowledge;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+/// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Head {
+    pub R_NB: UnitQuaternion,
+    pub p_NoBo_N: Vector3,
+    pub P: Vector3,
+    pub h_SScm_N: Vector3,
+}
+
+/// Which parts of the head are unknown: a column for each component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct HeadColumns {
+    pub attitude: bool,
+    pub position: bool,
+    pub linear: bool,
+    pub angular: bool,
+}
+
+impl HeadColumns {
+    /// What a segment leaves unknown: a pose that no sensor measures is the choice of the frame.
+    ///
+    /// One that is taken as exact is known, at its first sample.
+    pub fn of(
+        segment: &Segment,
+        momentum: &poinsot_model::Momentum,
+        noise: &Noise,
+        sight: Sight,
+    ) -> Self {
+        let o = &segment.observations;
+        let seen = sight == Sight::Translation;
+        let noisy = |covariance: &Matrix3| *covariance != Matrix3::zeros();
+        Self {
+            // Without any attitude, motion in N still says how the base stands in N.
+            attitude: if o.attitude.iter().any(Option::is_some) {
+                noisy(&noise.attitude)
+            } else {
+                seen && (o.velocity.iter().any(Option::is_some)
+                    || o.position.iter().any(Option::is_some))
+            },
+            position: seen && noisy(&noise.position) && o.position.iter().any(Option::is_some),
+            linear: seen && momentum.linear == MomentumKnowledge::Estimate,
+            angular: momentum.angular == MomentumKnowledge::Estimate,
+        }
+    }
+
+    /// Number of columns.
+    pub fn count(&self) -> usize {
+        [self.attitude, self.position, self.linear, self.angular]
+            .iter()
+            .map(|b| 3 * usize::from(*b))
+            .sum()
+    }
+
+    /// First column of the linear and of the angular momentum.
+    pub fn momentum_at(&self) -> (Option<usize>, Option<usize>) {
+        let before = 3 * (usize::from(self.attitude) + usize::from(self.position));
+        let linear = self.linear.then_some(before);
+        let angular = self
+            .angular
+            .then_some(before + 3 * usize::from(self.linear));
+        (linear, angular)
+    }
+}
+
+/// Whether any translation is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sight {
+    /// Position or velocity.
+    Translation,
+    /// Attitude and rates only.
+    Rotation,
+}
+
+/// State at the first grid time and its change with every unknown.
+pub(crate) fn start(head: &Head, unknown: HeadColumns, unknowns: usize) -> (State, Vec<Column>) {
+    let state = State {
+        R_NB: head.R_NB,
+        p_NoBo_N: head.p_NoBo_N,
+        P: head.P,
+        h_SScm_N: head.h_SScm_N,
+    };
+    let mut columns = Vec::with_capacity(unknown.count() + unknowns);
+    let parts = [
+        unknown.attitude,
+        unknown.position,
+        unknown.linear,
+        unknown.angular,
+    ];
+    for (part, _) in parts.iter().enumerate().filter(|(_, wanted)| **wanted) {
+        for k in 0..3 {
+            let mut column = Column::zeros();
+            column[3 * part + k] = 1.0;
+            columns.push(column);
+        }
+    }
+    columns.resize(unknown.count() + unknowns, Column::zeros());
+    (state, columns)
+}
