@@ -13,6 +13,40 @@ impl Compare<'_> {
         slope(&self.segment.observations.time_s, &self.ideal.rate, k)
     }
 
+    /// The rate where no velocity is read: half as many rows.
+    fn rate_rows(&mut self, reading: &Vector3, instant: &Instant, twists: &[Vector6], k: usize) {
+        let noise = self.setting.noise;
+        let w = instant.twist.w;
+        let acceleration = self.acceleration(k);
+        let residual = reading - self.gyro.reading(&w, &acceleration);
+        let seen = |twist: &Vector6, unknown: Option<&UnknownKind>| {
+            let dw: Vector3 = twist.fixed_rows::<3>(3).into();
+            self.gyro.change(&w, &acceleration, &dw, unknown)
+        };
+        let mut white_noise = noise.gyro;
+        for (gain, variance) in self.inputs.rate_gain.iter().zip(&self.joint_rate) {
+            if *variance > 0.0 {
+                let g = seen(gain, None);
+                white_noise += g * g.transpose() * *variance;
+            }
+        }
+        let errors = self.inputs.twists.iter();
+        let mut slopes: Vec<Vector3> = errors.map(|t| seen(t, None)).collect();
+        let mut rows: Vec<Vector3> = Vec::with_capacity(twists.len() + 1);
+        if self.qr.is_some() {
+            let kinds = &self.setting.parameters.unknowns;
+            rows.extend(twists.iter().enumerate().map(|(j, twist)| {
+                let unknown = j.checked_sub(self.head).map(|u| &kinds[u].kind);
+                seen(twist, unknown)
+            }));
+        }
+        rows.push(residual);
+        self.coloured((GYRO, 0, k), &mut rows, &mut slopes);
+        if let Some(white) = self.take(&slopes, &white_noise, &noise.gyro, rows) {
+            self.note(GYRO, &residual, white);
+        }
+    }
+
     /// Velocity and rate together: the noise of joints and wheels is common to both.
     pub(super) fn twist_rows(
         &mut self,
@@ -23,6 +57,12 @@ impl Compare<'_> {
         k: usize,
     ) {
         let o = &self.segment.observations;
+        let Some(velocity) = o.velocity[k] else {
+            if let Some(rate) = o.rate[k] {
+                self.rate_rows(&rate, instant, twists, k);
+            }
+            return;
+        };
         let noise = self.setting.noise;
         let R = matrix(&state.R_NB);
         let arm = o.velocity_arm_B;
@@ -30,12 +70,11 @@ impl Compare<'_> {
         let acceleration = self.acceleration(k);
         let expected = self.gyro.reading(&instant.twist.w, &acceleration);
         let gain_of_v = R.transpose() * slope(&o.time_s, &self.ideal.velocity, k);
-        let residual_v =
-            o.velocity[k].map(|v| R.transpose() * v - v_S + gain_of_v * self.translation_lag[0]);
-        let residual_w = o.rate[k].map(|w| w - expected);
         // In body axes a reading turns with the attitude.
-        let v_read = o.velocity[k].map_or(v_S, |v| R.transpose() * v);
-        // How a change of state and twist shows in the two readings; nothing where one is missing.
+        let v_read = R.transpose() * velocity;
+        let r_v = v_read - v_S + gain_of_v * self.translation_lag[0];
+        let residual_w = o.rate[k].map(|w| w - expected);
+        // How a change of state and twist shows in the two readings; nothing where the rate is missing.
         let seen = |column: &Column, twist: &Vector6, unknown: Option<&UnknownKind>| {
             let mut d = at_sensor(twist, &arm);
             // R (v) measured in N: a turn of the body moves it by -[v]x dphi, in body axes.
@@ -48,16 +87,15 @@ impl Compare<'_> {
             let dw = self
                 .gyro
                 .change(&instant.twist.w, &acceleration, &dw, unknown);
-            d.fixed_rows_mut::<3>(0)
-                .copy_from(&residual_v.map_or_else(Vector3::zeros, |_| dv));
+            d.fixed_rows_mut::<3>(0).copy_from(&dv);
             d.fixed_rows_mut::<3>(3)
                 .copy_from(&residual_w.map_or_else(Vector3::zeros, |_| dw));
             d
         };
-        // Velocity is compared in body axes: there its noise and that of the joints add plainly. A missing half
+        // Velocity is compared in body axes: there its noise and that of the joints add plainly. A missing rate
         // is given a variance without information, and is not counted.
         let blind = Matrix3::identity() * (1.0e12 * (noise.velocity + noise.gyro).diagonal().max());
-        let velocity_B = residual_v.map_or(blind, |_| R.transpose() * noise.velocity * R);
+        let velocity_B = R.transpose() * noise.velocity * R;
         let mut sensors = Matrix6::zeros();
         sensors.fixed_view_mut::<3, 3>(0, 0).copy_from(&velocity_B);
         sensors
@@ -81,23 +119,8 @@ impl Compare<'_> {
                 seen(column, twist, unknown)
             }));
         }
-        let (v, w) = (
-            residual_v.unwrap_or_default(),
-            residual_w.unwrap_or_default(),
-        );
-        rows.push(Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z));
-        let Some(r_v) = residual_v else {
-            // The rate alone: half as many rows for the filter.
-            let lower = |d: &Vector6| -> Vector3 { d.fixed_rows::<3>(3).into() };
-            let mut rows: Vec<Vector3> = rows.iter().map(lower).collect();
-            let mut slopes: Vec<Vector3> = slopes.iter().map(lower).collect();
-            self.coloured((GYRO, 0, k), &mut rows, &mut slopes);
-            let white_noise = white_noise.fixed_view::<3, 3>(3, 3).into();
-            if let Some(white) = self.take(&slopes, &white_noise, &noise.gyro, rows) {
-                self.note(GYRO, &w, white);
-            }
-            return;
-        };
+        let w = residual_w.unwrap_or_default();
+        rows.push(Vector6::new(r_v.x, r_v.y, r_v.z, w.x, w.y, w.z));
         self.coloured((VELOCITY, 0, k), &mut rows, &mut slopes);
         if residual_w.is_some() {
             self.coloured((GYRO, 3, k), &mut rows, &mut slopes);
