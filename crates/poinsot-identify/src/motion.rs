@@ -317,12 +317,7 @@ impl<'a> Motion<'a> {
         self.forces(thrust, &instant.centre)
     }
 
-    /// Change of the base twist per unit of each joint rate and wheel speed at the instant given:
-    /// `dV/dq' = -H^-1 dc/dq'`. Used to pass their noise on.
-    pub fn input_gain(&mut self, instant: &Instant, joint: usize) -> Vector6 {
-        self.rate_gain(&instant.inverse_inertia, joint)
-    }
-
+    /// Change of the base twist per unit of a joint's rate: `dV/dq' = -H^-1 dc/dq'`.
     fn rate_gain(&mut self, inverse_inertia: &Matrix6, joint: usize) -> Vector6 {
         let v = self.vehicle;
         let zero = Vector3::zeros();
@@ -334,7 +329,7 @@ impl<'a> Motion<'a> {
         -(inverse_inertia * momentum(&v.bodies, &self.still))
     }
 
-    /// The same for a wheel: `-H^-1 [0; Js a]`.
+    /// The same for a wheel, at the instant given: `-H^-1 [0; Js a]`. Used to pass its noise on.
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
         self.speed_gain(&instant.inverse_inertia, wheel)
     }
