@@ -37,6 +37,46 @@ impl Shared {
         }
     }
 
+    /// The same with a damping of the nuisances, in units of which are given: `damping |b / unit|^2` is added.
+    pub fn damped(&self, units: &[f64], damping: f64) -> Self {
+        let mut more = BlockQr::new(self.r.ncols());
+        more.push(self.r.nrows(), |i, j| self.r[(i, j)]);
+        let root = damping.sqrt();
+        more.push(self.nuisances, |i, j| match i == j {
+            true => root / units[i],
+            false => 0.0,
+        });
+        Self {
+            r: more.finish().r,
+            nuisances: self.nuisances,
+            mass: self.mass,
+        }
+    }
+
+    /// Length of the column of each nuisance.
+    pub fn nuisance_lengths(&self) -> Vec<f64> {
+        let length = |j: usize| (0..=j).map(|i| self.r[(i, j)].powi(2)).sum::<f64>().sqrt();
+        (0..self.nuisances).map(length).collect()
+    }
+
+    /// How much a step of nuisances and mass properties lowers the square of the right-hand side.
+    pub fn lowered(&self, nuisances: &[f64], mass: &[f64]) -> f64 {
+        let n = self.nuisances + self.mass;
+        let step = || nuisances.iter().chain(mass);
+        (0..n)
+            .map(|i| {
+                let moved: f64 = step()
+                    .enumerate()
+                    .skip(i)
+                    .map(|(j, x)| self.r[(i, j)] * x)
+                    .sum();
+                let d = self.r[(i, n)];
+                // d^2 - (d - moved)^2, without the cancellation.
+                moved * (2.0 * d - moved)
+            })
+            .sum()
+    }
+
     /// Triangle of the mass properties.
     pub fn block(&self) -> Mat<f64> {
         let b = self.nuisances;
