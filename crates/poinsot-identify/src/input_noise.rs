@@ -22,7 +22,7 @@
 
 mod points;
 
-pub(crate) use points::is_increment;
+pub(crate) use points::{approximate, is_increment};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::segment::{InputErrors, Noise, Segment};

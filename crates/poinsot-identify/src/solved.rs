@@ -248,3 +248,52 @@ impl Solved {
         self.residual.0 / self.residual.1.max(1) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Elimination from the damped problem against its normal equations, solved whole.
+    #[test]
+    fn exact_a_damped_step_of_nuisances_and_mass_properties_is_that_of_the_normal_equations() {
+        let (nuisances, mass) = (3, 4);
+        let n = nuisances + mass;
+        let element = |i: usize, j: usize| match j < i {
+            true => 0.0,
+            false => ((7 * i + 3 * j + 1) as f64).sin() + f64::from(u8::from(i == j)) * 2.0,
+        };
+        let shared = Shared {
+            r: Mat::from_fn(n + 1, n + 1, element),
+            nuisances,
+            mass,
+        };
+        let (damping, units, natural) = (0.7, [0.5, 2.0, 0.1], [1.0, 3.0, 0.2, 1.5]);
+        let held = shared.damped(&units, damping);
+        let nothing = [0.0; 16];
+        let open = Spectrum::new(&shared.block(), &natural, &nothing, 1.0, 1.0e9).unwrap();
+        let spectrum = Spectrum::within(&held.block(), &nothing, &open).unwrap();
+        let scaled = spectrum.damped(&held.rhs(), damping);
+        let x: Vec<f64> = scaled
+            .iter()
+            .zip(natural)
+            .map(|(z, unit)| z * unit)
+            .collect();
+        let b = held.nuisances_for(&x);
+        let A = DMatrix::from_fn(n, n, element);
+        let d = DMatrix::from_fn(n, 1, |i, _| element(i, n));
+        let all: Vec<f64> = units.iter().chain(&natural).copied().collect();
+        let held_back = DMatrix::from_fn(n, n, |i, j| match i == j {
+            true => damping / (all[i] * all[i]),
+            false => 0.0,
+        });
+        let whole = (A.transpose() * &A + held_back)
+            .lu()
+            .solve(&(A.transpose() * &d))
+            .unwrap();
+        for (found, expected) in b.iter().chain(&x).zip(whole.iter()) {
+            assert!((found - expected).abs() < 1.0e-12, "{found} {expected}");
+        }
+        let left = (&d - A * whole).norm_squared();
+        assert!((shared.lowered(&b, &x) - d.norm_squared() + left).abs() < 1.0e-11);
+    }
+}

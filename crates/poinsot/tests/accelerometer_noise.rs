@@ -53,8 +53,8 @@ fn study(case: &Case) -> Study {
     let at = (case.kind, point.0, point.1);
     let mut truth: Model = with_point(with_thrusters(with_wheels(known_arm(5))), at, case.sigma);
     let flight = Flight {
-        rate_hz: 20.0,
-        duration_s: 16.0,
+        rate_hz: 40.0,
+        duration_s: 10.0,
         ..moving(&truth, 8)
     };
     let mut table = rotation_only(fly(&truth, &flight));

@@ -3,11 +3,26 @@
 use super::{Filter, Input, InputNoise};
 use crate::motion::{Instant, Motion, Point, State, matrix};
 use crate::point_sensor::{PointKind, PointReadings};
+use crate::problem::Problem;
 use crate::vehicle::slope_weights;
 use poinsot_spatial::Vector3;
 
 /// Positions that make up a derived rate, and how far the outermost stands from an acceleration that leans on it.
 const STENCIL: usize = 5;
+
+/// Where the noise of the inputs at instruments at points is only roughly right: what is read between two readings of a
+/// joint or wheel has errors that hang together otherwise than the filter takes them.
+pub(crate) fn approximate(problem: &Problem) -> Option<String> {
+    let noise = problem.noise;
+    let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
+    let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
+    let mut segments = problem.segments.iter().map(|s| &s.observations);
+    let between = segments.any(|o| o.between_readings && !o.points.is_empty());
+    (noisy && between).then(|| {
+        "accelerometers or velocity increments are read between the readings of joints or wheels, which are interpolated: what the noise of those adds to them is roughly right only, and sigmas that rest on it are; readings at the same times are exact"
+            .to_owned()
+    })
+}
 
 /// Instruments whose readings are changes of velocity.
 pub(super) fn increments(points: &[PointReadings]) -> usize {
