@@ -6,7 +6,7 @@ mod vehicle;
 use nalgebra::{Matrix3, UnitQuaternion};
 use poinsot_identify::Status;
 use poinsot_model::{Nuisance, SensorKind};
-use poinsot_spatial::skew;
+use poinsot_spatial::{Vector3, skew};
 use vehicle::*;
 
 /// Gyro bias, scale and misalignment, all wheel axes, two of three thrusters and the body itself, all off: what comes
