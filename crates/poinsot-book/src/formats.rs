@@ -162,7 +162,7 @@ const MEANINGS: [(&str, &str); 19] = [
     ),
     (
         "covariance",
-        "Names, units and matrix of all estimated numbers.",
+        "Names, units and matrix of all estimated mass properties and nuisances.",
     ),
     (
         "system",

@@ -1,6 +1,7 @@
 //! From the solved system to the answer: numbers, combinations, fit, status.
 
-use crate::answer_body::{Judge, body, covariance_rows, system};
+use crate::answer_body::{Judge, body, system};
+use crate::answer_covariance::{covariance, covariance_rows};
 use crate::answer_momentum::{momentum, nuisances};
 use crate::combination::split;
 use crate::estimate::{
@@ -69,8 +70,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     };
     let identifiability = identifiability(problem, solved, &judge);
     let status = status(&bodies, &identifiability, rejected, solved.settled);
-    let rows = covariance_rows(&solved.parameters, &bodies, &solved.x);
     let nuisance = nuisances(&judge, solved);
+    let rows = covariance_rows(solved, &bodies, &nuisance);
     let momentum = solved.starts.iter().map(|s| momentum(&judge, s)).collect();
     let system = (solved.parameters.equations == Equations::Momentum)
         .then(|| whole(problem, solved, &judge))
@@ -86,8 +87,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         system,
         momentum,
         covariance: covariance(solved, &rows, chi2.max(1.0)),
-        covariance_names: rows.iter().map(|r| r.0.clone()).collect(),
-        covariance_units: rows.iter().map(|r| r.1).collect(),
+        covariance_names: rows.iter().map(|r| r.name.clone()).collect(),
+        covariance_units: rows.iter().map(|r| r.unit).collect(),
         nuisance,
         identifiability,
         fit: solved.fit.clone(),
@@ -219,28 +220,6 @@ fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identif
         determined,
         open: words::open_directions(problem, solved),
     }
-}
-
-fn covariance(
-    solved: &Solved,
-    rows: &[(String, &'static str, Vec<f64>)],
-    scale: f64,
-) -> Vec<Vec<f64>> {
-    let c = solved.spectrum.covariance();
-    let m = c.nrows();
-    let apply = |g: &[f64]| -> Vec<f64> {
-        (0..m)
-            .map(|i| (0..m).map(|j| c[(i, j)] * g[j]).sum())
-            .collect()
-    };
-    rows.iter()
-        .map(|a| {
-            let image = apply(&a.2);
-            rows.iter()
-                .map(|b| scale * b.2.iter().zip(&image).map(|(x, y)| x * y).sum::<f64>())
-                .collect()
-        })
-        .collect()
 }
 
 fn warnings(

@@ -1,7 +1,7 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
 use crate::estimate::{BodyEstimate, Number, Principal, Source};
-use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, rotation_properties};
+use crate::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
 use crate::solved::Solved;
 use crate::spectrum::Spectrum;
@@ -313,47 +313,4 @@ fn tensor(t: &[f64; 6]) -> Matrix3 {
         m[(j, i)] = *value;
     }
     m
-}
-
-/// Names and gradients of the numbers whose covariance is reported: mass, mass centre and central
-/// inertia of every body asked for, where determined.
-pub(crate) fn covariance_rows(
-    parameters: &Parameters,
-    bodies: &[BodyEstimate],
-    x: &[f64],
-) -> Vec<(String, &'static str, Vec<f64>)> {
-    let mut rows = Vec::new();
-    for (at, body) in bodies.iter().enumerate() {
-        let name = &body.name;
-        let determined = |n: &Number| matches!(n.source, Source::Data | Source::Prior);
-        let ten = (parameters.equations == Equations::Momentum)
-            .then(|| TenParameters::of_body(parameters, at, x));
-        let unit = |wanted: UnknownKind| -> Vec<f64> {
-            parameters
-                .unknowns
-                .iter()
-                .map(|u| f64::from(u8::from(u.kind == wanted)))
-                .collect()
-        };
-        if let Some(ten) = ten.as_ref().filter(|_| determined(&body.mass)) {
-            rows.push((format!("{name}.mass"), "kg", ten.parameter(0).gradient));
-        }
-        for k in (0..3).filter(|k| determined(&body.com[*k])) {
-            let gradient = ten.as_ref().map_or_else(
-                || unit(UnknownKind::MassCentre(k)),
-                |t| t.mass_centre(k).gradient,
-            );
-            let axis = crate::parameters::axis_name(k);
-            rows.push((format!("{name}.com_{axis}"), "m", gradient));
-        }
-        for k in (0..6).filter(|k| determined(&body.inertia[*k])) {
-            let gradient = ten.as_ref().map_or_else(
-                || unit(UnknownKind::CentralInertia(k)),
-                |t| t.central_inertia(k).gradient,
-            );
-            let element = crate::parameters::tensor_name(k);
-            rows.push((format!("{name}.inertia_{element}"), "kg m2", gradient));
-        }
-    }
-    rows
 }

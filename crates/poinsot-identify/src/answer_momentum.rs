@@ -39,30 +39,34 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
         .unknowns
         .iter()
         .enumerate()
-        .filter_map(|(at, unknown)| {
-            let sigma = match unknown.kind {
-                UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => {
-                    let mut gradient = vec![0.0; parameters.len()];
-                    gradient[at] = 1.0;
-                    judge.sigma_with(&gradient, 0.0)
-                }
-                // One gust is nobody's question.
-                UnknownKind::RandomTorque(_) => return None,
-                ref kind if kind.is_nuisance() => {
-                    let k = at - mass;
-                    judge
-                        .sigma_with(&biases.slope[k], biases.covariance[(k, k)])
-                        .filter(|s| s.is_finite())
-                }
-                _ => return None,
+        .filter(|(_, unknown)| is_answered(&unknown.kind))
+        .map(|(at, unknown)| {
+            let sigma = if unknown.kind.is_nuisance() {
+                let k = at - mass;
+                judge
+                    .sigma_with(&biases.slope[k], biases.covariance[(k, k)])
+                    .filter(|s| s.is_finite())
+            } else {
+                let mut gradient = vec![0.0; parameters.len()];
+                gradient[at] = 1.0;
+                judge.sigma_with(&gradient, 0.0)
             };
-            Some(NamedNumber {
+            NamedNumber {
                 name: unknown.name.clone(),
                 unit: unknown.unit,
                 number: decide(sigma, solved.x[at], unknown.nominal),
-            })
+            }
         })
         .collect()
+}
+
+/// Whether an unknown is a number of its own in the answer. One gust of a random torque is nobody's question.
+pub(crate) fn is_answered(kind: &UnknownKind) -> bool {
+    match kind {
+        UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
+        UnknownKind::RandomTorque(_) => false,
+        kind => kind.is_nuisance(),
+    }
 }
 
 fn decide(sigma: Option<f64>, value: f64, nominal: f64) -> Number {

@@ -2,7 +2,8 @@
 //!
 //! Pose, momentum and biases are eliminated by the order of the columns, so each step is decided in the
 //! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
-//! not move.
+//! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
+//! properties: only pose and momentum follow whole.
 
 use crate::coordinates::{Coordinates, PhysicalBodies};
 use crate::information::{Experiment, Point};
@@ -22,6 +23,10 @@ pub(crate) const ITERATIONS: usize = 60;
 const SETTLED: f64 = 1.0e-8;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
+/// By how much the cost may rise over a step that is taken, where the unknowns move the covariance of the readings by way of
+/// the noise of the inputs: Gauss and Newton's step does not look at that, and ends where chi-square alone is least at
+/// the covariance found, a fraction of a sigma from the least cost.
+const COVARIANCE: f64 = 0.1;
 /// Fall of chi-square beyond the edge that is more than the barrier's own: a five-hundredth of a sigma.
 const FELT: f64 = 4.0e-6;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
@@ -285,6 +290,9 @@ impl LeastSquares for Experiment<'_> {
 
     fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
         let local = &here.rows;
+        if let Some(step) = self.step_of_all(at, local, damping) {
+            return step;
+        }
         let (step, lowered) = self.mass_step(&at.x, local, damping);
         Step {
             to: moved(self, at, local.parts(), &step),
@@ -295,14 +303,67 @@ impl LeastSquares for Experiment<'_> {
 }
 
 impl Experiment<'_> {
+    fn covariance_moves(&self) -> f64 {
+        let noise = self.problem.noise;
+        let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
+        match inputs.into_iter().flatten().any(|v| *v > 0.0) {
+            true => COVARIANCE,
+            false => 0.0,
+        }
+    }
+
+    /// A step that damps nuisances too: they are eliminated from the damped problem, not from the plain one. `None`
+    /// where there is nothing to damp.
+    ///
+    /// The unit of a nuisance is what shows as much in the readings as the largest mass property does in its own
+    /// (Marquardt 1963 scales by the columns as well).
+    fn step_of_all(&self, at: &Point, local: &Local, damping: f64) -> Option<Step<Point>> {
+        let shared = &local.shared;
+        if damping <= 0.0 || !damping.is_finite() || shared.nuisances == 0 {
+            return None;
+        }
+        let longest = self.longest_column(&local.evaluated);
+        let lengths = shared.nuisance_lengths();
+        let most = lengths.iter().fold(longest, |a, b| a.max(*b));
+        let reference = if longest > 0.0 { longest } else { most };
+        let unit = |length: &f64| reference / length.max(f64::EPSILON * most);
+        let units: Vec<f64> = lengths.iter().map(unit).collect();
+        if units.iter().any(|u| !u.is_finite() || *u <= 0.0) {
+            return None;
+        }
+        let held = shared.damped(&units, damping);
+        let nothing = vec![0.0; shared.mass * shared.mass];
+        let spectrum = Spectrum::within(&held.block(), &nothing, &local.spectrum).ok()?;
+        let (step, _) = mass_step(&at.x, local, (&spectrum, &held.rhs()), damping);
+        let natural = &spectrum.natural;
+        let mass: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
+        let lowered = shared.lowered(&held.nuisances_for(&mass), &mass);
+        Some(Step {
+            to: moved(self, at, (&local.evaluated, &held, natural), &step),
+            promised: heads_decrease(self, local) + lowered,
+            bend: 0.0,
+        })
+    }
+
     /// Step of the mass unknowns, natural units, and how much the linear model says that it lowers chi-square.
     fn mass_step(&self, x: &[f64], local: &Local, damping: f64) -> (Vec<f64>, f64) {
-        let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
-        let step = spectrum.damped(&rhs, damping);
-        match &local.bodies {
-            Some(bodies) if local.leaves(x, &step) => bodies.step(spectrum, &rhs, damping, x),
-            _ => (step, spectrum.decrease(&rhs, damping)),
-        }
+        let of = (&local.spectrum, local.shared.rhs());
+        mass_step(x, local, (of.0, &of.1), damping)
+    }
+}
+
+/// Step of the mass unknowns, natural units, that a triangle and its right-hand side ask for, and how much they say that
+/// it lowers chi-square.
+fn mass_step(
+    x: &[f64],
+    local: &Local,
+    (spectrum, rhs): (&Spectrum, &[f64]),
+    damping: f64,
+) -> (Vec<f64>, f64) {
+    let step = spectrum.damped(rhs, damping);
+    match &local.bodies {
+        Some(bodies) if local.leaves(x, &step) => bodies.step(spectrum, rhs, damping, x),
+        _ => (step, spectrum.decrease(rhs, damping)),
     }
 }
 
@@ -333,7 +394,7 @@ fn linearised(
     };
     Ok(Linearised {
         cost,
-        round_off: ROUND_OFF * (1.0 + cost),
+        round_off: ROUND_OFF * (1.0 + cost) + experiment.covariance_moves(),
         promised: {
             let (_, lowered) = experiment.mass_step(&at.x, &local, 0.0);
             promised_decrease(experiment, &local, lowered)
@@ -401,7 +462,16 @@ pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
 /// How much the linear model says a step lowers chi-square of which the mass properties' part is given.
 fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
     let shared = &local.shared;
-    let heads: f64 = local
+    let n = shared.nuisances + shared.mass;
+    let biases: f64 = (0..shared.nuisances)
+        .map(|i| shared.r[(i, n)].powi(2))
+        .sum();
+    heads_decrease(experiment, local) + biases + lowered
+}
+
+/// The part of it that pose and momentum bring, which follow whole.
+fn heads_decrease(experiment: &Experiment, local: &Local) -> f64 {
+    local
         .evaluated
         .iter()
         .zip(&experiment.unknown)
@@ -410,12 +480,7 @@ fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f6
             let last = t.r.ncols() - 1;
             (0..h).map(|i| t.r[(i, last)].powi(2)).sum::<f64>()
         })
-        .sum();
-    let n = shared.nuisances + shared.mass;
-    let biases: f64 = (0..shared.nuisances)
-        .map(|i| shared.r[(i, n)].powi(2))
-        .sum();
-    heads + biases + lowered
+        .sum()
 }
 
 /// The point after a step of the mass properties: biases and heads follow.

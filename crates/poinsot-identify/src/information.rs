@@ -176,7 +176,7 @@ impl<'a> Experiment<'a> {
     }
 
     /// Length of the longest column of a mass property before projection, natural units.
-    fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
+    pub(crate) fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
         let unknowns = &self.parameters.unknowns;
         let mass = unknowns.iter().filter(|u| !u.kind.is_nuisance());
         mass.enumerate()

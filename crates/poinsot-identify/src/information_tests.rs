@@ -244,6 +244,8 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
                 .collect(),
             joint_errors: Vec::new(),
             wheel_errors: Vec::new(),
+            derived_rates: Vec::new(),
+            between_readings: false,
         },
         accelerations: None,
         firings: vec![Firing {

@@ -14,18 +14,29 @@
 //! Kalman filter (Kalman 1960) whose readings are the residuals; what it leaves of them, the innovations, is white
 //! (Kailath 1968), and so are the sensitivities that went through the same filter: maximum likelihood with errors
 //! in the inputs at a cost linear in the samples.
+//!
+//! An accelerometer feels how rates and speeds change, so its reading leans on the errors at the grid times beside its
+//! own. Where there is one, the filter's state holds the errors of a window of grid times, those ahead included, and the
+//! errors of joint rates with them. A velocity increment leans on two instants: what erred at its beginning is kept
+//! until it ends.
+
+mod points;
+
+pub(crate) use points::{approximate, is_increment};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::segment::{InputErrors, Noise, Segment};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::JointSlopes;
-use poinsot_spatial::Vector6;
+use poinsot_spatial::{Vector3, Vector6};
 
 /// An input whose readings err.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Input {
     Joint(usize),
     Wheel(usize),
+    /// A joint's rate, where an instrument at a point feels it. Elsewhere it is white noise of the rows.
+    Rate(usize),
 }
 
 /// The equation of motion around the prediction at one grid time.
@@ -47,6 +58,13 @@ pub(crate) struct InputNoise {
     memory: Vec<InputErrors>,
     /// Components of `s` that inputs can reach.
     active: Vec<usize>,
+    /// Grid times on each side of the one in hand whose errors are held.
+    reach: usize,
+    /// Joints whose rate is made of their positions.
+    derived: Vec<bool>,
+    time_s: Vec<f64>,
+    /// Whether rates are among the inputs.
+    tracks_rates: bool,
     slopes: JointSlopes,
     before: Option<Slopes>,
     /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
@@ -61,14 +79,30 @@ impl InputNoise {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
     pub fn new(noise: &Noise, segment: &Segment, forced: bool, followed: usize) -> Self {
         let o = &segment.observations;
-        let translation =
-            o.velocity.iter().any(Option::is_some) || o.position.iter().any(Option::is_some);
+        let increments = points::increments(&o.points);
+        let translation = o.velocity.iter().any(Option::is_some)
+            || o.position.iter().any(Option::is_some)
+            || increments > 0;
+        let tracks_rates = !o.points.is_empty();
+        let derived = if tracks_rates {
+            o.derived_rates.clone()
+        } else {
+            Vec::new()
+        };
         let joints = noise.joint_position.iter().enumerate();
         let wheels = noise.wheel_speed.iter().enumerate();
+        let rates = noise.joint_rate.iter().enumerate().filter(|(k, _)| {
+            let still = matches!(
+                o.joint_errors.get(*k),
+                Some(InputErrors::Locked | InputErrors::None)
+            );
+            tracks_rates && !still && derived.get(*k) != Some(&true)
+        });
         let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
         let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel_errors.get(k)));
+        let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
         let (mut inputs, mut memory) = (Vec::new(), Vec::new());
-        for (input, variance, errors) in joints.chain(wheels) {
+        for (input, variance, errors) in joints.chain(wheels).chain(rates) {
             let errors = errors.cloned().unwrap_or_default();
             if variance > 0.0 && errors != InputErrors::None {
                 inputs.push((input, variance));
@@ -82,8 +116,21 @@ impl InputNoise {
             (_, true, false) => (0..6).collect(),
             (_, true, true) => (0..12).collect(),
         };
-        let size = active.len() + inputs.len();
+        let reach = match inputs.is_empty() {
+            true => 0,
+            false => points::reach(&o.points, &derived),
+        };
+        let size = active.len() + (2 * reach + 1) * inputs.len() + 3 * increments;
+        let size = if inputs.is_empty() { 0 } else { size };
         Self {
+            reach,
+            tracks_rates,
+            derived,
+            time_s: if reach > 0 {
+                o.time_s.clone()
+            } else {
+                Vec::new()
+            },
             filter: Filter::new(size, followed),
             columns: vec![Column::zeros(); size],
             twists: vec![Vector6::zeros(); size],
@@ -99,6 +146,17 @@ impl InputNoise {
     /// Whether there is nothing to do: no input errs.
     pub fn is_silent(&self) -> bool {
         self.inputs.is_empty()
+    }
+
+    /// Whether the filter knows the noise of joint rates, so that rows need not.
+    pub fn tracks_rates(&self) -> bool {
+        self.tracks_rates
+    }
+
+    /// Place in the filter's state of an input's error, so many grid times after the one in hand.
+    fn place(&self, input: usize, after: isize) -> usize {
+        let block = self.reach.saturating_add_signed(after);
+        self.active.len() + block * self.inputs.len() + input
     }
 
     /// Carries the filter to grid time k, where the motion has just given its velocity.
@@ -117,7 +175,6 @@ impl InputNoise {
             None => self.begin(&now),
             Some(before) => self.carry(&before, &now, motion.step_s(k), k),
         }
-        let n = self.active.len();
         for (i, &at) in self.active.iter().enumerate() {
             self.columns[i] = Column::zeros();
             self.columns[i][at] = 1.0;
@@ -126,9 +183,11 @@ impl InputNoise {
         for (c, at_once) in now.at_once.iter().enumerate() {
             let mut column = Column::zeros();
             column.fixed_rows_mut::<6>(0).copy_from(at_once);
-            self.columns[n + c] = column;
-            self.twists[n + c] += map.fixed_view::<6, 6>(0, 0) * at_once;
+            let at = self.place(c, 0);
+            self.columns[at] = column;
+            self.twists[at] += map.fixed_view::<6, 6>(0, 0) * at_once;
         }
+        self.add_derived_rates(k);
         self.before = Some(now);
     }
 
@@ -142,7 +201,7 @@ impl InputNoise {
         k: usize,
     ) -> Slopes {
         let R = matrix(&state.R_NB);
-        let n = self.active.len();
+        self.twists.fill(Vector6::zeros());
         let pose = motion.pose_slopes(state, instant, map);
         let mut at_once = Vec::with_capacity(self.inputs.len());
         let mut drive = Vec::with_capacity(self.inputs.len());
@@ -157,8 +216,17 @@ impl InputNoise {
                     (-(instant.inverse_inertia * change), self.rate_gain[*j])
                 }
                 Input::Wheel(w) => (motion.wheel_gain(instant, *w), Vector6::zeros()),
+                Input::Rate(j) => {
+                    // Positions alone drive: an interval's mean rate is that of its ends.
+                    at_once.push(Vector6::zeros());
+                    drive.push(Vector6::zeros());
+                    let at = self.place(c, 0);
+                    self.twists[at] = self.rate_gain[*j];
+                    continue;
+                }
             };
-            self.twists[n + c] = position;
+            let at = self.place(c, 0);
+            self.twists[at] = position;
             let once = pose_change(&R, &rate);
             let mut slow = pose_change(&R, &position);
             if rate != Vector6::zeros() {
@@ -188,12 +256,16 @@ impl InputNoise {
         k: usize,
     ) -> (Matrix6x12, Vec<Vector6>) {
         let R = matrix(&state.R_NB);
-        let drives = self.inputs.iter().map(|(input, _)| {
-            let Input::Joint(j) = input else {
-                return Vector6::zeros();
-            };
-            let first_moment = &self.slopes.of[*j].first_moment;
-            let (dF, dT) = motion.wrench_change(instant, k, *j, first_moment);
+        let drives = self.inputs.iter().enumerate().map(|(c, (input, _))| {
+            let (mut dF, mut dT) = (Vector3::zeros(), Vector3::zeros());
+            if let Input::Joint(j) = input {
+                let first_moment = &self.slopes.of[*j].first_moment;
+                (dF, dT) = motion.wrench_change(state, instant, k, *j, first_moment);
+            }
+            if !matches!(input, Input::Rate(_)) {
+                let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
+                dT += motion.drag_change(state, instant, &dw);
+            }
             let (dP, dh) = (R * dF, R * dT);
             Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
         });
@@ -203,22 +275,30 @@ impl InputNoise {
 
     /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
     fn begin(&mut self, now: &Slopes) {
-        let n = self.active.len();
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
-            let at_once = &now.at_once[c];
-            let of = |i: usize| match i.checked_sub(n) {
-                None => -at_once.get(self.active[i]).copied().unwrap_or_default(),
-                Some(input) => f64::from(u8::from(input == c)),
-            };
-            let vector: Vec<f64> = (0..n + self.inputs.len()).map(of).collect();
-            self.filter.add_outer(&vector, *variance);
+            let mut vector = vec![0.0; self.filter.size];
+            for (x, &row) in vector.iter_mut().zip(&self.active) {
+                *x = -now.at_once[c].get(row).copied().unwrap_or_default();
+            }
+            let mut fresh = *variance;
+            // Each error ahead is what stays of the one before it and something new.
+            for first in 0..=self.reach {
+                let mut share = 1.0;
+                for after in first..=self.reach {
+                    vector[self.place(c, after as isize)] = share;
+                    share *= self.memory[c].memory(after);
+                }
+                self.filter.add_outer(&vector, fresh);
+                vector.fill(0.0);
+                fresh = variance * (1.0 - self.memory[c].memory(first).powi(2));
+            }
         }
     }
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
         let n = self.active.len();
-        let size = n + self.inputs.len();
+        let (size, ahead) = (self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;
         let push = before.push.as_ref();
         let A = |row: usize, column: usize| match row.checked_sub(6) {
@@ -227,7 +307,7 @@ impl InputNoise {
         };
         // Rows of the active components; the errors of the inputs only fade.
         let mut upper = vec![0.0; n * size];
-        let faded: Vec<f64> = self.memory.iter().map(|m| m.memory(k - 1)).collect();
+        let mut faded: Vec<f64> = self.memory.iter().map(|m| m.memory(k - 1)).collect();
         for (i, &row) in self.active.iter().enumerate() {
             for (j, &column) in self.active.iter().enumerate() {
                 // Exponential to second order: h is a fraction of a turn.
@@ -246,11 +326,22 @@ impl InputNoise {
                 });
                 move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
             });
+            let here = self.place(c, 0);
             for (i, &row) in self.active.iter().enumerate() {
-                upper[i * size + n + c] = ends[0](row) + a * ends[1](row);
-                fresh.push(ends[1](row));
+                upper[i * size + here] = ends[0](row);
+                if ahead {
+                    upper[i * size + self.place(c, 1)] = ends[1](row);
+                } else {
+                    upper[i * size + here] += a * ends[1](row);
+                    fresh.push(ends[1](row));
+                }
             }
         }
+        if ahead {
+            return self.shift(&upper, k);
+        }
+        // What began an increment stays.
+        faded.resize(size - n, 1.0);
         self.filter.advance(&upper, &faded);
         let mut vector = vec![0.0; size];
         for (c, ((_, variance), a)) in self.inputs.iter().zip(&faded).enumerate() {
@@ -357,6 +448,33 @@ impl Filter {
             }
             mean[..n].copy_from_slice(next);
             mean[n..].iter_mut().zip(faded).for_each(|(m, a)| *m *= a);
+        }
+    }
+
+    /// The same for any `F`, row by row in elements that are not zero.
+    fn map(&mut self, rows: &[Vec<(usize, f64)>]) {
+        let size = self.size;
+        for (row, out) in rows.iter().zip(self.scratch.chunks_exact_mut(size)) {
+            out.fill(0.0);
+            for (k, f) in row {
+                let from = &self.covariance[k * size..(k + 1) * size];
+                out.iter_mut().zip(from).for_each(|(o, p)| *o += f * p);
+            }
+        }
+        let dot = |row: &[(usize, f64)], x: &[f64]| row.iter().map(|(k, f)| f * x[*k]).sum::<f64>();
+        for (i, product) in self.scratch.chunks_exact(size).enumerate() {
+            for (j, row) in rows.iter().enumerate().take(i + 1) {
+                let p = dot(row, product);
+                self.covariance[i * size + j] = p;
+                self.covariance[j * size + i] = p;
+            }
+        }
+        let mut next = vec![0.0; size];
+        for mean in self.means.chunks_exact_mut(size) {
+            for (x, row) in next.iter_mut().zip(rows) {
+                *x = dot(row, mean);
+            }
+            mean.copy_from_slice(&next);
         }
     }
 

@@ -6,6 +6,7 @@
 
 mod answer;
 mod answer_body;
+mod answer_covariance;
 mod answer_momentum;
 mod block_qr;
 mod bound;

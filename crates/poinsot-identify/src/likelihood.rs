@@ -93,6 +93,9 @@ pub(crate) fn evaluate(
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
     compare.inputs = InputNoise::new(setting.noise, segment, forced, compare.followed());
+    if compare.inputs.tracks_rates() {
+        compare.joint_rate.fill(0.0);
+    }
     compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
     compare.points.predict(&vehicle, segment, &state)?;
     let samples = segment.observations.time_s.len();
@@ -236,17 +239,17 @@ impl<'a> Compare<'a> {
         }
     }
 
-    /// Three rows that the errors of the inputs reach only through `covariance`.
+    /// Three rows of an instrument at a point; `slopes` is what errors of the inputs do to its reading.
     fn three(
         &mut self,
-        channel: usize,
+        (channel, slopes): (usize, &[Vector3]),
         covariance: &Matrix3,
         residual: &Vector3,
         column: impl Fn(usize) -> Vector3,
     ) {
         let mut rows: Vec<Vector3> = (1..self.followed()).map(|j| column(j - 1)).collect();
         rows.push(*residual);
-        if let Some(white) = self.take(&[], covariance, covariance, rows) {
+        if let Some(white) = self.take(slopes, covariance, covariance, rows) {
             self.note(channel, residual, white);
         }
     }

@@ -97,6 +97,9 @@ pub(crate) fn solve(
     let at = fitted.at.clone();
     let mut solved = conclude(&experiment, fitted, explained, found);
     solved.assumptions = assumptions;
+    if let Some(warning) = crate::input_noise::approximate(problem) {
+        solved.warnings.push(warning);
+    }
     solved.wheels_smooth = experiment.wheels_smooth;
     Ok((solved, at))
 }

@@ -327,19 +327,7 @@ impl<'a> Motion<'a> {
         self.forces(thrust, &instant.centre)
     }
 
-    /// Change of the base twist per unit of a joint rate at the instant given: `dV/dq' = -H^-1 dc/dq'`.
-    pub fn input_gain(&mut self, instant: &Instant, joint: usize) -> Vector6 {
-        let v = self.vehicle;
-        let zero = Vector3::zeros();
-        let mut unit = vec![0.0; v.tree.dof()];
-        unit[joint] = 1.0;
-        self.still.R.clone_from(&self.site.kinematics.R);
-        self.still.p.clone_from(&self.site.kinematics.p);
-        self.still.set_velocities(v.tree, &zero, &zero, &unit);
-        -(instant.inverse_inertia * momentum(&v.bodies, &self.still))
-    }
-
-    /// The same for a wheel: `-H^-1 [0; Js a]`.
+    /// Change of the base twist per unit of a wheel's speed at the instant given: `-H^-1 [0; Js a]`.
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
         let rotor = &self.vehicle.tree.rotors[wheel];
         let h = self.site.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];

@@ -79,6 +79,11 @@ pub struct Observations {
     pub joint_errors: Vec<InputErrors>,
     /// The same for each wheel's speed.
     pub wheel_errors: Vec<InputErrors>,
+    /// Joints whose rate at every grid time is the slope of the polynomial through the five nearest positions, all of
+    /// them read at grid times; read for itself where the list is shorter.
+    pub derived_rates: Vec<bool>,
+    /// Whether joints or wheels are read at other times than those of the grid, and interpolated.
+    pub between_readings: bool,
 }
 
 impl Observations {

@@ -37,6 +37,46 @@ impl Shared {
         }
     }
 
+    /// The same with a damping of the nuisances, in units of which are given: `damping |b / unit|^2` is added.
+    pub fn damped(&self, units: &[f64], damping: f64) -> Self {
+        let mut more = BlockQr::new(self.r.ncols());
+        more.push(self.r.nrows(), |i, j| self.r[(i, j)]);
+        let root = damping.sqrt();
+        more.push(self.nuisances, |i, j| match i == j {
+            true => root / units[i],
+            false => 0.0,
+        });
+        Self {
+            r: more.finish().r,
+            nuisances: self.nuisances,
+            mass: self.mass,
+        }
+    }
+
+    /// Length of the column of each nuisance.
+    pub fn nuisance_lengths(&self) -> Vec<f64> {
+        let length = |j: usize| (0..=j).map(|i| self.r[(i, j)].powi(2)).sum::<f64>().sqrt();
+        (0..self.nuisances).map(length).collect()
+    }
+
+    /// How much a step of nuisances and mass properties lowers the square of the right-hand side.
+    pub fn lowered(&self, nuisances: &[f64], mass: &[f64]) -> f64 {
+        let n = self.nuisances + self.mass;
+        let step = || nuisances.iter().chain(mass);
+        (0..n)
+            .map(|i| {
+                let moved: f64 = step()
+                    .enumerate()
+                    .skip(i)
+                    .map(|(j, x)| self.r[(i, j)] * x)
+                    .sum();
+                let d = self.r[(i, n)];
+                // d^2 - (d - moved)^2, without the cancellation.
+                moved * (2.0 * d - moved)
+            })
+            .sum()
+    }
+
     /// Triangle of the mass properties.
     pub fn block(&self) -> Mat<f64> {
         let b = self.nuisances;
@@ -206,5 +246,54 @@ impl Solved {
     /// Chi-square per degree of freedom.
     pub fn chi2_per_dof(&self) -> f64 {
         self.residual.0 / self.residual.1.max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Elimination from the damped problem against its normal equations, solved whole.
+    #[test]
+    fn exact_a_damped_step_of_nuisances_and_mass_properties_is_that_of_the_normal_equations() {
+        let (nuisances, mass) = (3, 4);
+        let n = nuisances + mass;
+        let element = |i: usize, j: usize| match j < i {
+            true => 0.0,
+            false => ((7 * i + 3 * j + 1) as f64).sin() + f64::from(u8::from(i == j)) * 2.0,
+        };
+        let shared = Shared {
+            r: Mat::from_fn(n + 1, n + 1, element),
+            nuisances,
+            mass,
+        };
+        let (damping, units, natural) = (0.7, [0.5, 2.0, 0.1], [1.0, 3.0, 0.2, 1.5]);
+        let held = shared.damped(&units, damping);
+        let nothing = [0.0; 16];
+        let open = Spectrum::new(&shared.block(), &natural, &nothing, 1.0, 1.0e9).unwrap();
+        let spectrum = Spectrum::within(&held.block(), &nothing, &open).unwrap();
+        let scaled = spectrum.damped(&held.rhs(), damping);
+        let x: Vec<f64> = scaled
+            .iter()
+            .zip(natural)
+            .map(|(z, unit)| z * unit)
+            .collect();
+        let b = held.nuisances_for(&x);
+        let A = DMatrix::from_fn(n, n, element);
+        let d = DMatrix::from_fn(n, 1, |i, _| element(i, n));
+        let all: Vec<f64> = units.iter().chain(&natural).copied().collect();
+        let held_back = DMatrix::from_fn(n, n, |i, j| match i == j {
+            true => damping / (all[i] * all[i]),
+            false => 0.0,
+        });
+        let whole = (A.transpose() * &A + held_back)
+            .lu()
+            .solve(&(A.transpose() * &d))
+            .unwrap();
+        for (found, expected) in b.iter().chain(&x).zip(whole.iter()) {
+            assert!((found - expected).abs() < 1.0e-12, "{found} {expected}");
+        }
+        let left = (&d - A * whole).norm_squared();
+        assert!((shared.lowered(&b, &x) - d.norm_squared() + left).abs() < 1.0e-11);
     }
 }

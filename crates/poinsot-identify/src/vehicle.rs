@@ -218,6 +218,13 @@ pub(crate) fn parabola_slope(t: &[f64], value: impl Fn(usize) -> f64, i: usize) 
     }
 }
 
+/// Grid times and weights of the values that make up [`parabola_slope`].
+pub(crate) fn slope_weights(t: &[f64], i: usize) -> Vec<(usize, f64)> {
+    let from = i.saturating_sub(1);
+    let weight = |j: usize| parabola_slope(t, |k| f64::from(u8::from(k == j)), i);
+    (from..t.len().min(i + 2)).map(|j| (j, weight(j))).collect()
+}
+
 /// Thrusters that fire in the interval after each grid time (the grid holds all edges of firings).
 pub(crate) fn thrust_by_interval(segment: &Segment) -> Vec<Vec<(usize, f64)>> {
     let t = &segment.observations.time_s;

@@ -375,10 +375,12 @@ pub(crate) fn numbers_of(
     mass.chain(com).chain(inertia)
 }
 
-/// `e^T C^-1 e` over the rows of the stated covariance; `None` where it is singular (numbers that hang
+/// `e^T C^-1 e` over the mass properties in the stated covariance; `None` where it is singular (numbers that hang
 /// together) or a truth is missing.
 fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
-    let names = &estimate.covariance_names;
+    let is_mass = |name: &str| estimate.nuisance.iter().all(|n| n.name != name);
+    let all = estimate.covariance_names.iter().enumerate();
+    let (at, names): (Vec<usize>, Vec<&String>) = all.filter(|(_, name)| is_mass(name)).unzip();
     let n = names.len();
     if n == 0 {
         return None;
@@ -386,12 +388,12 @@ fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
     let mut scaled = DVector::zeros(n);
     let mut sigma = vec![1.0; n];
     for (i, name) in names.iter().enumerate() {
-        let number = numbers.iter().find(|x| x.name == *name)?;
-        sigma[i] = estimate.covariance[i][i].sqrt();
+        let number = numbers.iter().find(|x| x.name == **name)?;
+        sigma[i] = estimate.covariance[at[i]][at[i]].sqrt();
         scaled[i] = number.error / sigma[i];
     }
     let correlation = DMatrix::from_fn(n, n, |i, j| {
-        estimate.covariance[i][j] / (sigma[i] * sigma[j])
+        estimate.covariance[at[i]][at[j]] / (sigma[i] * sigma[j])
     });
     let l = correlation.cholesky()?.unpack();
     if (0..n).any(|i| l[(i, i)] < 1.0e-6) {

@@ -1,69 +1,18 @@
 //! Accelerometers and velocity increments from the model to the answer.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
+mod points;
 mod vehicle;
 
 use poinsot::{Error, IdentifyRequest, identify_tables};
-use poinsot_dynamics::{MotionSample, Prescribed, Tolerance, vector_reading};
 use poinsot_identify::{Source, Status};
 use poinsot_model::{EstimateSet, Model, Nuisance, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
 use poinsot_testkit::rigid_body::{AsymmetricTop, Spin};
+use points::{add_point, push, with_point};
 use std::sync::Arc;
 use vehicle::*;
-
-/// Adds the readings of an instrument at a point of a body; of increments from the second time on.
-fn add_point(
-    table: &mut Table,
-    model: &Model,
-    flight: &Flight,
-    (kind, body, place): (SensorKind, usize, Vector3),
-) {
-    let times = table.channels[0].time_s.clone();
-    let mut readings: Vec<Vector3> = Vec::new();
-    let read = |s: &MotionSample| readings.push(vector_reading(kind, s, body, &place));
-    Prescribed::new(model, &flight.plan, Tolerance::default())
-        .unwrap()
-        .run(&flight.start, &times, read)
-        .unwrap();
-    let (prefix, from) = match kind {
-        SensorKind::Accelerometer => ("acc", 0),
-        _ => ("dv", 1),
-    };
-    if from == 1 {
-        let before = readings.clone();
-        for (k, x) in readings.iter_mut().enumerate().skip(1) {
-            *x -= before[k - 1];
-        }
-    }
-    push(table, prefix, times[from..].into(), &readings[from..]);
-}
-
-fn push(table: &mut Table, prefix: &str, time_s: Arc<[f64]>, readings: &[Vector3]) {
-    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
-        table.channels.push(Channel {
-            name: format!("{prefix}_{axis}"),
-            sensor: String::new(),
-            unit: String::new(),
-            frame: String::new(),
-            time_s: time_s.clone(),
-            values: readings.iter().map(|x| x[k]).collect(),
-        });
-    }
-}
-
-fn with_point(
-    mut model: Model,
-    (kind, body, place): (SensorKind, usize, Vector3),
-    sigma: f64,
-) -> Model {
-    let mut one = sensor(kind, sigma);
-    one.body = body;
-    one.p_BoS_B = place;
-    model.sensors.push(one);
-    model
-}
 
 /// A coasting body and what its accelerometer reads, in closed form: `f = alpha x r + w x (w x r)` from the mass
 /// centre, with the torque-free top for `w` and Euler's equation for `alpha`.

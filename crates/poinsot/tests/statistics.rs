@@ -9,9 +9,12 @@ mod setups;
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
 use poinsot::predict::{predict, prediction_document, prediction_json};
-use poinsot::trials::{Statistics, Study, statistics, statistics_document};
+use poinsot::trials::{Band, Statistics, Study, statistics, statistics_document};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Problem, Status, linear};
+use poinsot_identify::{
+    Estimate, FitOptions, Problem, Status, TENSOR, linear, maximum_likelihood_with,
+};
+use poinsot_model::SensorKind;
 use std::path::{Path, PathBuf};
 
 fn study(name: &str, stride: usize) -> Study {
@@ -110,6 +113,74 @@ fn stat_a_wrong_declaration_is_caught() {
     let result = judge(&study, 60);
     assert!(!result.faults().is_empty());
     assert!((result.chi2_per_dof - 1.5).abs() < 0.05);
+}
+
+/// Errors of mass properties and nuisances together in the metric of the whole stated covariance: its mean is their
+/// number where variances and correlations are right.
+#[test]
+fn stat_covariance_of_mass_properties_and_nuisances_together_is_that_of_the_errors() {
+    let study = study("tug_thrusters", 10);
+    let model = &study.model;
+    let tree = Tree::new(model);
+    let gyro = model
+        .sensors
+        .iter()
+        .position(|s| s.kind == SensorKind::Gyro)
+        .unwrap();
+    let truth = study.truth[0];
+    let (trials, mut sum, mut mass_alone, mut count) = (300, 0.0, 0.0, 0);
+    for trial in 0..trials {
+        let (tables, biases) = study.draw(trial);
+        let bound = bind(model, &tree, &tables).unwrap();
+        let problem = Problem {
+            model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: 1.0,
+        };
+        let options = FitOptions {
+            undiagnosed: true,
+            ..FitOptions::default()
+        };
+        let answer = maximum_likelihood_with(&problem, options).unwrap();
+        let body = &answer.bodies[0];
+        let value = |n: &poinsot_identify::Number| n.value.unwrap();
+        let mut errors = vec![value(&body.mass) - truth.mass];
+        errors.extend((0..3).map(|k| value(&body.com[k]) - truth.p_BoBcm_B[k]));
+        for (n, element) in body.inertia.iter().zip(TENSOR) {
+            errors.push(value(n) - truth.I_BBcm_B[element]);
+        }
+        let gyro_bias =
+            model.sensors[gyro].R_BS * nalgebra::Vector3::from_column_slice(&biases[gyro]);
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let name = format!("gyro.bias_{axis}");
+            let found = answer.nuisance.iter().find(|n| n.name == name).unwrap();
+            assert_eq!(answer.covariance_names[10 + k], name);
+            let stated = answer.covariance[10 + k][10 + k].sqrt();
+            assert!((stated / found.number.sigma.unwrap() - 1.0).abs() < 1.0e-9);
+            errors.push(value(&found.number) - gyro_bias[k]);
+        }
+        count = errors.len();
+        assert_eq!(answer.covariance_names.len(), count);
+        let square = |n: usize| {
+            let scale = |i: usize| answer.covariance[i][i].sqrt();
+            let C = nalgebra::DMatrix::from_fn(n, n, |i, j| {
+                answer.covariance[i][j] / (scale(i) * scale(j))
+            });
+            let e = nalgebra::DVector::from_fn(n, |i, _| errors[i] / scale(i));
+            e.dot(&C.cholesky().unwrap().solve(&e))
+        };
+        sum += square(count);
+        mass_alone += square(10);
+    }
+    let band = Band::of_mean_square(count as u64 * trials);
+    let ratio = sum / (count * trials as usize) as f64;
+    println!(
+        "{ratio:.4} of {count} numbers, {:.4} of ten",
+        mass_alone / (10 * trials) as f64
+    );
+    assert!(band.holds(ratio), "{ratio}");
 }
 
 fn linear_answer(study: &Study, trial: u64) -> Option<Estimate> {

@@ -2,19 +2,36 @@
 
 use super::{MODEL, finer, noise};
 use crate::information::Experiment;
-use crate::likelihood::{Head, HeadColumns, start};
+use crate::likelihood::{Head, HeadColumns, perfect, start};
 use crate::motion::Motion;
 use crate::parameters::{Equations, Parameters};
+use crate::point_sensor::PointKind;
 use crate::problem::Problem;
-use crate::segment::{InputErrors, Noise, Segment};
+use crate::segment::{InputErrors, Noise, Observations, Segment};
 use crate::vehicle::Vehicle;
 use nalgebra::{UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_model::parse_model;
 
+/// How the problem is put.
+#[derive(Clone, Copy, Default)]
+struct Case {
+    translation: bool,
+    /// Samples for each of the plain motion.
+    fine: usize,
+    /// Whether an accelerometer and velocity increments are read.
+    points: bool,
+    /// Whether joint rates are made of positions.
+    derived: bool,
+    smooth: bool,
+}
+
 /// Relative gap of chi-square and `ln det` of the filter to those of the dense covariance `C = S + G E G^T`, with `G`
 /// from differences over every reading of every input.
-fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
+fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
+    let Case {
+        translation, fine, ..
+    } = case;
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
     let mut made = finer(&model, &tree, translation, fine);
@@ -28,15 +45,29 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
     noise.attitude *= 1.0e-3;
     noise.velocity *= 1.0e-3;
     noise.position *= 1.0e-3;
+    if case.points {
+        noise.joint_rate = vec![2.0e-4, 1.0e-4];
+        noise.joint_position = vec![4.0e-5, 1.0e-5];
+        noise.wheel_speed = vec![4.0];
+        for p in &mut made.observations.points {
+            p.covariance *= 1.0e-1;
+        }
+    } else {
+        made.observations.points.clear();
+    }
+    if case.derived {
+        made.observations.derived_rates = vec![true, true];
+        derive_rates(&mut made.observations);
+    }
+    // Nearly nothing: a joint without noise is differentiated otherwise.
+    let nothing = |v: &Vec<f64>| v.iter().map(|x| 1.0e-20 * x).collect::<Vec<f64>>();
     let silent = Noise {
-        joint_position: vec![0.0; 2],
+        joint_position: nothing(&noise.joint_position),
+        joint_rate: nothing(&noise.joint_rate),
         wheel_speed: vec![0.0],
         ..noise.clone()
     };
-    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
-    // What a joint does to the gravity gradient, and inputs to an accelerometer, is left out of the filter.
-    parameters.gm = None;
-    made.observations.points.clear();
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     // The start must not follow what the readings say.
     let head = Head {
         R_NB: UnitQuaternion::from_euler_angles(0.1, 0.2, -0.3),
@@ -47,7 +78,9 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
     let predicted = |segment: &Segment, head: &Head| {
         let spin = [0.002];
         let x = parameters.nominal_vector();
-        let vehicle = Vehicle::new(&tree, &model.thrusters, &parameters, &spin, &x);
+        let mut vehicle = Vehicle::new(&tree, &model.thrusters, &parameters, &spin, &x);
+        vehicle.noisy_joints = vec![true; 2];
+        vehicle.wheels_smooth = case.smooth;
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, 0);
         let (mut state, _) = start(
             head,
@@ -66,7 +99,12 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
             let arm = segment.observations.velocity_arm_B;
             let v = state.R_NB * (twist.v + twist.w.cross(&arm));
             let p = state.p_NoBo_N + state.R_NB * segment.observations.position_arm_B;
-            all.push((state.R_NB, v, twist.w, p));
+            let instant = motion.velocity(&state, k).unwrap().0;
+            let points = segment.observations.points.iter();
+            let points: Vec<Vector3<f64>> = points
+                .map(|p| perfect(&mut motion, &state, &instant, p, k))
+                .collect();
+            all.push((state.R_NB, v, twist.w, p, points));
             if k + 1 < samples {
                 state = motion.advance(&state, k).unwrap();
             }
@@ -81,19 +119,30 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
             noise,
             relative_accuracy: 1.0,
         };
-        let experiment = Experiment::new(&problem, &parameters);
+        let mut experiment = Experiment::new(&problem, &parameters);
+        experiment.wheels_smooth = case.smooth;
         let mut point = experiment.nominal_point();
         point.heads[0] = head;
         experiment.evaluate(&point, false).unwrap().remove(0)
     };
     // Close to the prediction: slopes of residuals in turning axes depend on the residual.
-    for (k, (R, v, w, p)) in predicted(&made, &head).into_iter().enumerate() {
+    let mut before: Vec<Vector3<f64>> = Vec::new();
+    for (k, (R, v, w, p, points)) in predicted(&made, &head).into_iter().enumerate() {
         let error = Vector3::new((k as f64).sin(), (2.0 * k as f64).cos(), 0.5) * 1.0e-2;
         let o = &mut made.observations;
         o.attitude[k] = Some(R * UnitQuaternion::from_scaled_axis(error));
         o.velocity[k] = o.velocity[k].map(|_| v + error);
         o.rate[k] = Some(w + error);
         o.position[k] = o.position[k].map(|_| p + error);
+        for (i, (p, value)) in o.points.iter_mut().zip(&points).enumerate() {
+            let value = match p.kind {
+                PointKind::SpecificForce => *value,
+                PointKind::VelocityIncrement => value - before.get(i).unwrap_or(value),
+            };
+            let here = p.readings.iter_mut().find(|r| r.to == k);
+            here.into_iter().for_each(|r| r.value = value + error * 3.0);
+        }
+        before = points;
     }
     // Residuals in units of the sensors' noise: C = 1 + G E G^T.
     let white = |segment: &Segment| -> Vec<f64> {
@@ -107,9 +156,19 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
     let residual = nalgebra::DVector::from_vec(white(&made));
     let samples = made.observations.time_s.len();
     let mut C = nalgebra::DMatrix::identity(residual.len(), residual.len());
-    for input in 0..3 {
+    let rates = if case.points && !case.derived { 2 } else { 0 };
+    for input in 0..3 + rates {
         let (variance, errors, step) = match input {
-            2 => (40.0, made.observations.wheel_errors[0].clone(), 1.0e-3),
+            3.. => (
+                noise.joint_rate[input - 3],
+                InputErrors::Independent,
+                1.0e-4,
+            ),
+            2 => (
+                noise.wheel_speed[0],
+                made.observations.wheel_errors[0].clone(),
+                1.0e-3,
+            ),
             j => (
                 noise.joint_position[j],
                 made.observations.joint_errors[j].clone(),
@@ -121,8 +180,12 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
                 let mut moved = made.clone();
                 let o = &mut moved.observations;
                 match input {
+                    3.. => o.joint_rate[2 * k + input - 3] += d,
                     2 => o.wheel_speed[k] += d,
                     j => o.joint_position[2 * k + j] += d,
+                }
+                if case.derived {
+                    derive_rates(o);
                 }
                 nalgebra::DVector::from_vec(white(&moved))
             });
@@ -150,17 +213,57 @@ fn dense(translation: bool, fine: usize, joints: [InputErrors; 2], wheel: InputE
     gap.max(((found.cost - found.chi2) / log_det - 1.0).abs())
 }
 
+/// Joint rates as slopes of quartics through five positions, by Lagrange's formula in another form than the filter's.
+fn derive_rates(o: &mut Observations) {
+    let n = o.time_s.len();
+    for k in 0..n {
+        let first = k.saturating_sub(2).min(n - 5);
+        let system = nalgebra::DMatrix::from_fn(5, 5, |i, p| {
+            (o.time_s[first + i] - o.time_s[k]).powi(p as i32)
+        });
+        let system = system.lu();
+        for j in 0..2 {
+            let q = nalgebra::DVector::from_fn(5, |i, _| o.joint_position[2 * (first + i) + j]);
+            o.joint_rate[2 * k + j] = system.solve(&q).unwrap()[1];
+        }
+    }
+}
+
 #[test]
 fn exact_chi2_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
     let kept = |a: f64| InputErrors::Kept(vec![a; 200]);
     for translation in [true, false] {
+        let case = |fine: usize| Case {
+            translation,
+            fine,
+            ..Case::default()
+        };
         let white = || [InputErrors::Independent, InputErrors::Independent];
-        let coarse = dense(translation, 2, white(), InputErrors::Independent);
-        let fine = dense(translation, 4, white(), InputErrors::Independent);
-        let lasting = dense(translation, 4, [InputErrors::Locked, kept(0.7)], kept(0.9));
+        let coarse = dense(case(2), white(), InputErrors::Independent);
+        let fine = dense(case(4), white(), InputErrors::Independent);
+        let lasting = dense(case(4), [InputErrors::Locked, kept(0.7)], kept(0.9));
         // Measured: 6e-4, 2e-4 and 3e-4.
         assert!(fine < 5.0e-4 && lasting < 1.0e-3, "{fine:e} {lasting:e}");
         // The trapezium over a step is of second order.
         assert!(fine < 0.5 * coarse, "{coarse:e} {fine:e}");
+    }
+}
+
+#[test]
+fn exact_chi2_of_instruments_at_points_with_noise_in_the_inputs_is_that_of_the_dense_covariance() {
+    let kept = |a: f64| InputErrors::Kept(vec![a; 200]);
+    let white = || [InputErrors::Independent, InputErrors::Independent];
+    // Measured: 4e-5.
+    for (translation, derived, smooth) in [(true, false, false), (false, true, true)] {
+        let case = Case {
+            translation,
+            fine: 4,
+            derived,
+            smooth,
+            points: true,
+        };
+        let fresh = dense(case, white(), InputErrors::Independent);
+        let lasting = dense(case, [kept(0.5), kept(0.7)], kept(0.9));
+        assert!(fresh < 2.0e-4 && lasting < 2.0e-4, "{fresh:e} {lasting:e}");
     }
 }

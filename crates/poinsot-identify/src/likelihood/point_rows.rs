@@ -2,6 +2,7 @@
 
 use super::ideal::slope;
 use super::{ACCELEROMETER, Compare, INCREMENT};
+use crate::input_noise::is_increment;
 use crate::motion::{Instant, Motion, Point, State, matrix};
 use crate::parameters::{Parameters, UnknownKind};
 use crate::point_sensor::{
@@ -9,15 +10,13 @@ use crate::point_sensor::{
 };
 use crate::segment::Segment;
 use crate::vehicle::Vehicle;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::Vector3;
 
-/// A point's velocity in N at a grid time, with its change per column and what noise in the joint rates and
-/// wheel speeds adds to its variance.
+/// A point's velocity in N at a grid time, with its change per column.
 struct Velocity {
     at: usize,
     value: Vector3,
     columns: Vec<Vector3>,
-    variance: Matrix3,
 }
 
 /// One instrument in the course of a segment.
@@ -138,10 +137,17 @@ impl Compare<'_> {
                     });
                     if here.is_some() || begins {
                         let now = self.velocity_at(motion, state, instant, p, k);
+                        let point: Point = (p.body, p.p_BoS_B);
+                        let errors =
+                            self.inputs
+                                .velocity_slopes(motion, (state, k), instant, &point);
+                        let which = points[..i].iter().filter(|p| is_increment(p)).count();
                         if let Some(reading) = here {
-                            self.increment_rows(&now, (i, p), &reading);
+                            let errors = self.inputs.less_kept(which, errors.clone());
+                            self.increment_rows(&now, (i, p), &reading, &errors);
                         }
                         self.points.all[i].began = Some(now);
+                        self.inputs.keep(which, &errors);
                     }
                 }
             }
@@ -167,21 +173,21 @@ impl Compare<'_> {
         let forces = motion.specific_force(state, k, instant, &[point]);
         let Some(force) = forces.first() else { return };
         let t = &self.segment.observations.time_s;
-        // A rate of change from readings at both neighbours.
-        let span = match (t.get(k.wrapping_sub(1)), t.get(k + 1)) {
-            (Some(a), Some(b)) => b - a,
-            (None, Some(b)) => b - t[k],
-            (Some(a), None) => t[k] - a,
-            (None, None) => return,
-        };
-        let axes = motion.body_axes(p.body).transpose();
-        let inputs = axes * self.input_variance(motion, instant, &point) * axes.transpose();
-        let covariance = p.covariance + inputs * (2.0 / (span * span));
+        if t.len() < 2 {
+            return;
+        }
         let rate = slope(t, &self.points.all[i].ideal, k);
         let errors = self.points.all[i].errors;
         let residual = reading.value - errors.reading(&force.value, &rate);
+        let slopes = self
+            .inputs
+            .force_slopes(motion, (state, k), instant, &point);
+        let seen = slopes
+            .iter()
+            .map(|d| errors.change(&force.value, &rate, d, None));
+        let slopes: Vec<Vector3> = seen.collect();
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-        self.three(ACCELEROMETER, &covariance, &residual, |j| {
+        self.three((ACCELEROMETER, &slopes), &p.covariance, &residual, |j| {
             let fault = j
                 .checked_sub(head)
                 .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
@@ -195,6 +201,7 @@ impl Compare<'_> {
         now: &Velocity,
         (i, p): (usize, &PointReadings),
         reading: &PointReading,
+        slopes: &[Vector3],
     ) {
         let one = &self.points.all[i];
         let Some(began) = one.began.as_ref().filter(|v| v.at == reading.from) else {
@@ -205,7 +212,10 @@ impl Compare<'_> {
         let errors = one.errors;
         let increment = now.value - began.value;
         let residual = reading.value - errors.reading(&increment, &rate);
-        let covariance = p.covariance + now.variance + began.variance;
+        let seen = slopes
+            .iter()
+            .map(|d| errors.change(&increment, &rate, d, None));
+        let slopes: Vec<Vector3> = seen.collect();
         let columns: Vec<Vector3> = now
             .columns
             .iter()
@@ -213,7 +223,7 @@ impl Compare<'_> {
             .map(|(b, a)| b - a)
             .collect();
         let (kinds, head) = (&self.setting.parameters.unknowns, self.head);
-        self.three(INCREMENT, &covariance, &residual, |j| {
+        self.three((INCREMENT, &slopes), &p.covariance, &residual, |j| {
             let fault = j
                 .checked_sub(head)
                 .and_then(|u| fault_of(&kinds[u].kind, p.sensor));
@@ -233,31 +243,10 @@ impl Compare<'_> {
         let point: Point = (p.body, p.p_BoS_B);
         let R = matrix(&state.R_NB);
         let (velocity, columns) = motion.point_velocity_columns(&instant.twist, &point);
-        let inputs = self.input_variance(motion, instant, &point);
         Velocity {
             at: k,
             value: R * velocity,
             columns: columns.iter().map(|d| R * d).collect(),
-            variance: R * inputs * R.transpose(),
         }
-    }
-
-    /// Variance of a point's velocity in B from the noise of joint rates and wheel speeds.
-    fn input_variance(&self, motion: &mut Motion, instant: &Instant, point: &Point) -> Matrix3 {
-        let noise = self.setting.noise;
-        let mut sum = Matrix3::zeros();
-        for (joint, variance) in self.joint_rate.iter().enumerate() {
-            if *variance > 0.0 {
-                let g = motion.point_gain(instant, joint, point);
-                sum += g * g.transpose() * *variance;
-            }
-        }
-        for (wheel, variance) in noise.wheel_speed.iter().enumerate() {
-            if *variance > 0.0 {
-                let g = motion.point_wheel_gain(instant, wheel, point);
-                sum += g * g.transpose() * *variance;
-            }
-        }
-        sum
     }
 }

@@ -11,6 +11,8 @@
 //! with `Y_A` the regressor of the momentum's rate. `b` is quadratic in `w` and free of `v` (N is inertial), so
 //! a central difference with a step of one is its slope to round-off.
 
+mod input_errors;
+
 use super::inputs::thruster_at;
 use super::{Instant, Motion, State};
 use crate::parameters::UnknownKind;
@@ -150,7 +152,7 @@ impl Motion<'_> {
     }
 
     /// Slope of a point's velocity in B over one joint's position, the twist held.
-    fn point_velocity_slope(&self, twist: &Twist, (body, p): &Point, joint: usize) -> Vector3 {
+    pub fn point_velocity_slope(&self, twist: &Twist, (body, p): &Point, joint: usize) -> Vector3 {
         let tree = self.vehicle.tree;
         let step = 1.0e-5_f64;
         let mut kinematics = Kinematics::new(tree);
@@ -167,7 +169,7 @@ impl Motion<'_> {
     }
 
     /// Slope of a point's velocity in B over one joint's rate, the twist held.
-    fn point_rate_slope(&self, (body, p): &Point, joint: usize) -> Vector3 {
+    pub fn point_rate_slope(&self, (body, p): &Point, joint: usize) -> Vector3 {
         let tree = self.vehicle.tree;
         let zero = Vector3::zeros();
         let mut unit = vec![0.0; tree.dof()];
@@ -175,28 +177,6 @@ impl Motion<'_> {
         let mut kinematics = self.site.kinematics.clone();
         kinematics.set_velocities(tree, &zero, &zero, &unit);
         kinematics.v[*body] + kinematics.w[*body].cross(&(kinematics.R[*body] * p))
-    }
-
-    /// Change of a point's velocity in B per unit of a wheel's speed, the momentum held.
-    pub fn point_wheel_gain(&self, instant: &Instant, wheel: usize, (body, p): &Point) -> Vector3 {
-        let gain = self.wheel_gain(instant, wheel);
-        let r = self.site.kinematics.p[*body] + self.site.kinematics.R[*body] * p;
-        upper(&gain) + lower(&gain).cross(&r)
-    }
-
-    /// Change of a point's velocity in B per unit of a joint's rate, the momentum held.
-    pub fn point_gain(&mut self, instant: &Instant, joint: usize, (body, p): &Point) -> Vector3 {
-        let gain = self.input_gain(instant, joint);
-        // `still` now moves at the unit rate alone.
-        let arm = self.still.R[*body] * p;
-        let own = self.still.v[*body] + self.still.w[*body].cross(&arm);
-        let r = self.still.p[*body] + arm;
-        upper(&gain) + lower(&gain).cross(&r) + own
-    }
-
-    /// Rotation from body i to the base at the last instant.
-    pub fn body_axes(&self, body: usize) -> Matrix3 {
-        self.site.kinematics.R[body]
     }
 
     /// Whether a thruster fires up to grid time k and the record ends there: whether it goes on is not known.

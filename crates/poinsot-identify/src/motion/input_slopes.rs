@@ -3,7 +3,7 @@
 use super::{Instant, Motion, State, matrix};
 use nalgebra::SMatrix;
 use poinsot_dynamics::{JointSlopes, Motion as Joint};
-use poinsot_spatial::{Vector3, skew};
+use poinsot_spatial::{Matrix3, Vector3, skew};
 
 impl Motion<'_> {
     /// Time from the grid time before k to k, s.
@@ -91,6 +91,7 @@ impl Motion<'_> {
     /// mass centre.
     pub fn wrench_change(
         &self,
+        state: &State,
         instant: &Instant,
         k: usize,
         joint: usize,
@@ -105,11 +106,49 @@ impl Motion<'_> {
             change.0 += dF;
             change.1 += (dp - dc).cross(&force.F_B) + force.arm_B.cross(&dF);
         }
+        if self.vehicle.gm.is_some() {
+            let dI = self.inertia_carried(joint, &instant.centre.c);
+            change.1 += self.gradient_change(state, &dI);
+        }
         change
+    }
+
+    /// What a change of the base's rate does to the torque of the surroundings.
+    pub fn drag_change(&self, state: &State, instant: &Instant, dw: &Vector3) -> Vector3 {
+        let (w, still) = (&instant.twist.w, Vector3::zeros());
+        self.surroundings_change(state, &instant.centre, (w, dw), &still, None)
+    }
+
+    /// Change of the inertia about the system's mass centre with a joint position, in B. The mass centre's own move is
+    /// of second order in it.
+    fn inertia_carried(&self, joint: usize, c: &Vector3) -> Matrix3 {
+        let kinematics = &self.site.kinematics;
+        let mut sum = Matrix3::zeros();
+        for (i, body) in self.vehicle.bodies.iter().enumerate() {
+            let (R, D) = (&kinematics.R[i], kinematics.p[i] - c);
+            let mc = R * body.mc_B;
+            // A first moment is a mass times a place that moves as its body's origin does, and turns.
+            let (dmc, dD) = self.carried(i, joint, &kinematics.p[i], &mc);
+            let (turn, _) = self.turned_by(i, joint);
+            let J = R * body.I_BBo_B * R.transpose();
+            let W = skew(&turn);
+            let about = |a: &Vector3, b: &Vector3| {
+                Matrix3::identity() * (2.0 * a.dot(b)) - a * b.transpose() - b * a.transpose()
+            };
+            sum += W * J - J * W + about(&D, &dD) * body.mass + about(&dD, &mc) + about(&D, &dmc);
+        }
+        sum
     }
 
     /// Change of a vector and of a point fixed in a body with a joint position; zero for bodies before the joint.
     fn carried(&self, body: usize, joint: usize, p: &Vector3, F: &Vector3) -> (Vector3, Vector3) {
+        let (turn, shift) = self.turned_by(body, joint);
+        (turn.cross(F), turn.cross(p) + shift)
+    }
+
+    /// How a body turns with a joint position and how a point of it at the base's origin would move, in B; zero for
+    /// bodies before the joint.
+    fn turned_by(&self, body: usize, joint: usize) -> (Vector3, Vector3) {
         let links = &self.vehicle.tree.links;
         let mut at = body;
         while at != 0 {
@@ -117,7 +156,7 @@ impl Motion<'_> {
             let axis = link.axis_B(&self.site.kinematics.R[at]);
             match link.motion {
                 Joint::Revolute(k) if k == joint => {
-                    return (axis.cross(F), axis.cross(&(p - self.site.kinematics.p[at])));
+                    return (axis, self.site.kinematics.p[at].cross(&axis));
                 }
                 Joint::Prismatic(k) if k == joint => return (Vector3::zeros(), axis),
                 _ => at = link.parent,

@@ -80,6 +80,16 @@ impl Motion<'_> {
         change
     }
 
+    /// What a change of the inertia does to the torque of the gravity gradient.
+    pub(super) fn gradient_change(&self, state: &State, dI: &Matrix3) -> Vector3 {
+        let Some(gm) = self.vehicle.gm else {
+            return Vector3::zeros();
+        };
+        let distance = self.site.orbit_N.norm();
+        let u = state.R_NB.inverse() * self.site.orbit_N / distance;
+        u.cross(&(dI * u)) * (3.0 * gm / distance.powi(3))
+    }
+
     /// Change of the inertia about the system's mass centre with one unknown:
     /// `dI_Bo - d(m (c.c 1 - c c^T))`, in B.
     fn inertia_change(&self, unknown: usize, centre: &Centre) -> Matrix3 {

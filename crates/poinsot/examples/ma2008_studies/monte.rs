@@ -155,6 +155,8 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             wheel_speed: Vec::new(),
             joint_errors: Vec::new(),
             wheel_errors: Vec::new(),
+            derived_rates: Vec::new(),
+            between_readings: false,
         },
     }
 }

@@ -47,6 +47,59 @@ pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> 
     model.wheels.iter().enumerate().map(of).collect()
 }
 
+/// Joints whose rate is differentiated from positions that are read at all grid times and no others.
+pub(super) fn derived_rates(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels,
+    grid: &[f64],
+) -> Vec<bool> {
+    let of = |&at: &usize| {
+        let joint = &model.joints[at];
+        let (position, rate) = joint_columns(&joint.name, joint.kind);
+        let position = channels.find(None, &position);
+        let position = position.filter(|p| !is_locked(model, at, p));
+        channels.find(None, &rate).is_none()
+            && position.is_some_and(|p| {
+                let longest = 2.5 * median_step(&p.time_s).unwrap_or(0.0);
+                let whole = p.time_s.windows(2).all(|w| w[1] - w[0] < longest);
+                whole && p.time_s.len() == grid.len() && read_at(p, grid)
+            })
+    };
+    tree.coordinates.iter().map(of).collect()
+}
+
+/// Whether some joint or wheel is not read at all grid times.
+pub(super) fn between_readings(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels,
+    grid: &[f64],
+) -> bool {
+    let joints = tree.coordinates.iter().flat_map(|&at| {
+        let joint = &model.joints[at];
+        let (position, rate) = joint_columns(&joint.name, joint.kind);
+        [position, rate]
+    });
+    let wheels = model.wheels.iter().map(|w| format!("{}_rad_s", w.name));
+    let mut names = joints.chain(wheels);
+    names.any(|name| {
+        channels
+            .find(None, &name)
+            .is_some_and(|c| !read_at(c, grid))
+    })
+}
+
+/// Whether a channel has a sample at every grid time.
+fn read_at(channel: &Channel, grid: &[f64]) -> bool {
+    let tolerance = 1.0e-6 * median_step(&channel.time_s).unwrap_or(0.0);
+    let mut times = channel.time_s.iter();
+    grid.iter().all(|t| {
+        let mut later = times.by_ref().skip_while(|x| **x < t - tolerance);
+        later.next().is_some_and(|x| (x - t).abs() <= tolerance)
+    })
+}
+
 /// Whether a joint's rounded reading never changes: it is locked, and does not move.
 pub(super) fn is_locked(model: &Model, joint: usize, position: &Channel) -> bool {
     sensor(model, SensorKind::JointPosition, joint)

@@ -1,7 +1,7 @@
 //! Every sensor at its own times, on the union of them: for maximum likelihood.
 
 use super::channels::{Channels, VectorChannels, joint_columns};
-use super::input_errors::{is_locked, joint_errors, wheel_errors};
+use super::input_errors::{between_readings, derived_rates, is_locked, joint_errors, wheel_errors};
 use super::orbit::orbit_at;
 use super::points::point_channels;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -93,6 +93,8 @@ pub(super) fn observe(
         wheel_speed: rows(2 * dof, inputs.len()),
         joint_errors: joint_errors(model, tree, channels, &time_s),
         wheel_errors: wheel_errors(model, channels, &time_s),
+        derived_rates: derived_rates(model, tree, channels, &time_s),
+        between_readings: between_readings(model, tree, channels, &time_s),
         time_s,
     }
 }

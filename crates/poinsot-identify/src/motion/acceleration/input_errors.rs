@@ -1,0 +1,136 @@
+//! How the specific force at a point answers to small errors of state and inputs.
+
+use super::{Inputs, Moving, Point, RateSlopes, lower, stack, upper};
+use crate::motion::{Column, Instant, Motion, State};
+use crate::vehicle::slope_weights;
+use poinsot_dynamics::{Accelerations, Kinematics};
+use poinsot_spatial::{Matrix3, Vector3, Vector6};
+
+/// Step over a joint's position, rad or m; over all else the equations are quadratic, and a step of one is exact.
+const STEP: f64 = 1.0e-5;
+
+/// The equation of the accelerations around one instant.
+pub(crate) struct ForceAround<'m, 'a> {
+    motion: &'m Motion<'a>,
+    state: State,
+    instant: Instant,
+    k: usize,
+    point: Point,
+    inputs: Inputs,
+    slopes: RateSlopes,
+    /// Acceleration of the base.
+    base: Vector6,
+    /// Axes of the point's body, and its place in B.
+    R: Matrix3,
+    r: Vector3,
+}
+
+impl<'a> Motion<'a> {
+    /// Wants the instant that [`Motion::velocity`] gave for the same time.
+    pub fn force_around(
+        &self,
+        (state, k): (&State, usize),
+        instant: &Instant,
+        point: &Point,
+    ) -> ForceAround<'_, 'a> {
+        let tree = self.vehicle.tree;
+        let inputs = self.second_order_inputs(k);
+        let mut moving = Moving {
+            kinematics: Kinematics::new(tree),
+            body: Accelerations::new(tree),
+        };
+        let wrench = self.wrench(state, &inputs.thrust, instant);
+        let free = self.rate_without_base(&mut moving, &inputs, &instant.twist);
+        let R = moving.kinematics.R[point.0];
+        ForceAround {
+            slopes: self.rate_slopes(&inputs, &instant.twist, &[*point]),
+            base: instant.inverse_inertia * (wrench - free),
+            r: moving.kinematics.p[point.0] + R * point.1,
+            R,
+            motion: self,
+            state: *state,
+            instant: *instant,
+            k,
+            point: *point,
+            inputs,
+        }
+    }
+}
+
+impl ForceAround<'_, '_> {
+    /// A change of the state with the change of the twist that goes with it, joints and wheels as they are.
+    pub fn state(&self, column: &Column, twist: &Vector6) -> Vector3 {
+        let dphi: Vector3 = column.fixed_rows::<3>(0).into();
+        let dw = lower(twist);
+        if dw == Vector3::zeros() && dphi == Vector3::zeros() {
+            return Vector3::zeros();
+        }
+        let centre = &self.instant.centre;
+        let w = &self.instant.twist.w;
+        let torque = self
+            .motion
+            .surroundings_change(&self.state, centre, (w, &dw), &dphi, None);
+        let own = self.slopes.balance * dw;
+        let base = self.instant.inverse_inertia * (stack(&Vector3::zeros(), &torque) - own);
+        let direct = self
+            .slopes
+            .force_B
+            .first()
+            .map_or_else(Vector3::zeros, |f| f * dw);
+        self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r) + direct)
+    }
+
+    /// A joint's position, the twist held.
+    pub fn joint_position(&self, joint: usize) -> Vector3 {
+        self.input(STEP, |inputs, step| inputs.q[joint] += step)
+    }
+
+    /// A joint's rate, the twist held.
+    pub fn joint_rate(&self, joint: usize) -> Vector3 {
+        self.input(1.0, |inputs, step| inputs.rates[joint] += step)
+    }
+
+    /// A joint's acceleration.
+    pub fn joint_acceleration(&self, joint: usize) -> Vector3 {
+        self.input(1.0, |inputs, step| inputs.accelerations[joint] += step)
+    }
+
+    /// A wheel's speed, the twist held.
+    pub fn wheel_speed(&self, wheel: usize) -> Vector3 {
+        self.input(1.0, |inputs, step| inputs.wheels[wheel] += step)
+    }
+
+    /// The slope of a wheel's speed.
+    pub fn wheel_acceleration(&self, wheel: usize) -> Vector3 {
+        self.input(1.0, |inputs, step| inputs.wheel_rates[wheel] += step)
+    }
+
+    /// Grid times and weights of the readings that make up the slope of a wheel's speed.
+    pub fn wheel_weights(&self) -> Vec<(usize, f64)> {
+        let t = &self.motion.observations.time_s;
+        if self.motion.vehicle.wheels_smooth {
+            return slope_weights(t, self.k);
+        }
+        let i = self.k.min(t.len().saturating_sub(2));
+        let over = 1.0 / (t[i + 1] - t[i]);
+        vec![(i, -over), (i + 1, over)]
+    }
+
+    fn input(&self, step: f64, change: impl Fn(&mut Inputs, f64)) -> Vector3 {
+        let mut ends = [self.inputs.clone(), self.inputs.clone()];
+        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+            change(end, sign * step);
+        }
+        let (balance, own) = self.motion.input_slopes(
+            &self.state,
+            &ends,
+            step,
+            &self.instant,
+            &self.base,
+            &[self.point],
+        );
+        let base = self.instant.inverse_inertia * balance;
+        let moved = self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r));
+        own.first().map_or_else(Vector3::zeros, |own| own - moved)
+    }
+}

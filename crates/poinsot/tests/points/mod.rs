@@ -1,0 +1,60 @@
+//! Instruments at points of bodies: their readings, and their place in a model.
+
+use crate::vehicle::{Flight, sensor};
+use poinsot_dynamics::{MotionSample, Prescribed, Tolerance, vector_reading};
+use poinsot_model::{Model, SensorKind};
+use poinsot_spatial::Vector3;
+use poinsot_telemetry::{Channel, Table};
+use std::sync::Arc;
+
+/// Adds the readings of an instrument at a point of a body; of increments from the second time on.
+pub fn add_point(
+    table: &mut Table,
+    model: &Model,
+    flight: &Flight,
+    (kind, body, place): (SensorKind, usize, Vector3),
+) {
+    let times = table.channels[0].time_s.clone();
+    let mut readings: Vec<Vector3> = Vec::new();
+    let read = |s: &MotionSample| readings.push(vector_reading(kind, s, body, &place));
+    Prescribed::new(model, &flight.plan, Tolerance::default())
+        .unwrap()
+        .run(&flight.start, &times, read)
+        .unwrap();
+    let (prefix, from) = match kind {
+        SensorKind::Accelerometer => ("acc", 0),
+        _ => ("dv", 1),
+    };
+    if from == 1 {
+        let before = readings.clone();
+        for (k, x) in readings.iter_mut().enumerate().skip(1) {
+            *x -= before[k - 1];
+        }
+    }
+    push(table, prefix, times[from..].into(), &readings[from..]);
+}
+
+pub fn push(table: &mut Table, prefix: &str, time_s: Arc<[f64]>, readings: &[Vector3]) {
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        table.channels.push(Channel {
+            name: format!("{prefix}_{axis}"),
+            sensor: String::new(),
+            unit: String::new(),
+            frame: String::new(),
+            time_s: time_s.clone(),
+            values: readings.iter().map(|x| x[k]).collect(),
+        });
+    }
+}
+
+pub fn with_point(
+    mut model: Model,
+    (kind, body, place): (SensorKind, usize, Vector3),
+    sigma: f64,
+) -> Model {
+    let mut one = sensor(kind, sigma);
+    one.body = body;
+    one.p_BoS_B = place;
+    model.sensors.push(one);
+    model
+}
