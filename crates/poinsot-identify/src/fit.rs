@@ -394,7 +394,8 @@ fn linearised(
     };
     Ok(Linearised {
         cost,
-        round_off: ROUND_OFF * (1.0 + cost) + experiment.covariance_moves(),
+        round_off: ROUND_OFF * (1.0 + cost),
+        slack: ROUND_OFF * (1.0 + cost) + experiment.covariance_moves(),
         promised: {
             let (_, lowered) = experiment.mass_step(&at.x, &local, 0.0);
             promised_decrease(experiment, &local, lowered)

@@ -55,6 +55,9 @@ pub struct Linearised<Rows> {
     pub cost: f64,
     /// By how much two evaluations of the cost may differ.
     pub round_off: f64,
+    /// By how much the cost may rise over a step that is taken: at least the round-off, more where the step does not
+    /// look at all of the cost.
+    pub slack: f64,
     /// How much the linear model says the full step lowers the cost.
     pub promised: f64,
     /// Smallest singular value that counts, in scaled unknowns: its square is the damping that begins to
@@ -203,12 +206,12 @@ fn attempt<P: LeastSquares>(
     if damping == 0.0 {
         // A full step is rarely refused: its cost comes with the linearisation that follows.
         let there = problem.linearise(&step.to)?;
-        let gain = (here.cost - there.cost + here.round_off) / (step.promised + here.round_off);
+        let gain = (here.cost - there.cost + here.slack) / (step.promised + here.slack);
         let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;
         return believed.then_some((step.to, there, gain));
     }
     let cost = problem.cost(&step.to)?;
-    let gain = (here.cost - cost + here.round_off) / (step.promised + here.round_off);
+    let gain = (here.cost - cost + here.slack) / (step.promised + here.slack);
     let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;
     let there = believed.then(|| problem.linearise(&step.to)).flatten()?;
     Some((step.to, there, gain))
@@ -241,6 +244,7 @@ mod tests {
             Some(Linearised {
                 cost: self.cost(at)?,
                 round_off: 1.0e-12,
+                slack: 1.0e-12,
                 promised: at * at,
                 weakest: 1.0,
                 rows: (),
@@ -273,6 +277,7 @@ mod tests {
         let here = Linearised {
             cost: 1.0e6 + 1.0,
             round_off: 1.0e-12,
+            slack: 1.0e-12,
             promised: 1.0,
             weakest: 1.0,
             rows: (),

@@ -120,6 +120,7 @@ impl LeastSquares for Regression {
         Some(Linearised {
             cost,
             round_off: 2.0 * ULPS * f64::EPSILON * (cost * response).sqrt(),
+            slack: 2.0 * ULPS * f64::EPSILON * (cost * response).sqrt(),
             promised: spectrum.decrease(&rhs, 0.0),
             weakest: spectrum.weakest(),
             rows: Local {
