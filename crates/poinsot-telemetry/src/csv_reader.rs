@@ -38,12 +38,12 @@ pub(crate) fn read(
     let mut columns = Columns::with_channels(plan.channels.len());
     let mut last_row = 0;
     while next(path, &mut reader, &mut record)? {
+        // Rows are handed on only when another follows: the last one may yet have to be taken back.
+        selection.check(path, &plan, &mut columns, last_row, full.as_deref_mut())?;
         last_row = record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
         let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns)
         else {
-            let full = full.as_deref_mut();
-            selection.check(path, &plan, &mut columns, last_row, full)?;
             continue;
         };
         let is_last = !next(path, &mut reader, &mut record)?;
@@ -64,6 +64,7 @@ pub(crate) fn read(
         columns.drop_row(last_row);
         last_row = 0;
     }
+    let end = last_row;
     if last_row > 0 && !reader.get_ref().ends_a_line() {
         if options.recover {
             columns.rows_read -= 1;
@@ -79,6 +80,7 @@ pub(crate) fn read(
             ));
         }
     }
+    selection.check(path, &plan, &mut columns, end, full)?;
     check_unchanged(path, &before)?;
     Ok((plan, columns, reader.get_ref().sha256()))
 }

@@ -133,3 +133,31 @@ fn unit_time_that_goes_back_between_two_parts_is_refused() {
     assert!(error.starts_with("E0208 twice.csv:60002"), "{error}");
     assert!(error.contains("time goes back"), "{error}");
 }
+
+/// Two parts of 1 MiB are 2 x 21,846 rows of four channels. The last row without a line end is taken back even
+/// where it fills a part to the brim, and so is one cut inside right after it.
+#[test]
+fn regress_a_last_row_on_the_border_of_a_part_is_taken_back() {
+    let folder = Folder::new();
+    let path = folder.path("run.csv");
+    write(&path, &long().channels).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let recover = ReadOptions {
+        memory_mib: 1,
+        recover: true,
+        ..ReadOptions::default()
+    };
+    for rows in [43_691, 43_692, 43_693] {
+        let whole: Vec<&str> = text.lines().take(rows + 1).collect();
+        let (last, before) = whole.split_last().unwrap();
+        for cut in [*last, &last[..last.len() / 2]] {
+            let path = folder.file("cut.csv", format!("{}\n{cut}", before.join("\n")));
+            let seen = inspect_files(&[path], &recover).unwrap();
+            assert!(seen.notes[0].contains("looked at in parts"));
+            assert_eq!(seen.sources[0].rows, rows - 1);
+            assert!(seen.channels.iter().all(|c| c.samples == rows - 1));
+            let t: f64 = before[rows - 1].split(',').next().unwrap().parse().unwrap();
+            assert_eq!(seen.time_s.unwrap()[1], t);
+        }
+    }
+}
