@@ -252,17 +252,21 @@ pub enum TelemetryError {
     },
     /// More samples than fit into the memory that is allowed.
     #[error(
-        "E0221 {place}: more than {most} samples in {channels} channels would need over {mib} MiB of memory; take a part by --time-s FROM,TO, every n-th row by --every N, or raise --memory-mib"
+        "E0221 {place}: up to {samples} samples in {channels} channels are asked for, and {fit} fit into {mib} MiB of memory; take every n-th row by --every {every}, a part by --time-s FROM,TO, or raise --memory-mib"
     )]
     TooLarge {
-        /// The row at which the limit was reached.
+        /// The file.
         place: Place,
-        /// Samples that were read.
-        most: usize,
+        /// Samples that are asked for, at most.
+        samples: u64,
+        /// Samples that fit.
+        fit: usize,
         /// Channels read.
         channels: usize,
         /// The limit, MiB.
         mib: usize,
+        /// Every so many rows are few enough.
+        every: u64,
     },
     /// Channels that cannot be written.
     #[error("E0219 {place}: {why}")]

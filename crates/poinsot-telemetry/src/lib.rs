@@ -27,6 +27,7 @@ mod rate_pairs;
 mod read;
 mod resample;
 mod rotation;
+mod size;
 mod suggest;
 mod time_base;
 mod unit;

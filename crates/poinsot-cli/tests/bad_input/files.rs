@@ -87,7 +87,7 @@ fn csv() -> Vec<Row> {
         row("F6", "one line of 17 MiB", |b| b.write("t.csv", "a".repeat(17 << 20)), 2, &["E0202 t.csv: a line is longer than 16 MiB"]),
         row("F6", "70,000 columns", |b| b.write("t.csv", format!("time_s{}\n", (0..70_000).map(|k| format!(",c{k}")).collect::<String>())), 2, &["E0205 t.csv: 70001 columns in the header; at most 65536 are read"]),
         row("F6", "more samples than the memory allowed", |b| { let mut t = sheet().text(); let tail = ",0,0,0,,,,,0,0,0\n"; for k in 0..20_000 { t.push_str(&format!("{}{tail}", 101 + k)); } b.write("t.csv", t); }, 2,
-            &["E0221 t.csv:", "in 10 channels would need over 1 MiB of memory; take a part by --time-s FROM,TO, every n-th row by --every N, or raise --memory-mib"]).more(&["--memory-mib", "1"]),
+            &["E0221 t.csv: up to ", "samples in 10 channels are asked for, and 10922 fit into 1 MiB of memory; take every n-th row by --every", "a part by --time-s FROM,TO, or raise --memory-mib"]).more(&["--memory-mib", "1"]),
         row("F6", "a part of the record", |_| {}, 0, &["t.csv: 151 of 501 rows taken, as --time-s and --every ask"]).more(&["--time-s", "20,80", "--every", "2"]),
         row("F6", "no row in the part", |_| {}, 2, &["E0213 where time_s = '200,300': no row of t.csv lies between these times, s"]).more(&["--time-s", "200,300"]),
         row("F6", "a folder", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::fs::create_dir(b.path("t.csv")).unwrap(); }, 2, &["E0202 t.csv: not a regular file; give a .csv or .parquet file"]),

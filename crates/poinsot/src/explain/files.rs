@@ -283,6 +283,6 @@ pub(super) const CODES: &[Entry] = &[
         "E0221",
         "The samples asked for need more memory than is allowed.",
         "A very long record.",
-        "Take a part by --time-s FROM,TO or every n-th row by --every N, or raise --memory-mib; `poinsot inspect` reads files of any size.",
+        "Take every n-th row by --every with the number that the message names, or a part by --time-s FROM,TO, or raise --memory-mib; `poinsot inspect` reads files of any size.",
     ),
 ];
