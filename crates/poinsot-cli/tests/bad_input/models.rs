@@ -38,38 +38,52 @@ pub fn urdf(
     row(id, fault, spoil, exit, says).run(IMPORT)
 }
 
-/// A chain in which each link hangs on the one before.
+/// The links of a chain, each but the first followed by the joint on which it hangs, from the one before.
+fn linked(
+    n: usize,
+    link: impl Fn(usize) -> String,
+    joint: impl Fn(usize, usize) -> String,
+) -> String {
+    (0..n)
+        .map(|k| link(k) + &k.checked_sub(1).map_or(String::new(), |p| joint(k, p)))
+        .collect()
+}
+
+/// A chain as URDF.
 pub fn chain(n: usize) -> String {
-    let mut text = String::from("<robot name=\"chain\">");
-    for k in 0..n {
-        text.push_str(&format!(
-            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1.1\" izz=\"1.2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
-        ));
-        if k > 0 {
-            let p = k - 1;
-            text.push_str(&format!(
+    let links = linked(
+        n,
+        |k| {
+            format!(
+                "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1.1\" izz=\"1.2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+            )
+        },
+        |k, p| {
+            format!(
                 "<joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{p}\"/><child link=\"l{k}\"/><axis xyz=\"0 0 1\"/><origin xyz=\"0.1 0 0\"/></joint>"
-            ));
-        }
-    }
-    text + "</robot>"
+            )
+        },
+    );
+    format!("<robot name=\"chain\">{links}</robot>")
 }
 
 /// The same chain as a model: a base with sensors and 999 links, whose joints stand still.
 fn long_arm(b: &Bench, base: &str, link: &str) {
-    let mut text = String::from("schema = \"poinsot.model/1\"\nname = \"chain\"\n");
-    for k in 0..1000 {
-        let estimate = if k == 0 { base } else { link };
-        text.push_str(&format!(
-            "[[body]]\nname = \"l{k}\"\nmass_kg = 1.0\ncom_m = [0.05, 0.0, 0.0]\ninertia_kg_m2 = {{ xx = 1.0, yy = 1.1, zz = 1.2 }}\n{estimate}\n"
-        ));
-        if k > 0 {
-            let p = k - 1;
-            text.push_str(&format!(
+    let links = linked(
+        1000,
+        |k| {
+            let estimate = if k == 0 { base } else { link };
+            format!(
+                "[[body]]\nname = \"l{k}\"\nmass_kg = 1.0\ncom_m = [0.05, 0.0, 0.0]\ninertia_kg_m2 = {{ xx = 1.0, yy = 1.1, zz = 1.2 }}\n{estimate}\n"
+            )
+        },
+        |k, p| {
+            format!(
                 "[[joint]]\nname = \"j{k}\"\ntype = \"revolute\"\nparent = \"l{p}\"\nchild = \"l{k}\"\norigin_m = [0.1, 0.0, 0.0]\naxis = [0.0, 0.0, 1.0]\n"
-            ));
-        }
-    }
+            )
+        },
+    );
+    let mut text = format!("schema = \"poinsot.model/1\"\nname = \"chain\"\n{links}");
     for (kind, noise) in [
         ("gyro", "noise_rad_s = 1e-4"),
         ("attitude", "noise_rad = 5e-5"),
