@@ -35,6 +35,8 @@ pub struct ReadOptions {
     pub memory_mib: usize,
     /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
     pub check_conventions: bool,
+    /// Refuse a file that holds several runs, far apart: each is a segment of its own.
+    pub one_run: bool,
 }
 
 /// Usual limit of the memory for the samples of one file, MiB.
@@ -162,6 +164,9 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
             options.strict,
             &mut table.repairs,
         )?;
+        if options.one_run {
+            time_base::check_one_run(path, &plan, &columns)?;
+        }
         table.sources.push(Source {
             path: path.display().to_string(),
             sha256,

@@ -90,6 +90,31 @@ pub fn rows() -> Vec<Row> {
             &["E0208 t.csv:252 column 'time_s': time goes back from"],
         ),
         row(
+            "T4",
+            "two runs in one file, a day apart",
+            |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t + 86400.0 } else { t })),
+            2,
+            &[
+                "E0208 t.csv:252 column 'time_s': time jumps from 49.8 s (row 251) to 86450.0 s, and the record covers 99.8",
+                "these are several runs: choose one by --time-s or [telemetry] where, or give each as a segment",
+            ],
+        ),
+        row(
+            "T4",
+            "one of them taken",
+            |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t + 86400.0 } else { t })),
+            0,
+            &["251 of 501 rows taken, as --time-s and --every ask"],
+        )
+        .more(&["--time-s", "86000,90000"]),
+        row(
+            "T4",
+            "the last time is 1e308 s",
+            |b| b.spoil(|s| s.set(500, "time_s", "1e308")),
+            2,
+            &["E0208 t.csv:502 column 'time_s': time jumps from 99.8 s (row 501) to 1e308 s"],
+        ),
+        row(
             "T5",
             "ms read as s",
             |b| b.spoil(|s| s.map("time_s", |_, t| t * 1e9)),
