@@ -198,6 +198,19 @@ pub fn rows() -> Vec<Row> {
         ),
         urdf(
             "M2",
+            "inertia a million times too small",
+            |b| {
+                robot(
+                    b,
+                    "ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1.2\" iyz=\"0\" izz=\"1.5\"",
+                    "ixx=\"1e-6\" ixy=\"0\" ixz=\"0\" iyy=\"1.2e-6\" iyz=\"0\" izz=\"1.5e-6\"",
+                )
+            },
+            0,
+            &["the radius of gyration is"],
+        ),
+        urdf(
+            "M2",
             "negative mass",
             |b| robot(b, "mass value=\"2\"", "mass value=\"-2\""),
             2,
@@ -261,6 +274,15 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0112 r.urdf:1:1: robot: no link is the base: the joints run in a circle; remove one of the joints",
+            ],
+        ),
+        urdf(
+            "M4",
+            "a joint from a link to itself",
+            |b| robot(b, "parent link=\"base\"", "parent link=\"hand\""),
+            2,
+            &[
+                "E0112 r.urdf:1:1: robot: the joints of \"hand\" run in a circle; remove one of the joints",
             ],
         ),
         urdf(
@@ -333,6 +355,15 @@ pub fn rows() -> Vec<Row> {
         ),
         urdf(
             "M5",
+            "a planar joint",
+            |b| robot(b, "type=\"revolute\"", "type=\"planar\""),
+            2,
+            &[
+                "E0122 r.urdf:11:3: joint \"elbow\" type = \"planar\": this type of joint is not read",
+            ],
+        ),
+        urdf(
+            "M5",
             "unknown tags",
             |b| robot(b, "</robot>", "<gazebo/><transmission/><gazebo/></robot>"),
             0,
@@ -346,6 +377,26 @@ pub fn rows() -> Vec<Row> {
             &[
                 "E0121 r.urdf:8:38: <mass>: this is xacro, which has not been expanded; run xacro first: xacro FILE > robot.urdf",
             ],
+        ),
+        urdf(
+            "M6",
+            "$(find ...)",
+            |b| robot(b, "mass value=\"2\"", "mass value=\"$(find pkg)\""),
+            2,
+            &["E0121 r.urdf:8:38: <mass>: this is xacro, which has not been expanded"],
+        ),
+        urdf(
+            "M6",
+            "a mesh of a package that is not there: meshes are not opened",
+            |b| {
+                robot(
+                    b,
+                    "<link name=\"hand\">",
+                    "<link name=\"hand\"><visual><geometry><mesh filename=\"package://no/such.stl\"/></geometry></visual>",
+                )
+            },
+            0,
+            &["2 bodies, 1 joints"],
         ),
         urdf(
             "M6",
@@ -426,6 +477,19 @@ pub fn rows() -> Vec<Row> {
         ),
         urdf(
             "M7",
+            "an attribute of 40 MiB",
+            |b| {
+                robot(
+                    b,
+                    "robot name=\"arm\"",
+                    &format!("robot name=\"{}\"", "a".repeat(40 << 20)),
+                )
+            },
+            2,
+            &["E0101 r.urdf: the file is larger than 16 MiB; is it a model file?"],
+        ),
+        urdf(
+            "M7",
             "not XML",
             |b| b.write("r.urdf", "solid teapot"),
             2,
@@ -474,6 +538,15 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0\""),
             2,
             &["2 numbers where 3 stand"],
+        ),
+        urdf(
+            "M8",
+            "four numbers where three stand",
+            |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0 0 0\""),
+            2,
+            &[
+                "E0107 r.urdf:8:15: link \"hand\" <origin xyz> = \"0.1 0 0 0\": 4 numbers where 3 stand",
+            ],
         ),
         urdf(
             "M8",

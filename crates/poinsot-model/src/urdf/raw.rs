@@ -1,6 +1,7 @@
 //! The file as written: links and joints with their numbers and places.
 
 use super::{Remark, UrdfDefect};
+use crate::check_name::misspelt;
 use crate::document::printable;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
@@ -87,7 +88,12 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     find_xacro(&document, remarks);
     let mut reader = Reader { remarks };
     let mut robot = Robot {
-        name: root.attribute("name").unwrap_or("robot").to_owned(),
+        // A title: one that no model file could hold is left out.
+        name: root
+            .attribute("name")
+            .filter(|name| misspelt(name).is_none())
+            .unwrap_or("robot")
+            .to_owned(),
         links: Vec::new(),
         joints: Vec::new(),
     };

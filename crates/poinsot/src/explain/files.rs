@@ -203,9 +203,9 @@ pub(super) const CODES: &[Entry] = &[
     ),
     (
         "E0208",
-        "Times are missing, go back, or stand twice with different values.",
+        "Times are missing, go back, stand twice with different values, or jump far beyond the record.",
         "Several runs in one file, a counter that wrapped, a clock that was set.",
-        "Choose one run by [telemetry] where, or cut the file into segments.",
+        "Choose one run by [telemetry] where or --time-s, or cut the file into segments.",
     ),
     (
         "E0209",

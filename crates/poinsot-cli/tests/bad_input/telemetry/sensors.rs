@@ -107,6 +107,26 @@ pub fn rows() -> Vec<Row> {
         ),
         row(
             "T13",
+            "a burst of 20 spikes",
+            |b| {
+                b.spoil(|s| {
+                    s.map("omega_x", |n, w| {
+                        if (100..120).contains(&n) {
+                            w + noise(n)
+                        } else {
+                            w
+                        }
+                    })
+                })
+            },
+            1,
+            &[
+                "contradicts the data; no number is given",
+                "readings of the gyro (3.6 %) are outliers",
+            ],
+        ),
+        row(
+            "T13",
             "40 % spikes",
             |b| {
                 b.spoil(|s| {
@@ -148,6 +168,58 @@ pub fn rows() -> Vec<Row> {
                 "a bias of the gyro would explain",
                 "the covariance is not trustworthy",
             ],
+        ),
+        row(
+            "T14",
+            "a thruster reads 1 N for 10 s and gives no force",
+            |b| {
+                let sensor = "\n[[sensor]]\nname = \"v\"\ntype = \"velocity\"\nnoise_m_s = 1e-5\n";
+                b.write(
+                    "m.toml",
+                    crate::bench::MODEL.to_owned() + sensor + crate::codes::THRUSTER,
+                );
+                b.spoil(|s| {
+                    s.header
+                        .extend(["v_x", "v_y", "v_z", "thr_N"].map(str::to_owned));
+                    for (n, row) in s.rows.iter_mut().enumerate() {
+                        let velocity =
+                            (0..3).map(|k| format!("{:?}", 0.01 + 1e-5 * noise(3 * n + k)));
+                        row.extend(velocity);
+                        row.push(
+                            if (100..150).contains(&n) {
+                                "1.0"
+                            } else {
+                                "0.0"
+                            }
+                            .to_owned(),
+                        );
+                    }
+                });
+            },
+            1,
+            &[
+                "contradicts the data; no number is given",
+                "rigid model rejected",
+            ],
+        ),
+        row(
+            "T15",
+            "noise that hangs together over 5 s",
+            |b| {
+                b.spoil(|s| {
+                    // Sums of the noise with weights that fall by exp(-0.2 s / 5 s) a sample.
+                    for (k, axis) in ["omega_x", "omega_y", "omega_z"].into_iter().enumerate() {
+                        let mut drift = 0.0;
+                        for n in 0..s.rows.len() {
+                            drift = 0.96 * drift + noise(1000 * k + n);
+                            let rate = s.get(n, axis) + 1e-4 * drift;
+                            s.set(n, axis, format!("{rate:?}"));
+                        }
+                    }
+                })
+            },
+            1,
+            &["residual of the gyro is", "correlated in time"],
         ),
         row(
             "T15",

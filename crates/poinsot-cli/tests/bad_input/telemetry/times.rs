@@ -84,6 +84,13 @@ pub fn rows() -> Vec<Row> {
         ),
         row(
             "T4",
+            "a leap second: the clock counts one second twice",
+            |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t - 1.0 } else { t })),
+            2,
+            &["E0208 t.csv:252 column 'time_s': time goes back from 49.8 s (row 251) to 49 s"],
+        ),
+        row(
+            "T4",
             "times start anew after a restart",
             |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t - 50.0 } else { t })),
             2,
@@ -117,6 +124,16 @@ pub fn rows() -> Vec<Row> {
         row(
             "T5",
             "ms read as s",
+            |b| b.spoil(|s| s.map("time_s", |_, t| t * 1e3)),
+            2,
+            &[
+                "E0306 t.csv: channel 'omega_x'",
+                "turns between samples 2.000e2 s apart; correct the unit",
+            ],
+        ),
+        row(
+            "T5",
+            "ns read as s",
             |b| b.spoil(|s| s.map("time_s", |_, t| t * 1e9)),
             2,
             &[
@@ -131,6 +148,25 @@ pub fn rows() -> Vec<Row> {
             2,
             &["E0209", "the unit is likely d"],
         ),
+        row(
+            "T6",
+            "the gyro's clock runs 1 % fast",
+            |b| {
+                let mut gyro = crate::bench::sheet();
+                gyro.without("q_");
+                gyro.without("wheel");
+                gyro.map("time_s", |_, t| 1.01 * t);
+                b.write("u.csv", gyro.text());
+                b.spoil(|s| s.without("omega"));
+            },
+            0,
+            &[
+                "a lag of the gyro would explain",
+                "residual of the gyro is",
+                "and correlated in time",
+            ],
+        )
+        .run(crate::codes::TWO),
         row(
             "T6",
             "the gyro is 0.6 s late",

@@ -12,6 +12,32 @@ fn gyro_alone(b: &Bench, unit: fn(f64) -> f64) {
     });
 }
 
+/// An accelerometer half a metre from the mass centre, read in units of 9.80665 m/s2.
+fn accelerometer_in_g(b: &Bench) {
+    let sensor = "\n[[sensor]]\nname = \"acc\"\ntype = \"accelerometer\"\nposition_m = [0.5, 0.3, 0.2]\nnoise_m_s2 = 1e-6\n";
+    b.write("m.toml", crate::bench::MODEL.to_owned() + sensor);
+    b.write("truth.toml", crate::bench::truth() + sensor);
+    b.write("case.toml", crate::bench::CASE);
+    let done = b.run(&["simulate", "case.toml", "--out", "sim"]);
+    assert_eq!(done.exit, 0, "{}", done.stderr);
+    let text = std::fs::read_to_string(b.path("sim/telemetry.csv")).unwrap();
+    let columns: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let lines: Vec<String> = text
+        .lines()
+        .map(|line| {
+            let cells = line.split(',').zip(&columns).map(|(cell, name)| {
+                let number = cell
+                    .parse::<f64>()
+                    .ok()
+                    .filter(|_| name.starts_with("acc_"));
+                number.map_or(cell.to_owned(), |a| format!("{:?}", a / 9.80665))
+            });
+            cells.collect::<Vec<_>>().join(",")
+        })
+        .collect();
+    b.write("t.csv", lines.join("\n") + "\n");
+}
+
 pub fn rows() -> Vec<Row> {
     vec![
         row(
@@ -120,6 +146,26 @@ pub fn rows() -> Vec<Row> {
             2,
             &["E0212 map of channel 'omega_x': unit 'm' does not measure it"],
         ),
+        row(
+            "T7",
+            "inertia in kg cm2",
+            |b| b.model("inertia_kg_m2 = { xx = 15.0", "inertia_kg_cm2 = { xx = 150000.0"),
+            2,
+            &["E0105 m.toml:8:1: body[0].inertia_kg_cm2", "wrong unit; write inertia_kg_m2 and convert the number"],
+        ),
+        row(
+            "T7",
+            "a torque in mN m: nothing that is asked needs it",
+            |b| {
+                b.spoil(|s| {
+                    s.header.push("wheel1_Nm".into());
+                    s.rows.iter_mut().for_each(|r| r.push("35.0".into()));
+                })
+            },
+            0,
+            &["every number asked for is determined"],
+        ),
+        row("T7", "an accelerometer in g", accelerometer_in_g, 1, &["contradicts the data; no number is given", "residual of the accelerometer is"]),
         row(
             "T8",
             "signs of the quaternion flip",
