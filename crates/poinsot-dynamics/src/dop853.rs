@@ -2,8 +2,12 @@
 //! far longer steps than fifth order (Hairer, Norsett, Wanner 1993, section II.5, code DOP853).
 
 use crate::dop853_table::{A, ALL, C, D, E3, E5, STAGES};
-use crate::integrate::{Flow, Halt, Tolerance};
+use crate::integrate::{Controller, Flow, Halt, Tolerance, equal_steps, finite};
 
+const CONTROL: Controller = Controller {
+    exponent: 0.125,
+    range: [0.333, 6.0],
+};
 /// Coefficients of the dense output.
 const DENSE: usize = 7;
 
@@ -71,34 +75,15 @@ impl DormandPrince8 {
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
             self.attempt(flow, t, h, y)?;
-            let error = self.error(h, y);
-            // NaN and infinity: the step was far too long.
-            let error = if error.is_finite() {
-                error
-            } else {
-                f64::INFINITY
-            };
-            // The standard controller (Hairer, Norsett, Wanner 1993, eq. II.4.13) with exponent 1/8.
-            let factor = (0.9 * error.max(1e-10).powf(-0.125)).clamp(0.333, 6.0);
-            if error <= 1.0 {
+            let (taken, step) = CONTROL.judge(self.error(h, y), h, last, self.step);
+            self.step = step;
+            if taken {
                 let reached = if last { end } else { t + h };
                 self.accept(flow, t, h, reached, y)?;
-                // A step cut short by the end says nothing against the longer one.
-                self.step = if last {
-                    self.step.max(h * factor)
-                } else {
-                    h * factor
-                };
                 return Ok(reached);
             }
-            self.step = h * factor.min(0.9);
-            if t + self.step * 1e-3 <= t {
-                let finite = y.iter().all(|y| y.is_finite());
-                return Err(if finite {
-                    Halt::StepTooSmall { time: t }
-                } else {
-                    Halt::NotFinite { time: t }
-                });
+            if t + step * 1e-3 <= t {
+                return Err(Halt::stuck(t, y));
             }
         }
     }
@@ -136,11 +121,7 @@ impl DormandPrince8 {
         step: f64,
         y: &mut [f64],
     ) -> Result<(), Halt> {
-        let count = ((end - start) / step * (1.0 - 1e-12)).ceil().max(1.0);
-        if !count.is_finite() {
-            return Err(Halt::StepTooSmall { time: start });
-        }
-        let h = (end - start) / count;
+        let (count, h) = equal_steps(start, end, step)?;
         let mut k = 0.0;
         while k < count {
             let t = start + k * h;
@@ -149,10 +130,7 @@ impl DormandPrince8 {
             self.accept(flow, t, h, t + h, y)?;
             k += 1.0;
         }
-        match y.iter().all(|y| y.is_finite()) {
-            true => Ok(()),
-            false => Err(Halt::NotFinite { time: end }),
-        }
+        finite(y, end)
     }
 
     /// The state at a time within the last step, to seventh order. The first call after a step costs three

@@ -15,13 +15,11 @@
 //! the host feels `-(a torque + w_host x a h_w)`. One with prescribed speed leaves `Js` in the host, which
 //! feels `-(a Js Omega' + w_host x a Js Omega)`.
 
-use crate::acceleration::Accelerations;
 use crate::driven::Driven;
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
 use crate::integrate::{Flow, Halt};
 use crate::inverse_dynamics::{InverseDynamics, Wrench};
 use crate::joint_drive::JointDrive;
-use crate::kinematics::Kinematics;
 use crate::momentum::Twist;
 use crate::plan::{Start, StartVelocity};
 use crate::prescribed::MotionSample;
@@ -83,25 +81,7 @@ impl<'s> DrivenStage<'s> {
     pub fn new(vehicle: &'s Driven<'s>, within: f64) -> Self {
         let tree = &vehicle.tree;
         let (dof, wheels) = (tree.dof(), vehicle.spin_inertia.len());
-        let motion = MotionSample {
-            time: 0.0,
-            R_NB: UnitQuaternion::identity(),
-            p_NoBo_N: Vector3::zeros(),
-            v_NBo_N: Vector3::zeros(),
-            w_NB_B: Vector3::zeros(),
-            p_NoScm_N: Vector3::zeros(),
-            l_S_N: Vector3::zeros(),
-            h_SScm_N: Vector3::zeros(),
-            q: vec![0.0; dof],
-            rates: vec![0.0; dof],
-            accelerations: vec![0.0; dof],
-            wheel_speed: vec![0.0; wheels],
-            wheel_torque: vec![0.0; wheels],
-            thrust: vec![0.0; vehicle.nozzles.len()],
-            p_orbit_N: Vector3::zeros(),
-            kinematics: Kinematics::new(tree),
-            body: Accelerations::new(tree),
-        };
+        let motion = MotionSample::new(tree, wheels, vehicle.nozzles.len());
         Self {
             vehicle,
             within,

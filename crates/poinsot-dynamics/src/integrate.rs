@@ -44,6 +44,11 @@ const E: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
+const CONTROL: Controller = Controller {
+    exponent: 0.2,
+    range: [0.2, 5.0],
+};
+
 /// When a step is accepted, and when the integrator gives up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
@@ -92,6 +97,63 @@ pub enum Halt {
         /// Time, s.
         time: f64,
     },
+}
+
+impl Halt {
+    /// Why the step at `t` from `y` shrank to nothing.
+    pub(crate) fn stuck(t: f64, y: &[f64]) -> Self {
+        if y.iter().all(|y| y.is_finite()) {
+            Self::StepTooSmall { time: t }
+        } else {
+            Self::NotFinite { time: t }
+        }
+    }
+}
+
+/// The standard controller of the step (Hairer, Norsett, Wanner 1993, eq. II.4.13).
+pub(crate) struct Controller {
+    /// One over the order.
+    pub exponent: f64,
+    /// By how much a step may shrink and grow at once.
+    pub range: [f64; 2],
+}
+
+impl Controller {
+    /// Whether a step of `h` with this error, in units of the tolerance, is taken; and the next `step` to try.
+    /// A step cut short by the `last` time asked for says nothing against the longer one.
+    pub fn judge(&self, error: f64, h: f64, last: bool, step: f64) -> (bool, f64) {
+        // NaN and infinity: the step was far too long.
+        let error = if error.is_finite() {
+            error
+        } else {
+            f64::INFINITY
+        };
+        let [least, most] = self.range;
+        let factor = (0.9 * error.max(1e-10).powf(-self.exponent)).clamp(least, most);
+        match (error <= 1.0, last) {
+            (true, true) => (true, step.max(h * factor)),
+            (true, false) => (true, h * factor),
+            (false, _) => (false, h * factor.min(0.9)),
+        }
+    }
+}
+
+/// Number and length of the equal steps, of at most `step` seconds, from `start` to `end`.
+pub(crate) fn equal_steps(start: f64, end: f64, step: f64) -> Result<(f64, f64), Halt> {
+    // A hair more than a whole number of steps is that number.
+    let count = ((end - start) / step * (1.0 - 1e-12)).ceil().max(1.0);
+    match count.is_finite() {
+        true => Ok((count, (end - start) / count)),
+        false => Err(Halt::StepTooSmall { time: start }),
+    }
+}
+
+/// An error where the state at `end` is not finite.
+pub(crate) fn finite(y: &[f64], end: f64) -> Result<(), Halt> {
+    match y.iter().all(|y| y.is_finite()) {
+        true => Ok(()),
+        false => Err(Halt::NotFinite { time: end }),
+    }
 }
 
 /// An ordinary differential equation on a plain vector.
@@ -156,32 +218,15 @@ impl DormandPrince {
             }
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
-            // A step that leaves the finite numbers was too long.
-            let error = Some(self.attempt(flow, t, h, y)?).filter(|e| e.is_finite());
-            let error = error.unwrap_or(f64::INFINITY);
-            // The standard controller of Hairer, Norsett, Wanner (1993), eq. II.4.13.
-            let factor = (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, 5.0);
-            if error <= 1.0 {
+            let error = self.attempt(flow, t, h, y)?;
+            let (taken, step) = CONTROL.judge(error, h, last, self.step);
+            self.step = step;
+            if taken {
                 t = if last { end } else { t + h };
                 y.copy_from_slice(&self.trial);
                 flow.project(y);
-                // A step cut short by an output time says nothing against the longer one.
-                self.step = if last {
-                    self.step.max(h * factor)
-                } else {
-                    h * factor
-                };
-            } else {
-                self.step = h * factor.min(0.9);
-                if t + self.step * 1e-3 <= t {
-                    let finite = y.iter().all(|y| y.is_finite());
-                    let time = t;
-                    return Err(if finite {
-                        Halt::StepTooSmall { time }
-                    } else {
-                        Halt::NotFinite { time }
-                    });
-                }
+            } else if t + step * 1e-3 <= t {
+                return Err(Halt::stuck(t, y));
             }
         }
         Err(Halt::TooManySteps { time: end })

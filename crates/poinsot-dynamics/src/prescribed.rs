@@ -83,6 +83,32 @@ pub struct MotionSample {
     pub body: Accelerations,
 }
 
+impl MotionSample {
+    /// Everything zero, with room for the coordinates of a tree, wheels and thrusters.
+    pub(crate) fn new(tree: &Tree, wheels: usize, thrusters: usize) -> Self {
+        let dof = tree.dof();
+        Self {
+            time: 0.0,
+            R_NB: UnitQuaternion::identity(),
+            p_NoBo_N: Vector3::zeros(),
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B: Vector3::zeros(),
+            p_NoScm_N: Vector3::zeros(),
+            l_S_N: Vector3::zeros(),
+            h_SScm_N: Vector3::zeros(),
+            q: vec![0.0; dof],
+            rates: vec![0.0; dof],
+            accelerations: vec![0.0; dof],
+            wheel_speed: vec![0.0; wheels],
+            wheel_torque: vec![0.0; wheels],
+            thrust: vec![0.0; thrusters],
+            p_orbit_N: Vector3::zeros(),
+            kinematics: Kinematics::new(tree),
+            body: Accelerations::new(tree),
+        }
+    }
+}
+
 /// A vehicle with a plan, ready to move.
 #[derive(Debug, Clone)]
 pub struct Prescribed<'p> {

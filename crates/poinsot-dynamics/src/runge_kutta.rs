@@ -1,6 +1,6 @@
 //! The classical fourth-order Runge-Kutta rule at a fixed step.
 
-use crate::integrate::{Flow, Halt};
+use crate::integrate::{Flow, Halt, equal_steps, finite};
 
 /// Scratch of the rule.
 #[derive(Debug, Clone)]
@@ -58,21 +58,13 @@ impl RungeKutta4 {
         step: f64,
         y: &mut [f64],
     ) -> Result<(), Halt> {
-        // A hair more than a whole number of steps is that number.
-        let count = ((end - start) / step * (1.0 - 1e-12)).ceil().max(1.0);
-        if !count.is_finite() {
-            return Err(Halt::StepTooSmall { time: start });
-        }
-        let h = (end - start) / count;
+        let (count, h) = equal_steps(start, end, step)?;
         let mut k = 0.0;
         while k < count {
             self.step(flow, start + k * h, h, y)?;
             k += 1.0;
         }
-        match y.iter().all(|y| y.is_finite()) {
-            true => Ok(()),
-            false => Err(Halt::NotFinite { time: end }),
-        }
+        finite(y, end)
     }
 }
 

@@ -20,10 +20,8 @@
 //! `h_w = Js (Omega + a . w_host)`, `h_w' = torque`; with `w_host = w + w_rel` its relative momentum is
 //! `a h_w - Js a a^T w_rel - Js a a^T w`: the last term moves to the left and lessens the inertia.
 
-use crate::acceleration::Accelerations;
 use crate::gravity_gradient::gravity_gradient_torque;
 use crate::integrate::{Flow, Halt};
-use crate::kinematics::Kinematics;
 use crate::momentum::{Twist, composite, momentum};
 use crate::orbit::orbit_state;
 use crate::plan::{Start, StartVelocity};
@@ -71,7 +69,7 @@ pub(crate) struct Stage<'s> {
 
 impl<'s> Stage<'s> {
     pub fn new(vehicle: &'s Prescribed<'s>, within: f64) -> Self {
-        let (dof, wheels) = (vehicle.tree.dof(), vehicle.spin_inertia.len());
+        let wheels = vehicle.spin_inertia.len();
         Self {
             vehicle,
             within,
@@ -80,25 +78,7 @@ impl<'s> Stage<'s> {
             c: Vector3::zeros(),
             inertia: Matrix3::zeros(),
             locked_inertia: Matrix3::zeros(),
-            sample: MotionSample {
-                time: 0.0,
-                R_NB: UnitQuaternion::identity(),
-                p_NoBo_N: Vector3::zeros(),
-                v_NBo_N: Vector3::zeros(),
-                w_NB_B: Vector3::zeros(),
-                p_NoScm_N: Vector3::zeros(),
-                l_S_N: Vector3::zeros(),
-                h_SScm_N: Vector3::zeros(),
-                q: vec![0.0; dof],
-                rates: vec![0.0; dof],
-                accelerations: vec![0.0; dof],
-                wheel_speed: vec![0.0; wheels],
-                wheel_torque: vec![0.0; wheels],
-                thrust: vec![0.0; vehicle.nozzles.len()],
-                p_orbit_N: Vector3::zeros(),
-                kinematics: Kinematics::new(&vehicle.tree),
-                body: Accelerations::new(&vehicle.tree),
-            },
+            sample: MotionSample::new(&vehicle.tree, wheels, vehicle.nozzles.len()),
         }
     }
 

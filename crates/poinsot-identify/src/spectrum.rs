@@ -69,9 +69,8 @@ impl Spectrum {
         let noise: Vec<f64> = (0..n)
             .map(|k| quadratic(&noise_z, &directions, k))
             .collect();
-        // Sensitivities add up over a record, and what each step is off by with them.
         let round_off =
-            64.0 * n as f64 * f64::EPSILON * size.max(singular.first().copied().unwrap_or(0.0));
+            32.0 * n as f64 * f64::EPSILON * size.max(singular.first().copied().unwrap_or(0.0));
         let structural_rank = singular.iter().filter(|s| **s > round_off).count();
         let identified = |k: &usize| {
             let square = singular[*k] * singular[*k];

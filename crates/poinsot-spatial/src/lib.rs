@@ -6,13 +6,11 @@
 #![allow(non_snake_case)]
 
 mod inertial;
-mod log_cholesky;
 mod skew;
 
 pub use inertial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Unphysical, parallel_axis, pseudo_inertia,
 };
-pub use log_cholesky::LogCholesky;
 pub use skew::skew;
 
 /// A column of three numbers.

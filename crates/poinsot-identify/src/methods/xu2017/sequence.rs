@@ -1,33 +1,34 @@
 //! Sec. 3.1: the locked robot first, then joint after joint, 1..n or n..1, with the bookkeeping of (43)-(46).
 
+mod bodies;
+mod readings;
+mod report;
+
 use super::error::Xu2017Error;
 use super::least_squares::{Answer, Rows, answer, shown};
 use super::roles::{Roles, joint_name, roles};
 use super::single_body::{
-    Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
+    Form, Part, Single, SingleObjective, SingleRow, accelerations, solve_single,
 };
-use super::swarm::{Flight, Objective, Particle, Range, Swarm, fly};
+use super::swarm::{Objective, Range, Swarm, fly};
 use super::two_body::{
-    MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported, transported_back,
+    MomentumRow, TwoBodyObjective, TwoBodyReading, rows, transported, transported_back,
 };
 use super::{Kind, particle, properties, sum};
-use crate::impulse;
 use crate::problem::Problem;
 use crate::segment::Segment;
-use poinsot_dynamics::{Kinematics, body_momentum};
+use poinsot_dynamics::Kinematics;
 use poinsot_model::MomentumKnowledge;
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use readings::side;
+pub use report::{Found, Searched, StepReport};
 
 /// Random motions that say what a joint can show at all.
 const MOTIONS: usize = 40;
 /// Sigmas that count as rest.
 const REST: f64 = 5.0;
-/// A swarm whose cost stays above this share of its first best has not arrived.
-const ARRIVED: f64 = 1.0e-6;
-/// Share of the cost that the declared noise leaves, below which costs say the same.
-const UNSEEN: f64 = 0.1;
 
 /// Joints from the base to the tip, or back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,78 +59,6 @@ impl Default for Solver {
             share: 0.5,
         }
     }
-}
-
-/// What a step works on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Searched {
-    /// The locked robot.
-    Single,
-    /// The base side of a joint coordinate.
-    Inner(usize),
-    /// The tip side of a joint coordinate.
-    Outer(usize),
-    /// One body among known ones.
-    Body(usize),
-}
-
-/// How one step went.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StepReport {
-    /// What was searched.
-    pub part: Searched,
-    /// In words.
-    pub name: String,
-    /// Result: mass, mass centre and central inertia in its own frame.
-    pub found: MassProperties,
-    /// The linear solution of the same step.
-    pub linear: MassProperties,
-    /// Cost (37) or (52) of the linear solution, mean over the samples.
-    pub cost_linear: f64,
-    /// Cost that the declared noise of the velocity alone leaves; zero where it is not seen.
-    pub cost_noise: f64,
-    /// Directions that the linear solution moved, of those asked for.
-    pub rank: usize,
-    /// Condition of these directions in natural units.
-    pub condition: f64,
-    /// The swarm's flight and range.
-    pub flight: Option<(Flight, Range)>,
-}
-
-impl StepReport {
-    /// Whether the swarm stands on a bound of its range and misses what the data say, which lies outside.
-    pub fn excluded(&self) -> bool {
-        let stuck =
-            |f: &(Flight, Range)| !f.0.on_bound.is_empty() && !f.1.holds(&particle(&self.linear));
-        self.flight.as_ref().is_some_and(stuck) && !self.arrived()
-    }
-
-    /// Whether the swarm's cost came down to that of the linear solution, as far as the declared noise lets one
-    /// tell.
-    pub fn arrived(&self) -> bool {
-        self.flight.as_ref().is_none_or(|(flight, _)| {
-            let first = flight.history.first().copied().unwrap_or(0.0);
-            let floor = ARRIVED * first + UNSEEN * self.cost_noise;
-            flight.cost <= 2.0 * self.cost_linear + floor
-        })
-    }
-}
-
-/// All bodies, and how they were found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Found {
-    /// Barycentric parameters of every body about its own origin.
-    pub bodies: Vec<InertialParameters>,
-    /// The locked robot in the normal configuration about the base origin.
-    pub total: Option<InertialParameters>,
-    /// Normal configuration, rad or m.
-    pub normal: Vec<f64>,
-    /// Steps in the order taken.
-    pub steps: Vec<StepReport>,
-    /// Which form of (35) was used.
-    pub form: Option<Form>,
-    /// What had to be assumed.
-    pub notes: Vec<String>,
 }
 
 /// Everything that the steps share.
@@ -236,58 +165,6 @@ impl Work<'_> {
         let found = self.finish(Searched::Single, name, linear, &objective, range)?;
         self.found.total = Some(found.parameters());
         Ok(())
-    }
-
-    /// Samples of (35): thrust in base axes with the accelerations.
-    fn pushes(&self, segment: &Segment) -> Vec<Push> {
-        let Some(measured) = &segment.accelerations else {
-            return Vec::new();
-        };
-        let s = &segment.samples;
-        (0..s.time_s.len().min(measured.dw_NB_B.len()))
-            .map(|k| {
-                let (F_B, T_B) = self.thrust(segment, s.time_s[k]);
-                Push {
-                    w_NB_B: s.w_NB_B[k],
-                    dw_NB_B: measured.dw_NB_B[k],
-                    a_NS_B: measured.a_NS_B.as_ref().map(|a| a[k]),
-                    p_BoS_B: measured.p_BoS_B,
-                    F_B,
-                    T_B,
-                }
-            })
-            .collect()
-    }
-
-    /// Force and moment about the base origin just after a time.
-    fn thrust(&self, segment: &Segment, time: f64) -> (Vector3, Vector3) {
-        let on = segment
-            .firings
-            .iter()
-            .filter(|f| f.start_s <= time + 1.0e-9 && time + 1.0e-9 < f.end_s);
-        on.fold((Vector3::zeros(), Vector3::zeros()), |(F, T), firing| {
-            let thruster = &self.problem.model.thrusters[firing.thruster];
-            let R = &self.normal.R[thruster.body];
-            let f = R * thruster.direction_B * firing.force;
-            let r = self.normal.p[thruster.body] + R * thruster.p_BoT_B;
-            (F + f, T + r.cross(&f))
-        })
-    }
-
-    /// (35) integrated, with the impulse about the base origin.
-    fn impulses(&self, segment: &Segment) -> Vec<SingleRow> {
-        let mut turning = segment.clone();
-        turning.samples.translation = None;
-        let tree = self.problem.tree;
-        let sums = impulse::integrate(tree, &self.problem.model.thrusters, &turning);
-        let since: Vec<_> = sums
-            .total
-            .iter()
-            .map(|i| (i.linear, i.angular, i.per_mass_centre))
-            .collect();
-        let s = &segment.samples;
-        let velocity = s.translation.as_ref().map(|t| t.v_NBo_N.as_slice());
-        momenta(&s.R_NB, velocity, &s.w_NB_B, &since)
     }
 
     /// All two-body steps; the tip side of every joint that moves, in the frame of its body.
@@ -525,167 +402,6 @@ impl Work<'_> {
         Ok(found)
     }
 
-    /// Readings of the segments in which a joint moves alone.
-    fn readings(&self, joint: usize) -> Result<Vec<(usize, Vec<TwoBodyReading>)>, Xu2017Error> {
-        let child = self.child(joint);
-        let of = |&at: &usize| Ok((at, self.measured(at, child, Some(joint))?));
-        self.roles.of_joint[joint].iter().map(of).collect()
-    }
-
-    /// Both sides at every sample: with `alone` all other joints stand in the normal configuration; without,
-    /// every joint moves and all bodies but `body` are known.
-    fn measured(
-        &self,
-        at: usize,
-        body: usize,
-        alone: Option<usize>,
-    ) -> Result<Vec<TwoBodyReading>, Xu2017Error> {
-        let (tree, segment) = (self.problem.tree, &self.problem.segments[at]);
-        let s = &segment.samples;
-        let translation = s.translation.as_ref().ok_or(Xu2017Error::NoVelocity {
-            label: segment.label.clone(),
-            what: "the momentum of a moving joint",
-        })?;
-        let dof = tree.dof();
-        let mut kinematics = Kinematics::new(tree);
-        let mut q = self.roles.normal.clone();
-        let mut rates = vec![0.0; dof];
-        let list = (0..s.time_s.len()).map(|k| {
-            for j in (0..dof).filter(|&j| alone.is_none_or(|a| a == j)) {
-                q[j] = s.joint_position[k * dof + j];
-                rates[j] = s.joint_rate[k * dof + j];
-            }
-            let v = s.R_NB[k].inverse() * translation.v_NBo_N[k];
-            kinematics.place(tree, &q);
-            kinematics.set_velocities(tree, &v, &s.w_NB_B[k], &rates);
-            let mut rest = [Vector3::zeros(); 3];
-            if alone.is_none() {
-                for (b, pi) in self
-                    .found
-                    .bodies
-                    .iter()
-                    .enumerate()
-                    .filter(|(b, _)| *b != body)
-                {
-                    let m = &kinematics;
-                    let (l, h) = body_momentum(pi, &m.R[b], &m.p[b], &m.v[b], &m.w[b]);
-                    let first = m.R[b] * pi.mc_B + m.p[b] * pi.mass;
-                    rest = [rest[0] + l, rest[1] + h, rest[2] + first];
-                }
-            }
-            TwoBodyReading {
-                R_NB: s.R_NB[k],
-                p_NoBo_N: translation.p_NoBo_N[k],
-                inner: side(&kinematics, 0),
-                outer: side(&kinematics, body),
-                rest,
-            }
-        });
-        Ok(list.collect())
-    }
-
-    /// Bodies from the whole and the tip sides: what a part carries beyond itself is taken off, (43)-(46).
-    /// Bodies that no moving joint parts are one; the first unknown of them takes the difference.
-    fn share_out(&mut self, outers: &[Option<InertialParameters>]) {
-        let Some(total) = self.found.total else {
-            return;
-        };
-        let bodies = self.problem.model.bodies.len();
-        // The body at the root of what each body is rigidly part of.
-        let mut root: Vec<usize> = vec![0; bodies];
-        for b in 1..bodies {
-            let cut = (0..outers.len()).find(|&j| self.child(j) == b && outers[j].is_some());
-            root[b] = cut.map_or(root[self.parent(b)], |_| b);
-        }
-        for r in (0..bodies).filter(|&r| root[r] == r) {
-            let whole = (0..outers.len())
-                .find(|&j| r != 0 && self.child(j) == r)
-                .and_then(|j| outers[j])
-                .unwrap_or(total);
-            let mut own = whole;
-            for (j, outer) in outers.iter().enumerate() {
-                let c = self.child(j);
-                let Some(outer) = outer.filter(|_| root[self.parent(c)] == r && c != r) else {
-                    continue;
-                };
-                own = sum(&own, &self.moved(&outer, c, r), -1.0);
-            }
-            let members: Vec<usize> = (0..bodies).filter(|&b| root[b] == r).collect();
-            let Some(&takes) = members.iter().find(|&&b| self.roles.unknown[b]) else {
-                continue;
-            };
-            for &b in members.iter().filter(|&&b| b != takes) {
-                own = sum(&own, &self.moved(&self.found.bodies[b], b, r), -1.0);
-            }
-            self.found.bodies[takes] = self.moved(&own, r, takes);
-        }
-    }
-
-    /// Parameters of something fixed to body `from`, about and along the frame of body `to`, in the normal
-    /// configuration.
-    fn moved(&self, what: &InertialParameters, from: usize, to: usize) -> InertialParameters {
-        let n = &self.normal;
-        let inverse = n.R[to].transpose();
-        transported(
-            what,
-            &(inverse * n.R[from]),
-            &(inverse * (n.p[from] - n.p[to])),
-        )
-    }
-
-    /// Nominal bodies as one, in the frame of body `frame`.
-    fn composite(&self, frame: usize, takes: impl Fn(usize) -> bool) -> InertialParameters {
-        let bodies = self.problem.model.bodies.iter().enumerate();
-        bodies
-            .filter(|(b, _)| takes(*b))
-            .fold(InertialParameters::ZERO, |all, (b, body)| {
-                sum(&all, &self.moved(&body.nominal.parameters(), b, frame), 1.0)
-            })
-    }
-
-    fn child(&self, joint: usize) -> usize {
-        self.problem.model.joints[self.problem.tree.coordinates[joint]].child
-    }
-
-    fn parent(&self, body: usize) -> usize {
-        self.problem.tree.links[body].parent
-    }
-
-    /// Whether body `b` hangs on body `root` or is it.
-    fn carries(&self, root: usize, mut b: usize) -> bool {
-        while b != root && b != 0 {
-            b = self.parent(b);
-        }
-        b == root
-    }
-
-    fn known(&self, among: impl Fn(usize) -> bool) -> bool {
-        (0..self.roles.unknown.len()).all(|b| !among(b) || !self.roles.unknown[b])
-    }
-
-    fn rest_mass(&self, part: Searched) -> f64 {
-        let takes = |b: usize| match part {
-            Searched::Single => false,
-            Searched::Inner(j) => self.carries(self.child(j), b),
-            Searched::Outer(j) => !self.carries(self.child(j), b),
-            Searched::Body(body) => b != body,
-        };
-        self.composite(0, takes).mass
-    }
-
-    fn range(&self, nominal: &MassProperties) -> Range {
-        let share = self.solver.share;
-        let x = particle(nominal);
-        let I = nominal.I_BBcm_B;
-        let products = share * I.trace().abs() / 3.0;
-        let length = share * nominal.radius_of_gyration().max(1.0e-3);
-        let mut half: Particle = [products; 10];
-        half[0] = share * x[0];
-        (1..4).for_each(|d| half[d] = share * x[d].abs());
-        (7..10).for_each(|d| half[d] = length);
-        Range::around(&x, &half)
-    }
-
     /// Momentum that the noise of the velocity stands for; accelerations declare none.
     fn cost_noise(&self) -> f64 {
         let accelerations = self.found.form == Some(Form::Acceleration);
@@ -743,15 +459,6 @@ impl Work<'_> {
             Searched::Outer(j) => format!("tip side of {}", joint(j)),
             Searched::Body(b) => self.problem.model.bodies[b].name.clone(),
         }
-    }
-}
-
-fn side(kinematics: &Kinematics, body: usize) -> Side {
-    Side {
-        R: kinematics.R[body],
-        p: kinematics.p[body],
-        v: kinematics.v[body],
-        w: kinematics.w[body],
     }
 }
 

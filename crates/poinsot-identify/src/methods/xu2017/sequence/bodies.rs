@@ -1,0 +1,120 @@
+//! Parts of the robot: who carries whom, and bodies from the whole and the tip sides.
+
+use super::super::swarm::{Particle, Range};
+use super::super::two_body::transported;
+use super::super::{particle, sum};
+use super::{Searched, Work};
+use poinsot_spatial::{InertialParameters, MassProperties};
+
+impl Work<'_> {
+    /// Bodies from the whole and the tip sides: what a part carries beyond itself is taken off, (43)-(46).
+    /// Bodies that no moving joint parts are one; the first unknown of them takes the difference.
+    pub(super) fn share_out(&mut self, outers: &[Option<InertialParameters>]) {
+        let Some(total) = self.found.total else {
+            return;
+        };
+        let bodies = self.problem.model.bodies.len();
+        // The body at the root of what each body is rigidly part of.
+        let mut root: Vec<usize> = vec![0; bodies];
+        for b in 1..bodies {
+            let cut = (0..outers.len()).find(|&j| self.child(j) == b && outers[j].is_some());
+            root[b] = cut.map_or(root[self.parent(b)], |_| b);
+        }
+        for r in (0..bodies).filter(|&r| root[r] == r) {
+            let whole = (0..outers.len())
+                .find(|&j| r != 0 && self.child(j) == r)
+                .and_then(|j| outers[j])
+                .unwrap_or(total);
+            let mut own = whole;
+            for (j, outer) in outers.iter().enumerate() {
+                let c = self.child(j);
+                let Some(outer) = outer.filter(|_| root[self.parent(c)] == r && c != r) else {
+                    continue;
+                };
+                own = sum(&own, &self.moved(&outer, c, r), -1.0);
+            }
+            let members: Vec<usize> = (0..bodies).filter(|&b| root[b] == r).collect();
+            let Some(&takes) = members.iter().find(|&&b| self.roles.unknown[b]) else {
+                continue;
+            };
+            for &b in members.iter().filter(|&&b| b != takes) {
+                own = sum(&own, &self.moved(&self.found.bodies[b], b, r), -1.0);
+            }
+            self.found.bodies[takes] = self.moved(&own, r, takes);
+        }
+    }
+
+    /// Parameters of something fixed to body `from`, about and along the frame of body `to`, in the normal
+    /// configuration.
+    pub(super) fn moved(
+        &self,
+        what: &InertialParameters,
+        from: usize,
+        to: usize,
+    ) -> InertialParameters {
+        let n = &self.normal;
+        let inverse = n.R[to].transpose();
+        transported(
+            what,
+            &(inverse * n.R[from]),
+            &(inverse * (n.p[from] - n.p[to])),
+        )
+    }
+
+    /// Nominal bodies as one, in the frame of body `frame`.
+    pub(super) fn composite(
+        &self,
+        frame: usize,
+        takes: impl Fn(usize) -> bool,
+    ) -> InertialParameters {
+        let bodies = self.problem.model.bodies.iter().enumerate();
+        bodies
+            .filter(|(b, _)| takes(*b))
+            .fold(InertialParameters::ZERO, |all, (b, body)| {
+                sum(&all, &self.moved(&body.nominal.parameters(), b, frame), 1.0)
+            })
+    }
+
+    pub(super) fn child(&self, joint: usize) -> usize {
+        self.problem.model.joints[self.problem.tree.coordinates[joint]].child
+    }
+
+    pub(super) fn parent(&self, body: usize) -> usize {
+        self.problem.tree.links[body].parent
+    }
+
+    /// Whether body `b` hangs on body `root` or is it.
+    pub(super) fn carries(&self, root: usize, mut b: usize) -> bool {
+        while b != root && b != 0 {
+            b = self.parent(b);
+        }
+        b == root
+    }
+
+    pub(super) fn known(&self, among: impl Fn(usize) -> bool) -> bool {
+        (0..self.roles.unknown.len()).all(|b| !among(b) || !self.roles.unknown[b])
+    }
+
+    pub(super) fn rest_mass(&self, part: Searched) -> f64 {
+        let takes = |b: usize| match part {
+            Searched::Single => false,
+            Searched::Inner(j) => self.carries(self.child(j), b),
+            Searched::Outer(j) => !self.carries(self.child(j), b),
+            Searched::Body(body) => b != body,
+        };
+        self.composite(0, takes).mass
+    }
+
+    pub(super) fn range(&self, nominal: &MassProperties) -> Range {
+        let share = self.solver.share;
+        let x = particle(nominal);
+        let I = nominal.I_BBcm_B;
+        let products = share * I.trace().abs() / 3.0;
+        let length = share * nominal.radius_of_gyration().max(1.0e-3);
+        let mut half: Particle = [products; 10];
+        half[0] = share * x[0];
+        (1..4).for_each(|d| half[d] = share * x[d].abs());
+        (7..10).for_each(|d| half[d] = length);
+        Range::around(&x, &half)
+    }
+}
