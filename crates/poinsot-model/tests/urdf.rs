@@ -76,3 +76,14 @@ fn regress_names_that_no_model_file_takes_are_refused() {
     assert_eq!(model.name, "robot");
     poinsot_model::parse_model(&poinsot_model::write_model(&model), "m.toml").unwrap();
 }
+
+/// Found by libFuzzer: a number beyond the limit of the model file was read from a URDF and refused in what was made of it.
+#[test]
+fn regress_numbers_that_no_model_file_takes_are_refused() {
+    let text = r#"<robot name="r"><link name="base"><inertial><origin xyz="2.2e103 0 0"/><mass value="30"/>
+        <inertia ixx="2" ixy="0" ixz="0" iyy="2.5" iyz="0" izz="1.5"/></inertial></link></robot>"#;
+    assert_eq!(
+        parse_urdf(text, "r.urdf").model.unwrap_err().to_string(),
+        "E0107 r.urdf:1:45: link \"base\" <origin xyz> = \"2.2e103 0 0\": '2.2e103' is larger than 1e30; check its unit: all quantities are SI"
+    );
+}

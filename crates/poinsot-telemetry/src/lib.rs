@@ -20,6 +20,7 @@ mod inspect_parts;
 mod inspect_text;
 mod noise;
 mod number;
+mod parquet_bytes;
 mod parquet_reader;
 mod plan;
 mod quaternion;

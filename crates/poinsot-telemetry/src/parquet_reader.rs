@@ -6,6 +6,7 @@ use crate::bytes::{check_unchanged, open, sha256_of};
 use crate::columns::Columns;
 use crate::error::Place;
 use crate::number::Cell;
+use crate::parquet_bytes::ParquetBytes;
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
 use crate::size::Rows;
@@ -66,7 +67,7 @@ fn decode(
     let mut whole = file.try_clone().map_err(io)?;
     // Without the embedded Arrow schema, strings and dictionaries of strings arrive as one plain type.
     let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(file, plain)
+    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(ParquetBytes(file), plain)
         .map_err(|e| refused(path, e))?;
     let declared = plausible_rows(path, builder.metadata(), bytes)?;
     let header: Vec<String> = builder

@@ -3,6 +3,7 @@
 use super::{Remark, UrdfDefect};
 use crate::check_name::misspelt;
 use crate::document::printable;
+use crate::shape::LARGEST;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
@@ -333,7 +334,7 @@ impl Reader<'_> {
         let mut count = 0;
         for word in text.split_whitespace() {
             match word.parse::<f64>() {
-                Ok(x) if x.is_finite() => {
+                Ok(x) if x.abs() <= LARGEST => {
                     if let Some(slot) = values.get_mut(count) {
                         *slot = x;
                     }
@@ -492,8 +493,15 @@ fn cause(word: &str) -> (String, &'static str) {
             "write a decimal point, and blanks between numbers",
         );
     }
-    if word.parse::<f64>().is_ok() {
-        return (format!("'{shown}' is not finite"), "write a finite number");
+    match word.parse::<f64>() {
+        Ok(x) if x.is_finite() => {
+            return (
+                format!("'{shown}' is larger than 1e30"),
+                "check its unit: all quantities are SI",
+            );
+        }
+        Ok(_) => return (format!("'{shown}' is not finite"), "write a finite number"),
+        Err(_) => {}
     }
     (
         format!("'{shown}' is not a number"),

@@ -74,7 +74,7 @@ fn locked_link(b: &Bench) {
     // The joint's columns under names that nobody asks for.
     b.write(
         "sim/telemetry.csv",
-        text.replacen(",j_rad", ",old_j_rad", 2),
+        text.replacen(",j_rad", ",old_j_rad", 3),
     );
 }
 
