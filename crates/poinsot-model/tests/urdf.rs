@@ -61,7 +61,7 @@ fn regress_names_that_no_model_file_takes_are_refused() {
     let says = |link: &str, joint: &str| robot("r", link, joint).unwrap_err().to_string();
     assert_eq!(
         says("tool", " 1bo,"),
-        "E0109 r.urdf:3:39: joint \" 1bo,\": the name begins or ends with a blank; give it a plain name"
+        "E0109 r.urdf:3:35: joint \" 1bo,\": the name begins or ends with a blank; give it a plain name"
     );
     let long = "a".repeat(201);
     assert!(says(&long, "j").contains("the name is longer than 200 bytes; give it a plain name"));
