@@ -353,6 +353,9 @@ pub struct Inspect {
     /// Print nothing but errors: the exit code is the answer.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// Read the whole rows of a file that ends inside a row.
+    #[arg(long)]
+    pub recover: bool,
     /// How telemetry is taken out of its files.
     #[command(flatten)]
     pub rows: Rows,

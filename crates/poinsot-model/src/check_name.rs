@@ -45,18 +45,24 @@ fn spelling(table: &str, index: Option<usize>, name: &str, findings: &mut Findin
         Some(index) => Key::entry(table, index, None).at("name"),
         None => Key::top(table),
     };
-    let problem = if name.trim().is_empty() {
-        "the name is empty"
+    if let Some(problem) = misspelt(name) {
+        findings.refuse("E0109", &key, problem.to_owned(), "give it a plain name");
+    }
+}
+
+/// What is wrong with the spelling of a name, in a model file as in a URDF.
+pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
+    if name.trim().is_empty() {
+        Some("the name is empty")
     } else if name.trim() != name {
-        "the name begins or ends with a blank"
+        Some("the name begins or ends with a blank")
     } else if name.len() > LONGEST {
-        "the name is longer than 200 bytes"
+        Some("the name is longer than 200 bytes")
     } else if name.chars().any(|c| c.is_control() || is_direction_mark(c)) {
-        "the name holds a character that cannot be printed"
+        Some("the name holds a character that cannot be printed")
     } else {
-        return;
-    };
-    findings.refuse("E0109", &key, problem.to_owned(), "give it a plain name");
+        None
+    }
 }
 
 fn unique(table: &str, names: &[Option<&str>], findings: &mut Findings<'_, '_>) {

@@ -171,6 +171,11 @@ fn check_sensor(
     let noise_covariance = check_noise(file, kind, unit, key, findings);
     let quantisation = quantisation_of(file, unit).and_then(|lsb| {
         let here = key.at(&format!("quantisation_{unit}"));
+        if lsb > 0.0 && lsb < SMALLEST_NOISE {
+            let problem = "the quantisation is below 1e-100".to_owned();
+            findings.refuse("E0118", &here, problem, "give that of a real instrument");
+            return None;
+        }
         positive(lsb, &here, "E0118", "the quantisation", findings)
     });
     let correlation_s = file.correlation_s.and_then(|time| {

@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
 /// Larger numbers mean nothing in SI for a spacecraft, and their squares overflow.
-const LARGEST: f64 = 1e30;
+pub(crate) const LARGEST: f64 = 1e30;
 
 /// Checks the whole file; the answer holds what fits the schema.
 pub(crate) fn check_shape(root: &Schema, findings: &mut Findings<'_, '_>) -> Table {

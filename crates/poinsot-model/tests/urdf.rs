@@ -46,3 +46,44 @@ fn regress_a_turned_tensor_is_symmetric_to_the_last_bit() {
         assert_eq!(I, I.transpose());
     }
 }
+
+/// Found by libFuzzer: a name with a blank before it was read from a URDF and refused in the model file made of it.
+#[test]
+fn regress_names_that_no_model_file_takes_are_refused() {
+    let robot = |title: &str, link: &str, joint: &str| {
+        let text = format!(
+            r#"<robot name="{title}"><link name="base"><inertial><mass value="30"/>
+                 <inertia ixx="2" ixy="0" ixz="0" iyy="2.5" iyz="0" izz="1.5"/></inertial></link>
+               <link name="{link}"/><joint name="{joint}" type="fixed"><parent link="base"/><child link="{link}"/></joint></robot>"#
+        );
+        parse_urdf(&text, "r.urdf").model
+    };
+    let says = |link: &str, joint: &str| robot("r", link, joint).unwrap_err().to_string();
+    assert_eq!(
+        says("tool", " 1bo,"),
+        "E0109 r.urdf:3:35: joint \" 1bo,\": the name begins or ends with a blank; give it a plain name"
+    );
+    let long = "a".repeat(201);
+    assert!(says(&long, "j").contains("the name is longer than 200 bytes; give it a plain name"));
+    let mark = says("to&#x202e;ol", "j");
+    assert!(
+        mark.contains("the name holds a character that cannot be printed"),
+        "{mark}"
+    );
+    assert!(!mark.contains('\u{202e}'));
+    // The title alone is no reason to refuse a robot.
+    let model = robot(" arm", "tool", "j").unwrap();
+    assert_eq!(model.name, "robot");
+    poinsot_model::parse_model(&poinsot_model::write_model(&model), "m.toml").unwrap();
+}
+
+/// Found by libFuzzer: a number beyond the limit of the model file was read from a URDF and refused in what was made of it.
+#[test]
+fn regress_numbers_that_no_model_file_takes_are_refused() {
+    let text = r#"<robot name="r"><link name="base"><inertial><origin xyz="2.2e103 0 0"/><mass value="30"/>
+        <inertia ixx="2" ixy="0" ixz="0" iyy="2.5" iyz="0" izz="1.5"/></inertial></link></robot>"#;
+    assert_eq!(
+        parse_urdf(text, "r.urdf").model.unwrap_err().to_string(),
+        "E0107 r.urdf:1:45: link \"base\" <origin xyz> = \"2.2e103 0 0\": '2.2e103' is larger than 1e30; check its unit: all quantities are SI"
+    );
+}

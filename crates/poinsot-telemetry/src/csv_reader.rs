@@ -6,6 +6,7 @@ use crate::error::{Place, shown};
 use crate::number::{self, Cell};
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
+use crate::size::Rows;
 use crate::{Encoding, ReadOptions, TelemetryError};
 use csv::ByteRecord;
 use std::io::{Read, Seek};
@@ -20,6 +21,12 @@ pub(crate) fn read(
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let (mut file, before) = open(path)?;
     refuse_utf16(path, &mut file)?;
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
+    let rows = Rows::of_text(&mut file, before.len()).map_err(io)?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -35,15 +42,18 @@ pub(crate) fn read(
     let header = header_of(path, &record, options.encoding)?;
     let mut selection = options.selection();
     let plan = plan::build(path, &header, options)?;
+    if full.is_none() {
+        options.limit().check_ahead(path, &plan, options, rows)?;
+    }
     let mut columns = Columns::with_channels(plan.channels.len());
     let mut last_row = 0;
     while next(path, &mut reader, &mut record)? {
+        // Rows are handed on only when another follows: the last one may yet have to be taken back.
+        selection.check(path, &plan, &mut columns, rows, full.as_deref_mut())?;
         last_row = record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
         let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns)
         else {
-            let full = full.as_deref_mut();
-            selection.check(path, &plan, &mut columns, last_row, full)?;
             continue;
         };
         let is_last = !next(path, &mut reader, &mut record)?;
@@ -79,6 +89,7 @@ pub(crate) fn read(
             ));
         }
     }
+    selection.check(path, &plan, &mut columns, rows, full)?;
     check_unchanged(path, &before)?;
     Ok((plan, columns, reader.get_ref().sha256()))
 }

@@ -41,7 +41,7 @@ impl Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        write!(f, "{}", one_line(&self.path.display().to_string()))?;
         let parquet = (self.path.extension()).is_some_and(|e| e == "parquet" || e == "pq");
         match (self.row, parquet) {
             (0, _) => {}
@@ -70,7 +70,7 @@ pub enum TelemetryError {
         source: std::io::Error,
     },
     /// The bytes are not UTF-8 text, or not a file of a known kind.
-    #[error("E0202 {place}: {why}")]
+    #[error("E0202 {place}: {}", one_line(why))]
     Format {
         /// Where.
         place: Place,
@@ -78,7 +78,7 @@ pub enum TelemetryError {
         why: String,
     },
     /// A cell is not a finite number.
-    #[error("E0203 {place}: '{value}' {why}")]
+    #[error("E0203 {place}: '{value}' {}", one_line(why))]
     Number {
         /// Where.
         place: Place,
@@ -100,7 +100,7 @@ pub enum TelemetryError {
         hint: &'static str,
     },
     /// The header names no column, or one twice, or looks like another format.
-    #[error("E0205 {place}: {why}")]
+    #[error("E0205 {place}: {}", one_line(why))]
     Header {
         /// Where.
         place: Place,
@@ -109,7 +109,8 @@ pub enum TelemetryError {
     },
     /// The file stops inside its last row.
     #[error(
-        "E0206 {place}: the file ends inside this row ({why}); use --recover to keep the rows before it"
+        "E0206 {place}: the file ends inside this row ({}); use --recover to keep the rows before it",
+        one_line(why)
     )]
     Truncated {
         /// Where.
@@ -126,7 +127,7 @@ pub enum TelemetryError {
         hint: String,
     },
     /// Times are not strictly increasing, or a row has none.
-    #[error("E0208 {place}: {why}")]
+    #[error("E0208 {place}: {}", one_line(why))]
     Time {
         /// Where.
         place: Place,
@@ -136,7 +137,7 @@ pub enum TelemetryError {
     /// The sampling interval is not plausible.
     #[error(
         "E0209 {place}: the median step is {median_s:e} s, outside 1e-5 to 1e5 s{hint}; map it: time_s = {{ column = \"{column}\", unit = \"...\" }}",
-        column = place.column
+        column = one_line(&place.column)
     )]
     TimeUnit {
         /// The time column.
@@ -148,7 +149,8 @@ pub enum TelemetryError {
     },
     /// One channel comes from two places.
     #[error(
-        "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{channel}'"
+        "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{channel}'",
+        channel = one_line(channel)
     )]
     DuplicateChannel {
         /// The channel.
@@ -159,7 +161,10 @@ pub enum TelemetryError {
         second: Box<Place>,
     },
     /// A unit that is not in the table.
-    #[error("E0211 unit '{unit}' is not known; did you mean '{nearest}'?")]
+    #[error(
+        "E0211 unit '{}' is not known; did you mean '{nearest}'?",
+        one_line(unit)
+    )]
     UnknownUnit {
         /// As written.
         unit: String,
@@ -167,7 +172,7 @@ pub enum TelemetryError {
         nearest: String,
     },
     /// A map that cannot be followed.
-    #[error("E0212 map of channel '{channel}': {why}")]
+    #[error("E0212 map of channel '{}': {}", one_line(channel), one_line(why))]
     Map {
         /// The channel that is mapped.
         channel: String,
@@ -175,7 +180,12 @@ pub enum TelemetryError {
         why: String,
     },
     /// A row filter that finds no column or no row.
-    #[error("E0213 where {column} = '{text}': {why}")]
+    #[error(
+        "E0213 where {} = '{}': {}",
+        one_line(column),
+        one_line(text),
+        one_line(why)
+    )]
     Filter {
         /// The column.
         column: String,
@@ -185,7 +195,7 @@ pub enum TelemetryError {
         why: String,
     },
     /// A quaternion is not of unit norm, or lacks a component.
-    #[error("E0214 {place}: {why}")]
+    #[error("E0214 {place}: {}", one_line(why))]
     Quaternion {
         /// Where.
         place: Place,
@@ -194,7 +204,9 @@ pub enum TelemetryError {
     },
     /// Attitude and gyro contradict the declared conventions.
     #[error(
-        "E0215 attitude '{attitude}' and gyro '{gyro}' contradict the declared {declared}: residual {declared_residual:.3e} rad/s, but {best_residual:.3e} rad/s with {best}; correct the map or the file"
+        "E0215 attitude '{attitude}' and gyro '{gyro}' contradict the declared {declared}: residual {declared_residual:.3e} rad/s, but {best_residual:.3e} rad/s with {best}; correct the map or the file",
+        attitude = one_line(attitude),
+        gyro = one_line(gyro)
     )]
     Convention {
         /// The attitude channels, for example `q_x..q_w`.
@@ -211,7 +223,10 @@ pub enum TelemetryError {
         best_residual: f64,
     },
     /// The Parquet decoder refused the file.
-    #[error("E0216 {place}: {why}; write the file again, or convert it to CSV")]
+    #[error(
+        "E0216 {place}: {}; write the file again, or convert it to CSV",
+        one_line(why)
+    )]
     Parquet {
         /// Where.
         place: Place,
@@ -226,7 +241,8 @@ pub enum TelemetryError {
     },
     /// A repair would be needed and repairs are off.
     #[error(
-        "E0218 {place}: {repair}; --strict allows no repair: correct the file or leave out --strict"
+        "E0218 {place}: {}; --strict allows no repair: correct the file or leave out --strict",
+        one_line(repair)
     )]
     Strict {
         /// Where.
@@ -236,7 +252,9 @@ pub enum TelemetryError {
     },
     /// A check found something, and its policy is to refuse it.
     #[error(
-        "E0220 {file}: channel '{channel}': {check}: {what}; correct it, or accept it by --policy {check}={lenient} (without --strict)"
+        "E0220 {file}: channel '{channel}': {check}: {what}; correct it, or accept it by --policy {check}={lenient} (without --strict)",
+        channel = one_line(channel),
+        what = one_line(what)
     )]
     Check {
         /// File or files of the segment.
@@ -252,20 +270,24 @@ pub enum TelemetryError {
     },
     /// More samples than fit into the memory that is allowed.
     #[error(
-        "E0221 {place}: more than {most} samples in {channels} channels would need over {mib} MiB of memory; take a part by --time-s FROM,TO, every n-th row by --every N, or raise --memory-mib"
+        "E0221 {place}: up to {samples} samples in {channels} channels are asked for, and {fit} fit into {mib} MiB of memory; take every n-th row by --every {every}, a part by --time-s FROM,TO, or raise --memory-mib"
     )]
     TooLarge {
-        /// The row at which the limit was reached.
+        /// The file.
         place: Place,
-        /// Samples that were read.
-        most: usize,
+        /// Samples that are asked for, at most.
+        samples: u64,
+        /// Samples that fit.
+        fit: usize,
         /// Channels read.
         channels: usize,
         /// The limit, MiB.
         mib: usize,
+        /// Every so many rows are few enough.
+        every: u64,
     },
     /// Channels that cannot be written.
-    #[error("E0219 {place}: {why}")]
+    #[error("E0219 {place}: {}", one_line(why))]
     Write {
         /// The file to be written.
         place: Place,
@@ -300,6 +322,16 @@ impl TelemetryError {
             Self::Check { .. } => "E0220",
             Self::TooLarge { .. } => "E0221",
         }
+    }
+
+    /// The same about a file under its final name, where it was written under another.
+    pub fn under(mut self, name: &Path) -> Self {
+        match &mut self {
+            Self::Io { path, .. } => *path = name.to_owned(),
+            Self::Write { place, .. } | Self::Parquet { place, .. } => place.path = name.to_owned(),
+            _ => {}
+        }
+        self
     }
 
     /// Whether the environment (disk, permission) is at fault and not the file's content.

@@ -129,7 +129,11 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max),
         constant: crate::noise::is_constant(&channel.values),
-        quantum: crate::noise::quantum(&channel.values),
+        // Seen with the noise; sorting the values twice would cost as much as all else.
+        quantum: match &noise {
+            Some(seen) => seen.quantum,
+            None => crate::noise::quantum(&channel.values),
+        },
         noise: noise.filter(|n| n.sigma > 0.0).map(|n| n.sigma),
     })
 }

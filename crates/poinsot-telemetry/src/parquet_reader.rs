@@ -6,8 +6,10 @@ use crate::bytes::{check_unchanged, open, sha256_of};
 use crate::columns::Columns;
 use crate::error::Place;
 use crate::number::Cell;
+use crate::parquet_bytes::ParquetBytes;
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
+use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -33,17 +35,11 @@ pub(crate) fn read(
     options: &ReadOptions,
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let (mut file, before) = open(path)?;
-    let sha256 = sha256_of(path, &mut file)?;
-    file.rewind().map_err(|source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    })?;
+    let (file, before) = open(path)?;
     let decoded = catch_unwind(AssertUnwindSafe(|| {
         decode(path, file, before.len(), options, full)
     }));
-    let (plan, columns) = decoded
+    let (plan, columns, sha256) = decoded
         .unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))?;
     check_unchanged(path, &before)?;
     Ok((plan, columns, sha256))
@@ -62,10 +58,16 @@ fn decode(
     bytes: u64,
     options: &ReadOptions,
     mut full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns), TelemetryError> {
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
+    let mut whole = file.try_clone().map_err(io)?;
     // Without the embedded Arrow schema, strings and dictionaries of strings arrive as one plain type.
     let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(file, plain)
+    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(ParquetBytes(file), plain)
         .map_err(|e| refused(path, e))?;
     let declared = plausible_rows(path, builder.metadata(), bytes)?;
     let header: Vec<String> = builder
@@ -75,6 +77,12 @@ fn decode(
         .map(|f| f.name().clone())
         .collect();
     let plan = plan::build(path, &header, options)?;
+    let rows = Rows::Declared(declared);
+    if full.is_none() {
+        options.limit().check_ahead(path, &plan, options, rows)?;
+    }
+    whole.rewind().map_err(io)?;
+    let sha256 = sha256_of(path, &mut whole)?;
     let mut roots: Vec<usize> = plan.channels.iter().map(|c| c.index).collect();
     roots.push(plan.time_index);
     roots.extend(plan.filter.iter().map(|f| f.0));
@@ -89,9 +97,8 @@ fn decode(
     for batch in reader {
         let batch = batch.map_err(|e| refused(path, e))?;
         take_batch(path, &plan, &header, &batch, &mut selection, &mut columns)?;
-        let row = columns.rows_read as u64;
         let full = full.as_deref_mut();
-        selection.check(path, &plan, &mut columns, row, full)?;
+        selection.check(path, &plan, &mut columns, rows, full)?;
     }
     if columns.rows_read as u64 != declared {
         return Err(refused(
@@ -102,7 +109,7 @@ fn decode(
             ),
         ));
     }
-    Ok((plan, columns))
+    Ok((plan, columns, sha256))
 }
 
 /// Rows declared by the footer, after its sizes were compared with the file's.

@@ -3,6 +3,7 @@
 use crate::columns::Columns;
 use crate::error::Place;
 use crate::plan::Plan;
+use crate::size::{Limit, Rows};
 use crate::{
     ColumnMap, Source, Table, TelemetryError, assemble, check_conventions, csv_reader,
     parquet_reader, plan, time_base,
@@ -34,6 +35,8 @@ pub struct ReadOptions {
     pub memory_mib: usize,
     /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
     pub check_conventions: bool,
+    /// Refuse a file that holds several runs, far apart: each is a segment of its own.
+    pub one_run: bool,
 }
 
 /// Usual limit of the memory for the samples of one file, MiB.
@@ -54,12 +57,19 @@ impl ReadOptions {
     pub(crate) fn selection(&self) -> Selection {
         Selection {
             time_s: self.time_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
-            every: self.every.max(1),
+            limit: self.limit(),
+            seen: 0,
+        }
+    }
+
+    /// How much may be kept.
+    pub(crate) fn limit(&self) -> Limit {
+        Limit {
             bytes: match self.memory_mib {
                 0 => MEMORY_MIB << 20,
                 mib => mib.saturating_mul(1 << 20),
             },
-            seen: 0,
+            every: self.every.max(1),
         }
     }
 }
@@ -67,8 +77,7 @@ impl ReadOptions {
 /// Rows to keep, and how many may be kept.
 pub(crate) struct Selection {
     time_s: [f64; 2],
-    every: usize,
-    bytes: usize,
+    limit: Limit,
     seen: usize,
 }
 
@@ -80,10 +89,10 @@ impl Selection {
             return false;
         }
         self.seen += 1;
-        (self.seen - 1).is_multiple_of(self.every)
+        (self.seen - 1).is_multiple_of(self.limit.every)
     }
 
-    /// Hands the rows kept to `full` where they fill the memory allowed.
+    /// Hands the rows kept to `full` where they fill the memory allowed; `rows` are those of the whole file.
     ///
     /// # Errors
     /// Nobody takes them, or the one who does finds a fault.
@@ -92,22 +101,19 @@ impl Selection {
         path: &Path,
         plan: &Plan,
         columns: &mut Columns,
-        row: u64,
+        rows: Rows,
         full: Option<&mut WhenFull>,
     ) -> Result<(), TelemetryError> {
-        let (rows, channels) = (columns.rows.len(), plan.channels.len());
-        let per_row = 8 * (channels + 2);
-        if rows.saturating_mul(per_row) <= self.bytes {
+        if columns.rows.len() <= self.limit.samples(plan.channels.len()) {
             return Ok(());
         }
         match full {
             Some(take) => take(plan, columns.split()),
-            None => Err(TelemetryError::TooLarge {
-                place: Place::row(path, row),
-                most: rows,
-                channels,
-                mib: self.bytes >> 20,
-            }),
+            None => {
+                let rest = rows.most().saturating_sub(columns.rows_read as u64);
+                let chosen = self.seen as u64 + rest;
+                Err(self.limit.refusal(path, plan, chosen))
+            }
         }
     }
 }
@@ -158,6 +164,9 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
             options.strict,
             &mut table.repairs,
         )?;
+        if options.one_run {
+            time_base::check_one_run(path, &plan, &columns)?;
+        }
         table.sources.push(Source {
             path: path.display().to_string(),
             sha256,

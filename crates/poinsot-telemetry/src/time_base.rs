@@ -9,6 +9,11 @@ use std::path::Path;
 /// Median steps outside this range, s, are taken for a wrong unit.
 const PLAUSIBLE_STEP: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 
+/// A record whose gaps together exceed this many times what it covers holds several runs, where the longest gap is
+/// also this many median steps: the motion across is neither seen nor cheaply followed.
+const APART: f64 = 30.0;
+const APART_STEPS: f64 = 1e4;
+
 /// Drops rows that repeat the row before them; refuses everything else that is out of order.
 pub(crate) fn check(
     path: &Path,
@@ -84,6 +89,41 @@ fn difference<'a>(plan: &'a Plan, columns: &Columns, a: usize, b: usize) -> Opti
             bits(a) != bits(b)
         })
         .map(|(channel, _)| channel.column.as_str())
+}
+
+/// Refuses several runs in one file.
+pub(crate) fn check_one_run(
+    path: &Path,
+    plan: &Plan,
+    columns: &Columns,
+) -> Result<(), TelemetryError> {
+    let Some(median_s) = median_step(&columns.time_s) else {
+        return Ok(());
+    };
+    let (mut covered, mut apart, mut longest) = (0.0, 0.0, (0.0, [0.0; 2], [0; 2]));
+    let rows = columns.time_s.iter().zip(&columns.rows);
+    for ((a, row_a), (b, row_b)) in rows.clone().zip(rows.skip(1)) {
+        let step = b - a;
+        if step <= 3.0 * median_s {
+            covered += step;
+            continue;
+        }
+        apart += step;
+        if step > longest.0 {
+            longest = (step, [*a, *b], [*row_a, *row_b]);
+        }
+    }
+    let (step, [from, to], [row_before, row]) = longest;
+    if step <= APART_STEPS * median_s || apart <= APART * covered {
+        return Ok(());
+    }
+    Err(TelemetryError::Time {
+        place: Place::cell(path, row, &plan.time_column),
+        why: format!(
+            "time jumps from {from} s (row {row_before}) to {to:?} s, and the record covers {covered:.6} s in all; \
+             these are several runs: choose one by --time-s or [telemetry] where, or give each as a segment"
+        ),
+    })
 }
 
 fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), TelemetryError> {

@@ -86,7 +86,7 @@ fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
         if !c.values.iter().all(|x| x.is_finite()) {
             return Err(fault(
                 &name,
-                "a value is not finite; leave the sample out instead",
+                "a value is not finite; correct what it comes from, or leave the sample out",
             ));
         }
     }

@@ -397,6 +397,7 @@ pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bo
         strict,
         recover,
         check_conventions: true,
+        one_run: true,
         ..ReadOptions::default()
     }
 }

@@ -118,7 +118,9 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> 
         .prefix(".poinsot-")
         .tempdir_in(out)
         .map_err(|e| failed(out, e))?;
-    poinsot_telemetry::write(&workshop.path().join(name), &simulation.table.channels)?;
+    let draft = workshop.path().join(name);
+    poinsot_telemetry::write(&draft, &simulation.table.channels)
+        .map_err(|e| e.under(&out.join(name)))?;
     let text = format!("{:#}\n", simulation.truth);
     let draft = workshop.path().join("truth.json");
     let whole = std::fs::File::create(&draft).and_then(|mut file| {

@@ -144,26 +144,28 @@ fn exact_a_gyro_whose_axes_are_not_square_comes_back() {
     assert!(worst_error(&answer, &truth, 0) < 1.0e-5);
 }
 
-/// Every sensor reads 2 ms late, thrusters act 5 ms late; what is left over is of second order in the lag.
-#[test]
-fn exact_lags_of_all_sensors_come_back() {
-    let lag = 2.0e-3;
+/// An arm whose joints and wheels, and what else is asked, are read by declared sensors, and how it moves.
+fn read_everywhere(noise: f64, more: &[SensorKind]) -> (Model, Table) {
     let mut truth = with_thrusters(with_wheels(known_arm(13)));
-    truth.sensors = sensors(1.0e-5);
-    truth
-        .sensors
-        .push(reader(SensorKind::JointPosition, vec![0, 1]));
-    truth
-        .sensors
-        .push(reader(SensorKind::WheelSpeed, vec![0, 1, 2]));
-    truth
-        .sensors
-        .push(reader(SensorKind::Thrust, vec![0, 1, 2]));
+    truth.sensors = sensors(noise);
+    let joints = reader(SensorKind::JointPosition, vec![0, 1]);
+    let wheels = reader(SensorKind::WheelSpeed, vec![0, 1, 2]);
+    truth.sensors.extend([joints, wheels]);
+    let more = more.iter().map(|kind| reader(*kind, vec![0, 1, 2]));
+    truth.sensors.extend(more);
     let flight = Flight {
         rate_hz: 10.0,
         ..moving(&truth, 14)
     };
-    let clean = fly(&truth, &flight);
+    let table = fly(&truth, &flight);
+    (truth, table)
+}
+
+/// Every sensor reads 2 ms late, thrusters act 5 ms late; what is left over is of second order in the lag.
+#[test]
+fn exact_lags_of_all_sensors_come_back() {
+    let lag = 2.0e-3;
+    let (truth, clean) = read_everywhere(1.0e-5, &[SensorKind::Thrust]);
     let cases = [
         (SensorKind::Velocity, "v_", lag),
         (SensorKind::Position, "r_", lag),
@@ -190,19 +192,7 @@ fn exact_lags_of_all_sensors_come_back() {
 /// A lag of 20 ms that nobody declared: the diagnosis names it first, with the sensor that has it.
 #[test]
 fn exact_lags_of_20_ms_are_named_with_their_sensor() {
-    let mut truth = with_thrusters(with_wheels(known_arm(13)));
-    truth.sensors = sensors(1.0e-4);
-    truth
-        .sensors
-        .push(reader(SensorKind::JointPosition, vec![0, 1]));
-    truth
-        .sensors
-        .push(reader(SensorKind::WheelSpeed, vec![0, 1, 2]));
-    let flight = Flight {
-        rate_hz: 10.0,
-        ..moving(&truth, 14)
-    };
-    let clean = fly(&truth, &flight);
+    let (truth, clean) = read_everywhere(1.0e-4, &[]);
     for (prefix, what) in [
         ("joint", "a lag of the joints"),
         ("wheel", "a lag of the wheels"),

@@ -10,6 +10,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let rows = &arguments.rows;
     let mut options = ReadOptions {
         encoding: rows.encoding.into(),
+        recover: arguments.recover,
         time_s: rows.time_s,
         every: rows.every,
         memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),

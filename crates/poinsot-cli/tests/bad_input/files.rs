@@ -12,6 +12,7 @@ const PARQUET: &[&str] = &[
     "--out",
     "out",
 ];
+const INSPECT_PARQUET: &[&str] = &["inspect", "t.parquet"];
 const INSPECT: &[&str] = &["inspect", "t.csv"];
 
 fn bytes() -> Vec<u8> {
@@ -49,6 +50,32 @@ pub fn rows() -> Vec<Row> {
     all
 }
 
+/// The telemetry, long, and written to for as long as the program reads: its content stays, its time of change does not.
+fn touched(b: &Bench) {
+    let mut text = sheet().text();
+    for k in 0..100_000 {
+        text.push_str(&format!("{}.0,0,0,0,,,,,0,0,0\n", 101 + k));
+    }
+    b.write("t.csv", text);
+    let path = b.path("t.csv");
+    std::thread::spawn(move || {
+        let mut time = std::time::SystemTime::UNIX_EPOCH;
+        // Until the folder is gone.
+        while let Ok(file) = std::fs::File::options().append(true).open(&path) {
+            time += std::time::Duration::from_secs(1);
+            if file.set_modified(time).is_err() {
+                break;
+            }
+        }
+    });
+}
+
+/// A file of the fuzzing corpus.
+fn corpus(b: &Bench, name: &str) {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
+    b.write("t.parquet", std::fs::read(folder.join(name)).unwrap());
+}
+
 fn csv() -> Vec<Row> {
     vec![
         row("F1", "cut inside the last row", |b| { let t = bytes(); b.write("t.csv", &t[..t.len() - 60]); }, 2,
@@ -63,10 +90,13 @@ fn csv() -> Vec<Row> {
         row("F2", "a column name twice", |b| header(b, |h| h.replace("omega_y", "omega_x")), 2, &["E0205 t.csv: column 'omega_x' stands twice in the header; rename one"]),
         row("F2", "no header", |b| header(b, |_| "0,0,0,0,0,0,0,1,0,0,0".replace("0,0,0,0,0,0,0,1,0,0,0", "0,1,2,3,4,5,6,7,8,9,10")), 2, &["E0207 t.csv: no column 'time_s'"]),
         row("F2", "names with blanks and units", |b| header(b, |h| h.replace("omega_x", "Gyro X [rad/s]")), 2, &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),
+        row("F2", "names in capitals", |b| header(b, |h| h.replace("omega", "OMEGA")), 2, &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),
         row("F2", "a wheel's column is missing", |b| b.spoil(|s| s.without("wheel2")), 2, &["E0301 t.csv: no channel 'wheel2_rad_s': the momentum of a wheel cannot be guessed"]),
         row("F3", "UTF-8 byte order mark and CRLF", |b| { let t = sheet().text().replace('\n', "\r\n"); b.write("t.csv", format!("\u{feff}{t}")); }, 0, &["every number asked for is determined"]),
         row("F3", "lone CR", |b| b.write("t.csv", sheet().text().replace('\n', "\r")), 0, &["every number asked for is determined"]),
         row("F3", "UTF-16", |b| { let t: Vec<u8> = [0xfeff].into_iter().chain(sheet().text().encode_utf16()).flat_map(u16::to_le_bytes).collect(); b.write("t.csv", t); }, 2, &["E0202 t.csv: the file is UTF-16; save it as UTF-8"]),
+        row("F3", "UTF-16, big end first", |b| { let t: Vec<u8> = [0xfeff].into_iter().chain(sheet().text().encode_utf16()).flat_map(u16::to_be_bytes).collect(); b.write("t.csv", t); }, 2, &["E0202 t.csv: the file is UTF-16; save it as UTF-8"]),
+        row("F3", "line ends of all kinds", |b| { let t: String = sheet().text().lines().enumerate().map(|(n, l)| format!("{l}{}", ["\n", "\r\n", "\r"][n % 3])).collect(); b.write("t.csv", t); }, 0, &["every number asked for is determined"]),
         row("F3", "NUL bytes", |b| { let mut t = bytes(); t[500] = 0; b.write("t.csv", t); }, 2, &["E0202 t.csv: byte 500 is NUL: the file is not text, or is UTF-16; save it as UTF-8"]),
         row("F3", "semicolons", |b| b.write("t.csv", sheet().text().replace(',', ";")), 2, &["E0205 t.csv: the columns are separated by ';'; write commas, and points in decimal numbers"]),
         row("F3", "tabs", |b| b.write("t.csv", sheet().text().replace(',', "\t")), 2, &["E0205 t.csv: the columns are separated by '\\t'"]),
@@ -79,6 +109,8 @@ fn csv() -> Vec<Row> {
         row("F4", "a Latin-1 byte in a number", |b| { let mut t = bytes(); let at = t.iter().position(|&c| c == b'\n').unwrap(); t.splice(at + 5..at + 5, [0xb0]); b.write("t.csv", t); }, 2, &["E0203 t.csv:2", "is not UTF-8 text; save the file as UTF-8"]),
         row("F5", "decimal comma in quotes", |b| b.spoil(|s| s.set(3, "omega_x", "\"1,5\"")), 2, &["E0203 t.csv:5 column 'omega_x': '1,5' has a decimal comma; write a point"]),
         row("F5", "decimal comma without quotes", |b| b.spoil(|s| s.set(3, "omega_x", "1,5")), 2, &["E0204 t.csv:5", "a decimal comma"]),
+        row("F5", "thousands: 1.234,5", |b| b.spoil(|s| s.set(3, "omega_x", "\"1.234,5\"")), 2, &["E0203 t.csv:5 column 'omega_x': '1.234,5' has a decimal comma; write a point"]),
+        row("F5", "+.5 and 007 are numbers", |b| b.spoil(|s| { let x = s.get(3, "wheel1_rad_s"); s.set(3, "wheel1_rad_s", format!("+00{x:?}")); s.set(0, "wheel1_rad_s", "+.0"); }), 0, &["every number asked for is determined"]),
         row("F5", "1_000", |b| b.spoil(|s| s.set(3, "omega_x", "1_000")), 2, &["has '_' between digits; leave it out"]),
         row("F5", "hexadecimal", |b| b.spoil(|s| s.set(3, "omega_x", "0x1p3")), 2, &["is hexadecimal; write a decimal number"]),
         row("F5", "1e400", |b| b.spoil(|s| s.set(3, "omega_x", "1e400")), 2, &["E0203 t.csv:5 column 'omega_x': '1e400' is too large for a double; correct the number"]),
@@ -87,11 +119,13 @@ fn csv() -> Vec<Row> {
         row("F6", "one line of 17 MiB", |b| b.write("t.csv", "a".repeat(17 << 20)), 2, &["E0202 t.csv: a line is longer than 16 MiB"]),
         row("F6", "70,000 columns", |b| b.write("t.csv", format!("time_s{}\n", (0..70_000).map(|k| format!(",c{k}")).collect::<String>())), 2, &["E0205 t.csv: 70001 columns in the header; at most 65536 are read"]),
         row("F6", "more samples than the memory allowed", |b| { let mut t = sheet().text(); let tail = ",0,0,0,,,,,0,0,0\n"; for k in 0..20_000 { t.push_str(&format!("{}{tail}", 101 + k)); } b.write("t.csv", t); }, 2,
-            &["E0221 t.csv:", "in 10 channels would need over 1 MiB of memory; take a part by --time-s FROM,TO, every n-th row by --every N, or raise --memory-mib"]).more(&["--memory-mib", "1"]),
+            &["E0221 t.csv: up to ", "samples in 10 channels are asked for, and 10922 fit into 1 MiB of memory; take every n-th row by --every", "a part by --time-s FROM,TO, or raise --memory-mib"]).more(&["--memory-mib", "1"]),
         row("F6", "a part of the record", |_| {}, 0, &["t.csv: 151 of 501 rows taken, as --time-s and --every ask"]).more(&["--time-s", "20,80", "--every", "2"]),
         row("F6", "no row in the part", |_| {}, 2, &["E0213 where time_s = '200,300': no row of t.csv lies between these times, s"]).more(&["--time-s", "200,300"]),
         row("F6", "a folder", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::fs::create_dir(b.path("t.csv")).unwrap(); }, 2, &["E0202 t.csv: not a regular file; give a .csv or .parquet file"]),
         row("F6", "a pipe", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); let made = std::process::Command::new("mkfifo").arg(b.path("t.csv")).status(); assert!(made.is_ok_and(|s| s.success())); }, 2, &["E0202 t.csv: not a regular file"]),
+        row("F6", "a sparse file of 10 GB", |b| std::fs::File::create(b.path("t.csv")).unwrap().set_len(10 << 30).unwrap(), 2, &["E0202 t.csv: byte 0 is NUL"]),
+        row("F7", "the file changes while it is read", touched, 2, &["E0202 t.csv: the file changed while it was read; read it again when it is complete"]),
         row("F6", "/dev/zero as the model", |_| {}, 2, &["E0101 /dev/zero: this is not a regular file; name a file"]).run(&["identify", "--model", "/dev/zero", "--telemetry", "t.csv", "--out", "out"]),
         row("F6", "a link to itself", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::os::unix::fs::symlink("t.csv", b.path("t.csv")).unwrap(); }, 3, &["E0201 t.csv: cannot be read:"]),
         row("F6", "no such file", |b| std::fs::remove_file(b.path("t.csv")).unwrap(), 2, &["E0201 t.csv: cannot be read: No such file or directory"]),
@@ -140,6 +174,36 @@ fn parquet_rows() -> Vec<Row> {
         .run(PARQUET),
         row(
             "F8",
+            "a column of lists",
+            |b| corpus(b, "types.parquet"),
+            2,
+            &[
+                "E0216 t.parquet column 'v_x': type List(",
+                "is not read; store numbers as float64 and times as seconds",
+            ],
+        )
+        .run(INSPECT_PARQUET),
+        row(
+            "F8",
+            "no rows",
+            |b| corpus(b, "empty.parquet"),
+            2,
+            &["E0217 t.parquet: no data rows after the header; give a file with samples"],
+        )
+        .run(INSPECT_PARQUET),
+        row(
+            "F8",
+            "one bit flipped",
+            |b| corpus(b, "flip.parquet"),
+            2,
+            &[
+                "E0216 t.parquet: Parquet",
+                "write the file again, or convert it to CSV",
+            ],
+        )
+        .run(INSPECT_PARQUET),
+        row(
+            "F8",
             "wrong magic",
             |b| {
                 spoilt(b, |p| {
@@ -180,6 +244,18 @@ fn parquet_rows() -> Vec<Row> {
 
 fn toml() -> Vec<Row> {
     vec![
+        row(
+            "F10",
+            "100,000 numbers where three stand",
+            |b| {
+                b.model(
+                    "com_m = [0.0, 0.0, 0.0]",
+                    &format!("com_m = [{}0.0]", "0.0, ".repeat(100_000)),
+                )
+            },
+            2,
+            &["E0107 m.toml:7:9: body[0].com_m"],
+        ),
         row(
             "F10",
             "a key twice",

@@ -88,7 +88,7 @@ fn cli_every_fault_of_the_list_and_every_code() {
     document::compare("docs/errors.md", &document::errors(&codes, &messages));
 }
 
-/// The first whole message of each code, and why the command cannot print it where it cannot.
+/// The first whole message of each code, and why no input makes the command print it where that is so.
 fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static str>)> {
     let mut all = BTreeMap::new();
     for line in printed
@@ -100,7 +100,7 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
             all.entry(code.to_owned()).or_insert((line.clone(), None));
         }
     }
-    for (code, message, why) in codes::unreachable() {
+    for (code, message, why) in codes::of_the_library() {
         assert!(message.starts_with(code), "{message}");
         all.entry(code.to_owned()).or_insert((message, Some(why)));
     }

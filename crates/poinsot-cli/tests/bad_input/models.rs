@@ -38,38 +38,52 @@ pub fn urdf(
     row(id, fault, spoil, exit, says).run(IMPORT)
 }
 
-/// A chain in which each link hangs on the one before.
+/// The links of a chain, each but the first followed by the joint on which it hangs, from the one before.
+fn linked(
+    n: usize,
+    link: impl Fn(usize) -> String,
+    joint: impl Fn(usize, usize) -> String,
+) -> String {
+    (0..n)
+        .map(|k| link(k) + &k.checked_sub(1).map_or(String::new(), |p| joint(k, p)))
+        .collect()
+}
+
+/// A chain as URDF.
 pub fn chain(n: usize) -> String {
-    let mut text = String::from("<robot name=\"chain\">");
-    for k in 0..n {
-        text.push_str(&format!(
-            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1.1\" izz=\"1.2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
-        ));
-        if k > 0 {
-            let p = k - 1;
-            text.push_str(&format!(
+    let links = linked(
+        n,
+        |k| {
+            format!(
+                "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1.1\" izz=\"1.2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+            )
+        },
+        |k, p| {
+            format!(
                 "<joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{p}\"/><child link=\"l{k}\"/><axis xyz=\"0 0 1\"/><origin xyz=\"0.1 0 0\"/></joint>"
-            ));
-        }
-    }
-    text + "</robot>"
+            )
+        },
+    );
+    format!("<robot name=\"chain\">{links}</robot>")
 }
 
 /// The same chain as a model: a base with sensors and 999 links, whose joints stand still.
 fn long_arm(b: &Bench, base: &str, link: &str) {
-    let mut text = String::from("schema = \"poinsot.model/1\"\nname = \"chain\"\n");
-    for k in 0..1000 {
-        let estimate = if k == 0 { base } else { link };
-        text.push_str(&format!(
-            "[[body]]\nname = \"l{k}\"\nmass_kg = 1.0\ncom_m = [0.05, 0.0, 0.0]\ninertia_kg_m2 = {{ xx = 1.0, yy = 1.1, zz = 1.2 }}\n{estimate}\n"
-        ));
-        if k > 0 {
-            let p = k - 1;
-            text.push_str(&format!(
+    let links = linked(
+        1000,
+        |k| {
+            let estimate = if k == 0 { base } else { link };
+            format!(
+                "[[body]]\nname = \"l{k}\"\nmass_kg = 1.0\ncom_m = [0.05, 0.0, 0.0]\ninertia_kg_m2 = {{ xx = 1.0, yy = 1.1, zz = 1.2 }}\n{estimate}\n"
+            )
+        },
+        |k, p| {
+            format!(
                 "[[joint]]\nname = \"j{k}\"\ntype = \"revolute\"\nparent = \"l{p}\"\nchild = \"l{k}\"\norigin_m = [0.1, 0.0, 0.0]\naxis = [0.0, 0.0, 1.0]\n"
-            ));
-        }
-    }
+            )
+        },
+    );
+    let mut text = format!("schema = \"poinsot.model/1\"\nname = \"chain\"\n{links}");
     for (kind, noise) in [
         ("gyro", "noise_rad_s = 1e-4"),
         ("attitude", "noise_rad = 5e-5"),
@@ -184,6 +198,19 @@ pub fn rows() -> Vec<Row> {
         ),
         urdf(
             "M2",
+            "inertia a million times too small",
+            |b| {
+                robot(
+                    b,
+                    "ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1.2\" iyz=\"0\" izz=\"1.5\"",
+                    "ixx=\"1e-6\" ixy=\"0\" ixz=\"0\" iyy=\"1.2e-6\" iyz=\"0\" izz=\"1.5e-6\"",
+                )
+            },
+            0,
+            &["the radius of gyration is"],
+        ),
+        urdf(
+            "M2",
             "negative mass",
             |b| robot(b, "mass value=\"2\"", "mass value=\"-2\""),
             2,
@@ -247,6 +274,15 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0112 r.urdf:1:1: robot: no link is the base: the joints run in a circle; remove one of the joints",
+            ],
+        ),
+        urdf(
+            "M4",
+            "a joint from a link to itself",
+            |b| robot(b, "parent link=\"base\"", "parent link=\"hand\""),
+            2,
+            &[
+                "E0112 r.urdf:1:1: robot: the joints of \"hand\" run in a circle; remove one of the joints",
             ],
         ),
         urdf(
@@ -319,6 +355,15 @@ pub fn rows() -> Vec<Row> {
         ),
         urdf(
             "M5",
+            "a planar joint",
+            |b| robot(b, "type=\"revolute\"", "type=\"planar\""),
+            2,
+            &[
+                "E0122 r.urdf:11:3: joint \"elbow\" type = \"planar\": this type of joint is not read",
+            ],
+        ),
+        urdf(
+            "M5",
             "unknown tags",
             |b| robot(b, "</robot>", "<gazebo/><transmission/><gazebo/></robot>"),
             0,
@@ -332,6 +377,26 @@ pub fn rows() -> Vec<Row> {
             &[
                 "E0121 r.urdf:8:38: <mass>: this is xacro, which has not been expanded; run xacro first: xacro FILE > robot.urdf",
             ],
+        ),
+        urdf(
+            "M6",
+            "$(find ...)",
+            |b| robot(b, "mass value=\"2\"", "mass value=\"$(find pkg)\""),
+            2,
+            &["E0121 r.urdf:8:38: <mass>: this is xacro, which has not been expanded"],
+        ),
+        urdf(
+            "M6",
+            "a mesh of a package that is not there: meshes are not opened",
+            |b| {
+                robot(
+                    b,
+                    "<link name=\"hand\">",
+                    "<link name=\"hand\"><visual><geometry><mesh filename=\"package://no/such.stl\"/></geometry></visual>",
+                )
+            },
+            0,
+            &["2 bodies, 1 joints"],
         ),
         urdf(
             "M6",
@@ -412,6 +477,19 @@ pub fn rows() -> Vec<Row> {
         ),
         urdf(
             "M7",
+            "an attribute of 40 MiB",
+            |b| {
+                robot(
+                    b,
+                    "robot name=\"arm\"",
+                    &format!("robot name=\"{}\"", "a".repeat(40 << 20)),
+                )
+            },
+            2,
+            &["E0101 r.urdf: the file is larger than 16 MiB; is it a model file?"],
+        ),
+        urdf(
+            "M7",
             "not XML",
             |b| b.write("r.urdf", "solid teapot"),
             2,
@@ -460,6 +538,15 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0\""),
             2,
             &["2 numbers where 3 stand"],
+        ),
+        urdf(
+            "M8",
+            "four numbers where three stand",
+            |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0 0 0\""),
+            2,
+            &[
+                "E0107 r.urdf:8:15: link \"hand\" <origin xyz> = \"0.1 0 0 0\": 4 numbers where 3 stand",
+            ],
         ),
         urdf(
             "M8",

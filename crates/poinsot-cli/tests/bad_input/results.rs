@@ -70,6 +70,20 @@ pub fn rows() -> Vec<Row> {
         ),
         row(
             "R5",
+            "a quantisation of 1e-310",
+            |b| {
+                b.model(
+                    "noise_rad_s = 0.0001",
+                    "noise_rad_s = 0.0001\nquantisation_rad_s = 1e-310",
+                )
+            },
+            2,
+            &[
+                "E0118 m.toml:33:22: sensor[0].quantisation_rad_s (sensor \"gyro\") = 1e-310: the quantisation is below 1e-100; give that of a real instrument",
+            ],
+        ),
+        row(
+            "R5",
             "noise of 1e-300",
             |b| b.model("noise_rad_s = 0.0001", "noise_rad_s = 1e-300"),
             2,

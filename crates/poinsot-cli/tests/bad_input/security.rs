@@ -30,6 +30,23 @@ pub fn rows() -> Vec<Row> {
             &["E0101 ../../no/truth.toml"],
         )
         .run(&["simulate", "case.toml", "--out", "sim"]),
+        row(
+            "S1",
+            "a wheel named like a path of another system",
+            |b| {
+                b.model("name = \"wheel2\"", "name = 'C:\\NUL'");
+                b.spoil(|s| s.header[9] = "C:\\NUL_rad_s".into());
+            },
+            0,
+            &["written: out/estimate.json"],
+        ),
+        row(
+            "S1",
+            "NUL in a name",
+            |b| b.model("name = \"wheel2\"", "name = \"wheel\\u00002\""),
+            2,
+            &["E0109 m.toml:18:8: wheel[1].name"],
+        ),
         urdf(
             "S1",
             "a link named like a device",

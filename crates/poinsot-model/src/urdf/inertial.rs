@@ -125,6 +125,13 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
         );
         push(UrdfDefect::LargeGyration, None, byte, problem, "");
     }
+    if inertial.mass > 0.0 && largest > 0.0 && (largest / inertial.mass).sqrt() < 1e-3 {
+        let problem = format!(
+            "the radius of gyration is {} mm; are mass in kg and inertia in kg m2?",
+            short(1e3 * (largest / inertial.mass).sqrt())
+        );
+        push(UrdfDefect::SmallGyration, None, byte, problem, "");
+    }
     if a < -1e-12 * largest {
         let problem = format!(
             "the smallest principal moment is negative: {} kg m2",

@@ -54,6 +54,8 @@ pub enum UrdfDefect {
     Triangle,
     /// Radius of gyration above 5 m.
     LargeGyration,
+    /// A radius of gyration below 1 mm.
+    SmallGyration,
     /// Something moves that has no mass and carries none.
     MovesMassless,
     /// A moving joint without axis.

@@ -1,7 +1,9 @@
 //! The file as written: links and joints with their numbers and places.
 
 use super::{Remark, UrdfDefect};
+use crate::check_name::misspelt;
 use crate::document::printable;
+use crate::shape::LARGEST;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
@@ -87,7 +89,12 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
     find_xacro(&document, remarks);
     let mut reader = Reader { remarks };
     let mut robot = Robot {
-        name: root.attribute("name").unwrap_or("robot").to_owned(),
+        // A title: one that no model file could hold is left out.
+        name: root
+            .attribute("name")
+            .filter(|name| misspelt(name).is_none())
+            .unwrap_or("robot")
+            .to_owned(),
         links: Vec::new(),
         joints: Vec::new(),
     };
@@ -327,7 +334,7 @@ impl Reader<'_> {
         let mut count = 0;
         for word in text.split_whitespace() {
             match word.parse::<f64>() {
-                Ok(x) if x.is_finite() => {
+                Ok(x) if x.abs() <= LARGEST => {
                     if let Some(slot) = values.get_mut(count) {
                         *slot = x;
                     }
@@ -486,8 +493,15 @@ fn cause(word: &str) -> (String, &'static str) {
             "write a decimal point, and blanks between numbers",
         );
     }
-    if word.parse::<f64>().is_ok() {
-        return (format!("'{shown}' is not finite"), "write a finite number");
+    match word.parse::<f64>() {
+        Ok(x) if x.is_finite() => {
+            return (
+                format!("'{shown}' is larger than 1e30"),
+                "check its unit: all quantities are SI",
+            );
+        }
+        Ok(_) => return (format!("'{shown}' is not finite"), "write a finite number"),
+        Err(_) => {}
     }
     (
         format!("'{shown}' is not a number"),

@@ -3,6 +3,7 @@
 use super::raw::Robot;
 use super::{Remark, UrdfDefect};
 use crate::check::MOST_BODIES;
+use crate::check_name::misspelt;
 use crate::document::printable;
 use std::collections::HashMap;
 
@@ -59,6 +60,15 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
                     subject,
                     problem,
                     "give it a name",
+                );
+            } else if let Some(problem) = misspelt(name) {
+                push(
+                    UrdfDefect::Names,
+                    "E0109",
+                    byte,
+                    subject,
+                    problem.to_owned(),
+                    "give it a plain name",
                 );
             } else if seen.insert(name, byte).is_some() {
                 let problem = format!("two {what}s have this name");

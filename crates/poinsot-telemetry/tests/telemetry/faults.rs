@@ -352,3 +352,12 @@ fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
         "E0207 run.csv: no column 'time_s'; map one of [tim\\ne, omega_x] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }"
     );
 }
+
+/// Found by libFuzzer: a name with a line end that stands twice.
+#[test]
+fn regress_a_column_name_with_a_line_end_that_stands_twice_stays_in_one_line() {
+    assert_eq!(
+        fault("time_s,\"a\nb\",\"a\nb\"\n0,1,2\n"),
+        "E0205 run.csv: column 'a\\nb' stands twice in the header; rename one"
+    );
+}

@@ -1,7 +1,9 @@
 //! What the inspection of a table says.
 
 use crate::{Folder, read_text};
-use poinsot_telemetry::{Channel, ReadOptions, Table, inspect, inspect_files, read, write};
+use poinsot_telemetry::{
+    Channel, ReadOptions, Table, TelemetryError, inspect, inspect_files, read, write,
+};
 use std::sync::Arc;
 
 #[test]
@@ -132,4 +134,79 @@ fn unit_time_that_goes_back_between_two_parts_is_refused() {
     let error = folder.message(&inspect_files(&[path], &small).unwrap_err());
     assert!(error.starts_with("E0208 twice.csv:60002"), "{error}");
     assert!(error.contains("time goes back"), "{error}");
+}
+
+/// Two parts of 1 MiB are 2 x 21,846 rows of four channels. The last row without a line end is taken back even
+/// where it fills a part to the brim, and so is one cut inside right after it.
+#[test]
+fn regress_a_last_row_on_the_border_of_a_part_is_taken_back() {
+    let folder = Folder::new();
+    let path = folder.path("run.csv");
+    write(&path, &long().channels).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let recover = ReadOptions {
+        memory_mib: 1,
+        recover: true,
+        ..ReadOptions::default()
+    };
+    for rows in [43_691, 43_692, 43_693] {
+        let whole: Vec<&str> = text.lines().take(rows + 1).collect();
+        let (last, before) = whole.split_last().unwrap();
+        for cut in [*last, &last[..last.len() / 2]] {
+            let path = folder.file("cut.csv", format!("{}\n{cut}", before.join("\n")));
+            let seen = inspect_files(&[path], &recover).unwrap();
+            assert!(seen.notes[0].contains("looked at in parts"));
+            assert_eq!(seen.sources[0].rows, rows - 1);
+            assert!(seen.channels.iter().all(|c| c.samples == rows - 1));
+            let t: f64 = before[rows - 1].split(',').next().unwrap().parse().unwrap();
+            assert_eq!(seen.time_s.unwrap()[1], t);
+        }
+    }
+}
+
+/// The step that a refusal names fits, and of a file that declares its rows no smaller one does. All rows asked for:
+/// refused from the size alone, though the last row is no row at all.
+#[test]
+fn exact_the_step_that_a_refusal_names_fits() {
+    let folder = Folder::new();
+    for name in ["run.csv", "run.parquet"] {
+        let path = folder.path(name);
+        write(&path, &long().channels).unwrap();
+        for time_s in [None, Some([100.0, 500.0])] {
+            let small = ReadOptions {
+                memory_mib: 1,
+                time_s,
+                ..ReadOptions::default()
+            };
+            let Err(TelemetryError::TooLarge { fit, every, .. }) = read(&[&path], &small) else {
+                panic!("not refused");
+            };
+            // 6 numbers of 8 bytes: two more than channels.
+            assert_eq!(fit, (1 << 20) / 48);
+            let thin = |every: u64| {
+                let every = usize::try_from(every).unwrap();
+                let options = ReadOptions {
+                    every,
+                    ..small.clone()
+                };
+                read(&[&path], &options)
+            };
+            let kept = thin(every).unwrap().channels[0].values.len();
+            assert!(kept <= fit && kept > fit / 2, "{kept} of {fit}");
+            if name == "run.parquet" && time_s.is_none() {
+                assert!(thin(every - 1).is_err());
+            }
+        }
+        let mut broken = std::fs::read(&path).unwrap();
+        broken.extend_from_slice(b"not a row");
+        if name == "run.csv" {
+            let path = folder.file("broken.csv", broken);
+            let small = ReadOptions {
+                memory_mib: 1,
+                ..ReadOptions::default()
+            };
+            let error = folder.message(&read(&[path], &small).unwrap_err());
+            assert!(error.starts_with("E0221 broken.csv: up to 6"), "{error}");
+        }
+    }
 }

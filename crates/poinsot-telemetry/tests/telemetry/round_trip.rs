@@ -62,7 +62,7 @@ fn unit_nothing_appears_under_the_name_when_writing_fails() {
         ),
         (
             &nan,
-            "E0219 a.csv column 'omega_x': a value is not finite; leave the sample out instead",
+            "E0219 a.csv column 'omega_x': a value is not finite; correct what it comes from, or leave the sample out",
         ),
         (
             &back,

@@ -203,9 +203,9 @@ pub(super) const CODES: &[Entry] = &[
     ),
     (
         "E0208",
-        "Times are missing, go back, or stand twice with different values.",
+        "Times are missing, go back, stand twice with different values, or jump far beyond the record.",
         "Several runs in one file, a counter that wrapped, a clock that was set.",
-        "Choose one run by [telemetry] where, or cut the file into segments.",
+        "Choose one run by [telemetry] where or --time-s, or cut the file into segments.",
     ),
     (
         "E0209",
@@ -283,6 +283,6 @@ pub(super) const CODES: &[Entry] = &[
         "E0221",
         "The samples asked for need more memory than is allowed.",
         "A very long record.",
-        "Take a part by --time-s FROM,TO or every n-th row by --every N, or raise --memory-mib; `poinsot inspect` reads files of any size.",
+        "Take every n-th row by --every with the number that the message names, or a part by --time-s FROM,TO, or raise --memory-mib; `poinsot inspect` reads files of any size.",
     ),
 ];

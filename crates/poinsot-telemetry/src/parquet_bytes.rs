@@ -1,0 +1,55 @@
+//! The bytes of a Parquet file for its decoder, which goes on asking at the end of the file.
+
+use bytes::Bytes;
+use parquet::errors::Result;
+use parquet::file::reader::{ChunkReader, Length};
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+
+/// Reads at the end of the file that are answered by "nothing"; the next is an error.
+const PATIENCE: u32 = 16;
+
+/// A file whose end is an error for those who do not heed it: the decoder skips a list of two thousand million
+/// elements in a damaged page header one by one, each of them a read of nothing.
+pub(crate) struct ParquetBytes(pub File);
+
+impl Length for ParquetBytes {
+    fn len(&self) -> u64 {
+        Length::len(&self.0)
+    }
+}
+
+impl ChunkReader for ParquetBytes {
+    type T = UntilEnd<BufReader<File>>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T> {
+        Ok(UntilEnd {
+            inner: self.0.get_read(start)?,
+            nothing: 0,
+        })
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
+        self.0.get_bytes(start, length)
+    }
+}
+
+/// Counts the reads that give nothing.
+pub(crate) struct UntilEnd<R> {
+    inner: R,
+    nothing: u32,
+}
+
+impl<R: Read> Read for UntilEnd<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.inner.read(buffer)?;
+        if n == 0 && !buffer.is_empty() {
+            self.nothing += 1;
+            if self.nothing > PATIENCE {
+                let why = "the file ends inside a page header";
+                return Err(io::Error::new(io::ErrorKind::UnexpectedEof, why));
+            }
+        }
+        Ok(n)
+    }
+}
