@@ -17,7 +17,7 @@ use crate::spectrum::{NotFinite, Spectrum};
 use crate::vehicle::Vehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
-use poinsot_model::MomentumKnowledge;
+use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 
@@ -26,6 +26,7 @@ pub(crate) struct Experiment<'a> {
     pub problem: &'a Problem<'a>,
     pub parameters: &'a Parameters,
     pub nominal_spin: Vec<f64>,
+    pub thrusters: Vec<Thruster>,
     pub unknown: Vec<HeadColumns>,
     pub sight: Sight,
     pub loss: Loss,
@@ -58,6 +59,7 @@ impl<'a> Experiment<'a> {
                 .iter()
                 .map(|w| w.spin_inertia)
                 .collect(),
+            thrusters: problem.model.thrusters.clone(),
             unknown: problem
                 .segments
                 .iter()
@@ -76,6 +78,7 @@ impl<'a> Experiment<'a> {
             problem: self.problem,
             parameters,
             nominal_spin: self.nominal_spin.clone(),
+            thrusters: self.thrusters.clone(),
             unknown: self.unknown.clone(),
             sight: self.sight,
             loss: self.loss,
@@ -88,7 +91,7 @@ impl<'a> Experiment<'a> {
     pub fn setting(&self) -> Setting<'_> {
         Setting {
             tree: self.problem.tree,
-            thrusters: &self.problem.model.thrusters,
+            thrusters: &self.thrusters,
             parameters: self.parameters,
             nominal_spin: &self.nominal_spin,
             noise: self.problem.noise,
@@ -218,7 +221,7 @@ impl<'a> Experiment<'a> {
         let speeds = s.wheel_speed.get(..tree.rotors.len()).unwrap_or(&[]);
         let vehicle = Vehicle::new(
             tree,
-            &self.problem.model.thrusters,
+            &self.thrusters,
             self.parameters,
             &self.nominal_spin,
             x,

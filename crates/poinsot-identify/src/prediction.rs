@@ -191,7 +191,7 @@ fn segment(
     let tree = tilted(problem.tree, experiment.parameters, x);
     let mut vehicle = Vehicle::new(
         &tree,
-        &problem.model.thrusters,
+        &experiment.thrusters,
         experiment.parameters,
         &experiment.nominal_spin,
         x,

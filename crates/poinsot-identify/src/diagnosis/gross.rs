@@ -1,4 +1,4 @@
-//! Gross mistakes: a sign, a unit. They put the fit so far off that no score of first order means anything, so
+//! Gross mistakes: a sign, a unit, a dead thruster. They put the fit so far off that no score of first order means anything, so
 //! each is tried by a fit of its own from the nominal numbers.
 
 use super::types::{FaultKind, Suspect};
@@ -16,8 +16,8 @@ const EXPLAINS: f64 = 0.99;
 /// Excess of chi-square per number that a fit with the right reading may be left with.
 const RIGHT: f64 = 10.0;
 
-/// Factor on the speed as read that would put it right, and what it means.
-const MISTAKES: [(f64, &str); 5] = [
+/// Factor on the speed of a wheel as read that would put it right, and what it means.
+const WHEELS: [(f64, &str); 5] = [
     (-1.0, "sign"),
     (0.017_453_292_519_943_295, "degrees read as radians"),
     (
@@ -28,38 +28,42 @@ const MISTAKES: [(f64, &str); 5] = [
     (57.295_779_513_082_32, "radians read as degrees"),
 ];
 
-/// The mistake with a wheel, or with all of them, that explains nearly all of a very bad fit.
+/// The same for the force of a thruster.
+const THRUSTERS: [(f64, &str); 2] = [(0.0, "dead"), (-1.0, "direction")];
+
+/// What the mistake may be with.
+struct Culprit {
+    name: String,
+    wheels: Vec<usize>,
+    thruster: Option<usize>,
+}
+
+/// The mistake with a wheel, with all of them, or with a thruster that explains nearly all of a very bad fit.
 pub(super) fn gross(
     experiment: &Experiment,
     fitted: &Fitted,
     (excess, dof): (f64, f64),
 ) -> Option<Suspect> {
-    let wheels = &experiment.problem.model.wheels;
-    if excess < GROSS * dof || wheels.is_empty() {
+    let (wheels, thrusters) = (wheels(experiment), thrusters(experiment));
+    if excess < GROSS * dof || wheels.is_empty() && thrusters.is_empty() {
         return None;
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
-    let mut groups: Vec<(String, Vec<usize>)> = wheels
-        .iter()
-        .enumerate()
-        .map(|(k, w)| (w.name.clone(), vec![k]))
-        .collect();
-    if wheels.len() > 1 {
-        groups.push(("all wheels".to_owned(), (0..wheels.len()).collect()));
-    }
     let nominal = experiment.cost(&experiment.nominal_point());
     let nominal = nominal.unwrap_or(f64::INFINITY);
+    let mistakes = THRUSTERS.map(|m| (m, &thrusters)).into_iter();
+    let mistakes = mistakes.chain(WHEELS.map(|m| (m, &wheels)));
     let mut best: Option<Suspect> = None;
-    // The mistake outside, the wheel inside: large factors make wild motions, which are slow to compute.
-    for (factor, what) in MISTAKES {
-        for (owner, other) in promising(experiment, &groups, factor, nominal) {
+    // The mistake outside, the culprit inside: large factors make wild motions, which are slow to compute.
+    for ((factor, what), culprits) in mistakes {
+        for (culprit, other) in promising(experiment, culprits, factor, nominal) {
             let Some(after) = cost(&other, before) else {
                 continue;
             };
             let decrease = before - after;
             let better = best.as_ref().is_none_or(|b| decrease > b.decrease);
             if better && decrease > EXPLAINS * excess {
-                best = Some(named(owner, factor, what, decrease, excess));
+                best = Some(named(&culprit.name, factor, what, decrease, excess));
                 // Right, not only better: the others need not be tried.
                 if excess - decrease < RIGHT * dof {
                     return best;
@@ -70,23 +74,66 @@ pub(super) fn gross(
     best
 }
 
-/// The experiment with the speeds of some wheels read with the factor, for those wheels with which the nominal numbers
+/// Each wheel, and all of them.
+fn wheels(experiment: &Experiment) -> Vec<Culprit> {
+    let wheels = &experiment.problem.model.wheels;
+    let culprit = |name: &str, wheels| Culprit {
+        name: name.to_owned(),
+        wheels,
+        thruster: None,
+    };
+    let mut list: Vec<Culprit> = wheels
+        .iter()
+        .enumerate()
+        .map(|(k, w)| culprit(&w.name, vec![k]))
+        .collect();
+    if wheels.len() > 1 {
+        list.push(culprit("all wheels", (0..wheels.len()).collect()));
+    }
+    list
+}
+
+/// Each thruster that fires.
+fn thrusters(experiment: &Experiment) -> Vec<Culprit> {
+    let segments = experiment.problem.segments;
+    let fires = |k: usize| {
+        let mut firings = segments.iter().flat_map(|s| &s.firings);
+        firings.any(|f| f.thruster == k)
+    };
+    let all = experiment.thrusters.iter().enumerate();
+    all.filter(|(k, _)| fires(*k))
+        .map(|(k, t)| Culprit {
+            name: t.name.clone(),
+            wheels: Vec::new(),
+            thruster: Some(k),
+        })
+        .collect()
+}
+
+/// The experiment with the speeds or the force of some culprits times the factor, for those with which the nominal numbers
 /// fit better than `nominal`, without it; the best first. A mistake put right does not make them fit worse.
 fn promising<'a>(
     experiment: &'a Experiment,
-    groups: &'a [(String, Vec<usize>)],
+    culprits: &'a [Culprit],
     factor: f64,
     nominal: f64,
-) -> Vec<(&'a str, Experiment<'a>)> {
+) -> Vec<(&'a Culprit, Experiment<'a>)> {
     let mut list = Vec::new();
-    for (owner, wheels) in groups {
+    for culprit in culprits {
         let mut other = experiment.with_parameters(experiment.parameters);
         for (k, spin) in other.nominal_spin.iter_mut().enumerate() {
-            *spin *= if wheels.contains(&k) { factor } else { 1.0 };
+            *spin *= if culprit.wheels.contains(&k) {
+                factor
+            } else {
+                1.0
+            };
+        }
+        if let Some(thruster) = culprit.thruster.and_then(|k| other.thrusters.get_mut(k)) {
+            thruster.direction_B *= factor;
         }
         let start = other.cost(&other.nominal_point());
         if let Some(start) = start.filter(|start| *start < nominal) {
-            list.push((start, (owner.as_str(), other)));
+            list.push((start, (culprit, other)));
         }
     }
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -108,6 +155,8 @@ fn cost(other: &Experiment, before: f64) -> Option<f64> {
 fn named(owner: &str, factor: f64, what: &str, decrease: f64, excess: f64) -> Suspect {
     let (fault, name) = match what {
         "sign" => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
+        "dead" => (FaultKind::Thrust, format!("no force of {owner}")),
+        "direction" => (FaultKind::Thrust, format!("a wrong direction of {owner}")),
         _ => (
             FaultKind::Units,
             format!("a wrong unit of {owner} ({what})"),

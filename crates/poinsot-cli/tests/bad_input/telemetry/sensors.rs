@@ -198,6 +198,7 @@ pub fn rows() -> Vec<Row> {
             },
             1,
             &[
+                "no force of thr would explain 100 % of the misfit: thr.factor = 0",
                 "contradicts the data; no number is given",
                 "rigid model rejected",
             ],
