@@ -21,6 +21,7 @@ mod inspect_text;
 mod noise;
 mod number;
 mod parquet_bytes;
+mod parquet_dictionaries;
 mod parquet_reader;
 mod plan;
 mod quaternion;

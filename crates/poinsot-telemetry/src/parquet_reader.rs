@@ -7,6 +7,7 @@ use crate::columns::Columns;
 use crate::error::Place;
 use crate::number::Cell;
 use crate::parquet_bytes::ParquetBytes;
+use crate::parquet_dictionaries;
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
 use crate::size::Rows;
@@ -87,6 +88,11 @@ fn decode(
     roots.push(plan.time_index);
     roots.extend(plan.filter.iter().map(|f| f.0));
     let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
+    let pages = whole.try_clone().map_err(io)?;
+    let excess = parquet_dictionaries::excess(pages, builder.metadata(), &mask);
+    if let Some(why) = excess.map_err(|e| refused(path, e))? {
+        return Err(refused(path, why));
+    }
     let reader = builder
         .with_projection(mask)
         .with_batch_size(BATCH)

@@ -164,3 +164,17 @@ fn regress_a_list_without_end_in_a_page_header_is_refused_at_once() {
     assert!(start.elapsed().as_secs_f64() < 0.5);
     assert_eq!(error.code(), "E0216", "{error}");
 }
+
+/// Found by libFuzzer: the decoder made room for the 15 GB that the header of a dictionary declares.
+#[test]
+fn regress_a_dictionary_that_declares_more_than_it_holds_is_refused() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
+    let file = corpus.join("huge_dictionary.parquet");
+    let error = read(&[file], &ReadOptions::default()).unwrap_err();
+    assert_eq!(error.code(), "E0216", "{error}");
+    let error = error.to_string();
+    assert!(
+        error.contains("a dictionary of column 'omega_x' declares"),
+        "{error}"
+    );
+}

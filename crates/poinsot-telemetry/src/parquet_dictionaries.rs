@@ -1,0 +1,69 @@
+//! Dictionaries of a Parquet file against their bytes, before the decoder makes room for what their headers declare.
+
+use crate::parquet_bytes::ParquetBytes;
+use parquet::arrow::ProjectionMask;
+use parquet::basic::Type;
+use parquet::column::page::{Page, PageReader};
+use parquet::errors::Result;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
+use parquet::file::serialized_reader::SerializedPageReader;
+use std::fs::File;
+use std::sync::Arc;
+
+/// What is wrong with the first dictionary, among the columns chosen, that declares more values than its bytes can hold.
+/// Other pages are passed over by their headers.
+///
+/// # Errors
+/// A page header cannot be read, or a dictionary not be unpacked.
+pub(crate) fn excess(
+    file: File,
+    metadata: &ParquetMetaData,
+    columns: &ProjectionMask,
+) -> Result<Option<String>> {
+    let source = Arc::new(ParquetBytes(file));
+    for group in metadata.row_groups() {
+        let rows = usize::try_from(group.num_rows()).unwrap_or(0);
+        let chosen = group.columns().iter().enumerate();
+        for (_, column) in chosen.filter(|(k, _)| columns.leaf_included(*k)) {
+            let mut pages = SerializedPageReader::new(source.clone(), column, rows, None)?;
+            while let Some(page) = pages.peek_next_page()? {
+                if !page.is_dict {
+                    pages.skip_next_page()?;
+                } else if let Some(why) = pages.get_next_page()?.and_then(|p| more(&p, column)) {
+                    return Ok(Some(why));
+                }
+            }
+        }
+    }
+    Ok(None)
+}
+
+fn more(page: &Page, column: &ColumnChunkMetaData) -> Option<String> {
+    let Page::DictionaryPage {
+        buf, num_values, ..
+    } = page
+    else {
+        return None;
+    };
+    let fits = buf.len() / width(column);
+    (*num_values as usize > fits).then(|| {
+        format!(
+            "a dictionary of column '{}' declares {num_values} values in {} bytes",
+            column.column_path().string(),
+            buf.len()
+        )
+    })
+}
+
+/// Bytes of one value, at least.
+fn width(column: &ColumnChunkMetaData) -> usize {
+    match column.column_type() {
+        Type::INT64 | Type::DOUBLE => 8,
+        Type::INT96 => 12,
+        Type::INT32 | Type::FLOAT | Type::BYTE_ARRAY => 4,
+        Type::FIXED_LEN_BYTE_ARRAY => {
+            usize::try_from(column.column_descr().type_length()).map_or(1, |n| n.max(1))
+        }
+        Type::BOOLEAN => 1,
+    }
+}
