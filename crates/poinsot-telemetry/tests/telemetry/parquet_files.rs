@@ -159,10 +159,14 @@ fn prop_damaged_files_are_refused_cleanly() {
 #[test]
 fn regress_a_list_without_end_in_a_page_header_is_refused_at_once() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
-    let start = std::time::Instant::now();
     let error = read(&[corpus.join("endless.parquet")], &ReadOptions::default()).unwrap_err();
-    assert!(start.elapsed().as_secs_f64() < 0.5);
     assert_eq!(error.code(), "E0216", "{error}");
+    // Said by the guard after a few reads of nothing; without it the decoder goes on to another error.
+    let error = error.to_string();
+    assert!(
+        error.contains("the file ends inside a page header"),
+        "{error}"
+    );
 }
 
 /// Found by libFuzzer: the decoder made room for the 15 GB that the header of a dictionary declares.
