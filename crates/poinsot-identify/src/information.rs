@@ -87,6 +87,14 @@ impl<'a> Experiment<'a> {
         }
     }
 
+    /// The same questions asked of other readings of the same segments.
+    pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
+        Experiment {
+            problem,
+            ..self.with_parameters(self.parameters)
+        }
+    }
+
     /// What stays the same over all evaluations.
     pub fn setting(&self) -> Setting<'_> {
         Setting {
@@ -97,22 +105,26 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
+            // More segments keep the cores busy, and so do other problems solved at the same time.
+            split: self.problem.segments.len() == 1
+                && rayon::current_thread_index().is_none()
+                && rayon::current_num_threads() > 1,
         }
     }
 
     /// All segments at a point; `None` where the vehicle cannot move as predicted.
     pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
         let setting = self.setting();
-        self.problem
-            .segments
-            .par_iter()
-            .enumerate()
-            .zip(&at.heads)
-            .zip(&self.unknown)
-            .map(|((segment, head), unknown)| {
-                evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
-            })
-            .collect()
+        let one = |((segment, head), unknown): ((_, &Head), &HeadColumns)| {
+            evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
+        };
+        let segments = self.problem.segments;
+        if setting.split {
+            let all = segments.iter().enumerate().zip(&at.heads);
+            return all.zip(&self.unknown).map(one).collect();
+        }
+        let all = segments.par_iter().enumerate().zip(&at.heads);
+        all.zip(&self.unknown).map(one).collect()
     }
 
     /// Loss of readings and declared priors; `None` where a prior forbids the point.
