@@ -34,8 +34,8 @@ fn is_wheel(channel: &Channel) -> bool {
     channel.name.starts_with("wheel")
 }
 
-fn answer(model: &Model, table: Table) -> Identified {
-    let request = IdentifyRequest {
+fn request() -> IdentifyRequest {
+    IdentifyRequest {
         model: PathBuf::new(),
         segments: Vec::new(),
         map: None,
@@ -45,8 +45,11 @@ fn answer(model: &Model, table: Table) -> Identified {
         coordinates: Coordinates::default(),
         strict: false,
         recover: false,
-    };
-    identify_tables(model.clone(), vec![table], &request).unwrap()
+    }
+}
+
+fn answer(model: &Model, table: Table) -> Identified {
+    identify_tables(model.clone(), vec![table], &request()).unwrap()
 }
 
 /// Largest error in stated sigmas.
@@ -108,4 +111,54 @@ fn regress_wheel_readings_between_those_of_the_gyro_count() {
     let answer = answer(&model, table);
     assert!(worst(&answer) < 4.0);
     assert!(answer.estimate.covariance_trustworthy);
+}
+
+/// Every second row: what the wheels do between the rows moves the answer by sigmas, and no residual shows it.
+#[test]
+fn regress_wheels_read_too_seldom_are_not_trusted() {
+    let (model, table) = record();
+    for (stride, trusted) in [(1, true), (2, false), (5, false)] {
+        let mut table = table.clone();
+        table
+            .channels
+            .iter_mut()
+            .for_each(|c| keep(c, |k| k.is_multiple_of(stride)));
+        let answer = answer(&model, table);
+        println!("every {stride}: {:.1}", worst(&answer));
+        assert_eq!(
+            answer.estimate.covariance_trustworthy, trusted,
+            "every {stride}"
+        );
+        let told = answer
+            .estimate
+            .warnings
+            .iter()
+            .any(|w| w.contains("would move by"));
+        assert_eq!(told, !trusted, "{:?}", answer.estimate.warnings);
+    }
+}
+
+/// An accuracy that is asked for judges the answer; the fit is the same.
+#[test]
+fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
+    let (model, table) = record();
+    let asked = |relative_accuracy: f64| {
+        let request = IdentifyRequest {
+            relative_accuracy,
+            ..request()
+        };
+        identify_tables(model.clone(), vec![table.clone()], &request).unwrap()
+    };
+    let (plain, strict) = (asked(1.0), asked(1.0e-6));
+    let chi2 = |answer: &Identified| answer.estimate.fit[0].chi2_per_dof;
+    // The starts differ, the ends do not.
+    assert!((chi2(&plain) - chi2(&strict)).abs() < 1.0e-9);
+    assert_eq!(plain.estimate.identifiability.rank, 6);
+    assert!(strict.estimate.identifiability.rank < 6);
+    let open = |answer: &Identified| {
+        let numbers = &answer.estimate.bodies[0].inertia;
+        numbers.iter().filter(|n| n.value.is_none()).count()
+    };
+    assert_eq!((open(&plain), open(&strict)), (0, 6));
+    assert!(strict.estimate.covariance_trustworthy);
 }
