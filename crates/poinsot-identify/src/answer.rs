@@ -99,7 +99,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
             && !solved.not_rigid
             && solved.settled
             && solved.held.is_none()
-            && solved.shift_between_readings <= crate::maximum_likelihood::LEANS,
+            && !solved.leans,
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
