@@ -472,11 +472,11 @@ fn unit_remarkable_models_are_noted() {
         accepted(&text).notes,
         [
             "line 6: body[0].inertia_kg_m2 (body \"base\"): the radius of gyration is 24.4949 m; are mass in kg and inertia in kg m2?",
-            "line 13: body[1].prior.mass_kg (body \"panel\"): the prior has no effect: the number is not estimated",
-            "line 19: body[2].estimate (body \"payload\"): the body is rigidly connected with \"base\", which is unknown too: only their sum can be identified",
+            "line 13: body[1].prior.mass_kg (body \"panel\"): the prior has no effect: the number is not estimated; remove it, or estimate the number",
+            "line 19: body[2].estimate (body \"payload\"): the body is rigidly connected with \"base\", which is unknown too: only their sum can be identified; give one of them as known",
             "line 26: joint[0].axis (joint \"jp\"): the axis of a fixed joint has no effect",
-            "line 37: wheel[0].spin_inertia_kg_m2 (wheel \"w\"): the rotor has more inertia than its body \"panel\" about this axis (0.5 kg m2), which should contain it",
-            "line 40: sensor[0].type (sensor \"s\"): the sensor has no effect: there is nothing that it could read",
+            "line 37: wheel[0].spin_inertia_kg_m2 (wheel \"w\"): the rotor has more inertia than its body \"panel\" about this axis (0.5 kg m2), which should contain it; add it there",
+            "line 40: sensor[0].type (sensor \"s\"): the sensor has no effect: there is nothing that it could read; remove it, or add what it reads",
         ]
     );
 }
@@ -549,7 +549,7 @@ fn exact_files_that_cannot_be_read() {
     );
     assert_eq!(
         file("large", &vec![b'#'; 16 * 1024 * 1024 + 1]),
-        "E0101 F: the file is larger than 16 MiB; is it a model file?"
+        "E0101 F: the file is larger than 16 MiB; name a model file"
     );
     assert_eq!(
         file("none", HEAD.as_bytes()),

@@ -107,7 +107,7 @@ fn take_row(
         let hint = if record.get(0).is_some_and(|c| c.starts_with(b"#")) {
             "; leave the line out: '#' begins no comment here"
         } else if record.len() > plan.width {
-            "; write decimal points, and quotes around a text that holds a comma"
+            ": a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"
         } else {
             "; complete the row: an empty cell means no sample"
         };

@@ -5,7 +5,7 @@
 pub fn rounded(x: f64, digits: usize) -> String {
     let text = format!("{x:.*e}", digits.saturating_sub(1));
     let x: f64 = text.parse().unwrap_or(x);
-    match x.is_finite() && x.abs() >= 1.0e7 {
+    match x.is_finite() && x.abs() >= 1.0e6 {
         true => format!("{x:e}"),
         false => as_read(x),
     }

@@ -97,7 +97,7 @@ pub enum TelemetryError {
         actual: usize,
         /// Columns in the header.
         expected: usize,
-        /// A likely cause; begins with a separator, or empty.
+        /// A likely cause and what to do; begins with a separator.
         hint: &'static str,
     },
     /// The header names no column, or one twice, or looks like another format.
@@ -137,9 +137,9 @@ pub enum TelemetryError {
     },
     /// The sampling interval is not plausible.
     #[error(
-        "E0209 {place}: the median step is {} s, outside 1e-5 to 1e5 s; {}: [telemetry.columns] time_s = {{ column = \"{column}\", unit = \"{}\" }}",
+        "E0209 {place}: the median step is {} s, outside 1e-5 to 1e5 s{}; map it by [telemetry.columns] time_s = {{ column = \"{column}\", unit = \"{}\" }}",
         rounded(*median_s, 4),
-        if unit.is_empty() { "state its unit".to_owned() } else { format!("its unit is likely {unit}, so map it") },
+        if unit.is_empty() { String::new() } else { format!(": its unit is likely {unit}") },
         if unit.is_empty() { "..." } else { unit },
         column = one_line(&place.column)
     )]
@@ -251,7 +251,7 @@ pub enum TelemetryError {
     },
     /// A repair would be needed and repairs are off.
     #[error(
-        "E0218 {place}: {}; --strict allows no repair: correct the file or leave out --strict",
+        "E0218 {place}: {}: --strict allows no repair; correct the file or leave out --strict",
         one_line(repair)
     )]
     Strict {

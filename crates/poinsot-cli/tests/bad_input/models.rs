@@ -472,7 +472,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0120 r.urdf:",
-                "the file has more than 1000000 XML nodes; is it a URDF file?",
+                "the file has more than 1000000 XML nodes; name a URDF file",
             ],
         ),
         urdf(
@@ -486,7 +486,7 @@ pub fn rows() -> Vec<Row> {
                 )
             },
             2,
-            &["E0101 r.urdf: the file is larger than 16 MiB; is it a model file?"],
+            &["E0101 r.urdf: the file is larger than 16 MiB; name a model file"],
         ),
         urdf(
             "M7",
@@ -530,14 +530,14 @@ pub fn rows() -> Vec<Row> {
             "two numbers where one stands",
             |b| robot(b, "mass value=\"2\"", "mass value=\"1 2\""),
             2,
-            &["2 numbers where 1 stand; separate them by blanks"],
+            &["2 numbers where 1 should stand; write one number"],
         ),
         urdf(
             "M8",
             "two numbers where three stand",
             |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0\""),
             2,
-            &["2 numbers where 3 stand"],
+            &["2 numbers where 3 should stand; write three numbers with blanks between them"],
         ),
         urdf(
             "M8",
@@ -545,7 +545,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0 0 0\""),
             2,
             &[
-                "E0107 r.urdf:8:15: link \"hand\" <origin xyz> = \"0.1 0 0 0\": 4 numbers where 3 stand",
+                "E0107 r.urdf:8:15: link \"hand\" <origin xyz> = \"0.1 0 0 0\": 4 numbers where 3 should stand",
             ],
         ),
         urdf(
@@ -611,7 +611,7 @@ pub fn rows() -> Vec<Row> {
             |b| long_arm(b, "estimate = true", "estimate = true"),
             2,
             &[
-                "E0406 the model asks for 10000 mass properties at once; at most 1000 are solved for: take estimate out of bodies that are known well enough",
+                "E0406 the model asks for 10000 mass properties at once; at most 1000 are solved for; take estimate out of bodies that are known well enough",
             ],
         ),
         row(

@@ -92,7 +92,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s,omega_x\n0,1,5\n1,1,5\n",
-            "E0204 run.csv:2: 3 fields where the header has 2; write decimal points, and quotes around a text that holds a comma",
+            "E0204 run.csv:2: 3 fields where the header has 2: a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text",
         ),
         (
             "time_s,omega_x\n# made by hand\n0,1\n",
@@ -171,11 +171,11 @@ fn unit_times_that_cannot_be() {
         ),
         (
             "time_s,omega_x\n0,1\n1e8,2\n2e8,3\n",
-            "E0209 run.csv column 'time_s': the median step is 1e8 s, outside 1e-5 to 1e5 s; its unit is likely ns, so map it: [telemetry.columns] time_s = { column = \"time_s\", unit = \"ns\" }",
+            "E0209 run.csv column 'time_s': the median step is 1e8 s, outside 1e-5 to 1e5 s: its unit is likely ns; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"ns\" }",
         ),
         (
             "time_s,omega_x\n0,1\n1e-6,2\n2e-6,3\n",
-            "E0209 run.csv column 'time_s': the median step is 1e-6 s, outside 1e-5 to 1e5 s; its unit is likely d, so map it: [telemetry.columns] time_s = { column = \"time_s\", unit = \"d\" }",
+            "E0209 run.csv column 'time_s': the median step is 1e-6 s, outside 1e-5 to 1e5 s: its unit is likely d; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"d\" }",
         ),
     ] {
         assert_eq!(fault(text), message);
@@ -193,7 +193,7 @@ fn unit_a_repeated_row_is_dropped_and_listed() {
     );
     assert_eq!(
         strict(text),
-        "E0218 run.csv:4: 1 rows that repeat the row before them dropped; --strict allows no repair: correct the file or leave out --strict"
+        "E0218 run.csv:4: 1 rows that repeat the row before them dropped: --strict allows no repair; correct the file or leave out --strict"
     );
 }
 
