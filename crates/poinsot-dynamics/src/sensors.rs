@@ -80,6 +80,13 @@ impl Instrument {
         }
     }
 
+    /// Draws how large the steps are, evenly within this share of the declared step. A motion that repeats to the last
+    /// digit passes the steps in the same rhythm every time, and errors that follow one rhythm add up to less, or more,
+    /// than those of motions that are never quite the same.
+    pub fn draw_step(&mut self, share: f64) {
+        self.quantisation *= 1.0 + share * (2.0 * self.rng.random::<f64>() - 1.0);
+    }
+
     /// The bias at work, in the sensor's axes.
     pub fn bias(&self) -> &[f64] {
         &self.bias

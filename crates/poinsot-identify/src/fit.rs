@@ -5,6 +5,7 @@
 //! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
 //! properties: only pose and momentum follow whole.
 
+use crate::coarse::approach;
 use crate::coordinates::{Coordinates, PhysicalBodies};
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{
@@ -136,14 +137,34 @@ struct Start {
     here: Option<Linearised<Local>>,
 }
 
-/// The linear solution and the nominal numbers, the better one first.
+impl Start {
+    fn known(point: Point, here: Linearised<Local>) -> Self {
+        Self {
+            point,
+            cost: here.cost,
+            here: Some(here),
+        }
+    }
+
+    fn is_close(&self) -> bool {
+        self.here.as_ref().is_some_and(is_close)
+    }
+}
+
+/// Whether chi-square at a point is not far from what noise makes.
+pub(crate) fn is_close(here: &Linearised<Local>) -> bool {
+    let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
+    here.cost < CLOSE * rows as f64
+}
+
+/// The linear solution and the nominal numbers, the better one first; before them where a few readings lead from
+/// the better one, if that is close.
 fn starting_points(
     experiment: &Experiment,
     linear: Option<&Solved>,
     bodies: Option<&PhysicalBodies>,
 ) -> Vec<Start> {
-    let mut found = Vec::new();
-    let mut close = false;
+    let mut found: Vec<Start> = Vec::new();
     let point = linear.map(|solved| {
         let mut point = experiment.point(solved);
         if let Some(bodies) = bodies {
@@ -154,15 +175,20 @@ fn starting_points(
     if let Some(point) = point
         && let Some(here) = experiment.linearise(&point)
     {
-        let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
-        close = here.cost < CLOSE * rows as f64;
-        found.push(Start {
-            point,
-            cost: here.cost,
-            here: Some(here),
-        });
+        found.push(Start::known(point, here));
     }
+    let mut close = found.iter().any(Start::is_close);
     let point = experiment.nominal_point();
+    if !close {
+        let worse = |cost: f64| experiment.cost(&point).is_none_or(|own| own > cost);
+        let from = match found.first() {
+            Some(linear) if worse(linear.cost) => &linear.point,
+            _ => &point,
+        };
+        let start = approached(experiment, from, bodies);
+        close = start.is_some();
+        found.extend(start);
+    }
     let cost = if close {
         Some(f64::INFINITY)
     } else {
@@ -175,6 +201,20 @@ fn starting_points(
     }));
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     found
+}
+
+/// Where a few readings lead from a point; `None` where that is not close either.
+fn approached(
+    experiment: &Experiment,
+    from: &Point,
+    bodies: Option<&PhysicalBodies>,
+) -> Option<Start> {
+    let mut point = approach(experiment, from)?;
+    if let Some(bodies) = bodies.filter(|b| !b.contain(&point.x)) {
+        bodies.start(&mut point.x);
+    }
+    let here = experiment.linearise(&point)?;
+    Some(Start::known(point, here)).filter(Start::is_close)
 }
 
 /// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
@@ -245,6 +285,11 @@ pub(crate) struct Local {
 }
 
 impl Local {
+    /// How far the full step leads in the mass properties, sigmas.
+    pub fn mass_shift(&self) -> f64 {
+        self.spectrum.decrease(&self.shared.rhs(), 0.0).sqrt()
+    }
+
     /// Whether a step in natural units leads out of the physical bodies.
     fn leaves(&self, x: &[f64], step: &[f64]) -> bool {
         let bodies = self.bodies.as_ref();
@@ -283,8 +328,7 @@ impl LeastSquares for Experiment<'_> {
     }
 
     fn worth_it(&self, here: &Linearised<Local>, forecast: f64) -> bool {
-        let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
-        let hopeless = here.cost > CLOSE * rows as f64 && here.promised < CREEPING * here.cost;
+        let hopeless = !is_close(here) && here.promised < CREEPING * here.cost;
         !hopeless || forecast < SETTLED
     }
 

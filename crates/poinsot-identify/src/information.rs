@@ -21,6 +21,9 @@ use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 
+/// Sigma in natural units below which a fit moves a direction.
+const MOVED: f64 = 1.0;
+
 /// A problem with its unknowns, ready to be evaluated at any value of them.
 pub(crate) struct Experiment<'a> {
     pub problem: &'a Problem<'a>,
@@ -87,6 +90,14 @@ impl<'a> Experiment<'a> {
         }
     }
 
+    /// The same questions asked of other readings of the same segments.
+    pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
+        Experiment {
+            problem,
+            ..self.with_parameters(self.parameters)
+        }
+    }
+
     /// What stays the same over all evaluations.
     pub fn setting(&self) -> Setting<'_> {
         Setting {
@@ -97,22 +108,26 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
+            // More segments keep the cores busy, and so do other problems solved at the same time.
+            split: self.problem.segments.len() == 1
+                && rayon::current_thread_index().is_none()
+                && rayon::current_num_threads() > 1,
         }
     }
 
     /// All segments at a point; `None` where the vehicle cannot move as predicted.
     pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
         let setting = self.setting();
-        self.problem
-            .segments
-            .par_iter()
-            .enumerate()
-            .zip(&at.heads)
-            .zip(&self.unknown)
-            .map(|((segment, head), unknown)| {
-                evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
-            })
-            .collect()
+        let one = |((segment, head), unknown): ((_, &Head), &HeadColumns)| {
+            evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
+        };
+        let segments = self.problem.segments;
+        if setting.split {
+            let all = segments.iter().enumerate().zip(&at.heads);
+            return all.zip(&self.unknown).map(one).collect();
+        }
+        let all = segments.par_iter().enumerate().zip(&at.heads);
+        all.zip(&self.unknown).map(one).collect()
     }
 
     /// Loss of readings and declared priors; `None` where a prior forbids the point.
@@ -158,7 +173,8 @@ impl<'a> Experiment<'a> {
         stacked.finish()
     }
 
-    /// Spectrum of the shared unknowns.
+    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy is for the judge of the answer; held to it,
+    /// a fit would leave at their nominal values directions that the data contradict.
     pub fn spectrum(
         &self,
         shared: &Shared,
@@ -174,7 +190,7 @@ impl<'a> Experiment<'a> {
             &natural,
             &vec![0.0; m * m],
             self.longest_column(evaluated),
-            self.problem.relative_accuracy,
+            self.problem.relative_accuracy.max(MOVED),
         )
     }
 

@@ -1,6 +1,7 @@
 //! Sensitivities of every kind of unknown against differences of chi-square.
 
 mod inputs;
+mod two_threads;
 
 use crate::information::{Experiment, Point};
 use crate::linear::linear;

@@ -10,6 +10,7 @@ mod answer_covariance;
 mod answer_momentum;
 mod block_qr;
 mod bound;
+mod coarse;
 mod combination;
 mod completion;
 mod coordinates;

@@ -6,6 +6,7 @@ mod gyro;
 mod head;
 mod ideal;
 mod point_rows;
+mod side_by_side;
 
 pub(crate) use gyro::GyroErrors;
 pub(crate) use head::{Head, HeadColumns, Sight, start};
@@ -26,6 +27,7 @@ use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use point_rows::PointCompare;
+use side_by_side::compare_all;
 
 /// What stays the same over all evaluations.
 pub(crate) struct Setting<'a> {
@@ -37,6 +39,8 @@ pub(crate) struct Setting<'a> {
     pub loss: Loss,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// Whether a second thread may follow the motion while this one compares.
+    pub split: bool,
 }
 
 /// One kind of sensor in one segment: whitened residuals, three axes a sample.
@@ -83,13 +87,13 @@ pub(crate) fn evaluate(
     let joints = setting.noise.joint_position.iter();
     let rates = &setting.noise.joint_rate;
     vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
-    let (mut state, columns) = start(head, unknown, x.len());
+    let (state, columns) = start(head, unknown, x.len());
     let columns = if with_sensitivities {
         columns
     } else {
         Vec::new()
     };
-    let mut motion = Motion::new(&vehicle, segment, columns, unknown.count(), index);
+    let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count(), index);
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
     compare.inputs = InputNoise::new(setting.noise, segment, forced, compare.followed());
@@ -99,12 +103,7 @@ pub(crate) fn evaluate(
     compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
     compare.points.predict(&vehicle, segment, &state)?;
     let samples = segment.observations.time_s.len();
-    for k in 0..samples {
-        compare.sample(&mut motion, &state, k)?;
-        if k + 1 < samples {
-            state = motion.advance(&state, k)?;
-        }
-    }
+    compare_all(&mut compare, motion, &state, (samples, setting.split))?;
     if unknown.attitude && segment.observations.attitude.iter().all(Option::is_none) {
         compare.weak_attitude(&head.R_NB);
     }

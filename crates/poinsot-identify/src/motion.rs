@@ -23,6 +23,7 @@ use inputs::InputChange;
 use nalgebra::SVector;
 use poinsot_dynamics::{JointSlopes, Kinematics, Tree, Twist, composite, momentum, wheel_momentum};
 use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use std::sync::Arc;
 use variation::Variation;
 
 /// A column of the state's sensitivity.
@@ -75,7 +76,14 @@ struct Ready {
     state: State,
     instant: Instant,
     /// Where sensitivities are wanted.
-    variation: Option<Variation>,
+    variation: Option<Arc<Variation>>,
+}
+
+/// What one propagation knows at a grid time, sensitivities aside: another one of the same segment can look from there.
+pub(crate) struct Known {
+    pub state: State,
+    instant: Instant,
+    variation: Option<Arc<Variation>>,
 }
 
 /// Scratch of one propagation.
@@ -206,6 +214,29 @@ impl<'a> Motion<'a> {
         Some((ready.instant, &self.twist_columns))
     }
 
+    /// What is known at grid time k.
+    pub fn known(&mut self, state: &State, k: usize) -> Option<Known> {
+        self.arrive(state, k)?;
+        let ready = self.ready.as_ref()?;
+        Some(Known {
+            state: ready.state,
+            instant: ready.instant,
+            variation: ready.variation.clone(),
+        })
+    }
+
+    /// Goes to grid time k, of which another propagation knows this and these sensitivities.
+    pub fn look_from(&mut self, known: &Known, columns: &[Column], k: usize) {
+        self.columns.copy_from_slice(columns);
+        self.go(k, 0.0);
+        self.ready = Some(Box::new(Ready {
+            at: (k, 0.0),
+            state: known.state,
+            instant: known.instant,
+            variation: known.variation.clone(),
+        }));
+    }
+
     /// Joint positions, joint rates and wheel speeds that the last evaluation of the velocity used.
     pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
         let site = &self.site;
@@ -235,7 +266,8 @@ impl<'a> Motion<'a> {
     /// Makes a state at the inputs in hand ready.
     fn look(&mut self, at: (usize, f64), state: &State) -> Option<()> {
         let instant = self.instant(state)?;
-        let variation = (!self.columns.is_empty()).then(|| self.linearise(state, &instant));
+        let variation =
+            (!self.columns.is_empty()).then(|| Arc::new(self.linearise(state, &instant)));
         self.ready = Some(Box::new(Ready {
             at,
             state: *state,

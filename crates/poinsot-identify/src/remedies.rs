@@ -519,6 +519,7 @@ impl<'a> Ground<'a> {
             noise: &trial.noise,
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
+            split: false,
         };
         let index = self.problem.segments.len();
         let evaluated = evaluate(

@@ -66,6 +66,9 @@ pub struct Study {
     /// Whether each trial draws where the steps of rounding sensors lie. Without it a motion that repeats
     /// exactly is rounded alike every time, and scatter between experiments shows as bias.
     pub draw_phase: bool,
+    /// Share of the declared step within which each trial draws the true one of a rounding sensor: a motion passes the
+    /// steps in another rhythm every time, as motions do that are not copies of each other.
+    pub step_spread: f64,
 }
 
 /// One number of one trial.
@@ -122,6 +125,7 @@ impl Study {
             diagnose: true,
             seed: case.seed,
             draw_phase: true,
+            step_spread: 0.0,
         })
     }
 
@@ -140,6 +144,7 @@ impl Study {
             diagnose: true,
             seed: 1,
             draw_phase: true,
+            step_spread: 0.0,
         }
     }
 
@@ -159,6 +164,9 @@ impl Study {
                 let mut instrument = Instrument::new(sensor, &tree, self.seed, own, given);
                 if self.draw_phase {
                     instrument.draw_phase();
+                }
+                if self.step_spread > 0.0 {
+                    instrument.draw_step(self.step_spread);
                 }
                 biases[i] = instrument.bias().to_vec();
                 let channels = names(&self.model, sensor.kind, &sensor.of);

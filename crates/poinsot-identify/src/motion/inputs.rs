@@ -6,6 +6,7 @@ use crate::segment::Observations;
 use crate::vehicle::{Vehicle, wheel_slope};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_spatial::{Vector3, Vector6};
+use std::sync::Arc;
 
 /// Step of the differences over a joint's position, rad or m.
 const STEP: f64 = 1.0e-5;
@@ -115,7 +116,7 @@ impl Motion<'_> {
             return;
         }
         self.inputs(k, 0.0);
-        let Some(variation) = &mut ready.variation else {
+        let Some(variation) = ready.variation.as_mut().map(Arc::make_mut) else {
             return;
         };
         let faults = self.vehicle.input_faults.iter();

@@ -120,7 +120,12 @@ impl Motion<'_> {
             return;
         };
         self.site.orbit_N = *p0;
-        if at > 0.0
+        if at == 1.0
+            && let Some((p1, _)) = o.orbit.get(k + 1)
+        {
+            // Both intervals that share a grid time see one orbit there, to the last bit.
+            self.site.orbit_N = *p1;
+        } else if at > 0.0
             && let Some((p1, v1)) = o.orbit.get(k + 1)
         {
             let h = o.time_s[k + 1] - o.time_s[k];

@@ -18,7 +18,8 @@ pub(crate) type Matrix6x12 = SMatrix<f64, 6, 12>;
 type Matrix6x3 = SMatrix<f64, 6, 3>;
 
 /// Change of the pose around one instant.
-pub(super) struct Variation {
+#[derive(Clone)]
+pub(crate) struct Variation {
     /// `V_x`.
     pub map: Matrix6x12,
     /// `V_u` per unknown.
@@ -37,6 +38,7 @@ pub(super) struct Push {
 }
 
 /// Six rows of `A`: no position enters.
+#[derive(Clone)]
 struct Half {
     attitude: Matrix6x3,
     momentum: Matrix6,
@@ -242,7 +244,7 @@ impl Motion<'_> {
     /// The equation where the last velocity was taken, if it was at this state.
     pub(super) fn variation(&self, state: &State) -> Option<&Variation> {
         let ready = self.ready.as_ref().filter(|r| r.state == *state);
-        ready.and_then(|r| r.variation.as_ref())
+        ready.and_then(|r| r.variation.as_deref())
     }
 
     /// Change of the twist with one unknown, the state held.

@@ -13,7 +13,7 @@
 //! Further words find out what does harm: `--perfect SENSOR` takes the errors of a sensor away but not its declared
 //! noise; `--white SENSOR` replaces its rounding by white noise of the same variance, `--offset SENSOR` by a constant
 //! error of that variance; `--noise SENSOR=FACTOR` makes a sensor that much worse, as declared; `--fixed-phase` rounds
-//! alike in every trial; `--stride N` keeps every N-th sample. `--diagnose` adds to every trial the look for what would
+//! alike in every trial, `--fixed-step` with the declared step where a set-up draws it; `--stride N` keeps every N-th sample. `--diagnose` adds to every trial the look for what would
 //! explain a misfit: it changes no number and takes a quarter of the time.
 
 mod options;
@@ -66,6 +66,9 @@ fn campaign(options: &Options) -> Result<Vec<Sums>, Box<dyn Error>> {
             draw_phase: !options.fixed_phase,
             ..setup.study
         };
+        if options.fixed_step {
+            study.step_spread = 0.0;
+        }
         change_sensors(&mut study, options);
         let title = format!("{}{}: {}", setup.name, options.changes(), setup.about);
         all.push(run(&study, name, &title, options)?);

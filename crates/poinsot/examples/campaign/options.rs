@@ -17,13 +17,14 @@ pub struct Options {
     pub stride: usize,
     pub diagnose: bool,
     pub fixed_phase: bool,
+    pub fixed_step: bool,
     pub perfect: Vec<String>,
     pub white: Vec<String>,
     pub offset: Vec<String>,
     pub noise: Vec<(String, f64)>,
 }
 
-const USAGE: &str = "known are --trials N, --first N, --seconds S, --out DIR, --merge FILE..., --setup NAME, --threads N, --method auto|linear, --stride N, --fixed-phase, --diagnose, --perfect SENSOR, --white SENSOR, --offset SENSOR, --noise SENSOR=FACTOR";
+const USAGE: &str = "known are --trials N, --first N, --seconds S, --out DIR, --merge FILE..., --setup NAME, --threads N, --method auto|linear, --stride N, --fixed-phase, --fixed-step, --diagnose, --perfect SENSOR, --white SENSOR, --offset SENSOR, --noise SENSOR=FACTOR";
 
 impl Options {
     /// What makes the experiments other than they are, in words.
@@ -37,6 +38,9 @@ impl Options {
         }
         if self.fixed_phase {
             words.push("fixed phase".to_owned());
+        }
+        if self.fixed_step {
+            words.push("fixed step".to_owned());
         }
         let lists = [
             ("perfect", &self.perfect),
@@ -68,6 +72,7 @@ pub fn read() -> Result<Options, Box<dyn Error>> {
         stride: 1,
         diagnose: false,
         fixed_phase: false,
+        fixed_step: false,
         perfect: Vec::new(),
         white: Vec::new(),
         offset: Vec::new(),
@@ -78,6 +83,10 @@ pub fn read() -> Result<Options, Box<dyn Error>> {
         match word.as_str() {
             "--fixed-phase" => {
                 options.fixed_phase = true;
+                continue;
+            }
+            "--fixed-step" => {
+                options.fixed_step = true;
                 continue;
             }
             "--diagnose" => {

@@ -60,13 +60,17 @@ fn ma(name: &'static str, run: &str, stride: usize) -> Result<Setup, Error> {
     Ok(Setup { name, about, study })
 }
 
+/// No tachometer's step is known to the last digit, and no slew repeats to it: see docs/validation/campaign.md.
+const TACHOMETER_STEP: f64 = 1.0e-3;
+
 fn stsat3(name: &'static str, stride: usize) -> Result<Setup, Error> {
-    let study = of_record(
+    let mut study = of_record(
         "stsat3/model.toml",
         "cases/stsat3_truth.toml",
         "stsat3/multiaxis/telemetry.parquet",
         stride,
     )?;
+    study.step_spread = TACHOMETER_STEP;
     let about = "STSAT-3: one body, three wheels with rounded tachometers, six slews";
     Ok(Setup { name, about, study })
 }
