@@ -1,6 +1,6 @@
 //! Axes, names, connections and types of joints.
 
-use super::{ROBOT, robot, urdf};
+use super::{robot, urdf};
 use crate::row::Row;
 
 const TWIN: &str = "<link name=\"hand\"/>";

@@ -1,6 +1,6 @@
 //! Xacro, entities, sizes and the spelling of numbers.
 
-use super::{ROBOT, robot, urdf};
+use super::{robot, urdf};
 use crate::row::Row;
 
 const LAUGHS: &str = "<?xml version=\"1.0\"?>\n<!DOCTYPE r [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;&a;\">]>\n<robot name=\"&b;\"><link name=\"a\"/></robot>";
