@@ -349,7 +349,7 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         return Err(Error::Usage {
             option: "--method",
             value: request.method.clone(),
-            why: format!("known methods: {}", names.join(", ")),
+            why: format!("there is no such method; use one of {}", names.join(", ")),
         });
     }
     let known: &[&str] = match (published, name) {
@@ -366,7 +366,7 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         return Err(Error::Usage {
             option: "--relative-accuracy",
             value: request.relative_accuracy.to_string(),
-            why: "a positive number is needed, for example 1.0".to_owned(),
+            why: "must be a positive number; give for example 1.0".to_owned(),
         });
     }
     Ok(())
@@ -386,7 +386,11 @@ fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {
     let why = if known.is_empty() {
         format!("method {} has no variants; leave it out", request.method)
     } else {
-        format!("variants of {}: {}", request.method, known.join(", "))
+        format!(
+            "{} has no such variant; use one of {}",
+            request.method,
+            known.join(", ")
+        )
     };
     Error::Usage {
         option: "--variant",
