@@ -70,6 +70,7 @@ fn thinned(segment: &Segment) -> Option<Segment> {
         joint_position: rows(&o.joint_position, dof),
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
+        smooth_wheel_speed: Vec::new(),
         joint_errors: o.joint_errors.iter().map(|e| errors(e, &kept)).collect(),
         wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &kept)).collect(),
         // Rates were made on the finer grid and keep what they are.

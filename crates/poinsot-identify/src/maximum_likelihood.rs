@@ -157,16 +157,42 @@ fn between_readings(experiment: &mut Experiment, linear: Option<&Solved>, held: 
             let other = experiment.linearise(&fitted.at);
             experiment.wheels_smooth = true;
             let shift = other.map_or(0.0, |here| here.rows.mass_shift());
+            let shift = shift.max(seldom_shift(experiment, &fitted));
             Between { fitted, shift }
         }
         None => {
             experiment.wheels_smooth = false;
+            let shift = shift.max(seldom_shift(experiment, &held));
             Between {
                 fitted: held,
                 shift,
             }
         }
     }
+}
+
+/// How far an answer would move if wheels that are read more seldom than other sensors ran smoothly between their readings,
+/// and not straight as the grid has them.
+fn seldom_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let mut segments = experiment.problem.segments.iter();
+    if !fitted.settled || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
+        return 0.0;
+    }
+    let mut segments = experiment.problem.segments.to_vec();
+    for segment in &mut segments {
+        let o = &mut segment.observations;
+        if o.smooth_wheel_speed.len() == o.wheel_speed.len() {
+            o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
+        }
+    }
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let mut other = experiment.with_problem(&problem);
+    other.wheels_smooth = true;
+    let here = other.linearise(&fitted.at);
+    here.map_or(0.0, |here| here.rows.mass_shift())
 }
 
 /// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one

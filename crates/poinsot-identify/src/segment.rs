@@ -75,6 +75,9 @@ pub struct Observations {
     pub joint_rate: Vec<f64>,
     /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
     pub wheel_speed: Vec<f64>,
+    /// Wheel speeds as a smooth curve through their readings has them, where some are not read at every time; empty
+    /// otherwise. `wheel_speed` then runs straight between readings.
+    pub smooth_wheel_speed: Vec<f64>,
     /// How the errors of each joint's position hang together; independent where the list is shorter.
     pub joint_errors: Vec<InputErrors>,
     /// The same for each wheel's speed.

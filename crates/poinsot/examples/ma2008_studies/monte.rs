@@ -157,6 +157,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             wheel_errors: Vec::new(),
             derived_rates: Vec::new(),
             between_readings: false,
+            smooth_wheel_speed: Vec::new(),
         },
     }
 }
