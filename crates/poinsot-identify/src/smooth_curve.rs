@@ -301,3 +301,136 @@ fn smoothed(readings: &[Reading], intensity: f64) -> Option<Vec<Vector3<f64>>> {
     let finite = states.iter().all(|s| s.iter().all(|x| x.is_finite()));
     finite.then_some(states)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Numbers without a pattern, normal enough (Irwin and Hall).
+    fn noise(k: usize) -> f64 {
+        let one =
+            |i: usize| ((i as f64 * 12.9898 + k as f64 * 78.233).sin() * 43_758.545_3).fract();
+        (0..12).map(|i| one(i).abs()).sum::<f64>() - 6.0
+    }
+
+    /// Positions every second, rates every third time, on an uneven grid.
+    fn readings(error: f64) -> Vec<Reading> {
+        let time = |k: usize| 0.2 * k as f64 + 0.05 * (k as f64 * 1.7).sin();
+        let of = |k: usize| {
+            let t = time(k);
+            let value = (t.sin() + error * noise(k), 1.0e-4);
+            let slope = (t.cos() + 2.0 * error * noise(k + 1000), 4.0e-4);
+            Reading {
+                time_s: t,
+                value: (k % 2 == 0).then_some(value),
+                slope: (k % 3 == 0).then_some(slope),
+            }
+        };
+        (0..60).map(of).collect()
+    }
+
+    /// The same least squares solved in one piece: readings, and jerk between them, each in its own noise.
+    #[test]
+    fn exact_smoothed_states_are_the_least_squares_of_all_readings() {
+        let list = readings(0.01);
+        let (n, intensity) = (list.len(), 3.0e-2);
+        let mut A = DMatrix::zeros(3 * n, 3 * n);
+        let mut b = DVector::zeros(3 * n);
+        for (k, r) in list.iter().enumerate() {
+            for (component, read) in [(0, r.value), (1, r.slope)] {
+                if let Some((value, variance)) = read {
+                    A[(3 * k + component, 3 * k + component)] += 1.0 / variance;
+                    b[3 * k + component] += value / variance;
+                }
+            }
+            if let Some(next) = list.get(k + 1) {
+                let h = next.time_s - r.time_s;
+                let weight = (added(h) * intensity).try_inverse().unwrap();
+                let mut miss = nalgebra::SMatrix::<f64, 3, 6>::zeros();
+                miss.fixed_view_mut::<3, 3>(0, 0).copy_from(&-transition(h));
+                miss.fixed_view_mut::<3, 3>(0, 3)
+                    .copy_from(&Matrix3::identity());
+                let mut block = A.view_mut((3 * k, 3 * k), (6, 6));
+                block += miss.transpose() * weight * miss;
+            }
+        }
+        let whole = A.cholesky().unwrap().solve(&b);
+        let states = smoothed(&list, intensity).unwrap();
+        for (k, s) in states.iter().enumerate() {
+            for i in 0..3 {
+                // What is diffuse at the start is 1e8, not infinite.
+                let gap = (s[i] - whole[3 * k + i]).abs();
+                assert!(gap < 1.0e-6, "{k} {i}: {gap:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn exact_readings_without_noise_are_interpolated_with_their_derivatives() {
+        let curve = SmoothCurve::new(&readings(0.0)).unwrap();
+        for k in 0..100 {
+            let t = 1.0 + 0.093 * f64::from(k);
+            let s = curve.at(t);
+            let gaps = [s[0] - t.sin(), s[1] - t.cos(), s[2] + t.sin()].map(f64::abs);
+            // Measured: 3e-6, 3e-5 and 6e-4.
+            assert!(
+                gaps[0] < 1.0e-5 && gaps[1] < 1.0e-4 && gaps[2] < 2.0e-3,
+                "{gaps:?}"
+            );
+        }
+    }
+
+    /// The curve and its derivatives hang together, and go on smoothly over knots and ends.
+    #[test]
+    fn exact_derivatives_are_the_slopes_of_the_curve() {
+        let curve = SmoothCurve::new(&readings(0.01)).unwrap();
+        let h = 1.0e-4;
+        for k in 0..400 {
+            let t = -0.5 + 0.0331 * f64::from(k);
+            let [a, s, b] = [t - h, t, t + h].map(|t| curve.at(t));
+            for i in 0..2 {
+                let slope = (b[i] - a[i]) / (2.0 * h);
+                assert!(
+                    (slope - s[i + 1]).abs() < 1.0e-5,
+                    "{t} {i}: {slope} {}",
+                    s[i + 1]
+                );
+            }
+        }
+    }
+
+    /// The second derivative of a noisy motion errs by a small part of what differences of the readings err.
+    #[test]
+    fn stat_noise_is_smoothed_as_far_as_the_motion_allows() {
+        let (h, sigma) = (0.05, 1.0e-3);
+        let of = |k: usize| Reading {
+            time_s: h * k as f64,
+            value: Some(((h * k as f64).sin() + sigma * noise(k), 1.0)),
+            slope: None,
+        };
+        let list: Vec<Reading> = (0..1000).map(of).collect();
+        let curve = SmoothCurve::new(&list).unwrap();
+        let inner = 50..950;
+        let count = inner.len() as f64;
+        let square = |k: usize| (curve.at(list[k].time_s)[2] + list[k].time_s.sin()).powi(2);
+        let rms = (inner.map(square).sum::<f64>() / count).sqrt();
+        let by_differences = 6.0_f64.sqrt() * sigma / (h * h);
+        // Measured: 0.01 of 1.0 rad/s2.
+        println!("{rms} {by_differences}");
+        assert!(rms < 0.03 * by_differences);
+    }
+
+    #[test]
+    fn unit_what_tells_nothing_has_no_curve() {
+        let still = |k: u32| Reading {
+            time_s: f64::from(k),
+            value: Some((0.3, 1.0)),
+            slope: Some((0.0, 1.0)),
+        };
+        let still: Vec<Reading> = (0..10).map(still).collect();
+        assert!(SmoothCurve::new(&still).is_none());
+        assert!(SmoothCurve::new(&readings(0.0)[..3]).is_none());
+        assert!(SmoothCurve::new(&[]).is_none());
+    }
+}
