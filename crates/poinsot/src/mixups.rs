@@ -2,9 +2,11 @@
 //! record fits as soon as it is read in another unit.
 
 use crate::bind::bind;
+use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, FitOptions, Problem, Status, maximum_likelihood_with};
-use poinsot_telemetry::Table;
+use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
+use poinsot_telemetry::{Channel, Table, median_step};
 use std::f64::consts::PI;
 
 /// Factors between the estimated and the nominal inertia that mistaken units make, and which.
@@ -44,6 +46,9 @@ const RATES: [(f64, &str); 2] = [
 const FITS: f64 = 10.0;
 /// Share of the rates' own chi-square that may be left.
 const UNEXPLAINED: f64 = 0.01;
+/// Turn per reading, rad, from which a fit is slow, and from which it takes minutes.
+const FAST: f64 = 0.03;
+const FAR: f64 = 0.3;
 /// How far the mean factor may be off, relative.
 const MEAN: f64 = 0.15;
 /// How far the factor of one axis may be off the mean, relative.
@@ -100,11 +105,57 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
     let scaled = RATES
         .iter()
         .map(|(factor, words)| (scaled(tables, *factor), (*words).to_owned()));
-    let (_, words) = exchanged
-        .chain(scaled)
-        .find(|(other, _)| fits(problem, other).unwrap_or(false))?;
+    let mut all: Vec<(Vec<Table>, String)> = exchanged.chain(scaled).collect();
+    if turn_per_reading(tables) > FAST {
+        // Numbers this large are slow to follow, other axes or not.
+        all.rotate_left(ORDERS.len());
+    }
+    let mut all = all.into_iter();
+    let (_, words) = all.find(|(other, _)| fits(problem, other).unwrap_or(false))?;
     let text = format!("the data contradict the model, and fit it as {words}");
     Some(finding(Check::Units, "omega", text))
+}
+
+/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds. Looked
+/// at before the fit, which would take minutes for nothing.
+pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
+    let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
+    let turn = turn_per_reading(tables);
+    if turn < FAR || tables.iter().any(has_attitude) {
+        return None;
+    }
+    let mut other = tables.to_vec();
+    for channel in other.iter_mut().flat_map(|t| &mut t.channels) {
+        channel.time_s = channel.time_s.iter().map(|t| t * 1.0e-3).collect();
+    }
+    let problem = Problem {
+        model,
+        tree: &Tree::new(model),
+        segments: &[],
+        noise: &bind(model, &Tree::new(model), &other).ok()?.noise,
+        relative_accuracy: 1.0,
+    };
+    let text = format!(
+        "the vehicle turns by {turn:.1} rad from one reading to the next, and the data fit as times in ms that are read as s"
+    );
+    fits(&problem, &other)?.then(|| finding(Check::Units, "time_s", text))
+}
+
+/// Typical turn from one reading of the gyro to the next, rad; the largest of all tables.
+fn turn_per_reading(tables: &[Table]) -> f64 {
+    let of = |table: &Table| {
+        let rates = table
+            .channels
+            .iter()
+            .filter(|c| RATE_COLUMNS.contains(&c.name.as_str()));
+        let square = |c: &Channel| {
+            let sum: f64 = c.values.iter().map(|w| w * w).sum();
+            sum / c.values.len().max(1) as f64
+        };
+        let step = rates.clone().find_map(|c| median_step(&c.time_s));
+        rates.map(square).sum::<f64>().sqrt() * step.unwrap_or(0.0)
+    };
+    tables.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Columns that stand where x, y, z belong: two exchanged, or all three.

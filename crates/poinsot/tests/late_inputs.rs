@@ -113,3 +113,43 @@ fn stat_wheels_that_read_late_show_their_lag() {
         is_right(&answer, "tachometers.lag", lag_s, truth, "spacecraft");
     }
 }
+
+/// What the diagnosis says first of a record with a fault that nobody declared.
+fn first_suspect(model: &Model, table: Table) -> (String, f64) {
+    let answer = ask(model, table);
+    let found = answer.estimate.diagnostics.unwrap();
+    let first = found.suspects.first().unwrap();
+    println!("{first:?}");
+    assert!(first.explains > 0.95, "{first:?}");
+    (first.name.clone(), first.values[0].1)
+}
+
+/// Undeclared, 100 ms of the joints were called an attitude that reads 93 ms early, and an offset of a joint flexing.
+#[test]
+fn stat_late_joints_and_a_joint_off_its_reading_are_named() {
+    let path = examples().join("cases/ma2008_traj1.toml");
+    let case = parse_case(&path, std::fs::read_to_string(&path).unwrap()).unwrap();
+    let whole = simulate_case(&case, &read_model(&case.model).unwrap()).unwrap();
+    let model = read_model(&examples().join("ma2008/model_noisy.toml")).unwrap();
+    let (name, lag_s) = first_suspect(&model, late(&whole.table, "joint", 2, 1));
+    assert_eq!(name, "a lag of the joints");
+    assert!((lag_s - 0.1).abs() < 1.0e-3, "{lag_s}");
+    let mut table = whole.table;
+    let joint = table.channels.iter_mut().find(|c| c.name == "joint1_rad");
+    joint.unwrap().values.iter_mut().for_each(|q| *q += 0.01);
+    let (name, offset) = first_suspect(&model, table);
+    assert_eq!(name, "an offset of joint1");
+    assert!((offset - 0.01).abs() < 1.0e-4, "{offset}");
+}
+
+/// Undeclared, it was called an attitude that reads 91 ms early.
+#[test]
+fn stat_thrust_that_is_read_late_is_named() {
+    let path = examples().join("cases/tug_thrusters.toml");
+    let case = parse_case(&path, std::fs::read_to_string(&path).unwrap()).unwrap();
+    let model = read_model(&case.model).unwrap();
+    let whole = simulate_case(&case, &model).unwrap();
+    let (name, lag_s) = first_suspect(&model, late(&whole.table, "thr", 1, 1));
+    assert_eq!(name, "thrust that is read late");
+    assert!((lag_s + 0.1).abs() < 2.0e-3, "{lag_s}");
+}

@@ -28,6 +28,7 @@ pub(super) fn suspects(
     candidates: &[Candidate],
     projected: &Projected,
     (excess, per_number, misfit): (f64, f64, bool),
+    affordable: bool,
 ) -> Vec<Suspect> {
     let mut from = 0;
     let mut list: Vec<Scored> = Vec::new();
@@ -45,13 +46,14 @@ pub(super) fn suspects(
                 at,
                 suspect: suspect(candidate, score.decrease, &values),
                 sigmas,
+                nominal: candidate.unknowns.iter().map(|u| u.nominal).collect(),
             });
         }
     }
     list.retain(Scored::is_possible);
     let falling = |a: &Scored, b: &Scored| b.suspect.decrease.total_cmp(&a.suspect.decrease);
     list.sort_by(falling);
-    if misfit {
+    if misfit && affordable {
         for (rank, one) in list.iter_mut().enumerate() {
             let candidate = &candidates[one.at];
             // What reads early may stand for what drives the vehicle late, so that is always tried.
@@ -90,18 +92,27 @@ struct Scored {
     suspect: Suspect,
     /// From the score, the size of the residual taken as seen.
     sigmas: Vec<f64>,
+    nominal: Vec<f64>,
 }
 
 impl Scored {
     /// Whether nature allows the numbers: no drag pushes, no rotor has less than no inertia unless its sign is wrong.
     fn is_possible(&self) -> bool {
         let values = self.suspect.values.iter().map(|v| v.1);
+        let value = |k: usize| self.suspect.values.get(k).map_or(0.0, |v| v.1);
+        let sigma = |k: usize| self.sigmas.get(k).copied().unwrap_or(0.0);
         match self.suspect.fault {
             FaultKind::Drag => {
                 let largest = values.clone().fold(0.0, f64::max);
                 let mut each = values.zip(&self.sigmas);
                 each.all(|(c, sigma)| c >= 0.0 || -c < IMPOSSIBLE * sigma && -c < largest)
             }
+            // The wrong sign of a speed is a rotor of the same size that is negative.
+            FaultKind::WheelScale => {
+                let mirrored = self.nominal.iter().any(|n| near(value(0), -n));
+                mirrored || value(0) > -IMPOSSIBLE * sigma(0)
+            }
+            FaultKind::Thrust => near(value(0), -2.0) || value(0) > -1.0 - IMPOSSIBLE * sigma(0),
             _ => true,
         }
     }
@@ -201,10 +212,13 @@ const MISTAKEN: [(f64, &str); 4] = [
     (std::f64::consts::TAU, "revolutions read as radians"),
 ];
 
+fn near(value: f64, wanted: f64) -> bool {
+    (value / wanted - 1.0).abs() < 0.2
+}
+
 /// Says what values mean where they speak for themselves: a wrong sign, a wrong unit.
 fn name(experiment: &Experiment, suspect: &mut Suspect) {
     let model = experiment.problem.model;
-    let near = |value: f64, wanted: f64| (value / wanted - 1.0).abs() < 0.2;
     match suspect.fault {
         FaultKind::WheelScale => {
             let Some((owner, value, _)) = suspect.values.first() else {
@@ -269,6 +283,7 @@ mod tests {
                 fault,
             },
             sigmas: vec![0.1; values.len()],
+            nominal: vec![1.0; values.len()],
         }
     }
 
@@ -281,6 +296,16 @@ mod tests {
         assert!(!possible([1.0, -0.4, 0.0]));
         assert!(!possible([0.0, -0.2, 0.1]));
         assert!(!possible([10.0, 20.0, -1777.0]));
+    }
+
+    #[test]
+    fn unit_a_rotor_of_negative_inertia_is_no_suspect_unless_its_sign_is_wrong() {
+        let rotor = |s: f64| scored("rotor", FaultKind::WheelScale, 1.0e3, &[s]).is_possible();
+        assert!(rotor(0.5) && rotor(-0.2) && rotor(-1.05));
+        assert!(!rotor(-0.5) && !rotor(-20.0));
+        let thrust = |x: f64| scored("jet", FaultKind::Thrust, 1.0e3, &[x]).is_possible();
+        assert!(thrust(0.1) && thrust(-1.1) && thrust(-2.1));
+        assert!(!thrust(-1.5) && !thrust(-9.0));
     }
 
     #[test]
