@@ -98,7 +98,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
             && !rejected
             && !solved.not_rigid
             && solved.settled
-            && solved.held.is_none(),
+            && solved.held.is_none()
+            && !solved.leans,
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
