@@ -323,8 +323,8 @@ mod tests {
             let slope = (t.cos() + 2.0 * error * noise(k + 1000), 4.0e-4);
             Reading {
                 time_s: t,
-                value: (k % 2 == 0).then_some(value),
-                slope: (k % 3 == 0).then_some(slope),
+                value: k.is_multiple_of(2).then_some(value),
+                slope: k.is_multiple_of(3).then_some(slope),
             }
         };
         (0..60).map(of).collect()

@@ -238,10 +238,10 @@ fn name(experiment: &Experiment, suspect: &mut Suspect) {
                 suspect.name = format!("a wrong unit of {} ({what})", wheel.name);
             }
         }
-        FaultKind::Lag if suspect.name == LATE_THRUST => {
-            if suspect.values.first().is_some_and(|(_, lag, _)| *lag < 0.0) {
-                "thrust that is read late".clone_into(&mut suspect.name);
-            }
+        FaultKind::Lag
+            if suspect.name == LATE_THRUST && suspect.values.first().is_some_and(|v| v.1 < 0.0) =>
+        {
+            "thrust that is read late".clone_into(&mut suspect.name);
         }
         FaultKind::GyroScale => {
             for (factor, what) in MISTAKEN {
