@@ -11,7 +11,7 @@ fn examples() -> PathBuf {
 }
 
 fn model() -> Model {
-    read_model(&examples().join("model.toml")).unwrap()
+    read_model(examples().join("model.toml")).unwrap()
 }
 
 /// The first minutes of three slews, gyro and wheels alone.
