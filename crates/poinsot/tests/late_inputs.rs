@@ -112,6 +112,14 @@ fn stat_wheels_that_read_late_show_their_lag() {
         let truth = "stsat3/multiaxis/truth.json";
         is_right(&answer, "tachometers.lag", lag_s, truth, "spacecraft");
     }
+    // 10 s of 470 s are beyond the last reading.
+    let answer = ask(&model, late(&whole, "wheel", 100, 1)).estimate;
+    assert!(!answer.covariance_trustworthy);
+    let said = answer
+        .warnings
+        .iter()
+        .any(|w| w.contains("tachometers.lag is 2.1 % of"));
+    assert!(said, "{:?}", answer.warnings);
 }
 
 /// What the diagnosis says first of a record with a fault that nobody declared.
