@@ -6,6 +6,7 @@
 
 use crate::block_qr::{BlockQr, Triangle};
 use crate::coordinates::Coordinates;
+use crate::input_curves::InputCurves;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
 use crate::parameters::Parameters;
@@ -20,6 +21,7 @@ use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
 
 /// Sigma in natural units below which a fit moves a direction.
 const MOVED: f64 = 1.0;
@@ -37,6 +39,8 @@ pub(crate) struct Experiment<'a> {
     pub coordinates: Coordinates,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
+    curves: Arc<OnceLock<Vec<InputCurves>>>,
 }
 
 /// A value of all unknowns: the shared ones and the start of every segment.
@@ -72,6 +76,7 @@ impl<'a> Experiment<'a> {
             loss: Loss::Gaussian,
             coordinates: Coordinates::default(),
             wheels_smooth: false,
+            curves: Arc::default(),
         }
     }
 
@@ -87,6 +92,7 @@ impl<'a> Experiment<'a> {
             loss: self.loss,
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
+            curves: Arc::clone(&self.curves),
         }
     }
 
@@ -94,6 +100,7 @@ impl<'a> Experiment<'a> {
     pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
         Experiment {
             problem,
+            curves: Arc::default(),
             ..self.with_parameters(self.parameters)
         }
     }
@@ -108,11 +115,28 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
+            curves: self.curves(),
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
                 && rayon::current_thread_index().is_none()
                 && rayon::current_num_threads() > 1,
         }
+    }
+
+    /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.
+    fn curves(&self) -> &[InputCurves] {
+        if !self
+            .parameters
+            .unknowns
+            .iter()
+            .any(|u| u.kind.delays_inputs())
+        {
+            return &[];
+        }
+        self.curves.get_or_init(|| {
+            let of = |s: &Segment| InputCurves::new(&s.observations, self.problem.noise);
+            self.problem.segments.iter().map(of).collect()
+        })
     }
 
     /// All segments at a point; `None` where the vehicle cannot move as predicted.

@@ -306,6 +306,10 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
     let mut point = experiment.nominal_point();
     for (k, (x, unknown)) in point.x.iter_mut().zip(&parameters.unknowns).enumerate() {
         // A lag acts through the predicted rates, whose own change with the unknowns is of second order.
+        if unknown.kind.delays_inputs() {
+            *x = 0.03;
+            continue;
+        }
         if unknown.name.ends_with(".lag") {
             continue;
         }

@@ -24,6 +24,7 @@ mod impulse;
 mod information;
 #[cfg(test)]
 mod information_tests;
+mod input_curves;
 mod input_noise;
 mod lanes;
 mod levenberg_marquardt;
@@ -45,6 +46,7 @@ mod residual;
 mod rows;
 mod segment;
 mod semidefinite;
+mod smooth_curve;
 mod solved;
 mod spectrum;
 mod vehicle;

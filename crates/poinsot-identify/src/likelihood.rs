@@ -14,6 +14,7 @@ pub(crate) use ideal::translation_lag;
 pub(crate) use point_rows::perfect;
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
 use crate::motion::{Motion, State};
@@ -39,6 +40,8 @@ pub(crate) struct Setting<'a> {
     pub loss: Loss,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
+    pub curves: &'a [InputCurves],
     /// Whether a second thread may follow the motion while this one compares.
     pub split: bool,
 }
@@ -84,6 +87,7 @@ pub(crate) fn evaluate(
         x,
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
+    vehicle.curves = setting.curves.get(index);
     let joints = setting.noise.joint_position.iter();
     let rates = &setting.noise.joint_rate;
     vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();

@@ -11,6 +11,7 @@ use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
 use crate::information::{Experiment, Point};
+use crate::input_curves::beyond_the_readings;
 use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
@@ -112,6 +113,10 @@ pub(crate) fn solve(
         solved.leans = segments.any(|s| s.observations.between_readings);
         let warning = leaning(shift, experiment.wheels_smooth, solved.leans);
         solved.warnings.extend(warning);
+    }
+    if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
+        solved.leans = true;
+        solved.warnings.push(warning);
     }
     if let Some(found) = &mut solved.diagnostics {
         found.shift_between_readings = shift;

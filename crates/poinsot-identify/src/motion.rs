@@ -43,9 +43,6 @@ struct Site {
     q: Vec<f64>,
     rates: Vec<f64>,
     wheels: Vec<f64>,
-    /// Second derivatives of joints and slopes of wheel speeds, where faults need them.
-    accelerations: Vec<f64>,
-    wheel_rates: Vec<f64>,
     /// What faults of the readings do to the inputs.
     changes: Vec<InputChange>,
     /// Slopes of the momentum over the joints, where faults of their readings need them.
@@ -157,8 +154,6 @@ impl Site {
             q: vec![0.0; tree.dof()],
             rates: vec![0.0; tree.dof()],
             wheels: vec![0.0; tree.rotors.len()],
-            accelerations: Vec::new(),
-            wheel_rates: Vec::new(),
             changes: Vec::new(),
             joint_slopes: JointSlopes::default(),
             orbit_N: Vector3::zeros(),

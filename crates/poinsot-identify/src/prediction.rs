@@ -197,6 +197,7 @@ fn segment(
         x,
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
+    vehicle.curves = setting.curves.get(at);
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);

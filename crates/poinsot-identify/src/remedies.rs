@@ -8,6 +8,7 @@
 use crate::block_qr::BlockQr;
 use crate::estimate::OpenCombination;
 use crate::information::Experiment;
+use crate::input_curves::InputCurves;
 use crate::likelihood::{Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
 use crate::parameters::{Equations, Parameters, UnknownKind, axis_name};
@@ -511,6 +512,17 @@ impl<'a> Ground<'a> {
             linear: seen,
             angular: !trial.known_momentum,
         };
+        let late = self
+            .parameters
+            .unknowns
+            .iter()
+            .any(|u| u.kind.delays_inputs());
+        // A record of its own: of the others nothing is asked.
+        let index = self.problem.segments.len();
+        let mut curves = vec![InputCurves::default(); index];
+        if late {
+            curves.push(InputCurves::new(o, &trial.noise));
+        }
         let setting = Setting {
             tree: self.problem.tree,
             thrusters: &trial.thrusters,
@@ -519,9 +531,9 @@ impl<'a> Ground<'a> {
             noise: &trial.noise,
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
+            curves: &curves,
             split: false,
         };
-        let index = self.problem.segments.len();
         let evaluated = evaluate(
             &setting,
             (index, &trial.segment),

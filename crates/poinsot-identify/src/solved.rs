@@ -231,7 +231,8 @@ pub(crate) struct Solved {
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
     pub adds_up: bool,
-    /// Whether the answer hangs on how wheels run between readings, and nobody knows.
+    /// Whether the answer hangs on how wheels run between readings, or on what joints or wheels did beyond them, and
+    /// nobody knows.
     pub leans: bool,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,

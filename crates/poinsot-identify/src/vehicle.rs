@@ -1,5 +1,6 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
+use crate::input_curves::InputCurves;
 use crate::parameters::{Gust, Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
@@ -32,6 +33,8 @@ pub(crate) struct Vehicle<'a> {
     pub noisy_joints: Vec<bool>,
     /// Unknowns that change what joints and wheels do.
     pub input_faults: Vec<InputFault>,
+    /// Curves along which lags shift the inputs, where any is unknown.
+    pub curves: Option<&'a InputCurves>,
     /// Slope of its wheel's axis over each unknown that is a tilt; zero for all others.
     pub tilt_slopes: Vec<Vector3>,
     /// Thrusters that act late: the unknown, which thrusters, by how much, s.
@@ -106,6 +109,7 @@ impl<'a> Vehicle<'a> {
                     value: *value,
                 })
                 .collect(),
+            curves: None,
             tilt_slopes: tilt_slopes(parameters, x),
             late_thrusters: parameters
                 .unknowns

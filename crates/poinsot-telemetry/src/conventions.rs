@@ -32,7 +32,7 @@ pub struct ConventionTest {
     pub intervals: usize,
     /// Root mean square of the body rate from the attitude as declared, rad/s.
     pub rate_rad_s: f64,
-    /// Least-squares factor gyro to attitude rate as declared; 1 where both agree, 0.01745 where the gyro is deg/s.
+    /// Least-squares factor gyro to attitude rate as declared; 1 where both agree, 0.01745 where the gyro is deg/s, 0.001 where the times are ms.
     pub scale: f64,
     /// The declared reading.
     pub declared: Hypothesis,
@@ -71,7 +71,7 @@ pub fn test_conventions(
     R_BS: Option<[[f64; 3]; 3]>,
 ) -> Option<ConventionTest> {
     let pairs = Pairs::collect(attitude, gyro, R_BS)?;
-    let mut all = Vec::with_capacity(4 * 5 * 48);
+    let mut all = Vec::with_capacity(4 * 7 * 48);
     for (order, sense) in READINGS {
         let sums = pairs.sums(order, sense);
         for gyro_unit in GyroUnit::ALL {

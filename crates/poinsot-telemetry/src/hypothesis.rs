@@ -39,18 +39,24 @@ pub enum GyroUnit {
     RadPerSTakenForDeg,
     /// Taken for rpm and converted, though they were rad/s.
     RadPerSTakenForRpm,
+    /// The times are ms and read as s: rates from the attitude are a thousandth. A gyro in mrad/s looks the same.
+    TimeInMilliseconds,
+    /// Times in s taken for ms and converted. A gyro in rad/s that is taken for mrad/s looks the same.
+    TimeTakenForMilliseconds,
 }
 
 impl GyroUnit {
-    pub(crate) const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::AsDeclared,
         Self::DegPerS,
         Self::Rpm,
         Self::RadPerSTakenForDeg,
         Self::RadPerSTakenForRpm,
+        Self::TimeInMilliseconds,
+        Self::TimeTakenForMilliseconds,
     ];
 
-    /// Factor that takes the table's number to rad/s.
+    /// Factor that takes the table's number to the rate that attitude and times of the table give, rad/s.
     pub fn factor(self) -> f64 {
         match self {
             Self::AsDeclared => 1.0,
@@ -58,6 +64,8 @@ impl GyroUnit {
             Self::Rpm => PI / 30.0,
             Self::RadPerSTakenForDeg => 180.0 / PI,
             Self::RadPerSTakenForRpm => 30.0 / PI,
+            Self::TimeInMilliseconds => 1.0e-3,
+            Self::TimeTakenForMilliseconds => 1.0e3,
         }
     }
 }
@@ -161,6 +169,12 @@ impl fmt::Display for Hypothesis {
             }
             GyroUnit::RadPerSTakenForRpm => {
                 parts.push("gyro in rad/s (it is mapped as rpm)".into())
+            }
+            GyroUnit::TimeInMilliseconds => {
+                parts.push("times in ms that are read as s (or a gyro in mrad/s)".into());
+            }
+            GyroUnit::TimeTakenForMilliseconds => {
+                parts.push("times in s that are read as ms (or a gyro read as mrad/s)".into());
             }
         }
         if self.gyro_axes != Axes::IDENTITY {

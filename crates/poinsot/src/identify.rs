@@ -146,6 +146,16 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         let label = table_label(table);
         findings.extend(checks::apply(table, &label, &policies)?);
     }
+    if METHODS.contains(&request.method.as_str())
+        && let Some(mut finding) = mixups::times(&model, &tables)
+    {
+        finding.policy = policies.of(finding.check);
+        if finding.policy == Policy::Refuse {
+            let labels: Vec<String> = tables.iter().map(table_label).collect();
+            return Err(checks::refused(&labels.join(","), &finding).into());
+        }
+        findings.push(finding);
+    }
     let mut identified = identify_tables(model, tables, request)?;
     if reading.every > 1 {
         distrust_thinned(&mut identified.estimate, reading.every);

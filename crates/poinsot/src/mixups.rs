@@ -2,9 +2,11 @@
 //! record fits as soon as it is read in another unit.
 
 use crate::bind::bind;
-use poinsot_identify::{Estimate, Problem, Status, maximum_likelihood};
-use poinsot_telemetry::Table;
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, FitOptions, Problem, Status, maximum_likelihood_with};
+use poinsot_model::Model;
 use poinsot_telemetry::checks::{Check, Finding, Policy};
+use poinsot_telemetry::{Channel, Table, median_step};
 use std::f64::consts::PI;
 
 /// Factors between the estimated and the nominal inertia that mistaken units make, and which.
@@ -42,6 +44,11 @@ const RATES: [(f64, &str); 2] = [
 ];
 /// Chi-square per degree of freedom up to which a record fits.
 const FITS: f64 = 10.0;
+/// Share of the rates' own chi-square that may be left.
+const UNEXPLAINED: f64 = 0.01;
+/// Turn per reading, rad, from which a fit is slow, and from which it takes minutes.
+const FAST: f64 = 0.03;
+const FAR: f64 = 0.3;
 /// How far the mean factor may be off, relative.
 const MEAN: f64 = 0.15;
 /// How far the factor of one axis may be off the mean, relative.
@@ -84,20 +91,98 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     all
 }
 
-/// A record without attitude that contradicts the model, and fits once its body rates are read in another unit. With
-/// an attitude the reader compares the two itself.
+/// A record without attitude that contradicts the model, and fits once its body rates are read along other axes or in
+/// another unit. With an attitude the reader compares the two itself.
 pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) -> Option<Finding> {
     let answered = !matches!(estimate.status, Status::Rejected | Status::IterationLimit);
     let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
     if answered || tables.iter().any(has_attitude) {
         return None;
     }
-    let (_, words) = RATES.iter().find(|(factor, _)| {
-        let other = scaled(tables, *factor);
-        fits(problem, &other).unwrap_or(false)
-    })?;
+    let exchanged = ORDERS
+        .iter()
+        .map(|order| (read_along(tables, *order), along(*order)));
+    let scaled = RATES
+        .iter()
+        .map(|(factor, words)| (scaled(tables, *factor), (*words).to_owned()));
+    let mut all: Vec<(Vec<Table>, String)> = exchanged.chain(scaled).collect();
+    if turn_per_reading(tables) > FAST {
+        // Numbers this large are slow to follow, other axes or not.
+        all.rotate_left(ORDERS.len());
+    }
+    let mut all = all.into_iter();
+    let (_, words) = all.find(|(other, _)| fits(problem, other).unwrap_or(false))?;
     let text = format!("the data contradict the model, and fit it as {words}");
     Some(finding(Check::Units, "omega", text))
+}
+
+/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds. Looked
+/// at before the fit, which would take minutes for nothing.
+pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
+    let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
+    let turn = turn_per_reading(tables);
+    if turn < FAR || tables.iter().any(has_attitude) {
+        return None;
+    }
+    let mut other = tables.to_vec();
+    for channel in other.iter_mut().flat_map(|t| &mut t.channels) {
+        channel.time_s = channel.time_s.iter().map(|t| t * 1.0e-3).collect();
+    }
+    let problem = Problem {
+        model,
+        tree: &Tree::new(model),
+        segments: &[],
+        noise: &bind(model, &Tree::new(model), &other).ok()?.noise,
+        relative_accuracy: 1.0,
+    };
+    let text = format!(
+        "the vehicle turns by {turn:.1} rad from one reading to the next, and the data fit as times in ms that are read as s"
+    );
+    fits(&problem, &other)?.then(|| finding(Check::Units, "time_s", text))
+}
+
+/// Typical turn from one reading of the gyro to the next, rad; the largest of all tables.
+fn turn_per_reading(tables: &[Table]) -> f64 {
+    let of = |table: &Table| {
+        let rates = table
+            .channels
+            .iter()
+            .filter(|c| RATE_COLUMNS.contains(&c.name.as_str()));
+        let square = |c: &Channel| {
+            let sum: f64 = c.values.iter().map(|w| w * w).sum();
+            sum / c.values.len().max(1) as f64
+        };
+        let step = rates.clone().find_map(|c| median_step(&c.time_s));
+        rates.map(square).sum::<f64>().sqrt() * step.unwrap_or(0.0)
+    };
+    tables.iter().map(of).fold(0.0, f64::max)
+}
+
+/// Columns that stand where x, y, z belong: two exchanged, or all three.
+const ORDERS: [[usize; 3]; 5] = [[1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
+const RATE_COLUMNS: [&str; 3] = ["omega_x", "omega_y", "omega_z"];
+
+fn along(order: [usize; 3]) -> String {
+    let read = order.map(|k| RATE_COLUMNS[k]).join(", ");
+    format!("body rates whose x, y, z stand in the columns {read}")
+}
+
+/// The tables with their body rates taken from other columns.
+fn read_along(tables: &[Table], order: [usize; 3]) -> Vec<Table> {
+    let mut all = tables.to_vec();
+    for table in &mut all {
+        for channel in &mut table.channels {
+            let axis = RATE_COLUMNS.iter().position(|name| *name == channel.name);
+            if let Some(axis) = axis {
+                RATE_COLUMNS[inverse(order)[axis]].clone_into(&mut channel.name);
+            }
+        }
+    }
+    all
+}
+
+fn inverse(order: [usize; 3]) -> [usize; 3] {
+    [0, 1, 2].map(|k| order.iter().position(|o| *o == k).unwrap_or(k))
 }
 
 /// The tables with their body rates times a factor.
@@ -110,7 +195,8 @@ fn scaled(tables: &[Table], factor: f64) -> Vec<Table> {
     all
 }
 
-/// Whether the model explains these tables; `None` where the question cannot even be asked.
+/// Whether the model explains these tables: chi-square is small, and small beside that of the rates themselves. Rates
+/// that sink in the declared noise fit any model. `None` where the question cannot even be asked.
 fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
     let bound = bind(problem.model, problem.tree, tables).ok()?;
     let other = Problem {
@@ -118,10 +204,30 @@ fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
         noise: &bound.noise,
         ..*problem
     };
-    let found = maximum_likelihood(&other).ok()?;
-    let d = found.diagnostics.as_ref()?;
+    let options = FitOptions {
+        undiagnosed: true,
+        ..FitOptions::default()
+    };
+    let found = maximum_likelihood_with(&other, options).ok()?;
     let answered = matches!(found.status, Status::Converged | Status::Partial);
-    Some(answered && d.chi2 < FITS * d.dof as f64)
+    let mut asked = found.bodies.iter().filter(|b| b.asked);
+    let determined = asked.any(|b| b.inertia.iter().any(|n| n.value.is_some()));
+    let left = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
+    let explained = left < UNEXPLAINED * rates_over_noise(&other)?;
+    Some(answered && determined && left < FITS && explained)
+}
+
+/// Mean square of the body rates over that of their noise, per number.
+fn rates_over_noise(problem: &Problem) -> Option<f64> {
+    let weight = problem.noise.gyro.try_inverse()?;
+    let rates = || {
+        problem
+            .segments
+            .iter()
+            .flat_map(|s| s.observations.rate.iter().flatten())
+    };
+    let sum: f64 = rates().map(|w| (w.transpose() * weight * w)[(0, 0)]).sum();
+    Some(sum / (3.0 * rates().count().max(1) as f64))
 }
 
 fn finding(check: Check, channel: &str, text: String) -> Finding {

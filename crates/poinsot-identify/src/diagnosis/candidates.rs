@@ -4,7 +4,8 @@ use super::types::FaultKind;
 use crate::information::Experiment;
 use crate::likelihood::Sight;
 use crate::parameters::{Unknown, UnknownKind, axis_name};
-use poinsot_model::{Model, SensorKind};
+use crate::segment::InputErrors;
+use poinsot_model::{JointKind, Model, SensorKind};
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
@@ -12,6 +13,16 @@ pub(super) struct Candidate {
     pub name: String,
     pub fault: FaultKind,
     pub unknowns: Vec<Unknown>,
+}
+
+impl Candidate {
+    /// Whether it is a lag of what drives the vehicle.
+    pub fn delays_inputs(&self) -> bool {
+        let late = |kind: &UnknownKind| {
+            kind.delays_inputs() || matches!(kind, UnknownKind::ThrusterLag(_))
+        };
+        self.unknowns.iter().any(|u| late(&u.kind))
+    }
 }
 
 fn unknown(kind: UnknownKind, name: String, unit: &'static str) -> Unknown {
@@ -34,6 +45,7 @@ fn triple(kind: fn(usize) -> UnknownKind, prefix: &str, unit: &'static str) -> V
 pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_sensors(experiment);
     list.extend(of_late_readings(experiment));
+    list.extend(of_offsets(experiment));
     list.extend(of_surroundings());
     list.extend(of_actuators(experiment));
     if experiment.sight == Sight::Rotation {
@@ -128,16 +140,58 @@ fn of_late_readings(experiment: &Experiment) -> Vec<Candidate> {
     for (owner, of) in readers(model, SensorKind::WheelSpeed, model.wheels.len()) {
         list.push(late("wheels", &owner, UnknownKind::WheelLag(of)));
     }
+    let mut firings = experiment.problem.segments.iter().flat_map(|s| &s.firings);
+    if firings.next().is_some() {
+        for (owner, of) in readers(model, SensorKind::Thrust, model.thrusters.len()) {
+            list.push(late("thrust", &owner, UnknownKind::ThrusterLag(of)));
+        }
+    }
     list.retain(|c| {
         !c.unknowns.iter().any(|u| match &u.kind {
-            UnknownKind::JointLag(of) | UnknownKind::WheelLag(of) => of.is_empty(),
+            UnknownKind::JointLag(of)
+            | UnknownKind::WheelLag(of)
+            | UnknownKind::ThrusterLag(of) => of.is_empty(),
             _ => false,
         })
     });
     list
 }
 
-/// Sensors of joints or wheels with what each reads; all `count` of them as one where none is declared.
+/// Offsets of the joints that are read, one by one.
+fn of_offsets(experiment: &Experiment) -> Vec<Candidate> {
+    let (model, tree) = (experiment.problem.model, experiment.problem.tree);
+    let read = |k: usize| {
+        let mut segments = experiment.problem.segments.iter();
+        segments.any(|s| {
+            let o = &s.observations;
+            let given = o.joint_errors.get(k) == Some(&InputErrors::None);
+            !given
+                && o.joint_rate
+                    .iter()
+                    .skip(k)
+                    .step_by(tree.dof())
+                    .any(|r| *r != 0.0)
+        })
+    };
+    let moving = (0..tree.dof()).filter(|k| read(*k));
+    moving
+        .map(|k| {
+            let joint = &model.joints[tree.coordinates[k]];
+            let unit = match joint.kind {
+                JointKind::Prismatic => "m",
+                _ => "rad",
+            };
+            let name = format!("{}.offset", joint.name);
+            Candidate {
+                name: format!("an offset of {}", joint.name),
+                fault: FaultKind::JointOffset,
+                unknowns: vec![unknown(UnknownKind::JointOffset(k), name, unit)],
+            }
+        })
+        .collect()
+}
+
+/// Sensors of joints, wheels or thrusters with what each reads; all `count` of them as one where none is declared.
 fn readers(model: &Model, kind: SensorKind, count: usize) -> Vec<(String, Vec<usize>)> {
     let own: Vec<_> = model
         .sensors_of(kind)

@@ -30,6 +30,9 @@ use projected::Projected;
 
 /// Excess of chi-square, in its own standard deviations, below which nothing is to be explained.
 pub(super) const EXCESS: f64 = 6.0;
+/// Mean turn between readings, rad, from which one look at the motion takes so many steps that fits of single causes would
+/// take minutes.
+const COARSE: f64 = 0.3;
 /// Most segments whose drift is looked at one by one.
 const SEGMENTS: usize = 16;
 
@@ -53,6 +56,8 @@ pub(crate) fn diagnose(
         ..Diagnostics::default()
     };
     let misfit = out.excess_sigmas > EXCESS;
+    let turn = turn_between_readings(experiment);
+    let affordable = turn < COARSE;
     let candidates = candidates(experiment);
     if let Some(wide) = Widened::new(experiment, fitted, &candidates) {
         let projected = wide.projected(experiment, fitted, None);
@@ -62,6 +67,7 @@ pub(crate) fn diagnose(
             &candidates,
             &projected,
             (excess, per_number, misfit),
+            affordable,
         );
         out.lags = drift::lags(experiment, &candidates, &projected, per_number);
         out.drift
@@ -78,7 +84,8 @@ pub(crate) fn diagnose(
     }
     // A suspect that leaves chi-square right needs no gross mistake beside it; trying them all is slow.
     let settled = |s: &Suspect| excess - s.decrease < dof as f64;
-    if !out.suspects.first().is_some_and(settled)
+    if affordable
+        && !out.suspects.first().is_some_and(settled)
         && let Some(mistake) = gross::gross(experiment, fitted, (excess, dof as f64))
     {
         out.suspects.insert(0, mistake);
@@ -87,7 +94,28 @@ pub(crate) fn diagnose(
         out.lines = line::spectral_lines(experiment, fitted);
     }
     out.findings = findings::findings(&out);
+    if misfit && !affordable {
+        out.findings.push(Finding {
+            fault: FaultKind::Unexplained,
+            text: format!(
+                "the vehicle turns by {turn:.1} rad from one reading to the next, too far to try single causes: are the times in seconds?"
+            ),
+        });
+    }
     out
+}
+
+/// Mean turn between grid times by the gyro, rad.
+fn turn_between_readings(experiment: &Experiment) -> f64 {
+    let (mut turn, mut intervals) = (0.0, 0);
+    for segment in experiment.problem.segments {
+        let o = &segment.observations;
+        for (t, w) in o.time_s.windows(2).zip(&o.rate) {
+            turn += w.map_or(0.0, |w| w.norm() * (t[1] - t[0]));
+            intervals += 1;
+        }
+    }
+    turn / intervals.max(1) as f64
 }
 
 /// The experiment at the answer with the columns of all candidates.

@@ -130,6 +130,8 @@ pub enum FaultKind {
     GyroMisalignment,
     /// One sensor reads later than the others.
     Lag,
+    /// A joint stands elsewhere than it reads.
+    JointOffset,
     /// The sign of a wheel's speed or axis.
     WheelSign,
     /// Spin inertia, or scale of the speed, of a wheel.
@@ -162,6 +164,7 @@ impl FaultKind {
             Self::GyroScale => "gyro_scale",
             Self::GyroMisalignment => "gyro_misalignment",
             Self::Lag => "lag",
+            Self::JointOffset => "joint_offset",
             Self::WheelSign => "wheel_sign",
             Self::WheelScale => "wheel_scale",
             Self::Units => "units",

@@ -39,6 +39,7 @@ impl Motion<'_> {
         let site = &mut self.site;
         fill_inputs(self.observations, self.vehicle, k, at, site);
         site.changes.clear();
+        let t = time_at(&self.observations.time_s, k, at);
         for fault in &self.vehicle.input_faults {
             let (unknown, value) = (fault.unknown, fault.value);
             let changes = &mut site.changes;
@@ -56,17 +57,23 @@ impl Motion<'_> {
                 }
                 // It reads late: the joint is where the reading will be.
                 UnknownKind::JointLag(joints) => {
+                    let Some(curves) = self.vehicle.curves else {
+                        continue;
+                    };
                     for &j in joints {
-                        let (rate, acceleration) = (site.rates[j], site.accelerations[j]);
+                        let ([dq, drate], [rate, acceleration]) = curves.joint(j, t, value);
                         moved(j, rate, acceleration);
-                        site.q[j] += rate * value;
-                        site.rates[j] += acceleration * value;
+                        site.q[j] += dq;
+                        site.rates[j] += drate;
                     }
                 }
                 UnknownKind::WheelLag(wheels) => {
+                    let Some(curves) = self.vehicle.curves else {
+                        continue;
+                    };
                     for &w in wheels {
-                        let rate = site.wheel_rates[w];
-                        site.wheels[w] += rate * value;
+                        let (change, rate) = curves.wheel(w, t, value);
+                        site.wheels[w] += change;
                         changes.push(InputChange {
                             unknown,
                             joint: None,
@@ -187,15 +194,20 @@ pub(super) fn thruster_at(
     (F, p + R * thruster.p_BoT_B - c)
 }
 
+/// Time at a share of the interval after grid time k; both intervals that share a grid time see the same.
+fn time_at(t: &[f64], k: usize, at: f64) -> f64 {
+    match t.get(k + 1) {
+        Some(next) if at == 1.0 => *next,
+        Some(next) => t[k] + at * (next - t[k]),
+        None => t[k],
+    }
+}
+
 /// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
 /// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
 fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, site: &mut Site) {
     let tree = vehicle.tree;
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
-    let derivatives = !vehicle.input_faults.is_empty();
-    if derivatives {
-        fill_derivatives(o, vehicle, k, at, site);
-    }
     // At the end of an interval the readings are those of the next grid time.
     if at == 0.0 || at == 1.0 {
         let k = k + usize::from(at == 1.0);
@@ -236,36 +248,4 @@ fn cubic(o: &Observations, dof: usize, j: usize, k: usize, h: f64) -> (f64, f64,
     let dq = o.joint_position[b] - o.joint_position[a];
     let (d0, d1) = (o.joint_rate[a] * h, o.joint_rate[b] * h);
     (d0, 3.0 * dq - 2.0 * d0 - d1, d0 + d1 - 2.0 * dq)
-}
-
-/// Second derivatives of the joints and slopes of the wheel speeds, for faults that shift them in time.
-fn fill_derivatives(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, site: &mut Site) {
-    let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
-    site.accelerations.resize(dof, 0.0);
-    site.wheel_rates.resize(wheels, 0.0);
-    let last = o.time_s.len() - 1;
-    if last == 0 {
-        return;
-    }
-    // The last grid time is the end of the interval before it.
-    let (k, at) = if k == last { (last - 1, 1.0) } else { (k, at) };
-    let h = o.time_s[k + 1] - o.time_s[k];
-    for j in 0..dof {
-        let (_, c2, c3) = cubic(o, dof, j, k, h);
-        site.accelerations[j] = (2.0 * c2 + 6.0 * at * c3) / (h * h);
-    }
-    for j in 0..wheels {
-        let (a, b) = (
-            o.wheel_speed[k * wheels + j],
-            o.wheel_speed[(k + 1) * wheels + j],
-        );
-        site.wheel_rates[j] = (b - a) / h;
-        if vehicle.wheels_smooth {
-            let (left, right) = (
-                wheel_slope(o, wheels, j, k),
-                wheel_slope(o, wheels, j, k + 1),
-            );
-            site.wheel_rates[j] = left + at * (right - left);
-        }
-    }
 }

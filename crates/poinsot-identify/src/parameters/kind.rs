@@ -110,6 +110,11 @@ impl UnknownKind {
         )
     }
 
+    /// Whether it shifts the readings of joints or wheels in time.
+    pub(crate) fn delays_inputs(&self) -> bool {
+        matches!(self, Self::JointLag(_) | Self::WheelLag(_))
+    }
+
     /// Whether it changes what joints and wheels do.
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(

@@ -264,3 +264,19 @@ fn unit_the_gyro_is_not_averaged_across_its_gaps() {
     );
     assert_eq!(gapped.verdict, Verdict::DeclaredFits);
 }
+
+/// Times a thousand times too large make the rates of the attitude a thousandth of the gyro's.
+#[test]
+fn exact_times_in_another_unit_are_told_by_their_factor() {
+    let rows = tumble(400, 0.05, 0.2);
+    for (step, says) in [
+        (50.0, "times in ms that are read as s"),
+        (5.0e-5, "times in s that are read as ms"),
+    ] {
+        let message = check_conventions(&table(&rows, step))
+            .unwrap_err()
+            .to_string();
+        assert!(message.starts_with("E0215"), "{message}");
+        assert!(message.contains(says), "{message}");
+    }
+}

@@ -246,7 +246,7 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0215",
         "Attitude and gyro contradict the declared conventions.",
-        "A quaternion scalar first or inertial to body, a gyro in deg/s, axes exchanged.",
+        "A quaternion scalar first or inertial to body, a gyro in deg/s, axes exchanged, times in ms under the name of seconds.",
         "Map the columns as the message says; it names the reading that fits, with both residuals.",
     ),
     (
