@@ -186,7 +186,11 @@ const MEANINGS: [(&str, &str); 19] = [
     ),
     (
         "covariance_trustworthy",
-        "`false` where the residuals contradict the declared noise.",
+        "`false` where anything speaks against the answer, or no covariance is stated.",
+    ),
+    (
+        "doubts",
+        "Why the answer is not to be relied on, the most important first; empty where nothing speaks against it. Not empty: exit code 1.",
     ),
     (
         "method_report",

@@ -13,6 +13,7 @@ mod bound;
 mod coarse;
 mod combination;
 mod completion;
+mod conflict;
 mod coordinates;
 mod deviance;
 mod diagnosis;
@@ -33,6 +34,7 @@ mod loss;
 mod maximum_likelihood;
 pub mod methods;
 mod motion;
+mod octaves;
 mod parameters;
 mod point_sensor;
 mod prediction;
@@ -47,6 +49,7 @@ mod segment;
 mod semidefinite;
 mod solved;
 mod spectrum;
+mod trust;
 mod vehicle;
 mod words;
 
@@ -69,6 +72,7 @@ pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, leve
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
+pub use octaves::Octave;
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };

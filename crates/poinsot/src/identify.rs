@@ -88,7 +88,7 @@ pub struct Identified {
 impl Identified {
     /// Exit code of the command.
     pub fn exit_code(&self) -> u8 {
-        self.estimate.status.exit_code()
+        self.estimate.exit_code()
     }
 }
 
@@ -179,8 +179,8 @@ fn against_model(
         if finding.policy == Policy::Refuse {
             return Err(checks::refused(label, &finding).into());
         }
-        identified.estimate.covariance_trustworthy = false;
         let text = format!("{}: {}", finding.check.name(), finding.text);
+        identified.estimate.doubt(text.clone());
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
     }
