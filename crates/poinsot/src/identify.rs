@@ -140,6 +140,7 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
             read(files, &options)
         })
         .collect::<Result<Vec<Table>, _>>()?;
+    refuse_twice(&tables)?;
     step("preparing", 0, 0);
     let mut findings = Vec::new();
     for table in &mut tables {
@@ -158,6 +159,25 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
     let by_the_fit = std::mem::replace(&mut identified.findings, findings);
     against_model(&mut identified, by_the_fit, &policies, &label)?;
     Ok(identified)
+}
+
+/// The same readings given twice would count twice, and make every sigma too small.
+fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
+    let mut seen: Vec<&Source> = Vec::new();
+    for source in tables.iter().flat_map(|t| &t.sources) {
+        if let Some(first) = seen.iter().find(|s| s.sha256 == source.sha256) {
+            return Err(Error::Usage {
+                option: "--telemetry",
+                value: source.path.clone(),
+                why: format!(
+                    "its content is that of {} (equal SHA-256): the same readings would count twice and make every sigma too small; give each record once",
+                    first.path
+                ),
+            });
+        }
+        seen.push(source);
+    }
+    Ok(())
 }
 
 fn table_label(table: &Table) -> String {

@@ -38,7 +38,7 @@ impl Standing<'_> {
                 "The residuals are far smaller than the declared noise (a noise-free file, or noise declared too large); the stated uncertainty follows the declared noise."
             }
             (true, false) => {
-                "Every sensor's residual is as large as its declared noise says, and as white, so the stated uncertainty can be relied on as far as that noise is right."
+                "No sensor's residual is larger than its declared noise by more than a tenth, and none is correlated in time beyond chance, so the stated uncertainty can be relied on as far as that noise is right."
             }
         };
         words.to_owned()
