@@ -285,6 +285,11 @@ pub(crate) struct Local {
 }
 
 impl Local {
+    /// How far the full step leads in the mass properties, sigmas.
+    pub fn mass_shift(&self) -> f64 {
+        self.spectrum.decrease(&self.shared.rhs(), 0.0).sqrt()
+    }
+
     /// Whether a step in natural units leads out of the physical bodies.
     fn leaves(&self, x: &[f64], step: &[f64]) -> bool {
         let bodies = self.bodies.as_ref();

@@ -21,6 +21,9 @@ use poinsot_model::{MomentumKnowledge, Thruster};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 
+/// Sigma in natural units below which a fit moves a direction.
+const MOVED: f64 = 1.0;
+
 /// A problem with its unknowns, ready to be evaluated at any value of them.
 pub(crate) struct Experiment<'a> {
     pub problem: &'a Problem<'a>,
@@ -170,7 +173,8 @@ impl<'a> Experiment<'a> {
         stacked.finish()
     }
 
-    /// Spectrum of the shared unknowns.
+    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy is for the judge of the answer; held to it,
+    /// a fit would leave at their nominal values directions that the data contradict.
     pub fn spectrum(
         &self,
         shared: &Shared,
@@ -186,7 +190,7 @@ impl<'a> Experiment<'a> {
             &natural,
             &vec![0.0; m * m],
             self.longest_column(evaluated),
-            self.problem.relative_accuracy,
+            self.problem.relative_accuracy.max(MOVED),
         )
     }
 

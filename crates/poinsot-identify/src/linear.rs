@@ -262,6 +262,7 @@ fn conclude(
         warnings: Vec::new(),
         adds_up: impulse::adds_up(problem),
         not_rigid: false,
+        shift_between_readings: 0.0,
         held: None,
         diagnostics: None,
         assumptions: Vec::new(),

@@ -22,8 +22,12 @@ use crate::parameters::{
 };
 use crate::problem::{Problem, ProblemError};
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
+use crate::spectrum::Spectrum;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Vector3;
+
+/// Sigmas by which an answer may hang on how wheels run between their readings.
+pub(crate) const LEANS: f64 = 1.0;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -75,17 +79,18 @@ pub(crate) fn solve(
     experiment.coordinates = options.coordinates;
     let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
+    let mut shift = 0.0;
     if !problem.model.wheels.is_empty() {
-        // Between readings a wheel may run straight (torque held) or smoothly: the data decide.
-        let held = experiment.cost_of(&fitted);
-        experiment.wheels_smooth = true;
-        if let Some(smooth) = smoother(&experiment, linear.as_ref(), &fitted, held) {
-            fitted = smooth;
-            assumptions.push("wheel speeds taken as smooth between readings".to_owned());
-        } else {
-            experiment.wheels_smooth = false;
-            assumptions.push("wheel torques taken as held between readings".to_owned());
-        }
+        let between = between_readings(&mut experiment, linear.as_ref(), fitted);
+        fitted = between.fitted;
+        shift = between.shift;
+        assumptions.push(
+            match experiment.wheels_smooth {
+                true => "wheel speeds taken as smooth between readings",
+                false => "wheel torques taken as held between readings",
+            }
+            .to_owned(),
+        );
     }
     let explained = match &linear {
         Some(solved) => solved.explained,
@@ -112,27 +117,69 @@ pub(crate) fn solve(
         solved.warnings.push(warning);
     }
     solved.wheels_smooth = experiment.wheels_smooth;
+    solved.shift_between_readings = shift;
+    if shift > LEANS {
+        let (taken, other) = match experiment.wheels_smooth {
+            true => ("smooth", "straight"),
+            false => ("straight", "smooth"),
+        };
+        solved.warnings.push(format!(
+            "wheel speeds are taken as {taken} between readings; taken as {other} the answer would move by {shift:.1} sigma, so it hangs on what nobody read and the covariance is not trustworthy: read the wheels more often, or all rows without --every"
+        ));
+    }
     Ok((solved, at))
 }
 
-/// The fit with smooth wheel speeds, where it is better than `held`. Where the other fit has settled, one look from
-/// its end tells whether it can be.
+/// The better of two ways in which wheels may run between readings.
+struct Between {
+    fitted: Fitted,
+    /// How far the other way would move the mass properties, sigmas.
+    shift: f64,
+}
+
+/// Between readings a wheel may run straight (torque held) or smoothly: the data decide. How far the answer leans on what
+/// was decided tells whether the wheels are read often enough for what they do.
+fn between_readings(experiment: &mut Experiment, linear: Option<&Solved>, held: Fitted) -> Between {
+    let cost = experiment.cost_of(&held);
+    experiment.wheels_smooth = true;
+    let (smooth, mut shift) = smoother(experiment, linear, &held, cost);
+    let fitted = match smooth {
+        Some(smooth) => {
+            experiment.wheels_smooth = false;
+            let other = experiment.linearise(&smooth.at);
+            shift = other.map_or(0.0, |here| here.rows.mass_shift());
+            experiment.wheels_smooth = true;
+            smooth
+        }
+        None => {
+            experiment.wheels_smooth = false;
+            held
+        }
+    };
+    let shift = if fitted.settled { shift } else { 0.0 };
+    Between { fitted, shift }
+}
+
+/// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one
+/// leads. Where the other fit has settled, one look from its end tells whether this one can be better.
 fn smoother(
     experiment: &Experiment,
     linear: Option<&Solved>,
     other: &Fitted,
     held: f64,
-) -> Option<Fitted> {
-    let found = if other.settled {
-        let here = experiment.linearise(&other.at)?;
-        let promising = here.cost - here.promised < held;
-        promising
-            .then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS))
-            .flatten()?
-    } else {
-        fit(experiment, linear, ITERATIONS).ok()?
+) -> (Option<Fitted>, f64) {
+    let better = |found: &Fitted| experiment.cost_of(found) < held;
+    if !other.settled {
+        let found = fit(experiment, linear, ITERATIONS).ok();
+        return (found.filter(better), 0.0);
+    }
+    let Some(here) = experiment.linearise(&other.at) else {
+        return (None, 0.0);
     };
-    (experiment.cost_of(&found) < held).then_some(found)
+    let shift = here.rows.mass_shift();
+    let promising = here.cost - here.promised < held;
+    let found = promising.then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS));
+    (found.flatten().filter(better), shift)
 }
 
 /// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
@@ -249,14 +296,16 @@ pub(crate) fn conclude(
                 .collect(),
         })
         .collect();
+    // The fit moves whatever the data hold; what counts as known is asked afterwards.
+    let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
     Solved {
         method: "maximum_likelihood",
         residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,
         shared: fitted.shared,
-        spectrum: fitted.spectrum,
-        data_alone: fitted.data_alone,
+        spectrum: judged(fitted.spectrum),
+        data_alone: fitted.data_alone.map(judged),
         conflict: None,
         explained,
         starts,
@@ -273,6 +322,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
+        shift_between_readings: 0.0,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

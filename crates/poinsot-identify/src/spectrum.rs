@@ -103,6 +103,29 @@ impl Spectrum {
         })
     }
 
+    /// The same with only those directions identified that are known to this accuracy, one sigma in natural units.
+    pub fn judged(self, relative_accuracy: f64) -> Self {
+        let known = |k: &usize| {
+            let square = self.singular[*k] * self.singular[*k];
+            *k < self.rank && 1.0 / (square - self.noise[*k]).sqrt() < relative_accuracy
+        };
+        let n = self.natural.len();
+        let (mut order, open): (Vec<usize>, Vec<usize>) = (0..n).partition(known);
+        let rank = order.len();
+        order.extend(open);
+        let picked = |all: &[f64]| order.iter().map(|&k| all[k]).collect();
+        let columns = |all: &Mat<f64>| Mat::from_fn(n, n, |i, j| all[(i, order[j])]);
+        Self {
+            singular: picked(&self.singular),
+            noise: picked(&self.noise),
+            certificate: picked(&self.certificate),
+            directions: columns(&self.directions),
+            left: columns(&self.left),
+            rank,
+            ..self
+        }
+    }
+
     /// Of a problem without unknown mass properties.
     fn empty() -> Self {
         Self {

@@ -5,6 +5,7 @@
 //! a chance of its own, so that an honest record is doubted less than once in 10,000 answers, however many tests it takes.
 
 use crate::estimate::SegmentFit;
+use crate::maximum_likelihood::LEANS;
 use crate::octaves::Octave;
 use crate::solved::Solved;
 
@@ -56,6 +57,13 @@ impl Trust {
             doubts.push(format!(
                 "residuals are {:.1} times the declared noise",
                 chi2.sqrt()
+            ));
+        }
+        if solved.shift_between_readings > LEANS {
+            worst = worst.max(1.0 + solved.shift_between_readings.powi(2));
+            doubts.push(format!(
+                "it hangs by {:.1} sigma on how wheels run between their readings",
+                solved.shift_between_readings
             ));
         }
         if solved.not_rigid {

@@ -4,6 +4,7 @@
 
 mod acceleration;
 mod channels;
+mod cut;
 mod faults;
 mod input_errors;
 mod motion;
@@ -22,6 +23,7 @@ use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_telemetry::Table;
+use std::collections::HashSet;
 
 /// Why telemetry and model do not fit together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -129,12 +131,13 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
     for table in tables {
-        let (segment, lost) = bind_segment(model, tree, table, &mut repairs)?;
+        let (pieces, lost) = bind_table(model, tree, table, &mut repairs)?;
         dropped = dropped.max(lost);
-        segments.push(segment);
+        segments.extend(pieces);
     }
     let noise = declared_noise(model, tree, tables, &mut repairs)?;
-    repairs.dedup();
+    let mut told = HashSet::new();
+    repairs.retain(|text| told.insert(text.clone()));
     Ok(Bound {
         segments,
         noise,
@@ -165,12 +168,13 @@ fn file_label(table: &Table) -> String {
     names.join(",")
 }
 
-fn bind_segment(
+/// The segments of a table, cut at the gaps of its inputs, and the share of samples left out.
+fn bind_table(
     model: &Model,
     tree: &Tree,
     table: &Table,
     repairs: &mut Vec<String>,
-) -> Result<(Segment, f64), BindError> {
+) -> Result<(Vec<Segment>, f64), BindError> {
     let label = file_label(table);
     let channels = channels::Channels {
         table,
@@ -180,37 +184,92 @@ fn bind_segment(
     let gyro = channels.gyro(model)?;
     needs_attitude(model, &channels)?;
     orbit::check_orbit(model, &channels, repairs)?;
-    let times = gyro.time_s();
-    let aligned = motion::align(model, tree, &channels, &gyro, times, repairs)?;
-    let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();
-    if complete.len() < 2 {
+    let whole = gyro.time_s();
+    let (pieces, gaps) = cut::pieces(model, tree, &channels, whole);
+    let mut segments = Vec::with_capacity(pieces.len());
+    let (mut kept, mut most) = (0, 0);
+    for table in &pieces {
+        let own = channels::Channels {
+            table,
+            label: &label,
+        };
+        let (segment, found) = bind_piece(model, tree, &own, repairs)?;
+        most = most.max(found);
+        if let Some(segment) = segment {
+            kept += found;
+            segments.push(segment);
+        }
+    }
+    if segments.is_empty() {
         return Err(BindError::TooFew {
             file: label.clone(),
-            found: complete.len(),
+            found: most,
             needed: 2,
         });
     }
-    let lost = times.len() - complete.len();
+    let lost = whole.len() - kept;
     if lost > 0 {
         repairs.push(format!(
             "{label}: {lost} of {} gyro samples left out: another channel has no sample there or within 3 of its steps",
-            times.len()
+            whole.len()
         ));
     }
+    if !gaps.is_empty() {
+        repairs.push(told_gaps(&label, &gaps, segments.len()));
+    }
+    if pieces.len() > 1 {
+        for segment in &mut segments {
+            let t = &segment.samples.time_s;
+            let (from, to) = (t.first().unwrap_or(&0.0), t.last().unwrap_or(&0.0));
+            segment.label = format!("{label}, {from:.6} to {to:.6} s");
+        }
+    }
+    Ok((segments, lost as f64 / whole.len() as f64))
+}
+
+/// Gaps that are named one by one.
+const SHOWN: usize = 3;
+
+fn told_gaps(label: &str, gaps: &[(f64, f64)], pieces: usize) -> String {
+    let shown = gaps.iter().take(SHOWN);
+    let mut words: Vec<String> = shown.map(|(a, b)| format!("{a:.6} to {b:.6} s")).collect();
+    if gaps.len() > SHOWN {
+        words.push(format!("{} more", gaps.len() - SHOWN));
+    }
+    format!(
+        "{label}: wheels, joints or thrusters are not read for a while ({}): taken as {pieces} segments, each with its own start and momentum",
+        words.join(", ")
+    )
+}
+
+/// One piece, and how many of its gyro samples are complete; no segment of fewer than two.
+fn bind_piece(
+    model: &Model,
+    tree: &Tree,
+    channels: &channels::Channels,
+    repairs: &mut Vec<String>,
+) -> Result<(Option<Segment>, usize), BindError> {
+    let Ok(gyro) = channels.gyro(model) else {
+        return Ok((None, 0));
+    };
+    let times = gyro.time_s();
+    let aligned = motion::align(model, tree, channels, &gyro, times, repairs)?;
+    let complete: Vec<usize> = (0..times.len()).filter(|&k| aligned.complete(k)).collect();
+    if complete.len() < 2 {
+        return Ok((None, complete.len()));
+    }
     let samples: Samples = aligned.take(&complete, tree);
-    let firings = thrust::firings(model, &channels, &samples, repairs);
-    let observations = observe::observe(model, tree, &channels, &samples, &firings);
-    let accelerations = acceleration::accelerations(model, &channels, &samples);
-    Ok((
-        Segment {
-            label: label.clone(),
-            samples,
-            observations,
-            firings,
-            accelerations,
-        },
-        lost as f64 / times.len() as f64,
-    ))
+    let firings = thrust::firings(model, channels, &samples, repairs);
+    let observations = observe::observe(model, tree, channels, &samples, &firings);
+    let accelerations = acceleration::accelerations(model, channels, &samples);
+    let segment = Segment {
+        label: channels.label.to_owned(),
+        samples,
+        observations,
+        firings,
+        accelerations,
+    };
+    Ok((Some(segment), complete.len()))
 }
 
 /// # Errors

@@ -1,6 +1,7 @@
-//! Every sensor at its own times, on the union of them: for maximum likelihood.
+//! Every sensor and input at its own times, on the union of them: for maximum likelihood.
 
 use super::channels::{Channels, VectorChannels, joint_columns};
+use super::cut::input_channels;
 use super::input_errors::{between_readings, derived_rates, is_locked, joint_errors, wheel_errors};
 use super::orbit::orbit_at;
 use super::points::point_channels;
@@ -15,8 +16,8 @@ pub(super) const SAME: f64 = 1.0e-9;
 
 /// Readings of all sensors between the first and the last aligned sample.
 ///
-/// Joints and wheels are inputs: they are interpolated to the grid. `None` where the grid has a time at which
-/// an input is missing (inside a gap).
+/// Joints and wheels are inputs: every reading of theirs is on the grid, and they are interpolated to its other times.
+/// A time at which an input is missing is left out.
 pub(super) fn observe(
     model: &Model,
     tree: &Tree,
@@ -33,6 +34,7 @@ pub(super) fn observe(
         (Some(a), Some(b)) => (*a, *b),
         _ => return Observations::default(),
     };
+    let driven = clocks(&input_channels(model, tree, channels));
     let mut time_s: Vec<f64> = [&gyro, &velocity, &position]
         .into_iter()
         .flatten()
@@ -40,6 +42,7 @@ pub(super) fn observe(
         .chain(attitude.iter().flat_map(|a| a[0].time_s.iter().copied()))
         .chain(points.iter().flat_map(|p| p.times()))
         .chain(firings.iter().flat_map(|f| [f.start_s, f.end_s]))
+        .chain(driven.into_iter().flatten().copied())
         .filter(|t| *t >= from && *t <= to)
         .collect();
     time_s.sort_by(f64::total_cmp);
@@ -97,6 +100,17 @@ pub(super) fn observe(
         between_readings: between_readings(model, tree, channels, &time_s),
         time_s,
     }
+}
+
+/// Times of channels, those that are read together once.
+fn clocks<'a>(channels: &[&'a Channel]) -> Vec<&'a [f64]> {
+    let mut all: Vec<&[f64]> = Vec::new();
+    for channel in channels {
+        if !all.contains(&&*channel.time_s) {
+            all.push(&channel.time_s);
+        }
+    }
+    all
 }
 
 /// Place of the base origin at the first sample, as the position sensor saw it.

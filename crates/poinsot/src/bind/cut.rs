@@ -1,0 +1,169 @@
+//! A record is cut where an input was not read: what wheels, joints and thrusters did meanwhile nobody knows.
+//!
+//! Base sensors may pause, since the equation of motion carries the state across. Inputs drive it, so across a gap in them
+//! attitude and momentum are lost: each piece is a segment with a start of its own, and shares the bodies.
+
+use super::channels::{Channels, joint_columns};
+use super::input_errors::is_locked;
+use poinsot_dynamics::Tree;
+use poinsot_model::Model;
+use poinsot_telemetry::{Channel, Table, median_step};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Steps of a channel beyond which its readings have a gap, as in resampling.
+const GAP: f64 = 3.0;
+
+/// Joint, wheel and thrust channels that drive the motion.
+pub(super) fn input_channels<'a>(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels<'a>,
+) -> Vec<&'a Channel> {
+    let joints = tree.coordinates.iter().flat_map(|&at| {
+        let joint = &model.joints[at];
+        let (position, rate) = joint_columns(&joint.name, joint.kind);
+        // A rate without a position is not used, and a locked joint has none.
+        let position = channels.find(None, &position);
+        let position = position.filter(|q| !is_locked(model, at, q));
+        let rate = position.and_then(|_| channels.find(None, &rate));
+        [position, rate]
+    });
+    let wheels = model.wheels.iter();
+    let wheels = wheels.map(|w| channels.find(None, &format!("{}_rad_s", w.name)));
+    joints.chain(wheels).flatten().collect()
+}
+
+/// The pieces of a table between the gaps of its inputs, with the gaps, s: the table itself where there are none.
+pub(super) fn pieces<'a>(
+    model: &Model,
+    tree: &Tree,
+    channels: &Channels<'a>,
+    clock: &[f64],
+) -> (Vec<Cow<'a, Table>>, Vec<(f64, f64)>) {
+    let mut inputs = input_channels(model, tree, channels);
+    // Thrust read with the gyro is missing where the gyro is; valve times on their own are no samples.
+    let thrust = model.thrusters.iter();
+    let thrust = thrust.filter_map(|t| channels.find(None, &format!("{}_N", t.name)));
+    inputs.extend(thrust.filter(|c| *c.time_s == *clock));
+    let gaps = merged(inputs.iter().flat_map(|c| gaps(&c.time_s)).collect());
+    if gaps.is_empty() {
+        return (vec![Cow::Borrowed(channels.table)], gaps);
+    }
+    let starts = std::iter::once(f64::NEG_INFINITY).chain(gaps.iter().map(|g| g.1));
+    let ends = gaps
+        .iter()
+        .map(|g| g.0)
+        .chain(std::iter::once(f64::INFINITY));
+    let pieces = starts
+        .zip(ends)
+        .map(|(from, to)| piece(channels.table, from, to));
+    (pieces.map(Cow::Owned).collect(), gaps)
+}
+
+/// Where a channel has no sample for more than three of its steps: the samples before and after.
+fn gaps(time_s: &[f64]) -> Vec<(f64, f64)> {
+    let longest = GAP * median_step(time_s).unwrap_or(f64::INFINITY);
+    let pairs = time_s.windows(2).filter(|w| w[1] - w[0] > longest);
+    pairs.map(|w| (w[0], w[1])).collect()
+}
+
+/// Gaps in order of time, those that overlap as one.
+fn merged(mut gaps: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    gaps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in gaps {
+        match all.last_mut().filter(|last| from < last.1) {
+            Some(last) => last.1 = last.1.max(to),
+            None => all.push((from, to)),
+        }
+    }
+    all
+}
+
+/// The samples of a table between two times, both included.
+fn piece(table: &Table, from: f64, to: f64) -> Table {
+    let mut last: Option<(Arc<[f64]>, Arc<[f64]>)> = None;
+    let mut cut = |whole: &Channel| {
+        let first = whole.time_s.partition_point(|t| *t < from);
+        let past = whole.time_s.partition_point(|t| *t <= to).max(first);
+        // Channels of one file share their times.
+        let shared = last.as_ref().filter(|s| Arc::ptr_eq(&s.0, &whole.time_s));
+        let time_s = shared.map_or_else(|| whole.time_s[first..past].into(), |s| s.1.clone());
+        last = Some((whole.time_s.clone(), time_s.clone()));
+        let channel = Channel {
+            name: whole.name.clone(),
+            sensor: whole.sensor.clone(),
+            unit: whole.unit.clone(),
+            frame: whole.frame.clone(),
+            time_s,
+            values: whole.values[first..past].to_vec(),
+        };
+        match first.checked_sub(1).filter(|_| whole.name.ends_with("_N")) {
+            Some(before) => held(channel, from, whole.values[before]),
+            None => channel,
+        }
+    };
+    Table {
+        channels: table.channels.iter().map(&mut cut).collect(),
+        repairs: table.repairs.clone(),
+        ignored: table.ignored.clone(),
+        sources: table.sources.clone(),
+    }
+}
+
+/// A thrust says when it changes: what it was before the start still holds there.
+fn held(mut channel: Channel, from: f64, value: f64) -> Channel {
+    if channel.time_s.first().is_none_or(|t| *t > from) {
+        let later = channel.time_s.iter().copied();
+        channel.time_s = std::iter::once(from).chain(later).collect();
+        channel.values.insert(0, value);
+    }
+    channel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(name: &str, samples: &[(f64, f64)]) -> Channel {
+        Channel {
+            name: name.to_owned(),
+            sensor: String::new(),
+            unit: String::new(),
+            frame: String::new(),
+            time_s: samples.iter().map(|s| s.0).collect(),
+            values: samples.iter().map(|s| s.1).collect(),
+        }
+    }
+
+    #[test]
+    fn unit_gaps_that_overlap_are_one() {
+        assert_eq!(gaps(&[0.0, 1.0, 2.0, 6.0, 7.0]), [(2.0, 6.0)]);
+        assert_eq!(gaps(&[0.0, 1.0, 2.0, 5.0, 6.0]), []);
+        assert_eq!(gaps(&[1.0]), []);
+        let all = vec![(8.0, 9.0), (2.0, 6.0), (5.0, 7.0)];
+        assert_eq!(merged(all), [(2.0, 7.0), (8.0, 9.0)]);
+    }
+
+    #[test]
+    fn unit_a_piece_holds_what_lies_between_and_the_valve_as_it_stood() {
+        let table = Table {
+            channels: vec![
+                channel(
+                    "wheel_rad_s",
+                    &[(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)],
+                ),
+                channel("jet_N", &[(0.5, 7.0), (2.5, 0.0)]),
+            ],
+            ..Table::default()
+        };
+        let cut = piece(&table, 1.0, 2.0);
+        assert_eq!(*cut.channels[0].time_s, [1.0, 2.0]);
+        assert_eq!(cut.channels[0].values, [2.0, 3.0]);
+        assert_eq!(*cut.channels[1].time_s, [1.0]);
+        assert_eq!(cut.channels[1].values, [7.0]);
+        let first = piece(&table, f64::NEG_INFINITY, 1.0);
+        assert_eq!(*first.channels[1].time_s, [0.5]);
+    }
+}
