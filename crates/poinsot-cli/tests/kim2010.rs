@@ -285,7 +285,7 @@ fn cli_what_the_method_cannot_do_is_refused() {
     let (code, _, error) = identify(&stsat3(), &paper_noisy(), "swarm");
     assert_eq!(code, 2);
     assert!(
-        error.contains("variants of kim2010: suggested, batch"),
+        error.contains("kim2010 has no such variant; use one of suggested, batch"),
         "{error}"
     );
 }

@@ -40,7 +40,7 @@ fn cli_xu2017_says_what_is_seen_and_what_is_open() {
 fn cli_xu2017_refuses_an_unknown_variant_and_a_missing_scale() {
     let (code, _, error) = identify("genetic", &["C1"]);
     assert_eq!(code, 2);
-    assert!(error.contains("E0001 --variant 'genetic': variants of xu2017: swarm, linear, swarm-inward, linear-inward"), "{error}");
+    assert!(error.contains("E0001 --variant 'genetic': xu2017 has no such variant; use one of swarm, linear, swarm-inward, linear-inward"), "{error}");
     let (code, _, error) = identify("linear", &["C2"]);
     assert_eq!(code, 2);
     assert!(error.contains("E0533 no thruster fires"), "{error}");

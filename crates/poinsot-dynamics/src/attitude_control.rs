@@ -72,7 +72,7 @@ pub enum ControlError {
     Motion(#[from] MotionError),
     /// Too few wheel axes.
     #[error(
-        "{wheels} wheels whose axes span {rank} of 3 directions cannot turn the vehicle about every axis: three independent wheel axes are needed"
+        "{wheels} wheels whose axes span {rank} of 3 directions cannot turn the vehicle about every axis; give it three wheels whose axes are independent"
     )]
     Allocation {
         /// Wheels.
@@ -81,7 +81,7 @@ pub enum ControlError {
         rank: usize,
     },
     /// A list that does not fit.
-    #[error("{found} {what} are given for {wheels} wheels")]
+    #[error("{found} {what} are given for {wheels} wheels; give one for each")]
     Count {
         /// What is counted.
         what: &'static str,
@@ -146,7 +146,7 @@ impl<'c> ControlledVehicle<'c> {
     ) -> Result<Self, ControlError> {
         if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
             return Err(MotionError::Gravity(
-                "gravity under attitude control is not simulated: prescribe the wheels with [[wheel_motion]], or take gravity out of [environment]",
+                "gravity under attitude control is not simulated; prescribe the wheels with [[wheel_motion]], or take gravity out of [environment]",
             )
             .into());
         }
@@ -300,18 +300,20 @@ fn check(
     let gains = control.proportional.iter().chain(&control.derivative);
     if !gains.into_iter().all(|x| x.is_finite()) {
         return Err(ControlError::Number(
-            "a gain of the controller is not finite",
+            "a gain of the controller is not finite; write finite numbers",
         ));
     }
     if control.period.is_some_and(|p| !p.is_finite() || p <= 0.0) {
-        return Err(ControlError::Number("the control period must be positive"));
+        return Err(ControlError::Number(
+            "the control period is not positive; give a positive number, or leave it out",
+        ));
     }
     let times = control.targets.windows(2);
     if !times.into_iter().all(|w| w[0].time < w[1].time)
         || !control.targets.iter().all(|x| x.time.is_finite())
     {
         return Err(ControlError::Number(
-            "the times of the targets must increase",
+            "the times of the targets do not increase; sort them",
         ));
     }
     if !limits.is_empty() {
@@ -319,7 +321,7 @@ fn check(
     }
     if !limits.iter().all(WheelLimits::is_valid) {
         return Err(ControlError::Number(
-            "limits of a wheel must be positive, its friction not negative",
+            "a limit of a wheel is not positive, or its friction is negative; correct its numbers",
         ));
     }
     Ok(())

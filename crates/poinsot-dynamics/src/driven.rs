@@ -93,7 +93,7 @@ impl<'p> Driven<'p> {
     ) -> Result<Self, MotionError> {
         if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
             return Err(MotionError::Gravity(
-                "a vehicle driven by torques is simulated in free fall: take gravity out of [environment]",
+                "a vehicle driven by torques is simulated in free fall; take gravity out of [environment]",
             ));
         }
         let nozzles = model

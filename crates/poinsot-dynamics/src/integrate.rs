@@ -73,26 +73,32 @@ impl Default for Tolerance {
 pub enum Halt {
     /// The derivative could not be formed.
     #[error(
-        "the locked inertia is singular at t = {time} s: some part that must move has no mass or inertia"
+        "the locked inertia is singular at t = {time} s: some part that must move has no mass or inertia; give it both"
     )]
     Singular {
         /// Time, s.
         time: f64,
     },
     /// The state left the finite numbers.
-    #[error("the motion is not finite at t = {time} s")]
+    #[error(
+        "the motion is not finite at t = {time} s; check the magnitudes of masses, torques, thrust and speeds"
+    )]
     NotFinite {
         /// Time, s.
         time: f64,
     },
     /// The step shrank to round-off.
-    #[error("the tolerance cannot be met at t = {time} s: the step shrank to round-off")]
+    #[error(
+        "the tolerance cannot be met at t = {time} s: the step shrank to round-off; loosen relative_tolerance in [integration], or soften what changes there"
+    )]
     StepTooSmall {
         /// Time, s.
         time: f64,
     },
     /// Too many steps between two outputs.
-    #[error("more than the allowed number of steps before t = {time} s")]
+    #[error(
+        "more than the allowed number of steps before t = {time} s; loosen relative_tolerance in [integration], or shorten the duration"
+    )]
     TooManySteps {
         /// Time, s.
         time: f64,

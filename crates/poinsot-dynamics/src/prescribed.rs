@@ -20,13 +20,13 @@ pub enum MotionError {
     #[error(transparent)]
     Halt(#[from] Halt),
     /// The vehicle has no mass.
-    #[error("the vehicle has no mass")]
+    #[error("the vehicle has no mass; give its base one")]
     NoMass,
     /// Gravity is asked for in a way that is not simulated.
     #[error("{0}")]
     Gravity(&'static str),
     /// The plan does not fit the vehicle.
-    #[error("the plan holds {found} {what}, the model {expected}")]
+    #[error("the plan holds {found} {what}, the model {expected}; give one for each of the model")]
     Plan {
         /// What is counted.
         what: &'static str,
@@ -36,10 +36,14 @@ pub enum MotionError {
         expected: usize,
     },
     /// A torque drives a wheel without spin inertia.
-    #[error("wheel {0} has no spin inertia, so a torque cannot drive it")]
+    #[error(
+        "wheel {0} (counted from 0) has no spin inertia, so a torque cannot drive it; give spin_inertia_kg_m2, or its speed"
+    )]
     InertialessWheel(usize),
     /// Output times must not decrease, and be finite.
-    #[error("output time {0} is not finite or lies before the one before it")]
+    #[error(
+        "output time {0} (counted from 0) is not finite or lies before the one before it; sort the times"
+    )]
     Times(usize),
 }
 
@@ -217,10 +221,10 @@ fn gravity_gradient(model: &Model) -> Result<Option<(f64, Orbit)>, MotionError> 
         (None, _, _) => Ok(None),
         (Some(gm), true, Some(orbit)) => Ok(Some((gm, orbit))),
         (Some(_), true, None) => Err(MotionError::Gravity(
-            "the gravity gradient of a simulation needs an orbit: add orbit = { semi_major_axis_m = ... } to [environment]",
+            "the gravity gradient of a simulation needs an orbit; add orbit = { semi_major_axis_m = ... } to [environment]",
         )),
         (Some(_), false, _) => Err(MotionError::Gravity(
-            "N falls freely with the vehicle, so gravity alone moves nothing: add gravity_gradient = true, or take gravity out of [environment]",
+            "N falls freely with the vehicle, so gravity alone moves nothing; add gravity_gradient = true, or take gravity out of [environment]",
         )),
     }
 }

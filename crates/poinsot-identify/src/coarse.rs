@@ -107,9 +107,7 @@ fn kept(segment: &Segment) -> Vec<usize> {
     for edge in edges {
         let after = o.time_s.partition_point(|t| *t < edge);
         // An edge is a grid time to round-off: the neighbours on both sides are sure to hold it.
-        for k in after.saturating_sub(1)..(after + 2).min(n) {
-            stays[k] = true;
-        }
+        stays[after.saturating_sub(1)..(after + 2).min(n)].fill(true);
     }
     (0..n)
         .filter(|&k| stays[k] || k == 0 || k + 1 == n)

@@ -33,12 +33,12 @@ pub enum CompletionError {
     UnknownParameter(String),
     /// No combination at all: withheld, or nothing was determined.
     #[error(
-        "the estimate holds no determined combination (status rejected, or nothing identified): there is nothing to predict with"
+        "the estimate holds no determined combination (status rejected, or nothing identified): there is nothing to predict with; give an estimate of more data"
     )]
     Nothing,
     /// Two combinations say the same.
     #[error(
-        "the determined combinations of the estimate contradict each other: the file was changed"
+        "the determined combinations of the estimate contradict each other: the file was changed; write it anew with identify"
     )]
     Dependent,
 }

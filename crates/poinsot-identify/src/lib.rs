@@ -71,7 +71,7 @@ pub use held_back::{HeldBack, held_back};
 pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
-pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
+pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,

@@ -51,7 +51,8 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     // Without readings at their own times the rows' own spectrum has to do.
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
     if observed && let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
-        restrict(problem, &mut solved, &fitted.spectrum)?;
+        let judged = fitted.spectrum.judged(problem.relative_accuracy);
+        restrict(problem, &mut solved, &judged)?;
     }
     Ok(answer::write(problem, &solved))
 }
@@ -262,7 +263,7 @@ fn conclude(
         warnings: Vec::new(),
         adds_up: impulse::adds_up(problem),
         not_rigid: false,
-        shift_between_readings: 0.0,
+        leans: false,
         held: None,
         diagnostics: None,
         assumptions: Vec::new(),

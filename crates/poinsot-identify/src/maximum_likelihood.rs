@@ -27,7 +27,7 @@ use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Vector3;
 
 /// Sigmas by which an answer may hang on how wheels run between their readings.
-pub(crate) const LEANS: f64 = 1.0;
+pub const LEANS: f64 = 1.0;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -117,17 +117,36 @@ pub(crate) fn solve(
         solved.warnings.push(warning);
     }
     solved.wheels_smooth = experiment.wheels_smooth;
-    solved.shift_between_readings = shift;
     if shift > LEANS {
-        let (taken, other) = match experiment.wheels_smooth {
-            true => ("smooth", "straight"),
-            false => ("straight", "smooth"),
-        };
-        solved.warnings.push(format!(
-            "wheel speeds are taken as {taken} between readings; taken as {other} the answer would move by {shift:.1} sigma, so it hangs on what nobody read and the covariance is not trustworthy: read the wheels more often, or all rows without --every"
-        ));
+        // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
+        let mut segments = problem.segments.iter();
+        solved.leans = segments.any(|s| s.observations.between_readings);
+        let warning = leaning(shift, experiment.wheels_smooth, solved.leans);
+        solved.warnings.extend(warning);
+    }
+    if let Some(found) = &mut solved.diagnostics {
+        found.shift_between_readings = shift;
     }
     Ok((solved, at))
+}
+
+/// What is said where the answer hangs on how wheels run between their readings. Smooth speeds that the data prefer err by
+/// far less than the two ways differ, if the wheels are read as often as all else.
+fn leaning(shift: f64, smooth: bool, distrusted: bool) -> Option<String> {
+    let (taken, other) = match smooth {
+        true => ("wheel speeds are taken as smooth", "straight"),
+        false => ("wheel torques are taken as held", "smooth"),
+    };
+    let consequence = match (distrusted, smooth) {
+        (true, _) => {
+            "the wheels are read more seldom than other sensors, so it hangs on what nobody read and the covariance is not trustworthy"
+        }
+        (false, false) => "it stands and falls with torques that change at the readings alone",
+        (false, true) => return None,
+    };
+    Some(format!(
+        "{taken} between readings; with {other} wheel speeds the answer would move by {shift:.1} sigma: {consequence}; read the wheels more often"
+    ))
 }
 
 /// The better of two ways in which wheels may run between readings.
@@ -142,22 +161,23 @@ struct Between {
 fn between_readings(experiment: &mut Experiment, linear: Option<&Solved>, held: Fitted) -> Between {
     let cost = experiment.cost_of(&held);
     experiment.wheels_smooth = true;
-    let (smooth, mut shift) = smoother(experiment, linear, &held, cost);
-    let fitted = match smooth {
-        Some(smooth) => {
+    let (smooth, shift) = smoother(experiment, linear, &held, cost);
+    match smooth {
+        Some(fitted) => {
             experiment.wheels_smooth = false;
-            let other = experiment.linearise(&smooth.at);
-            shift = other.map_or(0.0, |here| here.rows.mass_shift());
+            let other = experiment.linearise(&fitted.at);
             experiment.wheels_smooth = true;
-            smooth
+            let shift = other.map_or(0.0, |here| here.rows.mass_shift());
+            Between { fitted, shift }
         }
         None => {
             experiment.wheels_smooth = false;
-            held
+            Between {
+                fitted: held,
+                shift,
+            }
         }
-    };
-    let shift = if fitted.settled { shift } else { 0.0 };
-    Between { fitted, shift }
+    }
 }
 
 /// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one
@@ -322,7 +342,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
-        shift_between_readings: 0.0,
+        leans: false,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

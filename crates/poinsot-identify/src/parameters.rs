@@ -94,7 +94,7 @@ pub enum ParametersError {
     },
     /// The matrices would not fit into memory, nor the time into a day.
     #[error(
-        "E0406 the model asks for {numbers} mass properties at once; at most {MOST_NUMBERS} are solved for: take estimate out of bodies that are known well enough"
+        "E0406 the model asks for {numbers} mass properties at once; at most {MOST_NUMBERS} are solved for; take estimate out of bodies that are known well enough"
     )]
     TooMany {
         /// Numbers asked for.

@@ -31,7 +31,9 @@ pub enum ProblemError {
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
     /// Fewer samples than any motion needs.
-    #[error("E0404 segment '{label}': {samples} samples are not enough; at least 2 are needed")]
+    #[error(
+        "E0404 segment '{label}': {samples} samples are not enough, at least 2 are needed; give a longer record"
+    )]
     TooFewSamples {
         /// Segment.
         label: String,

@@ -234,8 +234,8 @@ pub(crate) struct Solved {
     pub conflict: Option<Conflict>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
     pub adds_up: bool,
-    /// How far the mass properties would move if wheels ran otherwise between readings than is taken, sigmas.
-    pub shift_between_readings: f64,
+    /// Whether the answer hangs on how wheels run between readings, and nobody knows.
+    pub leans: bool,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

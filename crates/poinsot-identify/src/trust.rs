@@ -5,7 +5,6 @@
 //! a chance of its own, so that an honest record is doubted less than once in 10,000 answers, however many tests it takes.
 
 use crate::estimate::SegmentFit;
-use crate::maximum_likelihood::LEANS;
 use crate::octaves::Octave;
 use crate::solved::Solved;
 
@@ -59,12 +58,8 @@ impl Trust {
                 chi2.sqrt()
             ));
         }
-        if solved.shift_between_readings > LEANS {
-            worst = worst.max(1.0 + solved.shift_between_readings.powi(2));
-            doubts.push(format!(
-                "it hangs by {:.1} sigma on how wheels run between their readings",
-                solved.shift_between_readings
-            ));
+        if solved.leans {
+            doubts.push("it hangs on how wheels run between their readings".to_owned());
         }
         if solved.not_rigid {
             doubts.push("a line in the residual says that the vehicle is not rigid".to_owned());

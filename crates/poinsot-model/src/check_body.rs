@@ -215,7 +215,7 @@ fn check_prior(
         if given && !asked {
             findings.note(
                 &key.at("prior").at(name),
-                "the prior has no effect: the number is not estimated".to_owned(),
+                "the prior has no effect: the number is not estimated; remove it, or estimate the number".to_owned(),
             );
         }
     }
@@ -330,7 +330,7 @@ pub(crate) fn check_together(model: &Model, order: &[usize], findings: &mut Find
             findings.note(
                 &Key::entry("body", at, Some(&body.name)).at("estimate"),
                 format!(
-                    "the body is rigidly connected with \"{}\", which is unknown too: only their sum can be identified",
+                    "the body is rigidly connected with \"{}\", which is unknown too: only their sum can be identified; give one of them as known",
                     parent.map_or("", |p| p.name.as_str())
                 ),
             );

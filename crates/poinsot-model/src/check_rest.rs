@@ -98,7 +98,7 @@ pub(crate) fn check_wheels(
                 findings.note(
                     &here,
                     format!(
-                        "the rotor has more inertia than its body \"{}\" about this axis ({} kg m2), which should contain it",
+                        "the rotor has more inertia than its body \"{}\" about this axis ({} kg m2), which should contain it; add it there",
                         host.name,
                         short(along)
                     ),

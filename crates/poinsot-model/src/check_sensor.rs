@@ -153,7 +153,7 @@ fn check_sensor(
     if kind.is_scalar() && of.is_empty() && findings.count() == before {
         findings.note(
             &key.at("type"),
-            "the sensor has no effect: there is nothing that it could read".to_owned(),
+            "the sensor has no effect: there is nothing that it could read; remove it, or add what it reads".to_owned(),
         );
     }
     // A joint sensor without declared noise takes the unit of the joints it reads.

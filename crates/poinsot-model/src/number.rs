@@ -1,34 +1,26 @@
-//! Numbers in messages: six significant digits, no noise.
+//! Numbers in messages as a person writes them, without noise.
 
 /// `x` with at most six significant digits.
 pub(crate) fn short(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return format!("{x}");
+    rounded(x, 6)
+}
+
+/// `x` with at most so many significant digits, none of them a trailing zero; powers of ten only where it is
+/// tiny or huge: 0, 1.5, 0.0004113, 2e-7.
+pub fn rounded(x: f64, digits: usize) -> String {
+    let text = format!("{x:.*e}", digits.saturating_sub(1));
+    let x: f64 = text.parse().unwrap_or(x);
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        size if size.is_finite() && !(1.0e-4..1.0e6).contains(&size) => format!("{x:e}"),
+        _ => x.to_string(),
     }
-    let magnitude = x.abs().log10().floor();
-    if !(-4.0..6.0).contains(&magnitude) {
-        let text = format!("{x:.5e}");
-        return match text.split_once('e') {
-            Some((digits, exponent)) => format!("{}e{exponent}", trim(digits)),
-            None => text,
-        };
-    }
-    let places = (5.0 - magnitude).clamp(0.0, 9.0) as usize;
-    trim(&format!("{x:.places$}")).to_owned()
 }
 
 /// Several numbers, separated by commas.
 pub(crate) fn list(numbers: &[f64]) -> String {
     let texts: Vec<String> = numbers.iter().map(|x| short(*x)).collect();
     texts.join(", ")
-}
-
-fn trim(digits: &str) -> &str {
-    if digits.contains('.') {
-        digits.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        digits
-    }
 }
 
 #[cfg(test)]
@@ -44,5 +36,9 @@ mod tests {
         assert_eq!(short(4.113e-4), "0.0004113");
         assert_eq!(short(2.3968449810713143e-5), "2.39684e-5");
         assert_eq!(short(1.0e30), "1e30");
+        assert_eq!(short(f64::NAN), "NaN");
+        assert_eq!(rounded(-0.0, 4), "0");
+        assert_eq!(rounded(-1.000_01, 4), "-1");
+        assert_eq!(rounded(2.0e-7, 4), "2e-7");
     }
 }

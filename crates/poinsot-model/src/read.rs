@@ -142,7 +142,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, ModelError> {
     if bytes.len() as u64 > LARGEST {
         return Err(unreadable(
             "the file is larger than 16 MiB".to_owned(),
-            "is it a model file?",
+            "name a model file",
             false,
         ));
     }

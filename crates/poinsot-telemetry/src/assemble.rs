@@ -70,7 +70,8 @@ fn check_cells(
             return Err(TelemetryError::Number {
                 place: Place::cell(path, row, &channel.column),
                 value: value.to_string(),
-                why: "is infinite; leave the cell empty where there is no sample".into(),
+                why: "is infinite; correct it, or leave the cell empty where there is no sample"
+                    .into(),
             });
         }
         if nan > 0 {
@@ -110,7 +111,7 @@ fn tidy_attitudes(
                 TelemetryError::Quaternion {
                     place: Place::file(path),
                     why: format!(
-                        "'{}' is missing; a quaternion needs q_x, q_y, q_z and q_w in one file",
+                        "'{}' is missing; add it: a quaternion needs q_x, q_y, q_z and q_w in one file",
                         crate::full_name(sensor, name.unwrap_or_default())
                     ),
                 }

@@ -15,7 +15,9 @@ const MAX_LINE: usize = 16 << 20;
 pub(crate) enum ByteFault {
     #[error("byte {0} is NUL: the file is not text, or is UTF-16; save it as UTF-8")]
     Nul(u64),
-    #[error("a line is longer than 16 MiB (at byte {0}); the file is damaged or is not CSV")]
+    #[error(
+        "a line is longer than 16 MiB (at byte {0}): the file is damaged or is not CSV; write it again, a line for each row"
+    )]
     Line(u64),
 }
 

@@ -36,7 +36,7 @@ pub(crate) fn read(
     if !next(path, &mut reader, &mut record)? {
         return Err(TelemetryError::Header {
             place: Place::file(path),
-            why: "the file is empty; a header row is needed".into(),
+            why: "the file is empty; begin it with a header row".into(),
         });
     }
     let header = header_of(path, &record, options.encoding)?;
@@ -105,11 +105,11 @@ fn take_row(
 ) -> Result<(), TelemetryError> {
     if record.len() != plan.width {
         let hint = if record.get(0).is_some_and(|c| c.starts_with(b"#")) {
-            "; lines that begin with '#' are not comments: leave them out"
+            "; leave the line out: '#' begins no comment here"
         } else if record.len() > plan.width {
-            "; a decimal comma or a comma in a text without quotes adds fields"
+            ": a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"
         } else {
-            "; complete the row, an empty cell means no sample"
+            "; complete the row: an empty cell means no sample"
         };
         return Err(TelemetryError::Ragged {
             place: Place::row(path, row),
@@ -129,10 +129,10 @@ fn take_row(
     }
     let cell = |index: usize, column: &str| {
         let bytes = record.get(index).unwrap_or_default();
-        number::parse(bytes).map_err(|why| TelemetryError::Number {
+        number::parse(bytes).map_err(|fault| TelemetryError::Number {
             place: Place::cell(path, row, column),
             value: shown(bytes),
-            why: why.to_owned(),
+            why: fault.text(index == plan.time_index),
         })
     };
     let time_s = match cell(plan.time_index, &plan.time_column)? {
@@ -231,7 +231,7 @@ fn next<R: Read>(
             },
             _ => TelemetryError::Format {
                 place: Place::file(path),
-                why: text,
+                why: format!("{text}; write the file again as CSV in UTF-8"),
             },
         }
     })

@@ -1,5 +1,6 @@
 //! What can be wrong with a telemetry file, each with a code that stays.
 
+use crate::digits::rounded;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -60,7 +61,7 @@ impl fmt::Display for Place {
 #[non_exhaustive]
 pub enum TelemetryError {
     /// The operating system refused.
-    #[error("E0201 {place}: {what}: {source}", place = path.display())]
+    #[error("E0201 {place}: {what}: {source}; {}", advice(source), place = path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -96,7 +97,7 @@ pub enum TelemetryError {
         actual: usize,
         /// Columns in the header.
         expected: usize,
-        /// A likely cause; begins with a separator, or empty.
+        /// A likely cause and what to do; begins with a separator.
         hint: &'static str,
     },
     /// The header names no column, or one twice, or looks like another format.
@@ -136,7 +137,10 @@ pub enum TelemetryError {
     },
     /// The sampling interval is not plausible.
     #[error(
-        "E0209 {place}: the median step is {median_s:e} s, outside 1e-5 to 1e5 s{hint}; map it: time_s = {{ column = \"{column}\", unit = \"...\" }}",
+        "E0209 {place}: the median step is {} s, outside 1e-5 to 1e5 s{}; map it by [telemetry.columns] time_s = {{ column = \"{column}\", unit = \"{}\" }}",
+        rounded(*median_s, 4),
+        if unit.is_empty() { String::new() } else { format!(": its unit is likely {unit}") },
+        if unit.is_empty() { "..." } else { unit },
         column = one_line(&place.column)
     )]
     TimeUnit {
@@ -144,12 +148,13 @@ pub enum TelemetryError {
         place: Place,
         /// Median step as read, s.
         median_s: f64,
-        /// The likely unit; begins with a separator, or empty.
-        hint: &'static str,
+        /// The likely unit, or empty.
+        unit: &'static str,
     },
     /// One channel comes from two places.
     #[error(
-        "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{channel}'",
+        "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{}'",
+        one_line(channel.rsplit('.').next().unwrap_or_default()),
         channel = one_line(channel)
     )]
     DuplicateChannel {
@@ -162,10 +167,13 @@ pub enum TelemetryError {
     },
     /// A unit that is not in the table.
     #[error(
-        "E0211 unit '{}' is not known; did you mean '{nearest}'?",
+        "E0211 {}unit '{}' is not known; did you mean '{nearest}'?",
+        if channel.is_empty() { String::new() } else { format!("map of channel '{}': ", one_line(channel)) },
         one_line(unit)
     )]
     UnknownUnit {
+        /// The channel whose map names it; empty where a unit stands alone.
+        channel: String,
         /// As written.
         unit: String,
         /// The nearest known unit.
@@ -204,7 +212,9 @@ pub enum TelemetryError {
     },
     /// Attitude and gyro contradict the declared conventions.
     #[error(
-        "E0215 attitude '{attitude}' and gyro '{gyro}' contradict the declared {declared}: residual {declared_residual:.3e} rad/s, but {best_residual:.3e} rad/s with {best}; correct the map or the file",
+        "E0215 attitude '{attitude}' and gyro '{gyro}' contradict the declared {declared}: residual {} rad/s, but {} rad/s with {best}; correct the map or the file",
+        rounded(*declared_residual, 4),
+        rounded(*best_residual, 4),
         attitude = one_line(attitude),
         gyro = one_line(gyro)
     )]
@@ -241,7 +251,7 @@ pub enum TelemetryError {
     },
     /// A repair would be needed and repairs are off.
     #[error(
-        "E0218 {place}: {}; --strict allows no repair: correct the file or leave out --strict",
+        "E0218 {place}: {}: --strict allows no repair; correct the file or leave out --strict",
         one_line(repair)
     )]
     Strict {
@@ -337,6 +347,23 @@ impl TelemetryError {
     /// Whether the environment (disk, permission) is at fault and not the file's content.
     pub fn is_environment(&self) -> bool {
         matches!(self, Self::Io { source, .. } if source.kind() != std::io::ErrorKind::NotFound)
+    }
+}
+
+/// What to do about an answer of the operating system.
+pub fn advice(source: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind as Kind;
+    match source.kind() {
+        Kind::NotFound => "check the path",
+        Kind::PermissionDenied => "correct the permission, or name another place",
+        Kind::StorageFull | Kind::QuotaExceeded => "free space, or write to another place",
+        Kind::ReadOnlyFilesystem => "write to another place",
+        Kind::IsADirectory => "name a file, not a folder",
+        Kind::AlreadyExists | Kind::NotADirectory => {
+            "move the file that stands in the way, or name another folder"
+        }
+        Kind::InvalidData | Kind::UnexpectedEof => "name a whole file of the right kind",
+        _ => "check the path, the disk and its permissions",
     }
 }
 

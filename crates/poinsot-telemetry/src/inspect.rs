@@ -154,7 +154,8 @@ pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {
     }
     if name.starts_with("r_") && largest > 1e5 {
         notes.push(format!(
-            "{name} reaches {largest:.3e} m: absolute orbital positions need [environment] gravity"
+            "{name} reaches {} m: give positions relative to a reference orbit to identify",
+            crate::rounded(largest, 4)
         ));
     }
     notes

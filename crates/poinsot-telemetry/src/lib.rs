@@ -13,6 +13,7 @@ mod columns;
 mod conventions;
 mod csv_reader;
 mod differentiate;
+mod digits;
 mod error;
 mod hypothesis;
 mod inspect;
@@ -41,7 +42,8 @@ pub use conventions::{
     ConventionTest, Verdict, check_conventions, convention_tests, test_conventions, test_sensors,
 };
 pub use differentiate::differentiate;
-pub use error::{Place, TelemetryError};
+pub use digits::{as_read, rounded};
+pub use error::{Place, TelemetryError, advice};
 pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use inspect::{ChannelSummary, FileSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;

@@ -11,11 +11,27 @@ pub(crate) enum Cell {
     NotANumber,
 }
 
+/// Why a cell is no number, and how to write what was meant; `None` where nobody knows what that is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct NoNumber(&'static str, Option<&'static str>);
+
+impl NoNumber {
+    /// To follow the value in an error line. A row without time means nothing, so a time cannot be left empty.
+    pub(crate) fn text(self, is_time: bool) -> String {
+        let Self(what, remedy) = self;
+        let remedy = remedy.unwrap_or(match is_time {
+            true => "write the time, or leave the row out",
+            false => "write a number, or leave the cell empty where there is no sample",
+        });
+        format!("{what}; {remedy}")
+    }
+}
+
 /// Reads a cell. A finite text that overflows is an error, not infinity.
 ///
 /// # Errors
-/// What is wrong and what to do, to follow the value in an error line.
-pub(crate) fn parse(cell: &[u8]) -> Result<Cell, &'static str> {
+/// What is wrong and what to do.
+pub(crate) fn parse(cell: &[u8]) -> Result<Cell, NoNumber> {
     let cell = cell.trim_ascii();
     if cell.is_empty() {
         return Ok(Cell::Empty);
@@ -26,39 +42,36 @@ pub(crate) fn parse(cell: &[u8]) -> Result<Cell, &'static str> {
     let parsed = std::str::from_utf8(cell).ok().map(str::parse::<f64>);
     match parsed {
         Some(Ok(x)) if x.is_finite() => Ok(Cell::Number(x)),
-        Some(Ok(_)) if cell.iter().any(u8::is_ascii_digit) => {
-            Err("is too large for a double; correct the number")
-        }
-        Some(Ok(_)) => Err("is infinite; leave the cell empty where there is no sample"),
+        Some(Ok(_)) if cell.iter().any(u8::is_ascii_digit) => Err(NoNumber(
+            "is too large for a double",
+            Some("correct the number"),
+        )),
+        Some(Ok(_)) => Err(NoNumber("is infinite", None)),
         _ => Err(cause(cell)),
     }
 }
 
 /// The likely reason why a text is not a number.
-fn cause(cell: &[u8]) -> &'static str {
+fn cause(cell: &[u8]) -> NoNumber {
     let Ok(text) = std::str::from_utf8(cell) else {
-        return "is not UTF-8 text; save the file as UTF-8";
+        return NoNumber("is not UTF-8 text", Some("save the file as UTF-8"));
     };
     let lower = text.to_lowercase();
     let digits = text.chars().any(|c| c.is_ascii_digit());
-    if text.contains('\u{2212}') {
-        "has a typographic minus (U+2212); write the ASCII '-'"
+    let (what, remedy) = if text.contains('\u{2212}') {
+        ("has a typographic minus (U+2212)", "write the ASCII '-'")
     } else if digits && text.contains(',') {
-        "has a decimal comma; write a point"
+        ("has a decimal comma", "write a point")
     } else if digits && text.contains('_') {
-        "has '_' between digits; leave it out"
+        ("has '_' between digits", "leave it out")
     } else if lower.starts_with("0x") || lower.starts_with("-0x") {
-        "is hexadecimal; write a decimal number"
+        ("is hexadecimal", "write a decimal number")
     } else if digits && lower.contains('d') {
-        "has a Fortran exponent; write 'e'"
-    } else if matches!(
-        lower.as_str(),
-        "null" | "-" | "--" | "#n/a" | "n/a" | "na" | "none"
-    ) {
-        "is not a number; leave the cell empty where there is no sample"
+        ("has a Fortran exponent", "write 'e'")
     } else {
-        "is not a number"
-    }
+        return NoNumber("is not a number", None);
+    };
+    NoNumber(what, Some(remedy))
 }
 
 #[cfg(test)]
@@ -93,11 +106,20 @@ mod tests {
             ("0x10", "hexadecimal"),
             ("1d-3", "Fortran"),
             ("#N/A", "leave the cell empty"),
-            ("abc", "is not a number"),
+            (
+                "abc",
+                "is not a number; write a number, or leave the cell empty",
+            ),
         ] {
-            let why = parse(text.as_bytes()).unwrap_err();
+            let why = parse(text.as_bytes()).unwrap_err().text(false);
             assert!(why.contains(word), "{text}: {why}");
         }
-        assert!(parse(b"1\xb0").unwrap_err().contains("UTF-8"));
+        assert!(parse(b"1\xb0").unwrap_err().text(false).contains("UTF-8"));
+        assert!(
+            parse(b"null")
+                .unwrap_err()
+                .text(true)
+                .ends_with("leave the row out")
+        );
     }
 }

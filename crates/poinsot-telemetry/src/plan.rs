@@ -1,6 +1,7 @@
 //! Which column of a file becomes which channel.
 
 use crate::error::Place;
+use crate::unit::nearest_unit;
 use crate::{
     ChannelName, Quantity, ReadOptions, TelemetryError, Unit, classify, parse_unit, suggest,
 };
@@ -65,12 +66,19 @@ fn resolve(map: &ColumnMap) -> Result<(ChannelName, Unit), TelemetryError> {
         why,
     };
     let name = classify(&map.channel).ok_or_else(|| {
-        fault("not a standard channel name; see the telemetry table of the manual (omega_x, joint1_rad, wheel1_rad_s, thr1_N, ...)".into())
+        fault("not a standard channel name; write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N".into())
     })?;
-    let unit = parse_unit(&map.unit)?;
+    let unit = parse_unit(&map.unit).map_err(|error| match error {
+        TelemetryError::UnknownUnit { unit, .. } => TelemetryError::UnknownUnit {
+            channel: map.channel.clone(),
+            nearest: nearest_unit(&unit, Some(name.dimension)).to_owned(),
+            unit,
+        },
+        other => other,
+    })?;
     if unit.dimension != name.dimension {
         return Err(fault(format!(
-            "unit '{}' does not measure it; it is stored in {}, so give a unit of that kind",
+            "unit '{}' does not measure it; give a unit that converts to {}",
             map.unit,
             name.dimension.si()
         )));
@@ -194,7 +202,7 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
     };
     if header.len() > MAX_COLUMNS {
         return Err(fault(format!(
-            "{} columns in the header; at most {MAX_COLUMNS} are read",
+            "{} columns in the header; leave out what is not needed, at most {MAX_COLUMNS} are read",
             header.len()
         )));
     }
@@ -223,7 +231,7 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
         .next();
     let hint = match candidate {
         Some(s) => format!(
-            "; it may be '{}': map it by [telemetry.columns] {}",
+            "; map '{}', which may be it, by [telemetry.columns] {}",
             s.column, s.toml
         ),
         None => {
@@ -281,7 +289,14 @@ impl<'a> Unused<'a> {
                 .map(|c| (strsim::jaro_winkler(c, column), c))
                 .filter(|c| c.0 > 0.7)
                 .max_by(|a, b| a.0.total_cmp(&b.0))
-                .map_or(String::new(), |c| format!("; did you mean '{}'?", c.1))
+                .map_or_else(
+                    || {
+                        let first: Vec<&str> =
+                            self.columns.iter().take(8).map(String::as_str).collect();
+                        format!("; name one that is there: {}", first.join(", "))
+                    },
+                    |c| format!("; did you mean '{}'?", c.1),
+                )
         };
         if let Some(map) = self
             .maps

@@ -2,6 +2,7 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
+use crate::{as_read, rounded};
 use std::path::Path;
 
 /// Norms this close to one are left as they are, bit for bit: a few units in the last place.
@@ -51,8 +52,9 @@ pub(crate) fn tidy(
             return Err(TelemetryError::Quaternion {
                 place: Place::cell(path, row, column),
                 why: format!(
-                    "the quaternion ({}) has norm {norm}, not 1; correct the row or the order of the columns",
-                    here.map(short).join(", ")
+                    "the quaternion ({}) has norm {}, not 1; correct the row or the order of the columns",
+                    here.map(as_read).join(", "),
+                    rounded(norm, 6)
                 ),
             });
         }
@@ -74,13 +76,14 @@ pub(crate) fn tidy(
     let mut repairs = Vec::new();
     if worst.0 > SILENT {
         repairs.push(format!(
-            "quaternions normalised; the norm is off by up to {:.2e} (row {})",
-            worst.0, worst.1
+            "quaternions normalised; the norm is off by up to {} (row {})",
+            rounded(worst.0, 3),
+            worst.1
         ));
     }
     if beyond_rounding > 0 {
         repairs.push(format!(
-            "warning: {beyond_rounding} quaternions are off unit norm by more than 1e-3, more than rounding explains"
+            "warning: {beyond_rounding} quaternions are off unit norm by more than 1e-3, more than rounding explains; check where they come from"
         ));
     }
     if zero > 0 {
@@ -106,14 +109,6 @@ pub(crate) fn tidy(
         .into_iter()
         .map(|r| format!("{file}: {r}"))
         .collect())
-}
-
-/// A number as text, without hundreds of zeros.
-fn short(x: f64) -> String {
-    match x.abs() {
-        size if size >= 1.0e16 || (size > 0.0 && size < 1.0e-5) => format!("{x:e}"),
-        _ => x.to_string(),
-    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::error::Place;
 use crate::plan::Plan;
 use crate::size::{Limit, Rows};
 use crate::{
-    ColumnMap, Source, Table, TelemetryError, assemble, check_conventions, csv_reader,
+    ColumnMap, Source, Table, TelemetryError, as_read, assemble, check_conventions, csv_reader,
     parquet_reader, plan, time_base,
 };
 use std::collections::BTreeSet;
@@ -222,7 +222,7 @@ fn read_file(
             column: column.clone(),
             text: text.clone(),
             why: format!(
-                "no row of {} matches; the first values there are {}",
+                "no row of {} matches; choose among the values there, the first are {}",
                 path.display(),
                 seen.join(", ")
             ),
@@ -233,8 +233,11 @@ fn read_file(
     {
         return Err(TelemetryError::Filter {
             column: plan.time_column.clone(),
-            text: format!("{from},{to}"),
-            why: format!("no row of {} lies between these times, s", path.display()),
+            text: format!("{},{}", as_read(from), as_read(to)),
+            why: format!(
+                "no row of {} lies between these times, s; choose times of the record (`poinsot inspect` shows them)",
+                path.display()
+            ),
         });
     }
     Ok((plan, columns, sha256))
@@ -257,7 +260,7 @@ fn decode(
         _ => {
             return Err(TelemetryError::Format {
                 place: Place::file(path),
-                why: "the kind of file is not known from its name; telemetry is .csv or .parquet"
+                why: "the kind of file is not known from its name; give a .csv or .parquet file"
                     .into(),
             });
         }

@@ -4,6 +4,7 @@ use crate::TelemetryError;
 use crate::columns::Columns;
 use crate::error::Place;
 use crate::plan::Plan;
+use crate::{as_read, rounded};
 use std::path::Path;
 
 /// Median steps outside this range, s, are taken for a wrong unit.
@@ -32,18 +33,21 @@ pub(crate) fn check(
     let rows = columns.time_s.iter().zip(&columns.rows).zip(&mut keep);
     for (k, ((&time, &row), keep)) in rows.enumerate() {
         if !time.is_finite() {
-            return Err(fault(
-                row,
-                "the row has no time; give it one or leave it out".into(),
-            ));
+            let what = match time.is_nan() {
+                true => "the row has no time; give it one or leave the row out",
+                false => "the time is infinite; correct it or leave the row out",
+            };
+            return Err(fault(row, what.into()));
         }
         if let Some((before, row_before, k_before)) = previous {
             if time < before {
                 return Err(fault(
                     row,
                     format!(
-                        "time goes back from {before} s (row {row_before}) to {time} s; \
-                         choose one run by [telemetry] where, or cut the file into segments"
+                        "time goes back from {} s (row {row_before}) to {} s; \
+                         choose one run by [telemetry] where, or cut the file into segments",
+                        as_read(before),
+                        as_read(time)
                     ),
                 ));
             }
@@ -52,8 +56,9 @@ pub(crate) fn check(
                     return Err(fault(
                         row,
                         format!(
-                            "time {time} s stands already in row {row_before} with another value of \
-                             '{column}'; keep one of the rows"
+                            "time {} s stands already in row {row_before} with another value of \
+                             '{column}'; keep one of the rows",
+                            as_read(time)
                         ),
                     ));
                 }
@@ -120,8 +125,11 @@ pub(crate) fn check_one_run(
     Err(TelemetryError::Time {
         place: Place::cell(path, row, &plan.time_column),
         why: format!(
-            "time jumps from {from} s (row {row_before}) to {to:?} s, and the record covers {covered:.6} s in all; \
-             these are several runs: choose one by --time-s or [telemetry] where, or give each as a segment"
+            "time jumps from {} s (row {row_before}) to {} s, and the record covers {} s in all: these are several runs; \
+             choose one by --time-s or [telemetry] where, or give each as a segment",
+            as_read(from),
+            as_read(to),
+            rounded(covered, 9)
         ),
     })
 }
@@ -134,26 +142,19 @@ fn check_step(path: &Path, plan: &Plan, columns: &Columns) -> Result<(), Telemet
         return Ok(());
     }
     let usual = |factor: f64| (1e-3..=60.0).contains(&(median_s * factor));
-    let hint = if median_s < 1.0 {
-        [
-            (86400.0, "; the unit is likely d"),
-            (3600.0, "; the unit is likely h"),
-        ]
-        .into_iter()
-        .find(|(factor, _)| usual(*factor))
+    let likely = if median_s < 1.0 {
+        [(86400.0, "d"), (3600.0, "h")]
+            .into_iter()
+            .find(|(factor, _)| usual(*factor))
     } else {
-        [
-            (1e-3, "; the unit is likely ms"),
-            (1e-6, "; the unit is likely us"),
-            (1e-9, "; the unit is likely ns"),
-        ]
-        .into_iter()
-        .find(|(factor, _)| usual(*factor))
+        [(1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")]
+            .into_iter()
+            .find(|(factor, _)| usual(*factor))
     };
     Err(TelemetryError::TimeUnit {
         place: Place::cell(path, 0, &plan.time_column),
         median_s,
-        hint: hint.map_or("", |h| h.1),
+        unit: likely.map_or("", |h| h.1),
     })
 }
 

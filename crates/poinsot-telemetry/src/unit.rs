@@ -174,8 +174,9 @@ pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
         .find(|row| plain(row.0) == wanted || row.4.contains(&wanted.as_str()))
         .map(unit)
         .ok_or_else(|| TelemetryError::UnknownUnit {
+            channel: String::new(),
             unit: text.to_owned(),
-            nearest: nearest_unit(&wanted).to_owned(),
+            nearest: nearest_unit(text, None).to_owned(),
         })
 }
 
@@ -191,10 +192,14 @@ pub fn units() -> impl Iterator<Item = Unit> {
         })
 }
 
-/// The known unit whose spelling takes the fewest edits; its printed symbol stands before an alias as near.
-fn nearest_unit(wanted: &str) -> &'static str {
-    let wanted = wanted.to_lowercase();
-    let spellings = TABLE.iter().flat_map(|row| {
+/// The known unit, of one dimension where that is known, whose spelling takes the fewest edits; its printed
+/// symbol stands before an alias as near.
+pub(crate) fn nearest_unit(text: &str, dimension: Option<Dimension>) -> &'static str {
+    let wanted = plain(text).to_lowercase();
+    let fitting = TABLE
+        .iter()
+        .filter(|row| dimension.is_none_or(|d| d == row.1));
+    let spellings = fitting.flat_map(|row| {
         let aliases = row.4.iter().map(move |alias| (row.0, *alias, 1));
         std::iter::once((row.0, row.0, 0)).chain(aliases)
     });
@@ -247,6 +252,10 @@ mod tests {
         assert_eq!(
             parse_unit("radians/s").unwrap_err().to_string(),
             "E0211 unit 'radians/s' is not known; did you mean 'rad'?"
+        );
+        assert_eq!(
+            nearest_unit("radians/s", Some(Dimension::AngularVelocity)),
+            "rad/s"
         );
     }
 

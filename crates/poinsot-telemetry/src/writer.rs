@@ -75,12 +75,15 @@ fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
             return Err(fault(&name, "two columns of this name; rename one channel"));
         }
         if c.time_s.len() != c.values.len() {
-            return Err(fault(&name, "as many times as values are needed"));
+            return Err(fault(
+                &name,
+                "times and values differ in number; give one time per value",
+            ));
         }
         if !pairs.all(|(a, b)| a < b) || !c.time_s.iter().all(|t| t.is_finite()) {
             return Err(fault(
                 &name,
-                "the times are not strictly increasing numbers",
+                "the times are not strictly increasing numbers; sort them and leave out what repeats",
             ));
         }
         if !c.values.iter().all(|x| x.is_finite()) {

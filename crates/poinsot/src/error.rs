@@ -6,7 +6,8 @@ use poinsot_identify::methods::kim2010::Kim2010ProblemError;
 use poinsot_identify::methods::ma2008::Ma2008Error;
 use poinsot_identify::methods::xu2017::Xu2017Error;
 use poinsot_model::ModelError;
-use poinsot_telemetry::TelemetryError;
+use poinsot_report::PageError;
+use poinsot_telemetry::{TelemetryError, advice};
 use std::path::PathBuf;
 
 /// Why a verb gives no answer.
@@ -57,14 +58,14 @@ pub enum Error {
     },
     /// A fault of this program.
     #[error(
-        "E0009 internal error: {what}; this is a fault of poinsot: please report it with the command and, if you can, the input"
+        "E0009 internal error: {what}: this is a fault of poinsot; please report it with the command and, if you can, the input"
     )]
     Internal {
         /// Message and place of the panic.
         what: String,
     },
     /// The files of a report.
-    #[error("E0601 {}: no report can be made of this: {why}", path.display())]
+    #[error("E0601 {}: no report or export can be made of this: {why}", path.display())]
     Report {
         /// File or folder.
         path: PathBuf,
@@ -72,7 +73,7 @@ pub enum Error {
         why: String,
     },
     /// The operating system.
-    #[error("E0002 {}: {what}: {source}", path.display())]
+    #[error("E0002 {}: {what}: {source}; {}", path.display(), advice(source))]
     Io {
         /// Path.
         path: PathBuf,
@@ -96,4 +97,9 @@ impl Error {
         };
         if environment { 3 } else { 2 }
     }
+}
+
+/// A page or figure that cannot be made of sound files.
+pub(crate) fn no_page(error: &PageError) -> String {
+    format!("{error}; report this fault of poinsot, if you can with the folder")
 }

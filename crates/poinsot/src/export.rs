@@ -29,7 +29,7 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
     let bytes = std::fs::read(&path).map_err(|source| match source.kind() {
         std::io::ErrorKind::NotFound => fault(
             &path,
-            "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
+            "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
         ),
         _ => Error::Io {
             path: path.clone(),
@@ -37,10 +37,17 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
             source,
         },
     })?;
-    let estimate: Value =
-        serde_json::from_slice(&bytes).map_err(|e| fault(&path, e.to_string()))?;
+    let estimate: Value = serde_json::from_slice(&bytes).map_err(|e| {
+        fault(
+            &path,
+            format!("{e}; write it anew with `poinsot identify --out DIR`"),
+        )
+    })?;
     if estimate["schema"] != "poinsot.estimate/1" {
-        return Err(fault(&path, "it is no poinsot.estimate/1".to_owned()));
+        return Err(fault(
+            &path,
+            "it is no poinsot.estimate/1; give the folder of identify --out".to_owned(),
+        ));
     }
     read_urdf(urdf).model?;
     let text = std::fs::read_to_string(urdf).map_err(|source| Error::Io {
@@ -72,7 +79,10 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
             .map(|name| format!("not exported: {name}: the file has no link of this name")),
     );
     if links.len() == exported.missing.len() {
-        let why = format!("no body can be exported: {}", left_out.join("; "));
+        let why = format!(
+            "no body can be exported ({}); identify with more data, or give the URDF file of the model",
+            left_out.join("; ")
+        );
         return Err(fault(&path, why));
     }
     Ok(Exported {

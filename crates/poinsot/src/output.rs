@@ -1,6 +1,6 @@
 //! Files appear under their name only when they are whole and on disk, and those of one answer together.
 
-use crate::error::Error;
+use crate::error::{Error, no_page};
 use crate::estimate_file::estimate_json;
 use crate::identify::Identified;
 use crate::report::{page_of, report_data};
@@ -39,7 +39,7 @@ pub fn write_result(
         let made = page_of(folder, estimate.as_bytes(), files[0].1.as_bytes())?;
         let html = made.html().map_err(|e| Error::Report {
             path: folder.to_owned(),
-            why: e.to_string(),
+            why: no_page(&e),
         })?;
         files.push(("report.html", html));
     }

@@ -62,7 +62,7 @@ pub fn predict_case(
         return Err(Error::Usage {
             option: "--relative-accuracy",
             value: relative_accuracy.to_string(),
-            why: "a positive number is needed, for example 1.0".to_owned(),
+            why: "must be a positive number; give for example 1.0".to_owned(),
         });
     }
     refuse_unread(case, &model)?;

@@ -11,7 +11,7 @@ use poinsot_dynamics::{
 };
 use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
-use poinsot_telemetry::{Table, TelemetryError};
+use poinsot_telemetry::{Table, TelemetryError, advice};
 use record::Recorder;
 pub(crate) use record::{joint_channels, names};
 use std::io::Write;
@@ -52,7 +52,7 @@ pub enum SimulateError {
     #[error(transparent)]
     Telemetry(#[from] TelemetryError),
     /// The folder cannot be written.
-    #[error("E0510 {}: {source}", path.display())]
+    #[error("E0510 {}: {source}; {}", path.display(), advice(source))]
     Write {
         /// What was to be written.
         path: PathBuf,

@@ -56,7 +56,7 @@ pub enum ValidateError {
     },
     /// No channel or no time in common.
     #[error(
-        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; times count from the start of the case",
+        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case",
         file.display()
     )]
     NothingInCommon {
@@ -188,7 +188,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (Some(path), _) => path.clone(),
         (None, Some(case)) => case.model.clone(),
         (None, None) => {
-            let why = "give --model, or a case that names one";
+            let why = "no model is named; give --model, or a case that names one";
             return Err(usage("--model", "", why));
         }
     };
@@ -216,7 +216,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (Some(case), false) => asked.against_telemetry(case)?,
         (None, false) => asked.held_back()?,
         (None, true) => {
-            let why = "a case is needed that says which torques both vehicles get";
+            let why = "no case is given; give one that says which torques both vehicles get";
             return Err(usage("CASE", "", why));
         }
     };
@@ -224,7 +224,8 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     if let (Some(path), Some(estimated)) = (&request.estimate, &estimated) {
         validation.estimate = Some((path.display().to_string(), estimated.status.clone()));
         if !estimated.trustworthy {
-            let warning = "the estimate says that its covariance is not trustworthy";
+            let warning =
+                "the estimate says that its covariance is not trustworthy; see its warnings";
             validation.warnings.push(warning.to_owned());
         }
     }
@@ -359,7 +360,7 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     ];
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
-            let why = "a limit must be a number that is not negative";
+            let why = "the limit is no number from zero up; give one";
             return Err(usage(option, &x.to_string(), why));
         }
     }

@@ -1,7 +1,7 @@
 //! Readings of wheels that stop for a while, or come at other times than those of the base's sensors.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use poinsot::identify::read_options;
+use poinsot::identify::{Reading, identify_reading, read_options};
 use poinsot::{Identified, IdentifyRequest, identify_tables};
 use poinsot_identify::Coordinates;
 use poinsot_model::{Model, read_model};
@@ -113,29 +113,45 @@ fn regress_wheel_readings_between_those_of_the_gyro_count() {
     assert!(answer.estimate.covariance_trustworthy);
 }
 
-/// Every second row: what the wheels do between the rows moves the answer by sigmas, and no residual shows it.
+/// What the wheels do between their readings moves the answer by sigmas, and no residual shows it.
 #[test]
 fn regress_wheels_read_too_seldom_are_not_trusted() {
     let (model, table) = record();
     for (stride, trusted) in [(1, true), (2, false), (5, false)] {
         let mut table = table.clone();
-        table
-            .channels
-            .iter_mut()
-            .for_each(|c| keep(c, |k| k.is_multiple_of(stride)));
+        let wheels = table.channels.iter_mut().filter(|c| is_wheel(c));
+        wheels.for_each(|c| keep(c, |k| k.is_multiple_of(stride)));
         let answer = answer(&model, table);
         println!("every {stride}: {:.1}", worst(&answer));
-        assert_eq!(
-            answer.estimate.covariance_trustworthy, trusted,
-            "every {stride}"
-        );
-        let told = answer
-            .estimate
-            .warnings
-            .iter()
-            .any(|w| w.contains("would move by"));
-        assert_eq!(told, !trusted, "{:?}", answer.estimate.warnings);
+        let warnings = &answer.estimate.warnings;
+        let trusts = answer.estimate.covariance_trustworthy;
+        assert_eq!(trusts, trusted, "every {stride}: {warnings:?}");
+        let told = warnings.iter().any(|w| w.contains("would move by"));
+        assert_eq!(told, !trusted, "{warnings:?}");
     }
+}
+
+/// Rows that were left out on purpose are known to have held something.
+#[test]
+fn regress_thinned_rows_are_not_trusted() {
+    let asked = |every: usize| {
+        let request = IdentifyRequest {
+            model: example("model.toml"),
+            segments: vec![vec![example("multiaxis/telemetry_noisy.csv")]],
+            ..request()
+        };
+        let reading = Reading {
+            every,
+            ..Reading::default()
+        };
+        identify_reading(&request, &reading).unwrap()
+    };
+    assert!(asked(1).estimate.covariance_trustworthy);
+    let thinned = asked(2);
+    assert!(worst(&thinned) > 4.0);
+    assert!(!thinned.estimate.covariance_trustworthy);
+    let told = |w: &String| w.starts_with("--every 2 leaves out");
+    assert!(thinned.estimate.warnings.iter().any(told));
 }
 
 /// An accuracy that is asked for judges the answer; the fit is the same.

@@ -404,7 +404,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = inf",
-        "E0505 case.toml:6: joint_torque[0].constant_N_m = inf: not finite; correct it",
+        "E0505 case.toml:6: joint_torque[0].constant_N_m = inf: not finite; write a finite number",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\namplitude_N_m = 1.0",
@@ -420,7 +420,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\ntime_s = [0.0, 1.0]\ntorque_N_m = [1.0]",
-        "E0506 case.toml:7: joint_torque[0] = [1.0]: 2 times but 1 values; correct the nodes (counted from 0)",
+        "E0506 case.toml:7: joint_torque[0] = [1.0]: 2 times but 1 values; give one value per time",
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\ntime_s = [0.0]\ntorque_N_m = [1.0]\ninterpolation = \"cubic\"",
@@ -448,7 +448,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m_s = nan",
-        "E0505 case.toml:6: initial.joint[0].rate_m_s = nan: not finite; correct it",
+        "E0505 case.toml:6: initial.joint[0].rate_m_s = nan: not finite; write a finite number",
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m_s = 1.0\n[[initial.joint]]\njoint = \"slide\"\nrate_m_s = 1.0",
@@ -495,13 +495,9 @@ fn unit_every_refusal_says_where_what_and_what_to_do() {
 fn unit_a_missing_torque_file_is_named() {
     let case = case("[[joint_torque]]\njoint = \"elbow\"\nfile = \"none.csv\"\n");
     let text = case.bind(&model()).unwrap_err().to_string();
-    assert!(
-        text.starts_with("E0511 case.toml:6: joint_torque[0].file = \"none.csv\": E0201 none.csv"),
-        "{text}"
-    );
-    assert!(
-        text.ends_with("; give the path of a telemetry file, from the folder of the case"),
-        "{text}"
+    assert_eq!(
+        text,
+        "E0511 case.toml:6: joint_torque[0].file = \"none.csv\": cannot be read: No such file or directory (os error 2); give the path of a telemetry file, from the folder of the case"
     );
 }
 

@@ -333,7 +333,7 @@ fn unit_refusals() {
     );
     assert_eq!(
         refused(&with("rejected.json")),
-        "E0701 rejected.json: this estimate cannot be moved: its status is rejected: it holds no numbers to predict with"
+        "E0701 rejected.json: this estimate cannot be moved: its status is rejected: it holds no numbers to predict with; give an estimate that is converged or partial"
     );
     // Usage.
     assert_eq!(
@@ -342,21 +342,21 @@ fn unit_refusals() {
             model: Some(own.clone().into()),
             ..base.clone()
         }),
-        "E0001 CASE '': a case is needed that says which torques both vehicles get"
+        "E0001 CASE '': no case is given; give one that says which torques both vehicles get"
     );
     assert_eq!(
         refused(&ValidateRequest {
             case: None,
             ..base.clone()
         }),
-        "E0001 --model '': give --model, or a case that names one"
+        "E0001 --model '': no model is named; give --model, or a case that names one"
     );
     assert_eq!(
         refused(&ValidateRequest {
             within_m: Some(f64::NAN),
             ..base.clone()
         }),
-        "E0001 --within-m 'NaN': a limit must be a number that is not negative"
+        "E0001 --within-m 'NaN': the limit is no number from zero up; give one"
     );
     let control = examples().join("cases/stsat3_three_slews.toml");
     let truth = examples()
@@ -380,7 +380,7 @@ fn unit_refusals() {
             against: at("late.csv").display().to_string(),
             ..base.clone()
         }),
-        "E0703 cases/xu2017_table13.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; times count from the start of the case"
+        "E0703 cases/xu2017_table13.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case"
     );
 }
 

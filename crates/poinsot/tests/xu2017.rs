@@ -362,7 +362,7 @@ fn unit_refusals_say_what_to_do() {
     assert_eq!(
         refusal(m.clone(), moved, "linear"),
         format!(
-            "E0537 segment '{label}': joint 'joint5' is locked at 0.100000, elsewhere at 0.000000 (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto"
+            "E0537 segment '{label}': joint 'joint5' is locked at 0.1, elsewhere at 0 (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto"
         )
     );
     let mut both = runs(&m, &["C1", "C2"]);
@@ -403,7 +403,7 @@ fn unit_refusals_say_what_to_do() {
     assert_eq!(
         refusal(m, drifting, "swarm"),
         format!(
-            "E0538 segment '{label}': the vehicle moves at 0.0e0 rad/s and 5.0e-2 m/s at the first sample: the objective (52) takes momentum as zero, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"
+            "E0538 segment '{label}': the vehicle moves at 0 rad/s and 0.05 m/s at the first sample: the objective (52) takes momentum as zero, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"
         )
     );
     let mut firing = runs(&model("xu2017/model.toml"), &["C1", "C2"]);

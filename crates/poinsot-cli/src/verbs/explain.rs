@@ -10,7 +10,7 @@ pub fn run(arguments: &Explain) -> Outcome {
         Some(code) => vec![explain(code).ok_or_else(|| poinsot::Error::Usage {
             option: "explain",
             value: code.clone(),
-            why: "there is no such code; `poinsot explain` lists all".to_owned(),
+            why: "there is no such code; run `poinsot explain` for all".to_owned(),
         })?],
     };
     if arguments.json {

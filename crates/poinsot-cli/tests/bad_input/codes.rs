@@ -133,7 +133,7 @@ fn xu2017() -> Vec<Row> {
         xu("E0537", "a locked joint left elsewhere", |b| {
             robot(b, ["", ALL, ALL], "", &with(&[("j1_rad", f64::sin), ("j2_rad", |_| 0.0)]));
             b.write("u.csv", moving(&with(&[("j1_rad", f64::sin), ("j2_rad", |_| 0.5)])));
-        }, &["E0537 segment 'u.csv': joint 'j2' is locked at 0.500000, elsewhere at 0.000000 (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv", "--telemetry", "u.csv", "--out", "out"]),
+        }, &["E0537 segment 'u.csv': joint 'j2' is locked at 0.5, elsewhere at 0 (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv", "--telemetry", "u.csv", "--out", "out"]),
         row("E0538", "the swarm on a drifting robot", |b| robot(b, ["", ALL, ""], "", &with(&[("j1_rad", f64::sin)])), 2, &["E0538 segment 't.csv': the vehicle moves at", "the objective (52) takes momentum as zero, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"]).more(&["--method", "xu2017"]),
         xu("E0539", "nothing moves and nothing fires", |b| robot(b, ["", ALL, ""], "", &DRIFT), &["E0539 no segment has thrust with the joints locked, and in none does a joint move: xu2017 has nothing to work on; fire thrusters or drive a joint, or use --method auto"]),
         xu("E0306", "an angular acceleration of 1e300 rad/s2", |b| robot(b, [ALL; 3], THRUSTER, &with(&[("domega_x", |_| 1.0e300), ("domega_y", |_| 0.0), ("domega_z", |_| 0.0), ("thr_N", |_| 1.0)])), &["E0306 t.csv: channel 'domega_x': 1e300 at t = 0 s: beyond 1e6 rad/s2"]),
@@ -160,36 +160,36 @@ fn validate() -> Vec<Row> {
         row("E0703", "telemetry from after the case", |b| {
             case(b, "seed = 3", "seed = 3");
             b.spoil(|s| s.map("time_s", |_, t| t + 1000.0));
-        }, 2, &["E0703 case.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; times count from the start of the case"]).run(&["validate", "--against", "t.csv", "case.toml", "--out", "sim"]),
+        }, 2, &["E0703 case.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case"]).run(&["validate", "--against", "t.csv", "case.toml", "--out", "sim"]),
     ]
 }
 
 pub fn rows() -> Vec<Row> {
     let mut all = vec![
-        row("E0001", "a method that does not exist", |_| {}, 2, &["E0001 --method 'best': known methods: auto, linear, maximum_likelihood, kim2010, ma2008"]).more(&["--method", "best"]),
-        row("E0001", "a policy that does not exist", |_| {}, 2, &["E0001 --policy 'lag=exclude': policies of lag: report, refuse"]).more(&["--policy", "lag=exclude"]),
-        row("E0001", "a code that does not exist", |_| {}, 2, &["E0001 explain 'E9999': there is no such code; `poinsot explain` lists all"]).run(&["explain", "E9999"]),
-        row("E0001", "an accuracy of zero", |_| {}, 2, &["E0001 --relative-accuracy '0': a positive number is needed, for example 1.0"]).more(&["--relative-accuracy", "0"]),
+        row("E0001", "a method that does not exist", |_| {}, 2, &["E0001 --method 'best': there is no such method; use one of auto, linear, maximum_likelihood, kim2010, ma2008"]).more(&["--method", "best"]),
+        row("E0001", "a policy that does not exist", |_| {}, 2, &["E0001 --policy 'lag=exclude': lag has no such policy; use one of report, refuse"]).more(&["--policy", "lag=exclude"]),
+        row("E0001", "a code that does not exist", |_| {}, 2, &["E0001 explain 'E9999': there is no such code; run `poinsot explain` for all"]).run(&["explain", "E9999"]),
+        row("E0001", "an accuracy of zero", |_| {}, 2, &["E0001 --relative-accuracy '0': must be a positive number; give for example 1.0"]).more(&["--relative-accuracy", "0"]),
         row("usage", "an option that does not exist", |_| {}, 2, &["error: unexpected argument '--nmae' found"]).more(&["--nmae"]),
-        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out/report_data.json: its folder cannot be made: "]),
+        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out/report_data.json: its folder cannot be made: ", "; move the file that stands in the way, or name another folder"]),
         row("E0210", "two files with the same channel", |b| { let t = std::fs::read(b.path("t.csv")).unwrap(); b.write("u.csv", t); }, 2, &["E0210 channel 'omega_x' stands in t.csv column 'omega_x' and again in u.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"]).run(TWO),
-        row("E0303", "files that do not overlap", |b| { b.spoil(|s| s.without("wheel")); let mut w = crate::bench::sheet(); w.without("q_"); w.without("omega"); w.map("time_s", |_, t| t + 1000.0); b.write("u.csv", w.text()); }, 2, &["E0303 t.csv,u.csv: 0 samples have all needed channels at one time; at least 2 are needed"]).run(TWO),
-        row("E0211", "an unknown unit", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"rad/ss\" }\n"), 2, &["E0211 unit 'rad/ss' is not known; did you mean 'rad/s'?"]),
-        row("E0212", "a map to a column that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"wx\", unit = \"rad/s\" }\n"), 2, &["E0212 map of channel 'omega_x': no column 'wx' in t.csv"]),
-        row("E0213", "rows chosen by a text that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry]\nwhere = { omega_x = \"A\" }\n"), 2, &["E0213 where omega_x = 'A': no row of t.csv matches; the first values there are"]),
-        row("E0304", "absolute orbital positions", |b| { b.model("[momentum]", "[[sensor]]\nname = \"gps\"\ntype = \"position\"\nnoise_m = 1.0\n\n[momentum]"); b.spoil(|s| { s.header.extend(["r_x", "r_y", "r_z"].map(str::to_owned)); s.rows.iter_mut().for_each(|r| r.extend(["7000000.0", "0.0", "0.0"].map(str::to_owned))); }); }, 2, &["E0304 t.csv: channel 'r': |r| = 7.000e6 m at t = 0 s"]),
+        row("E0303", "files that do not overlap", |b| { b.spoil(|s| s.without("wheel")); let mut w = crate::bench::sheet(); w.without("q_"); w.without("omega"); w.map("time_s", |_, t| t + 1000.0); b.write("u.csv", w.text()); }, 2, &["E0303 t.csv,u.csv: 0 samples have all needed channels at one time, and 2 are needed; give a longer record, or files whose times overlap"]).run(TWO),
+        row("E0211", "an unknown unit", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"rad/ss\" }\n"), 2, &["E0211 map of channel 'omega_x': unit 'rad/ss' is not known; did you mean 'rad/s'?"]),
+        row("E0212", "a map to a column that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"wx\", unit = \"rad/s\" }\n"), 2, &["E0212 map of channel 'omega_x': no column 'wx' in t.csv; "]),
+        row("E0213", "rows chosen by a text that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry]\nwhere = { omega_x = \"A\" }\n"), 2, &["E0213 where omega_x = 'A': no row of t.csv matches; choose among the values there, the first are"]),
+        row("E0304", "absolute orbital positions", |b| { b.model("[momentum]", "[[sensor]]\nname = \"gps\"\ntype = \"position\"\nnoise_m = 1.0\n\n[momentum]"); b.spoil(|s| { s.header.extend(["r_x", "r_y", "r_z"].map(str::to_owned)); s.rows.iter_mut().for_each(|r| r.extend(["7000000.0", "0.0", "0.0"].map(str::to_owned))); }); }, 2, &["E0304 t.csv: channel 'r': |r| = 7e6 m at t = 0 s"]),
         row("E0305", "a gyro on a link", |b| { arm(b, "10.0", ""); b.model("type = \"gyro\"", "type = \"gyro\"\nbody = \"link\""); }, 2, &["E0305 model: sensor 'gyro' sits on body 'link'"]),
         row("E0307", "known momentum and no attitude", |b| { b.spoil(|s| s.without("q_")); b.model("angular_N_m_s = \"estimate\"", "angular_N_m_s = [0.2, -0.3, 0.25]"); }, 2, &["E0307 t.csv: no attitude channel (q_x q_y q_z q_w), but [momentum] angular_N_m_s = [0.2, -0.3, 0.25] in the axes of N"]),
         row("E0401", "the mass centre alone, linear", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replace("estimate = true", "estimate = [\"com\"]"); b.write("m.toml", m); }, 2, &["E0401 body 'bus': estimate asks for the mass centre while the inertia about it is held"]).more(&["--method", "linear"]),
         row("E0402", "nothing to estimate", |b| b.model("estimate = [\"inertia\"]\n", ""), 2, &["E0402 the model has nothing to estimate: every body is given as known; set estimate = true on at least one body"]),
         row("E0403", "several bodies without velocity, linear", |b| { arm(b, "10.0", ""); b.spoil(|s| { s.header.push("j_rad".into()); s.rows.iter_mut().enumerate().for_each(|(k, r)| r.push(format!("{:?}", (0.02 * k as f64).sin()))); }); }, 2, &["E0403 no velocity: no channels v_x v_y v_z"]).more(&["--method", "linear"]),
         row("E0405", "a body without inertia to speak of", |b| b.model("xx = 15.0, yy = 16.0, zz = 21.0", "xx = 1e-9, yy = 1e-9, zz = 1e-9"), 2, &["E0405 the motion cannot be predicted from the nominal mass properties"]),
-        row("E0601", "a report of nothing", |_| {}, 2, &["E0601 out/estimate.json: no report can be made of this: it is not there; `poinsot identify --out DIR` writes it"]).run(&["report", "out"]),
+        row("E0601", "a report of nothing", |_| {}, 2, &["E0601 out/estimate.json: no report or export can be made of this: it is not there; write it by `poinsot identify --out DIR`"]).run(&["report", "out"]),
         row("E0601", "an export of nothing", |b| b.write("r.urdf", crate::models::ROBOT), 2, &["E0601 out/estimate.json"]).run(&["export", "out", "--to", "urdf", "--onto", "r.urdf"]),
         kim("a body that never turns about x", |b| b.spoil(|s| { s.map("omega_x", |_, _| 0.0); s.map("q_", |_, _| 0.5); }), &["E0422 kim2010: the body never turns about its x axis"]),
         kim("wheels at rest", |b| b.spoil(|s| s.map("wheel", |_, _| 0.0)), &["E0423 kim2010: the momentum of the wheels never changes"]),
         kim("wheels of 1e30 kg m2", |b| { let m = MODEL.replace("0.0004113", "1e30"); b.write("m.toml", m); }, &["E0424 kim2010: the telemetry holds numbers that are not finite or overflow"]),
-        kim("two samples", |b| b.spoil(|s| s.rows.truncate(2)), &["E0421 kim2010: at least three samples are needed"]),
+        kim("two samples", |b| b.spoil(|s| s.rows.truncate(2)), &["E0421 kim2010: fewer than three samples; give a longer record"]),
         kim("a vehicle of two bodies", |b| arm(b, "10.0", ""), &["E0425 kim2010 is for one rigid body with wheels and no external torque"]),
         ma("a vehicle without arm", |b| b.model("estimate = [\"inertia\"]", "estimate = true"), &["E0523 model: the bodies beyond the base 'bus' have no mass"]),
         ma("a link to estimate", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replace("com_m = [0.2", "estimate = true\ncom_m = [0.2"); b.write("m.toml", m); }, &["E0521 body 'link': estimate: ma2008 needs every body but the base known"]),

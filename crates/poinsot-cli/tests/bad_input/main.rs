@@ -3,6 +3,7 @@
 //! `POINSOT_BLESS=1` writes `docs/validation/bad_input.md` and `docs/errors.md` anew from what is printed.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod advice;
 mod bench;
 mod codes;
 mod document;
@@ -101,6 +102,10 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
         }
     }
     for (code, message, why) in codes::of_the_library() {
+        assert!(
+            message.is_empty() || advice::says_what_to_do(&message),
+            "no advice: {message}"
+        );
         assert!(message.starts_with(code), "{message}");
         all.entry(code.to_owned()).or_insert((message, Some(why)));
     }

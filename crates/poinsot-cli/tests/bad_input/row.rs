@@ -1,5 +1,6 @@
 //! One row of the table: a fault, what is run, what must be printed.
 
+use crate::advice::says_what_to_do;
 use crate::bench::{Bench, Done};
 
 /// The usual question.
@@ -126,6 +127,9 @@ impl Row {
                         .get(1..5)
                         .is_some_and(|d| d.bytes().all(|b| b.is_ascii_digit()));
                 let counted = line.starts_with("and ") && line.ends_with(" more");
+                if coded && !says_what_to_do(line) {
+                    wrong.push(format!("does not say what to do: {line}"));
+                }
                 if !coded && !counted && !done.stderr.starts_with("error:") {
                     wrong.push(format!("a line without code: {line}"));
                 }

@@ -1,7 +1,8 @@
 //! What the evidence means, in words, the most important first.
 
 use super::EXCESS;
-use super::types::{ChannelDiagnosis, Diagnostics, FaultKind, Finding};
+use super::types::{ChannelDiagnosis, Diagnostics, FaultKind, Finding, Suspect};
+use poinsot_model::rounded;
 
 /// Share of outliers worth a word.
 const OUTLIER_SHARE: f64 = 1.0e-3;
@@ -32,7 +33,12 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
             .iter()
             .map(|(n, v, u)| value(n, *v, u))
             .collect();
-        let text = format!("{} {gain}: {}", best.name, values.join(", "));
+        let text = format!(
+            "{} {gain}: {}{}",
+            best.name,
+            values.join(", "),
+            advice(best)
+        );
         let share = if misfit { best.explains } else { 1.0 };
         list.push((share, finding(best.fault, text)));
     }
@@ -68,9 +74,32 @@ fn finding(fault: FaultKind, text: String) -> Finding {
     Finding { fault, text }
 }
 
+/// What would take a suspect into the model, or out of the data; begins with a separator.
+fn advice(suspect: &Suspect) -> &'static str {
+    match suspect.fault {
+        FaultKind::GyroBias => "; write bias = \"estimate\" for it",
+        FaultKind::GyroScale => "; write scale = \"estimate\" for it",
+        FaultKind::GyroMisalignment => "; write misalignment = \"estimate\" for it",
+        FaultKind::Lag => "; correct its times, or write lag = \"estimate\" for it",
+        FaultKind::WheelSign => "; turn the axis round, or the sign of the column",
+        FaultKind::WheelScale => "; write estimate = true for it",
+        FaultKind::Units => "; correct the unit in [telemetry.columns]",
+        FaultKind::Thrust => "; check its firings, or write scale = \"estimate\" for it",
+        FaultKind::Torque => "; write disturbance_torque = \"estimate\" in [environment]",
+        FaultKind::Drag => "; write drag_torque = \"estimate\" in [environment]",
+        // Forces that drift with the momentum are no unknown of the model file.
+        FaultKind::MomentumDrift if suspect.name.contains("angular") => {
+            "; write disturbance_torque_inertial = \"estimate\" in [environment]"
+        }
+        _ => "",
+    }
+}
+
 fn value(name: &str, value: f64, unit: &str) -> String {
     let unit = if unit == "1" { "" } else { unit };
-    format!("{name} = {value:.3e} {unit}").trim().to_owned()
+    format!("{name} = {} {unit}", rounded(value, 4))
+        .trim()
+        .to_owned()
 }
 
 fn outliers(c: &ChannelDiagnosis) -> Option<String> {
@@ -101,9 +130,10 @@ fn too_large(c: &ChannelDiagnosis, excess: f64, caused: bool) -> Option<(f64, Fi
             finding(
                 FaultKind::NoiseUnderstated,
                 format!(
-                    "the noise of the {} is {:.2} times the declared one: the residual is white, so it is the declaration that is wrong",
+                    "the noise of the {} is {:.2} times the declared one: the residual is white, so it is the declaration that is wrong; declare {} times as much",
                     c.name,
-                    ratio.sqrt()
+                    ratio.sqrt(),
+                    rounded(ratio.sqrt(), 3)
                 ),
             ),
         ),
@@ -146,7 +176,7 @@ mod tests {
 
     #[test]
     fn regress_no_finding_lowers_chi_square_by_less_than_nothing() {
-        let good = "drag would lower chi-square by 50: environment.drag_x = 1.000e-3 kg m2";
+        let good = "drag would lower chi-square by 50: environment.drag_x = 0.001 kg m2; write drag_torque = \"estimate\" in [environment]";
         assert_eq!(said(50.0), [good]);
         assert!(said(-0.3).is_empty());
     }

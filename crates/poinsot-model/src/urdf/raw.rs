@@ -144,7 +144,7 @@ fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
         ),
         roxmltree::Error::NodesLimitReached => (
             format!("the file has more than {NODES} XML nodes"),
-            "is it a URDF file?",
+            "name a URDF file",
         ),
         roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => (
             "the file holds xacro tags and does not declare them".to_owned(),
@@ -348,8 +348,12 @@ impl Reader<'_> {
             }
         }
         if count != N {
-            let problem = format!("{count} numbers where {N} stand");
-            self.refuse(node, &key, text, problem, "separate them by blanks");
+            let problem = format!("{count} numbers where {N} should stand");
+            let remedy = match N {
+                1 => "write one number",
+                _ => "write three numbers with blanks between them",
+            };
+            self.refuse(node, &key, text, problem, remedy);
             return None;
         }
         Some(values)

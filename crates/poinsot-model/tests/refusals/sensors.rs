@@ -44,7 +44,7 @@ of = ["joint1", "joint2"]"#,
     (
         r#"quantisation_rad = 2.4e-5"#,
         r#"quantisation_m = 2.4e-5"#,
-        r#"accepted, notes ["line 38: sensor[1].type (sensor \"encoders\"): the sensor has no effect: there is nothing that it could read"]"#,
+        r#"accepted, notes ["line 38: sensor[1].type (sensor \"encoders\"): the sensor has no effect: there is nothing that it could read; remove it, or add what it reads"]"#,
     ),
     (
         r#"quantisation_rad = 2.4e-5"#,

@@ -3,7 +3,7 @@
 use super::{Check, Finding, Found, Policy};
 use crate::hypothesis::{Axes, Order, Sense};
 use crate::rate_pairs::Pairs;
-use crate::{Channel, Table, full_name, median_step};
+use crate::{Channel, Table, full_name, median_step, rounded};
 use std::sync::Arc;
 
 /// Longest lag that is looked for, s, and in samples of the slower channel.
@@ -73,9 +73,11 @@ pub(super) fn find(table: &Table) -> Option<Found> {
             of: x.values.len(),
             first_times_s: Vec::new(),
             text: format!(
-                "the gyro is {:.4} s {late} than the attitude ({:.1} samples): with that shift their difference falls from {without:.3e} to {least:.3e} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
+                "the gyro is {:.4} s {late} than the attitude ({:.1} samples): with that shift their difference falls from {} to {} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
                 lag.abs(),
-                lag.abs() / fast
+                lag.abs() / fast,
+                rounded(without, 4),
+                rounded(least, 4)
             ),
             policy: Policy::Report,
         },

@@ -121,20 +121,24 @@ impl Policies {
     pub fn new<S: AsRef<str>>(changes: &[S], strict: bool) -> Result<Self, String> {
         let mut chosen = Vec::new();
         for change in changes {
-            let (check, policy) = change
-                .as_ref()
-                .split_once('=')
-                .ok_or("write CHECK=POLICY, for example outlier=exclude")?;
+            let change = change.as_ref();
+            let (check, policy) = change.split_once('=').ok_or_else(|| {
+                format!("'{change}' holds no '='; write CHECK=POLICY, for example outlier=exclude")
+            })?;
             let check = Check::ALL
                 .into_iter()
                 .find(|c| c.name() == check)
-                .ok_or_else(|| format!("checks: {}", Check::ALL.map(Check::name).join(", ")))?;
+                .ok_or_else(|| {
+                    let names = Check::ALL.map(Check::name).join(", ");
+                    format!("there is no check '{check}'; use one of {names}")
+                })?;
             let known = check.policies();
             let policy = Policy::named(policy)
                 .filter(|p| known.contains(p))
                 .ok_or_else(|| {
                     let names: Vec<&str> = known.iter().map(|p| p.name()).collect();
-                    format!("policies of {}: {}", check.name(), names.join(", "))
+                    let name = check.name();
+                    format!("{name} has no such policy; use one of {}", names.join(", "))
                 })?;
             chosen.push((check, policy));
         }

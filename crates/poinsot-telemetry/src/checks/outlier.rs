@@ -1,6 +1,7 @@
 //! Readings far from their neighbours.
 
 use crate::Channel;
+use crate::rounded;
 use crate::time_base::median;
 
 /// Distance from the median of five, in robust sigmas, from which a reading is an outlier.
@@ -43,9 +44,11 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let worst = from_median.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     (!far.is_empty()).then(|| {
         let text = format!(
-            "{} readings lie up to {worst:.3e} {} from their neighbours, more than {FAR} robust sigmas ({sigma:.3e})",
+            "{} readings lie up to {} {} from their neighbours, more than {FAR} robust sigmas ({})",
             far.len(),
-            channel.unit
+            rounded(worst, 4),
+            channel.unit,
+            rounded(sigma, 4)
         );
         (far, text)
     })

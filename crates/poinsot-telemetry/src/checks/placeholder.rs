@@ -30,7 +30,8 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     Some((
         samples,
         format!(
-            "{value} stands in {count} samples, far from all others: a placeholder for no sample? leave those cells empty, or --policy placeholder=exclude"
+            "{} stands in {count} samples, far from all others: a placeholder for no sample? leave those cells empty, or --policy placeholder=exclude",
+            crate::as_read(value)
         ),
     ))
 }

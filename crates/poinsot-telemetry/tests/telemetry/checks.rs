@@ -108,10 +108,10 @@ fn exact_policies_do_what_they_say() {
     }
     assert_eq!(
         Policies::new(&["outlier=repair"], false),
-        Err("policies of outlier: exclude, report, refuse".to_owned())
+        Err("outlier has no such policy; use one of exclude, report, refuse".to_owned())
     );
     assert_eq!(
         Policies::new(&["spikes=report"], false),
-        Err("checks: gap, placeholder, held, saturation, stuck, outlier, lag, units".to_owned())
+        Err("there is no check 'spikes'; use one of gap, placeholder, held, saturation, stuck, outlier, lag, units".to_owned())
     );
 }

@@ -43,15 +43,15 @@ fn unit_cells_that_are_no_numbers() {
         ),
         (
             "inf",
-            "E0203 run.csv:3 column 'omega_x': 'inf' is infinite; leave the cell empty where there is no sample",
+            "E0203 run.csv:3 column 'omega_x': 'inf' is infinite; write a number, or leave the cell empty where there is no sample",
         ),
         (
             "#N/A",
-            "E0203 run.csv:3 column 'omega_x': '#N/A' is not a number; leave the cell empty where there is no sample",
+            "E0203 run.csv:3 column 'omega_x': '#N/A' is not a number; write a number, or leave the cell empty where there is no sample",
         ),
         (
             "off",
-            "E0203 run.csv:3 column 'omega_x': 'off' is not a number",
+            "E0203 run.csv:3 column 'omega_x': 'off' is not a number; write a number, or leave the cell empty where there is no sample",
         ),
         (
             "1d-3",
@@ -78,7 +78,7 @@ fn unit_line_numbers_count_blank_lines_and_line_ends_of_any_kind() {
     ] {
         assert_eq!(
             fault(text),
-            "E0203 run.csv:4 column 'omega_x': 'x' is not a number"
+            "E0203 run.csv:4 column 'omega_x': 'x' is not a number; write a number, or leave the cell empty where there is no sample"
         );
     }
 }
@@ -88,15 +88,15 @@ fn unit_rows_and_headers() {
     for (text, message) in [
         (
             "time_s,omega_x\n0,1\n1\n2,3\n",
-            "E0204 run.csv:3: 1 fields where the header has 2; complete the row, an empty cell means no sample",
+            "E0204 run.csv:3: 1 fields where the header has 2; complete the row: an empty cell means no sample",
         ),
         (
             "time_s,omega_x\n0,1,5\n1,1,5\n",
-            "E0204 run.csv:2: 3 fields where the header has 2; a decimal comma or a comma in a text without quotes adds fields",
+            "E0204 run.csv:2: 3 fields where the header has 2: a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text",
         ),
         (
             "time_s,omega_x\n# made by hand\n0,1\n",
-            "E0204 run.csv:2: 1 fields where the header has 2; lines that begin with '#' are not comments: leave them out",
+            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out: '#' begins no comment here",
         ),
         (
             "time_s,omega_x,omega_x\n0,1,2\n",
@@ -112,7 +112,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "",
-            "E0205 run.csv: the file is empty; a header row is needed",
+            "E0205 run.csv: the file is empty; begin it with a header row",
         ),
         (
             "time_s,omega_x\n",
@@ -120,11 +120,15 @@ fn unit_rows_and_headers() {
         ),
         (
             "t_s,omega_x\n0,1\n",
-            "E0207 run.csv: no column 'time_s'; it may be 't_s': map it by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }",
+            "E0207 run.csv: no column 'time_s'; map 't_s', which may be it, by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }",
         ),
         (
             "omega_x,n\n0,1\n",
             "E0207 run.csv: no column 'time_s'; map one of [omega_x, n] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }",
+        ),
+        (
+            "time_s,omega_x\n0,1\nnone,2\n",
+            "E0203 run.csv:3 column 'time_s': 'none' is not a number; write the time, or leave the row out",
         ),
     ] {
         assert_eq!(fault(text), message);
@@ -163,15 +167,15 @@ fn unit_times_that_cannot_be() {
         ),
         (
             "time_s,omega_x\n0,1\n,2\n2,3\n",
-            "E0208 run.csv:3 column 'time_s': the row has no time; give it one or leave it out",
+            "E0208 run.csv:3 column 'time_s': the row has no time; give it one or leave the row out",
         ),
         (
             "time_s,omega_x\n0,1\n1e8,2\n2e8,3\n",
-            "E0209 run.csv column 'time_s': the median step is 1e8 s, outside 1e-5 to 1e5 s; the unit is likely ns; map it: time_s = { column = \"time_s\", unit = \"...\" }",
+            "E0209 run.csv column 'time_s': the median step is 1e8 s, outside 1e-5 to 1e5 s: its unit is likely ns; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"ns\" }",
         ),
         (
             "time_s,omega_x\n0,1\n1e-6,2\n2e-6,3\n",
-            "E0209 run.csv column 'time_s': the median step is 1e-6 s, outside 1e-5 to 1e5 s; the unit is likely d; map it: time_s = { column = \"time_s\", unit = \"...\" }",
+            "E0209 run.csv column 'time_s': the median step is 1e-6 s, outside 1e-5 to 1e5 s: its unit is likely d; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"d\" }",
         ),
     ] {
         assert_eq!(fault(text), message);
@@ -189,7 +193,7 @@ fn unit_a_repeated_row_is_dropped_and_listed() {
     );
     assert_eq!(
         strict(text),
-        "E0218 run.csv:4: 1 rows that repeat the row before them dropped; --strict allows no repair: correct the file or leave out --strict"
+        "E0218 run.csv:4: 1 rows that repeat the row before them dropped: --strict allows no repair; correct the file or leave out --strict"
     );
 }
 
@@ -257,15 +261,15 @@ fn unit_maps_that_cannot_be_followed() {
         ),
         (
             map("omega_x", "gyro_wx", "deg"),
-            "E0212 map of channel 'omega_x': unit 'deg' does not measure it; it is stored in rad/s, so give a unit of that kind",
+            "E0212 map of channel 'omega_x': unit 'deg' does not measure it; give a unit that converts to rad/s",
         ),
         (
             map("omega_x", "gyro_wx", "dgs/s"),
-            "E0211 unit 'dgs/s' is not known; did you mean 'deg/s'?",
+            "E0211 map of channel 'omega_x': unit 'dgs/s' is not known; did you mean 'deg/s'?",
         ),
         (
             map("omega", "gyro_wx", "deg/s"),
-            "E0212 map of channel 'omega': not a standard channel name; see the telemetry table of the manual (omega_x, joint1_rad, wheel1_rad_s, thr1_N, ...)",
+            "E0212 map of channel 'omega': not a standard channel name; write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N",
         ),
     ] {
         assert_eq!(read_text(text, &options).unwrap_err(), message);
@@ -276,11 +280,11 @@ fn unit_maps_that_cannot_be_followed() {
 fn unit_quaternions_that_are_none() {
     assert_eq!(
         fault("time_s,q_x,q_y,q_z\n0,0,0,0\n1,0,0,0\n"),
-        "E0214 run.csv: 'q_w' is missing; a quaternion needs q_x, q_y, q_z and q_w in one file"
+        "E0214 run.csv: 'q_w' is missing; add it: a quaternion needs q_x, q_y, q_z and q_w in one file"
     );
     assert_eq!(
         fault("time_s,q_x,q_y,q_z,q_w\n0,0,0,0,1\n1,0,0,1,1\n"),
-        "E0214 run.csv:3 column 'q_x': the quaternion (0, 0, 1, 1) has norm 1.4142135623730951, not 1; correct the row or the order of the columns"
+        "E0214 run.csv:3 column 'q_x': the quaternion (0, 0, 1, 1) has norm 1.41421, not 1; correct the row or the order of the columns"
     );
 }
 
@@ -290,7 +294,7 @@ fn unit_files_that_are_none() {
     let missing = read(&[folder.path("none.csv")], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&missing),
-        "E0201 none.csv: cannot be read: No such file or directory (os error 2)"
+        "E0201 none.csv: cannot be read: No such file or directory (os error 2); check the path"
     );
     assert!(!missing.is_environment());
     std::fs::create_dir(folder.path("dir.csv")).unwrap();
@@ -303,7 +307,7 @@ fn unit_files_that_are_none() {
     let error = read(&[path], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0202 run.xlsx: the kind of file is not known from its name; telemetry is .csv or .parquet"
+        "E0202 run.xlsx: the kind of file is not known from its name; give a .csv or .parquet file"
     );
 }
 

@@ -132,7 +132,7 @@ fn unit_faults_name_file_row_and_column() {
     let error = read(&[&path], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0203 inf.parquet row 2 column 'omega_x': '-inf' is infinite; leave the cell empty where there is no sample"
+        "E0203 inf.parquet row 2 column 'omega_x': '-inf' is infinite; correct it, or leave the cell empty where there is no sample"
     );
 }
 

@@ -66,7 +66,7 @@ fn unit_nothing_appears_under_the_name_when_writing_fails() {
         ),
         (
             &back,
-            "E0219 a.csv column 'omega_x': the times are not strictly increasing numbers",
+            "E0219 a.csv column 'omega_x': the times are not strictly increasing numbers; sort them and leave out what repeats",
         ),
     ] {
         let error = write(&path, channels).unwrap_err();

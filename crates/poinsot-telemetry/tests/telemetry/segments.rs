@@ -56,7 +56,7 @@ fn unit_rows_are_chosen_before_times_are_checked() {
     assert!(table.ignored.is_empty());
     assert_eq!(
         read_text(text, &options("c")).unwrap_err(),
-        "E0213 where run = 'c': no row of run.csv matches; the first values there are 'a', 'b'"
+        "E0213 where run = 'c': no row of run.csv matches; choose among the values there, the first are 'a', 'b'"
     );
     let missing = ReadOptions {
         row_filter: vec![("runs".into(), "a".into())],

@@ -54,7 +54,7 @@ impl<'a> Channels<'a> {
     pub fn gyro(&self, model: &Model) -> Result<VectorChannels<'a>, BindError> {
         let gyro = self.vector(model, SensorKind::Gyro, "omega");
         gyro.filter(|g| !g.time_s().is_empty())
-            .ok_or_else(|| self.missing("omega_x omega_y omega_z", "the linear method works on measured body rates; add a gyro, or map its columns in [telemetry.columns]"))
+            .ok_or_else(|| self.missing("omega_x omega_y omega_z", "every method starts from measured body rates; add a gyro, or map its columns in [telemetry.columns]"))
     }
 
     pub fn missing(&self, channel: &str, why: &str) -> BindError {

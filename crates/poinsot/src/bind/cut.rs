@@ -83,14 +83,15 @@ fn merged(mut gaps: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 /// The samples of a table between two times, both included.
 fn piece(table: &Table, from: f64, to: f64) -> Table {
-    let mut last: Option<(Arc<[f64]>, Arc<[f64]>)> = None;
+    // Times of the channel before: whole, and cut.
+    let mut last: Option<[Arc<[f64]>; 2]> = None;
     let mut cut = |whole: &Channel| {
         let first = whole.time_s.partition_point(|t| *t < from);
         let past = whole.time_s.partition_point(|t| *t <= to).max(first);
         // Channels of one file share their times.
-        let shared = last.as_ref().filter(|s| Arc::ptr_eq(&s.0, &whole.time_s));
-        let time_s = shared.map_or_else(|| whole.time_s[first..past].into(), |s| s.1.clone());
-        last = Some((whole.time_s.clone(), time_s.clone()));
+        let shared = last.as_ref().filter(|s| Arc::ptr_eq(&s[0], &whole.time_s));
+        let time_s = shared.map_or_else(|| whole.time_s[first..past].into(), |s| s[1].clone());
+        last = Some([whole.time_s.clone(), time_s.clone()]);
         let channel = Channel {
             name: whole.name.clone(),
             sensor: whole.sensor.clone(),

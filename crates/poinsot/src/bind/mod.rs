@@ -22,7 +22,7 @@ pub use noise::declared_noise;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
-use poinsot_telemetry::Table;
+use poinsot_telemetry::{Table, as_read, rounded};
 use std::collections::HashSet;
 
 /// Why telemetry and model do not fit together.
@@ -50,7 +50,7 @@ pub enum BindError {
     },
     /// Too few common samples.
     #[error(
-        "E0303 {file}: {found} samples have all needed channels at one time; at least {needed} are needed"
+        "E0303 {file}: {found} samples have all needed channels at one time, and {needed} are needed; give a longer record, or files whose times overlap"
     )]
     TooFew {
         /// File or files of the segment.
@@ -62,7 +62,8 @@ pub enum BindError {
     },
     /// Absolute orbital coordinates.
     #[error(
-        "E0304 {file}: channel 'r': |r| = {distance:.3e} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; give positions relative to a reference orbit"
+        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; give positions relative to a reference orbit",
+        rounded(*distance, 4)
     )]
     OrbitalPosition {
         /// File or files of the segment.
@@ -74,7 +75,8 @@ pub enum BindError {
     },
     /// A reading that no vehicle gives.
     #[error(
-        "E0306 {file}: channel '{channel}': {value:?} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample"
+        "E0306 {file}: channel '{channel}': {} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample",
+        as_read(*value)
     )]
     Implausible {
         /// File or files of the segment.
@@ -154,7 +156,7 @@ fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
     if let Some(sensor) = elsewhere {
         return Err(BindError::Unsupported {
             what: format!(
-                "sensor '{}' sits on body '{}'; of links only accelerometers and velocity increments are used, all else is read on the base '{}': move it or leave it out",
+                "sensor '{}' sits on body '{}'; of links only accelerometers and velocity increments are used, all else is read on the base '{}'; move it or leave it out",
                 sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
             ),
         });

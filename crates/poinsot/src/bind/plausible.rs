@@ -3,7 +3,7 @@
 
 use super::BindError;
 use super::channels::Channels;
-use poinsot_telemetry::{Channel, median_step};
+use poinsot_telemetry::{Channel, median_step, rounded};
 use std::f64::consts::PI;
 
 /// Largest numbers that are taken for readings, by the end of the channel's name.
@@ -58,6 +58,10 @@ fn turns_too_far(channel: &Channel) -> Option<(usize, String)> {
     let turns = channel.values.get(at)?.abs() * step / (2.0 * PI);
     Some((
         at,
-        format!("{turns:.3e} turns between samples {step:.3e} s apart"),
+        format!(
+            "{} turns between samples {} s apart",
+            rounded(turns, 4),
+            rounded(step, 4)
+        ),
     ))
 }

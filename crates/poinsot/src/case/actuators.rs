@@ -57,7 +57,13 @@ impl Planner<'_> {
             let initial_speed = initial.map_or(0.0, |x| *x.get_ref());
             if !initial_speed.is_finite() {
                 let problem = "the initial speed is not finite";
-                self.refuse("E0505", key, table.wheel.span(), problem, "correct it");
+                self.refuse(
+                    "E0505",
+                    key,
+                    table.wheel.span(),
+                    problem,
+                    "give a finite number",
+                );
             }
             return Some(WheelMotion::Torque {
                 initial_speed,
@@ -81,7 +87,7 @@ impl Planner<'_> {
             let force = *table.force_N.get_ref();
             if !on.is_finite() || !off.is_finite() || off <= on {
                 let problem = "the firing ends before it begins, or is not finite";
-                let remedy = "off_s must lie after on_s";
+                let remedy = "let off_s lie after on_s";
                 self.refuse("E0505", &key("off_s"), table.off_s.span(), problem, remedy);
             }
             if !force.is_finite() || force < 0.0 {

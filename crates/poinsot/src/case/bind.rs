@@ -9,6 +9,7 @@ use nalgebra::Quaternion;
 use poinsot_dynamics::{DrivenPlan, Plan, Start, StartVelocity};
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_telemetry::rounded;
 use toml::Spanned;
 
 /// A case bound to a model: everything a simulation needs.
@@ -82,7 +83,13 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
         };
         if !x.get_ref().iter().all(|x| x.is_finite()) {
             let key = format!("initial.{key}");
-            planner.refuse("E0505", &key, x.span(), "not finite", "correct it");
+            planner.refuse(
+                "E0505",
+                &key,
+                x.span(),
+                "not finite",
+                "write finite numbers",
+            );
         }
         Vector3::from(*x.get_ref())
     };
@@ -125,7 +132,7 @@ fn attitude(planner: &mut Planner, initial: &InitialFile) -> UnitQuaternion {
     let q = Quaternion::new(w, x, y, z);
     // Printed quaternions are rounded; anything further off is another mistake.
     if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
-        let problem = format!("norm {} is not 1", q.norm());
+        let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
         let remedy = "give a unit quaternion, scalar last, body to inertial";
         planner.refuse("E0505", "initial.q_xyzw", given.span(), problem, remedy);
         return UnitQuaternion::identity();

@@ -7,6 +7,7 @@ use nalgebra::Quaternion;
 use poinsot_dynamics::{AttitudeControl, Plan, Target, Tree, WheelDrive, WheelLimits, composite};
 use poinsot_dynamics::{Kinematics, WheelMotion};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
+use poinsot_telemetry::rounded;
 use std::ops::Range;
 use toml::Spanned;
 
@@ -108,7 +109,7 @@ impl Planner<'_> {
             let [x, y, z, w] = *target.q_xyzw.get_ref();
             let q = Quaternion::new(w, x, y, z);
             if !q.norm().is_finite() || (q.norm() - 1.0).abs() > 1e-3 {
-                let problem = format!("norm {} is not 1", q.norm());
+                let problem = format!("norm {} is not 1", rounded(q.norm(), 6));
                 let remedy = "give a unit quaternion, scalar last, body to inertial";
                 self.refuse(
                     "E0505",
@@ -142,7 +143,13 @@ impl Planner<'_> {
             if !limits[k].is_valid() || !wheel_speed[k].is_finite() {
                 let problem = "limits must be positive, friction not negative, all finite";
                 let key = format!("control.wheel[{i}]");
-                self.refuse("E0505", &key, table.wheel.span(), problem, "correct it");
+                self.refuse(
+                    "E0505",
+                    &key,
+                    table.wheel.span(),
+                    problem,
+                    "correct its numbers",
+                );
             }
         }
         Control {

@@ -114,7 +114,7 @@ pub(crate) fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>)
         .iter()
         .min_by_key(|k| strsim::damerau_levenshtein(name, k));
     match nearest {
-        None => "the model has none".to_owned(),
+        None => "take it out: there is none".to_owned(),
         Some(nearest)
             if nearest.starts_with(name)
                 || strsim::damerau_levenshtein(name, nearest) <= name.len() / 2 =>
@@ -123,7 +123,7 @@ pub(crate) fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>)
         }
         Some(_) => {
             let some = known.iter().take(8).map(|k| format!("\"{k}\""));
-            format!("the model has {}", some.collect::<Vec<_>>().join(", "))
+            format!("write one of {}", some.collect::<Vec<_>>().join(", "))
         }
     }
 }

@@ -81,7 +81,7 @@ impl Planner<'_> {
             "fourier" => self.fourier(table, slides, key),
             _ => {
                 let words = ["quintic_rest", "cubic_clamped", "fourier"];
-                let remedy = did_you_mean(word, words.into_iter()).replace("the model has", "use");
+                let remedy = did_you_mean(word, words.into_iter());
                 let key = format!("{key}.interpolation");
                 let span = table.interpolation.span();
                 self.refuse("E0507", &key, span, "no such interpolation", remedy);
@@ -149,7 +149,8 @@ impl Planner<'_> {
         let coefficients = || fourier.sine.iter().chain(&fourier.cosine);
         if !fourier.offset.is_finite() || !coefficients().all(|x| x.is_finite()) {
             let problem = "a coefficient is not finite";
-            self.refuse("E0505", key, table.joint.span(), problem, "correct it");
+            let remedy = "write finite numbers";
+            self.refuse("E0505", key, table.joint.span(), problem, remedy);
             return None;
         }
         let base = fourier.base_frequency_hz;
@@ -160,7 +161,7 @@ impl Planner<'_> {
                 &key,
                 frequency.span(),
                 "must be a positive number",
-                "correct it",
+                "give one",
             );
             return None;
         }

@@ -23,6 +23,7 @@ pub(crate) use sensor_output::unit_suffix;
 use fault::{CaseText, did_you_mean};
 use file::CaseFile;
 use poinsot_dynamics::Tolerance;
+use poinsot_telemetry::{advice, rounded};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -56,7 +57,7 @@ pub struct Case {
 /// # Errors
 /// All faults that show without the model.
 pub fn read_case(path: &Path) -> Result<Case, CaseError> {
-    let unreadable = |problem: String, environment: bool| CaseError {
+    let unreadable = |problem: String, remedy: &str, environment: bool| CaseError {
         faults: vec![CaseFault {
             code: "E0501",
             file: path.display().to_string(),
@@ -64,25 +65,34 @@ pub fn read_case(path: &Path) -> Result<Case, CaseError> {
             key: String::new(),
             value: String::new(),
             problem,
-            remedy: "give the path of a readable poinsot.case/1 file".into(),
+            remedy: remedy.to_owned(),
         }],
         environment,
     };
     let failed = |e: std::io::Error| {
         let missing = e.kind() == std::io::ErrorKind::NotFound;
-        unreadable(e.to_string(), !missing)
+        let remedy = match missing {
+            true => "give the path of a poinsot.case/1 file",
+            false => advice(&e),
+        };
+        unreadable(e.to_string(), remedy, !missing)
     };
     let size = std::fs::metadata(path).map_err(failed)?.len();
     if size > LARGEST_FILE {
         return Err(unreadable(
             format!("the file holds {size} bytes, more than 16 MiB"),
+            "give the path of a poinsot.case/1 file",
             false,
         ));
     }
     let bytes = std::fs::read(path).map_err(failed)?;
     match String::from_utf8(bytes) {
         Ok(text) => parse_case(path, text),
-        Err(_) => Err(unreadable("the file is not UTF-8 text".into(), false)),
+        Err(_) => Err(unreadable(
+            "the file is not UTF-8 text".into(),
+            "save it as UTF-8",
+            false,
+        )),
     }
 }
 
@@ -116,8 +126,8 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
             "output.rate_hz",
             output.rate_hz.span(),
             format!(
-                "{:.3e} rows are more than the program writes",
-                duration_s * rate_hz
+                "{} rows are more than the program writes",
+                rounded(duration_s * rate_hz, 4)
             ),
             "lower the rate or the duration",
         ));
@@ -179,7 +189,7 @@ fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Spanned
     let value = *x.get_ref();
     if !value.is_finite() || value <= 0.0 {
         let problem = "must be a positive number";
-        faults.push(text.fault("E0505", key, x.span(), problem, "correct it"));
+        faults.push(text.fault("E0505", key, x.span(), problem, "give one"));
     }
 }
 
@@ -188,8 +198,8 @@ fn syntax(text: &CaseText, e: &toml::de::Error) -> CaseFault {
     let message = e.message().lines().next().unwrap_or("").to_owned();
     let mut quoted = message.split('`').skip(1).step_by(2);
     let remedy = match (message.starts_with("unknown"), quoted.next()) {
-        (true, Some(name)) => did_you_mean(name, quoted).replace("the model has", "known are"),
-        _ => "correct the file".to_owned(),
+        (true, Some(name)) => did_you_mean(name, quoted),
+        _ => "correct it here".to_owned(),
     };
     let problem = message.split(", expected one of").next().unwrap_or("");
     let span = e.span().unwrap_or(0..0);

@@ -122,13 +122,17 @@ impl Planner<'_> {
             NodeError::NotFinite(_) => ("E0505", key.to_owned(), nodes.1.span()),
             NodeError::NotIncreasing(_) => ("E0506", format!("{key}.time_s"), nodes.0.span()),
         };
-        self.refuse(
-            code,
-            &key,
-            span,
-            error.to_string(),
-            "correct the nodes (counted from 0)",
-        );
+        self.refuse(code, &key, span, error.to_string(), node_remedy(&error));
         None
+    }
+}
+
+/// What to do about nodes that make no function.
+pub(super) fn node_remedy(error: &NodeError) -> &'static str {
+    match error {
+        NodeError::Empty => "give at least one",
+        NodeError::Length { .. } => "give one value per time",
+        NodeError::NotFinite(_) => "write finite numbers (nodes count from 0)",
+        NodeError::NotIncreasing(_) => "sort the times and leave out repeats (nodes count from 0)",
     }
 }

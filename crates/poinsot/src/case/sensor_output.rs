@@ -33,8 +33,16 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
             .collect();
         let [k] = found.as_slice() else {
             let names = model.sensors.iter().map(|s| s.name.as_str());
-            let remedy = did_you_mean(name, names);
-            let problem = format!("{} sensors of the model have this name", found.len());
+            let (problem, remedy) = match found.len() {
+                0 => (
+                    "the model has no sensor of this name".to_owned(),
+                    did_you_mean(name, names),
+                ),
+                n => (
+                    format!("{n} sensors of the model have this name"),
+                    "give them different names in the model".to_owned(),
+                ),
+            };
             planner.refuse(
                 "E0504",
                 &format!("{key}.name"),
@@ -96,7 +104,13 @@ fn bias(
             let remedy = format!("use bias_{wanted}");
             planner.refuse("E0507", &key, value.span(), problem, remedy);
         } else if !numbers.iter().all(|x| x.is_finite()) {
-            planner.refuse("E0505", &key, value.span(), "not finite", "correct it");
+            planner.refuse(
+                "E0505",
+                &key,
+                value.span(),
+                "not finite",
+                "write finite numbers",
+            );
         } else if numbers.len() != channels && !(sensor.kind.is_scalar() && numbers.len() == 1) {
             let problem = format!("{} numbers for {channels} channels", numbers.len());
             planner.refuse("E0506", &key, value.span(), problem, "give one per channel");

@@ -2,12 +2,12 @@
 
 use super::fault::did_you_mean;
 use super::file::{InitialJointFile, JointTorqueFile};
-use super::planner::Planner;
+use super::planner::{Planner, node_remedy};
 use poinsot_dynamics::{
     ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan, SpringDamper, Tree,
 };
 use poinsot_model::{Joint, JointKind};
-use poinsot_telemetry::{ReadOptions, read};
+use poinsot_telemetry::{ReadOptions, TelemetryError, read};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -149,7 +149,13 @@ impl Planner<'_> {
             let value = value.as_ref()?;
             if !value.get_ref().is_finite() {
                 let key = format!("{key}.{name}");
-                self.refuse("E0505", &key, value.span(), "not finite", "correct it");
+                self.refuse(
+                    "E0505",
+                    &key,
+                    value.span(),
+                    "not finite",
+                    "write a finite number",
+                );
             }
             Some(*value.get_ref())
         });
@@ -326,14 +332,20 @@ impl Planner<'_> {
         let found = match read(&[&path], &ReadOptions::default()) {
             Ok(found) => found,
             Err(e) => {
-                let remedy = "give the path of a telemetry file, from the folder of the case";
-                self.refuse("E0511", &key, file.span(), e.to_string(), remedy);
+                let (problem, remedy) = match &e {
+                    TelemetryError::Io { source, .. } => (
+                        format!("cannot be read: {source}"),
+                        "give the path of a telemetry file, from the folder of the case",
+                    ),
+                    _ => (e.to_string(), "or give another file"),
+                };
+                self.refuse("E0511", &key, file.span(), problem, remedy);
                 return None;
             }
         };
         let Some(channel) = found.channel(&column) else {
             let names = found.channels.iter().map(|c| c.name.as_str());
-            let remedy = did_you_mean(&column, names).replace("the model has", "the file has");
+            let remedy = did_you_mean(&column, names);
             let problem = format!("the file has no column \"{column}\"");
             self.refuse("E0511", &key, file.span(), problem, remedy);
             return None;
@@ -348,7 +360,7 @@ impl Planner<'_> {
             Ok(profile) => Some(ForceProfile::Nodes(profile.starting_from(0.0))),
             Err(e) => {
                 let problem = format!("column \"{column}\": {e}");
-                self.refuse("E0511", &key, file.span(), problem, "correct the file");
+                self.refuse("E0511", &key, file.span(), problem, node_remedy(&e));
                 None
             }
         }
@@ -358,7 +370,13 @@ impl Planner<'_> {
         if x.get_ref().is_finite() {
             return Some(());
         }
-        self.refuse("E0505", key, x.span(), "not finite", "correct it");
+        self.refuse(
+            "E0505",
+            key,
+            x.span(),
+            "not finite",
+            "write a finite number",
+        );
         None
     }
 

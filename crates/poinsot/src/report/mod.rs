@@ -17,7 +17,7 @@ mod verdict;
 
 pub use data::{REPORT_SCHEMA, ReportData, report_data};
 
-use crate::error::Error;
+use crate::error::{Error, no_page};
 use crate::identify::Identified;
 use crate::output::{write_file, write_files};
 use estimate::EstimateFile;
@@ -59,7 +59,7 @@ pub fn write_report_data(
 pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
     let page = folder_page(folder)?.html().map_err(|e| Error::Report {
         path: folder.to_owned(),
-        why: e.to_string(),
+        why: no_page(&e),
     })?;
     let path = folder.join("report.html");
     write_file(&path, page.as_bytes())?;
@@ -97,7 +97,7 @@ pub fn write_figures(folder: &Path, formats: &[FigureFormat]) -> Result<Vec<Path
     let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
     for figure in page.parts.iter().flat_map(|p| &p.figures) {
         for format in formats {
-            let bytes = figure.file(*format).map_err(|e| fault(e.to_string()))?;
+            let bytes = figure.file(*format).map_err(|e| fault(no_page(&e)))?;
             let name = format!("{}.{}", figure.name, format.extension());
             files.extend(bytes.map(|b| (folder.join("figures").join(name), b)));
         }
@@ -117,7 +117,7 @@ fn folder_page(folder: &Path) -> Result<Page, Error> {
         std::fs::read(&path).map_err(|source| match source.kind() {
             std::io::ErrorKind::NotFound => Error::Report {
                 path: path.clone(),
-                why: "it is not there; `poinsot identify --out DIR` writes it".to_owned(),
+                why: "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
             },
             _ => Error::Io {
                 path: path.clone(),
@@ -149,13 +149,15 @@ pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String>
 /// As [`report_html`].
 pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
     let estimate = <EstimateFile as serde::Deserialize>::deserialize(estimate)
-        .map_err(|e| format!("estimate.json: {e}"))?;
+        .map_err(|e| format!("estimate.json: {e}; write it anew with `poinsot identify`"))?;
     for (found, wanted) in [
         (&estimate.schema, "poinsot.estimate/1"),
         (&data.schema, REPORT_SCHEMA),
     ] {
         if found != wanted {
-            return Err(format!("schema '{found}' is not {wanted}"));
+            return Err(format!(
+                "schema '{found}' is not {wanted}; write it anew with `poinsot identify`"
+            ));
         }
     }
     if !estimate.inputs.iter().map(|i| &i.sha256).eq(&data.inputs) {
@@ -168,7 +170,7 @@ pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
         data,
         truth,
     };
-    page(&answer).map_err(|e| e.to_string())
+    page(&answer).map_err(|e| no_page(&e))
 }
 
 fn page(answer: &Answer) -> Result<Page, PageError> {

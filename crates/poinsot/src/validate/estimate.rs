@@ -117,12 +117,15 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
     let read: EstimateFile = serde_json::from_str(&text)
         .map_err(|e| refuse(format!("{e}; give an estimate.json as identify writes it")))?;
     if read.schema != "poinsot.estimate/1" {
-        let why = format!("its schema is \"{}\", not poinsot.estimate/1", read.schema);
+        let why = format!(
+            "its schema is \"{}\", not poinsot.estimate/1; give the folder of identify --out",
+            read.schema
+        );
         return Err(refuse(why).into());
     }
     if read.status == "rejected" || read.status == "iteration_limit" {
         let why = format!(
-            "its status is {}: it holds no numbers to predict with",
+            "its status is {}: it holds no numbers to predict with; give an estimate that is converged or partial",
             read.status
         );
         return Err(refuse(why).into());
@@ -232,7 +235,7 @@ fn completed(
         .collect();
     let determined = determined.filter(|d| d.len() == read.identifiability.rank);
     let determined =
-        determined.ok_or("it withholds some of its combinations: nothing to predict with")?;
+        determined.ok_or("it withholds some of its combinations: nothing to predict with; give an estimate of more data")?;
     let completion = complete(model, &Tree::new(model), &determined).map_err(|e| e.to_string())?;
     Ok((completion.vehicle(), Some(completion)))
 }

@@ -115,7 +115,9 @@ pub fn rows() -> Vec<Row> {
             "one sample",
             |b| b.spoil(|s| s.rows.truncate(1)),
             2,
-            &["E0303 t.csv: 1 samples have all needed channels at one time; at least 2 are needed"],
+            &[
+                "E0303 t.csv: 1 samples have all needed channels at one time, and 2 are needed; give a longer record",
+            ],
         ),
         row(
             "T19",
@@ -137,7 +139,7 @@ pub fn rows() -> Vec<Row> {
             "empty file",
             |b| b.write("t.csv", ""),
             2,
-            &["E0205 t.csv: the file is empty; a header row is needed"],
+            &["E0205 t.csv: the file is empty; begin it with a header row"],
         ),
         row(
             "T19",

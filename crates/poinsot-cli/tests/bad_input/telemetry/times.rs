@@ -102,8 +102,8 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t + 86400.0 } else { t })),
             2,
             &[
-                "E0208 t.csv:252 column 'time_s': time jumps from 49.8 s (row 251) to 86450.0 s, and the record covers 99.8",
-                "these are several runs: choose one by --time-s or [telemetry] where, or give each as a segment",
+                "E0208 t.csv:252 column 'time_s': time jumps from 49.8 s (row 251) to 86450 s, and the record covers 99.8",
+                "these are several runs; choose one by --time-s or [telemetry] where, or give each as a segment",
             ],
         ),
         row(
@@ -128,7 +128,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0306 t.csv: channel 'omega_x'",
-                "turns between samples 2.000e2 s apart; correct the unit",
+                "turns between samples 200 s apart; correct the unit",
             ],
         ),
         row(
@@ -138,7 +138,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0209 t.csv column 'time_s': the median step is 2e8 s",
-                "the unit is likely ns",
+                "its unit is likely ns",
             ],
         ),
         row(
@@ -146,7 +146,7 @@ pub fn rows() -> Vec<Row> {
             "days",
             |b| b.spoil(|s| s.map("time_s", |_, t| t / 86400.0)),
             2,
-            &["E0209", "the unit is likely d"],
+            &["E0209", "its unit is likely d"],
         ),
         row(
             "T6",

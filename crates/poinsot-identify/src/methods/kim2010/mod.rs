@@ -92,14 +92,16 @@ pub enum Variant {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Kim2010Error {
     /// Arrays of different lengths.
-    #[error("E0420 kim2010: attitude, rates and wheel momentum have different numbers of samples")]
+    #[error(
+        "E0420 kim2010: attitude, rates and wheel momentum have different numbers of samples; give one of each per time"
+    )]
     Lengths,
     /// Fewer than three samples.
-    #[error("E0421 kim2010: at least three samples are needed")]
+    #[error("E0421 kim2010: fewer than three samples; give a longer record")]
     TooFew,
     /// An axis without rotation: (14) divides by zero.
     #[error(
-        "E0422 kim2010: the body never turns about its {axis} axis, and (14) divides by the rate about it: use a manoeuvre that turns about all three axes"
+        "E0422 kim2010: the body never turns about its {axis} axis, and (14) divides by the rate about it; use a manoeuvre that turns about all three axes"
     )]
     NoRotation {
         /// Axis.
@@ -107,11 +109,13 @@ pub enum Kim2010Error {
     },
     /// Wheels that never change their momentum: z = 0 in (2).
     #[error(
-        "E0423 kim2010: the momentum of the wheels never changes, so Q = 0 (8) and the scale of the inertia is open: check the wheel columns"
+        "E0423 kim2010: the momentum of the wheels never changes, so Q = 0 (8) and the scale of the inertia is open; check the wheel columns"
     )]
     NoWheelMotion,
     /// Not a number.
-    #[error("E0424 kim2010: the telemetry holds numbers that are not finite or overflow")]
+    #[error(
+        "E0424 kim2010: the telemetry holds numbers that are not finite or overflow; check units and magnitudes"
+    )]
     NotFinite,
 }
 

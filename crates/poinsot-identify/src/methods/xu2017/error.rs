@@ -1,6 +1,7 @@
 //! Why a question cannot be put to this method, each in one line with its remedy.
 
 use crate::problem::ProblemError;
+use poinsot_model::rounded;
 
 /// Why the question cannot be put to this method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -61,7 +62,9 @@ pub enum Xu2017Error {
     },
     /// Another configuration.
     #[error(
-        "E0537 segment '{label}': joint '{joint}' is locked at {found:.6}, elsewhere at {expected:.6} (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto"
+        "E0537 segment '{label}': joint '{joint}' is locked at {}, elsewhere at {} (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto",
+        rounded(*found, 6),
+        rounded(*expected, 6)
     )]
     OtherConfiguration {
         /// Segment.
@@ -75,7 +78,9 @@ pub enum Xu2017Error {
     },
     /// The swarm's objective takes zero momentum.
     #[error(
-        "E0538 segment '{label}': the vehicle moves at {rate:.1e} rad/s and {speed:.1e} m/s at the first sample: the objective (52) takes momentum as zero, so variant {variant} must start at rest; use --variant linear, which takes the momentum as unknown"
+        "E0538 segment '{label}': the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) takes momentum as zero, so variant {variant} must start at rest; use --variant linear, which takes the momentum as unknown",
+        rounded(*rate, 2),
+        rounded(*speed, 2)
     )]
     NotAtRest {
         /// Segment.
