@@ -159,13 +159,15 @@ fn stat_a_clock_one_percent_fast_is_not_trusted() {
     assert!(answer.estimate.fit[0].chi2_per_dof < 1.5);
 }
 
+/// The record is cut where time jumps; an answer that comes in spite of it holds, or is not to be relied on.
 #[test]
-fn stat_a_clock_that_jumps_is_rejected() {
+fn stat_a_clock_that_jumps_gives_no_confident_wrong_number() {
     let mut record = Record::of(STSAT3);
     record.change("time_s", |_, t| if t < 170.0 { t } else { t + 0.35 });
     let answer = run(&example("stsat3/model.toml"), &record.write());
-    assert_eq!(answer.estimate.status, Status::Rejected);
-    assert_doubted(&answer, "the data contradict the rigid model");
+    let z = worst(&answer, "stsat3/multiaxis/truth.json", "spacecraft");
+    println!("{z:.1} sigma, {:?}", answer.estimate.doubts);
+    assert!(answer.exit_code() == 1 || z < 4.0, "{z}");
 }
 
 /// However the gap is bridged: what is stated holds, or is not to be relied on, and by no more than a few sigma.
