@@ -141,7 +141,7 @@ fn kind(value: &Value) -> String {
 }
 
 /// Meaning of the keys at the top of a result.
-const MEANINGS: [(&str, &str); 19] = [
+const MEANINGS: [(&str, &str); 20] = [
     ("schema", "Format."),
     ("poinsot", "Version that wrote it."),
     ("method", "Method that gave the answer."),
@@ -186,7 +186,11 @@ const MEANINGS: [(&str, &str); 19] = [
     ),
     (
         "covariance_trustworthy",
-        "`false` where the residuals contradict the declared noise.",
+        "`false` where anything speaks against the answer, or no covariance is stated.",
+    ),
+    (
+        "doubts",
+        "Why the answer is not to be relied on, the most important first; empty where nothing speaks against it. Not empty: exit code 1.",
     ),
     (
         "method_report",

@@ -6,10 +6,13 @@ use std::path::PathBuf;
 
 /// Exit codes with their meaning.
 pub const EXIT_CODES: [(u8, &str); 5] = [
-    (0, "answered: every number asked for is determined"),
+    (
+        0,
+        "answered: every number asked for is determined, and nothing speaks against it",
+    ),
     (
         1,
-        "answered, but not acceptable: partial, not identifiable, rejected, not settled, or too many samples left out",
+        "answered, but not acceptable: partial, not identifiable, rejected, not settled, not to be relied on, or too many samples left out",
     ),
     (
         2,
@@ -33,8 +36,8 @@ pub struct Arguments {
 pub enum Verb {
     /// Identify the unknown mass properties of a vehicle from its telemetry.
     ///
-    /// Exit code 0: every number asked for is determined. 1: answered, but not all of it is (partial, not
-    /// identifiable, rejected). 2: bad usage, model or telemetry. 3: disk or permission. 4: internal error.
+    /// Exit code 0: every number asked for is determined, and nothing speaks against it. 1: answered, but not all of it is
+    /// (partial, not identifiable, rejected), or it is not to be relied on. 2: bad usage, model or telemetry. 3: disk or permission. 4: internal error.
     Identify(Identify),
     /// Simulate a case: joints led or driven by torques, springs, wheels, thrusters, sensors with noise.
     Simulate(Simulate),
@@ -122,7 +125,7 @@ pub struct Identify {
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
     /// No repairs: what would be repaired is an error.
@@ -146,7 +149,7 @@ pub struct Rows {
     /// Take the rows between these times, s.
     #[arg(long, value_name = "FROM,TO", value_parser = span)]
     pub time_s: Option<[f64; 2]>,
-    /// Take every n-th row.
+    /// Take every n-th row; 1 takes all.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: usize,
     /// Most memory for the samples of one file, MiB: 256, of `identify` 64, which needs about ten times as much
@@ -200,7 +203,7 @@ pub struct Import {
     /// Print what was written as JSON on standard output.
     #[arg(long, requires = "out")]
     pub json: bool,
-    /// Print nothing but errors, and the file where no --out is given.
+    /// Print nothing but errors, and the file where no --out is given; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -224,7 +227,7 @@ pub struct Export {
     /// Print what was written as JSON on standard output.
     #[arg(long, requires = "out")]
     pub json: bool,
-    /// Print nothing but errors, and the file where no --out is given.
+    /// Print nothing but errors, and the file where no --out is given; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -244,7 +247,7 @@ pub struct Explain {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code says whether there is such a code.
+    /// Print nothing but errors: the exit code says whether there is such a code; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -260,7 +263,7 @@ pub struct Simulate {
     /// Print what was written as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -276,7 +279,7 @@ pub struct Predict {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer.
+    /// Print nothing but errors: the exit code is the answer; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -311,7 +314,7 @@ pub struct Validate {
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
     /// No repairs: what would be repaired is an error.
@@ -334,7 +337,7 @@ pub struct Report {
     /// Print what was written as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -350,7 +353,7 @@ pub struct Inspect {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer.
+    /// Print nothing but errors: the exit code is the answer; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
     /// Read the whole rows of a file that ends inside a row.
@@ -369,7 +372,7 @@ pub struct Check {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer.
+    /// Print nothing but errors: the exit code is the answer; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -390,7 +393,7 @@ pub struct Man {
     /// Print what was written as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }

@@ -12,20 +12,13 @@ use crate::parameters::Equations;
 use crate::problem::Problem;
 use crate::remedies;
 use crate::solved::Solved;
+use crate::trust::{MISFIT, NOISE_FREE, Trust};
 use crate::words;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Chi-square per degree of freedom above which the declared noise cannot be right.
-const MISFIT: f64 = 1.5;
-/// Chi-square per degree of freedom above which a model that explains little is rejected.
+/// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
+/// correlated in time: three times the noise at every reading, where no widened sigma bounds what the numbers err.
 const REJECT: f64 = 9.0;
-/// Chi-square per degree of freedom above which residuals that are correlated in time speak against the model, not
-/// against the declared noise: twenty times the noise at every reading.
-const CONTRADICTED: f64 = 400.0;
-/// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
-const NOISE_FREE: f64 = 1.0e-3;
-/// Probability of a white residual below which it is called correlated in time.
-const CORRELATED: f64 = 1.0e-3;
 /// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
 /// contradict the model: three sigma where one condition holds a body.
 const PRESSED: f64 = 2.7e-3;
@@ -45,8 +38,9 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let chi2 = solved.chi2_per_dof();
     let unexplained = solved.explained.is_some_and(|share| share < EXPLAINED);
     let not_rigid = solved.not_rigid && chi2 > MISFIT;
+    let mut trust = Trust::of(solved);
     let answered = |rejected: bool| {
-        let judge = Judge::new(solved, chi2.sqrt().max(1.0), rejected);
+        let judge = Judge::new(solved, trust.widening, rejected);
         let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
             .map(|at| body(&judge, solved, at))
             .collect();
@@ -60,7 +54,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let rejected = (chi2 > REJECT && unexplained)
         || not_rigid
         || impossible
-        || contradicted(solved)
+        || contradicted(solved, &trust)
         || misled(solved);
     // What is rejected, and what did not settle, gets no numbers.
     let (judge, bodies) = if rejected || !solved.settled {
@@ -68,6 +62,10 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     } else {
         (judge, bodies)
     };
+    if rejected {
+        let why = "the data contradict the rigid model".to_owned();
+        trust.doubts.insert(0, why);
+    }
     let identifiability = identifiability(problem, solved, &judge);
     let status = status(&bodies, &identifiability, rejected, solved.settled);
     let nuisance = nuisances(&judge, solved);
@@ -82,36 +80,28 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         status,
         iterations: solved.iterations,
         assumptions: solved.assumptions.clone(),
-        warnings: warnings(solved, chi2, rejected, impossible, &bodies, &nuisance),
+        warnings: warnings(solved, &trust, (rejected, impossible), &bodies, &nuisance),
         bodies,
         system,
         momentum,
-        covariance: covariance(solved, &rows, chi2.max(1.0)),
+        covariance: covariance(solved, &rows, trust.widening * trust.widening),
         covariance_names: rows.iter().map(|r| r.name.clone()).collect(),
         covariance_units: rows.iter().map(|r| r.unit).collect(),
         nuisance,
         identifiability,
         fit: solved.fit.clone(),
-        // A line in the residual is evidence enough, however small it is beside the noise.
-        covariance_trustworthy: chi2 <= MISFIT
-            && (!solved.adds_up || chi2 <= NOISE_FREE)
-            && !rejected
-            && !solved.not_rigid
-            && solved.settled
-            && solved.held.is_none()
-            && !solved.leans,
+        covariance_trustworthy: trust.doubts.is_empty(),
+        doubts: trust.doubts,
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
 }
 
 /// Whether residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that
-/// the model lacks. Only maximum likelihood compares readings one by one.
-fn contradicted(solved: &Solved) -> bool {
-    let mut channels = solved.fit.iter().flat_map(|s| &s.channels);
-    solved.method == "maximum_likelihood"
-        && solved.chi2_per_dof() > CONTRADICTED
-        && channels.any(|c| c.whiteness_p.is_some_and(|p| p < CORRELATED))
+/// the model lacks. Only maximum likelihood compares readings one by one. Where a prior stands against the data, it and
+/// not the vehicle is at fault.
+fn contradicted(solved: &Solved, trust: &Trust) -> bool {
+    solved.chi2_per_dof() > REJECT && trust.coloured && solved.conflict.is_none()
 }
 
 /// Whether noise that adds up under thrust shows in chi-square: sigmas that take it as fresh are then wrong by any
@@ -225,12 +215,12 @@ fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identif
 
 fn warnings(
     solved: &Solved,
-    chi2: f64,
-    rejected: bool,
-    impossible: bool,
+    trust: &Trust,
+    (rejected, impossible): (bool, bool),
     bodies: &[BodyEstimate],
     nuisance: &[NamedNumber],
 ) -> Vec<String> {
+    let chi2 = solved.chi2_per_dof();
     let mut list = solved.warnings.clone();
     if impossible {
         list.push(format!(
@@ -245,7 +235,7 @@ fn warnings(
         list.push(format!(
             "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
         ));
-    } else if rejected && contradicted(solved) {
+    } else if rejected && contradicted(solved, trust) {
         list.push(format!(
             "rigid model rejected: residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}) and correlated in time; check units, signs, wheel axes, external torques",
             chi2.sqrt()
@@ -256,10 +246,11 @@ fn warnings(
             "rigid model rejected: it explains {share:.0} % of the measured change of momentum and misses the rest by {:.0} sigma; check units, signs, wheel axes, external torques",
             chi2.sqrt()
         ));
-    } else if chi2 > MISFIT {
+    } else if !trust.doubts.is_empty() {
         list.push(format!(
-            "residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}): sigmas are widened by that factor and the covariance is not trustworthy",
-            chi2.sqrt()
+            "the covariance is not trustworthy (chi-square per degree of freedom {chi2:.2}): {}; sigmas are widened {:.1} times",
+            trust.doubts.join("; "),
+            trust.widening
         ));
     }
     if solved.adds_up && !rejected && chi2 > NOISE_FREE {
@@ -296,7 +287,10 @@ fn warnings(
     }
     for item in nuisance {
         if item.number == Number::open(item.number.nominal) {
-            list.push(format!("{} is not identifiable from these data", item.name));
+            list.push(match rejected || !solved.settled {
+                true => format!("{} is withheld with the other numbers", item.name),
+                false => format!("{} is not identifiable from these data", item.name),
+            });
         }
     }
     list

@@ -1,6 +1,7 @@
 //! The answer: numbers with their sigma and source, and what the data leave open.
 
 use crate::diagnosis::Diagnostics;
+use crate::octaves::Octave;
 
 /// How a question was answered. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,10 +29,19 @@ impl Status {
             Self::Rejected => "rejected",
         }
     }
+}
 
-    /// Exit code of the command that ends with this status.
-    pub fn exit_code(self) -> u8 {
-        u8::from(self != Self::Converged)
+impl Estimate {
+    /// Takes note of a reason not to rely on the answer.
+    pub fn doubt(&mut self, reason: String) {
+        self.doubts.push(reason);
+        self.covariance_trustworthy = false;
+    }
+
+    /// Exit code of the command that gives this answer: 0 where every number asked for is determined and nothing speaks
+    /// against it.
+    pub fn exit_code(&self) -> u8 {
+        u8::from(self.status != Status::Converged || !self.doubts.is_empty())
     }
 }
 
@@ -228,6 +238,9 @@ pub struct ChannelFit {
     /// Probability of so much correlation in time if the residual were white (Ljung and Box 1978, ten lags
     /// on each axis).
     pub whiteness_p: Option<f64>,
+    /// The whitened residual octave by octave, the fastest first; empty where the method does not weigh this sensor
+    /// on its own.
+    pub octaves: Vec<Octave>,
 }
 
 /// Numbers of a published method in its own terms, beside the answer.
@@ -269,8 +282,10 @@ pub struct Estimate {
     pub identifiability: Identifiability,
     /// Fit, one per segment.
     pub fit: Vec<SegmentFit>,
-    /// Whether residuals are as the declared noise says.
+    /// Whether a covariance is stated and nothing speaks against it.
     pub covariance_trustworthy: bool,
+    /// Why the answer is not to be relied on, the most important first; empty where nothing speaks against it.
+    pub doubts: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
     /// What the method assumed of its inputs.

@@ -74,7 +74,11 @@ pub fn held_back(
             label: segment.label.clone(),
             samples: segment.observations.time_s.len(),
             chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
-            channels: one.channels.iter().map(channel_fit).collect(),
+            channels: one
+                .channels
+                .iter()
+                .map(|c| channel_fit(c, experiment.loss))
+                .collect(),
         })
         .collect();
     let worst = fitted.evaluated.iter().map(|one| {

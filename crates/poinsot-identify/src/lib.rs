@@ -13,6 +13,7 @@ mod bound;
 mod coarse;
 mod combination;
 mod completion;
+mod conflict;
 mod coordinates;
 mod deviance;
 mod diagnosis;
@@ -34,6 +35,7 @@ mod loss;
 mod maximum_likelihood;
 pub mod methods;
 mod motion;
+mod octaves;
 mod parameters;
 mod point_sensor;
 mod prediction;
@@ -49,6 +51,7 @@ mod semidefinite;
 mod smooth_curve;
 mod solved;
 mod spectrum;
+mod trust;
 mod vehicle;
 mod words;
 
@@ -71,6 +74,7 @@ pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, leve
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
+pub use octaves::Octave;
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };

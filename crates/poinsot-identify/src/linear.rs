@@ -251,6 +251,7 @@ fn conclude(
         shared,
         spectrum,
         data_alone: None,
+        conflict: None,
         explained: None,
         residual: (0.0, rows),
         rows,

@@ -6,8 +6,9 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
+use crate::conflict::{self, conflict};
 use crate::coordinates::FitOptions;
-use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
+use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
 use crate::information::{Experiment, Point};
@@ -16,6 +17,7 @@ use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
+use crate::octaves::octaves;
 use crate::parameters::{
     Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
 };
@@ -95,13 +97,22 @@ pub(crate) fn solve(
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let found = if options.undiagnosed {
+    let mut found = if options.undiagnosed {
         Diagnostics::default()
     } else {
         diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted))
     };
+    let (conflict, freed) = conflict(&experiment, &fitted, !options.undiagnosed);
+    if let Some(conflict) = &conflict {
+        if let Some(freed) = freed {
+            (found.suspects, found.findings) = (freed.suspects, freed.findings);
+            (found.lags, found.drift, found.lines) = (freed.lags, freed.drift, freed.lines);
+        }
+        found.findings.insert(0, conflict::finding(conflict));
+    }
     let at = fitted.at.clone();
     let mut solved = conclude(&experiment, fitted, explained, found);
+    solved.conflict = conflict;
     solved.assumptions = assumptions;
     if let Some(warning) = crate::input_noise::approximate(problem) {
         solved.warnings.push(warning);
@@ -329,7 +340,11 @@ pub(crate) fn conclude(
             label: segment.label.clone(),
             samples: segment.observations.time_s.len(),
             chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
-            channels: one.channels.iter().map(channel_fit).collect(),
+            channels: one
+                .channels
+                .iter()
+                .map(|c| channel_fit(c, experiment.loss))
+                .collect(),
         })
         .collect();
     // The fit moves whatever the data hold; what counts as known is asked afterwards.
@@ -342,6 +357,7 @@ pub(crate) fn conclude(
         shared: fitted.shared,
         spectrum: judged(fitted.spectrum),
         data_alone: fitted.data_alone.map(judged),
+        conflict: None,
         explained,
         starts,
         fit,
@@ -371,7 +387,7 @@ pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize 
     heads + fitted.spectrum.rank + fitted.shared.nuisances
 }
 
-pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
+pub(crate) fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
     let count = 3.0 * channel.white.len().max(1) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {
@@ -380,5 +396,6 @@ pub(crate) fn channel_fit(channel: &ChannelResidual) -> ChannelFit {
         rms: (channel.square / count).sqrt(),
         chi2_per_number: Some(chi2 / count),
         whiteness_p: whiteness(&channel.white),
+        octaves: octaves(&channel.white, loss, OUTLIER),
     }
 }

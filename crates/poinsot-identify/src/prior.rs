@@ -1,6 +1,6 @@
 //! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
 
-use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::parameters::{Equations, Parameters, Unknown, UnknownKind, axis_name, tensor_name};
 use crate::point_sensor::Fault;
 use crate::problem::Problem;
 use crate::quantity::{Quantity, TenParameters};
@@ -13,6 +13,17 @@ use poinsot_spatial::{InertialParameters, pseudo_inertia};
 pub(crate) struct PriorRow {
     pub gradient: Vec<f64>,
     pub residual: f64,
+    /// What is declared; `None` of a row that is not about one number.
+    pub about: Option<Declared>,
+}
+
+/// One number with its declared sigma.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Declared {
+    pub name: String,
+    pub unit: &'static str,
+    pub nominal: f64,
+    pub sigma: f64,
 }
 
 /// Rows of the declared priors at a value of the unknowns, and what they add to chi-square.
@@ -23,14 +34,26 @@ pub(crate) struct PriorRows {
 }
 
 impl PriorRows {
-    fn push(&mut self, gradient: Vec<f64>, residual: f64) {
+    fn push(&mut self, gradient: Vec<f64>, residual: f64, about: Option<Declared>) {
         self.chi2 += residual * residual;
-        self.rows.push(PriorRow { gradient, residual });
+        self.rows.push(PriorRow {
+            gradient,
+            residual,
+            about,
+        });
     }
 
-    fn gaussian(&mut self, quantity: &Quantity, target: f64, sigma: f64) {
+    fn gaussian(&mut self, quantity: &Quantity, declared: Declared) {
+        let sigma = declared.sigma;
         let gradient = quantity.gradient.iter().map(|g| g / sigma).collect();
-        self.push(gradient, (target - quantity.value) / sigma);
+        let residual = (declared.nominal - quantity.value) / sigma;
+        self.push(gradient, residual, Some(declared));
+    }
+
+    /// A stretch of a process: nobody declared this one number.
+    fn process(&mut self, quantity: &Quantity, sigma: f64) {
+        let gradient = quantity.gradient.iter().map(|g| g / sigma).collect();
+        self.push(gradient, -quantity.value / sigma, None);
     }
 }
 
@@ -87,10 +110,19 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
             let mut gradient = vec![0.0; x.len()];
             gradient[at] = 1.0;
             let value = x[at];
-            out.gaussian(&Quantity { value, gradient }, unknown.nominal, sigma);
+            out.gaussian(&Quantity { value, gradient }, declared_of(unknown, sigma));
         }
     }
     out
+}
+
+fn declared_of(unknown: &Unknown, sigma: f64) -> Declared {
+    Declared {
+        name: unknown.name.clone(),
+        unit: unknown.unit,
+        nominal: unknown.nominal,
+        sigma,
+    }
 }
 
 /// The random torque as a Gauss-Markov process: from stretch to stretch `t' = a t + sqrt(1 - a^2) sigma n` with
@@ -119,7 +151,7 @@ fn random_torque(problem: &Problem, parameters: &Parameters, x: &[f64], out: &mu
             value -= a * x[k];
             sigma *= (1.0 - a * a).sqrt();
         }
-        out.gaussian(&Quantity { value, gradient }, 0.0, sigma);
+        out.process(&Quantity { value, gradient }, sigma);
         before[gust.axis] = Some((at, gust));
     }
 }
@@ -150,17 +182,29 @@ fn body_rows(
     let ten = TenParameters::of_body(parameters, at, x);
     let nominal = &parameters.nominal_properties[at];
     let asked = parameters.estimate[at];
+    let body = &parameters.body_names[at];
+    let declared = |what: String, unit, nominal, sigma| Declared {
+        name: format!("{body}.{what}"),
+        unit,
+        nominal,
+        sigma,
+    };
     if let Some(sigma) = prior.mass.filter(|_| asked.mass) {
-        out.gaussian(&ten.parameter(0), nominal.mass, sigma);
+        let declared = declared("mass".to_owned(), "kg", nominal.mass, sigma);
+        out.gaussian(&ten.parameter(0), declared);
     }
     if let Some(sigma) = prior.com.filter(|_| asked.com) {
         for k in 0..3 {
-            out.gaussian(&ten.mass_centre(k), nominal.p_BoBcm_B[k], sigma);
+            let what = format!("com_{}", axis_name(k));
+            let declared = declared(what, "m", nominal.p_BoBcm_B[k], sigma);
+            out.gaussian(&ten.mass_centre(k), declared);
         }
     }
     if let Some(sigma) = prior.inertia.filter(|_| asked.inertia) {
         for (k, &e) in crate::parameters::TENSOR.iter().enumerate() {
-            out.gaussian(&ten.central_inertia(k), nominal.I_BBcm_B[e], sigma);
+            let what = format!("inertia_{}", tensor_name(k));
+            let declared = declared(what, "kg m2", nominal.I_BBcm_B[e], sigma);
+            out.gaussian(&ten.central_inertia(k), declared);
         }
     }
     if let Some(sigma) = prior.entropic {
@@ -180,7 +224,7 @@ fn rotation_rows(out: &mut PriorRows, parameters: &Parameters, prior: &Prior, x:
             let mut gradient = vec![0.0; x.len()];
             gradient[at] = 1.0;
             let value = x[at];
-            out.gaussian(&Quantity { value, gradient }, unknown.nominal, sigma);
+            out.gaussian(&Quantity { value, gradient }, declared_of(unknown, sigma));
         }
     }
 }
@@ -222,6 +266,7 @@ fn entropic(
         out.rows.push(PriorRow {
             gradient,
             residual: -residual[(k, 0)],
+            about: None,
         });
     }
     let log_ratio = J_factor.determinant().ln() + J0_inverse.determinant().ln();

@@ -71,6 +71,7 @@ pub(crate) fn twist(
         rms: (square / count).sqrt(),
         chi2_per_number: None,
         whiteness_p: None,
+        octaves: Vec::new(),
     };
     let mut channels = vec![channel("gyro", "rad/s", rate)];
     if s.translation.is_some() {

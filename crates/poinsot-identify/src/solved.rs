@@ -1,6 +1,7 @@
 //! The triangle of the shared unknowns, and a solved problem before it is put into words.
 
 use crate::block_qr::{BlockQr, Triangle};
+use crate::conflict::Conflict;
 use crate::estimate::SegmentFit;
 use crate::fit::Held;
 use crate::parameters::Parameters;
@@ -229,6 +230,8 @@ pub(crate) struct Solved {
     pub held: Option<Held>,
     /// What the residuals say; `None` of a method that does not ask them.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
+    /// Priors that the data contradict.
+    pub conflict: Option<Conflict>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
     pub adds_up: bool,
     /// Whether the answer hangs on how wheels run between readings, or on what joints or wheels did beyond them, and

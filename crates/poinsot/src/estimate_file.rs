@@ -51,6 +51,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
         })).collect::<Vec<_>>(),
         "diagnostics": e.diagnostics.as_ref().map(DiagnosticsFile::new),
         "covariance_trustworthy": e.covariance_trustworthy,
+        "doubts": e.doubts,
         "method_report": e.method_report.as_ref().map(|r| json!({
             "note": r.note,
             "numbers": r.numbers.iter().map(|n| json!({

@@ -2,6 +2,7 @@
 
 use crate::estimate_file::{component, inertia_entries};
 use crate::identify::Identified;
+use crate::verdict::Standing;
 use poinsot_identify::{BodyEstimate, Number, OpenCombination, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
 
@@ -109,16 +110,19 @@ pub fn estimate_document(identified: &Identified) -> Document {
 fn verdict(identified: &Identified) -> String {
     let e = &identified.estimate;
     let i = &e.identifiability;
-    let word = match e.status {
-        Status::Converged => "every number asked for is determined",
-        Status::Partial => "part of what was asked for is determined",
-        Status::NotIdentifiable => "nothing that was asked for is determined",
-        Status::Rejected => "the rigid model contradicts the data; no number is given",
-        Status::IterationLimit => "the iteration did not settle",
+    let standing = Standing {
+        status: e.status.name(),
+        covariance_trustworthy: e.covariance_trustworthy,
+        doubts: &e.doubts,
+        chi2: e.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max),
     };
     format!(
-        "{}: {word} ({} of {} combinations; method {})",
-        identified.model.name, i.rank, i.parameters, e.method
+        "{}: {} ({} of {} combinations; method {})",
+        identified.model.name,
+        standing.headline(),
+        i.rank,
+        i.parameters,
+        e.method
     )
 }
 

@@ -88,7 +88,7 @@ pub struct Identified {
 impl Identified {
     /// Exit code of the command.
     pub fn exit_code(&self) -> u8 {
-        self.estimate.status.exit_code()
+        self.estimate.exit_code()
     }
 }
 
@@ -140,6 +140,7 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
             read(files, &options)
         })
         .collect::<Result<Vec<Table>, _>>()?;
+    refuse_twice(&tables)?;
     step("preparing", 0, 0);
     let mut findings = Vec::new();
     for table in &mut tables {
@@ -173,12 +174,33 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
     Ok(identified)
 }
 
+/// The same readings given twice would count twice, and make every sigma too small.
+fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
+    let mut seen: Vec<&Source> = Vec::new();
+    for source in tables.iter().flat_map(|t| &t.sources) {
+        if let Some(first) = seen.iter().find(|s| s.sha256 == source.sha256) {
+            return Err(Error::Usage {
+                option: "--telemetry",
+                value: source.path.clone(),
+                why: format!(
+                    "its content is that of {} (equal SHA-256): the same readings would count twice and make every sigma too small; give each record once",
+                    first.path
+                ),
+            });
+        }
+        seen.push(source);
+    }
+    Ok(())
+}
+
 /// Where rows were left out on purpose, wheels are known to have done something between those that were taken.
 fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let found = estimate.diagnostics.as_ref();
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
     if shift > LEANS {
-        estimate.covariance_trustworthy = false;
+        estimate.doubt(format!(
+            "it hangs by {shift:.1} sigma on what the wheels did between the rows taken"
+        ));
         estimate.warnings.push(format!(
             "--every {every} leaves out what the wheels did between the rows taken, and the answer hangs on it ({shift:.1} sigma): the covariance is not trustworthy; take more rows"
         ));
@@ -204,8 +226,8 @@ fn against_model(
         if finding.policy == Policy::Refuse {
             return Err(checks::refused(label, &finding).into());
         }
-        identified.estimate.covariance_trustworthy = false;
         let text = format!("{}: {}", finding.check.name(), finding.text);
+        identified.estimate.doubt(text.clone());
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
     }

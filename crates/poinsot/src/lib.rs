@@ -18,6 +18,7 @@ pub mod report;
 pub mod simulate;
 pub mod trials;
 pub mod validate;
+mod verdict;
 
 pub use error::Error;
 pub use estimate_file::estimate_json;

@@ -35,7 +35,7 @@ pub struct Prediction {
 impl Prediction {
     /// Exit code of the command.
     pub fn exit_code(&self) -> u8 {
-        self.bound.status.exit_code()
+        self.bound.exit_code()
     }
 }
 

@@ -331,7 +331,11 @@ fn prop_a_known_body_that_is_wrong_shows_in_chi_square() {
         let chi2 = right.estimate.fit[0].chi2_per_dof;
         println!("{method}: right arm {chi2:.2}");
         assert!((0.8..1.25).contains(&chi2), "{method}: {chi2}");
-        assert!(right.estimate.covariance_trustworthy);
+        let doubts = &right.estimate.doubts;
+        assert!(
+            right.estimate.covariance_trustworthy,
+            "{method}: {doubts:?}"
+        );
         let mut asked = truth.clone();
         asked.bodies[1].nominal.mass *= 1.1;
         let wrong = ask(&asked, vec![table], method);

@@ -92,6 +92,39 @@ fn stat_tug_with_thrusters_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("tug_thrusters", 5), 1000);
 }
 
+/// Readings as declared: nothing speaks against the answer. How often it errs: `--example trust`.
+#[test]
+fn stat_no_honest_trial_is_doubted() {
+    for (name, stride) in [
+        ("ma_traj1", 10),
+        ("ma_traj2", 5),
+        ("stsat3_multiaxis", 1),
+        ("xu_target", 4),
+        ("tug_thrusters", 5),
+    ] {
+        let study = study(name, stride);
+        for trial in 0..12 {
+            let (tables, _) = study.draw(trial);
+            let tree = Tree::new(&study.model);
+            let bound = bind(&study.model, &tree, &tables).unwrap();
+            let problem = Problem {
+                model: &study.model,
+                tree: &tree,
+                segments: &bound.segments,
+                noise: &bound.noise,
+                relative_accuracy: 1.0,
+            };
+            let answer = maximum_likelihood_with(&problem, FitOptions::default()).unwrap();
+            assert!(
+                answer.doubts.is_empty(),
+                "{name} {trial}: {:?}",
+                answer.doubts
+            );
+            assert_eq!(answer.exit_code(), 0, "{name} {trial}");
+        }
+    }
+}
+
 #[test]
 fn stat_same_bits_on_any_number_of_threads() {
     let study = study("xu_target", 10);

@@ -1,6 +1,6 @@
 //! `poinsot identify`
 
-use super::{Outcome, formats, print_document, print_json};
+use super::{Outcome, formats, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
@@ -16,7 +16,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         policies: arguments.policy.clone(),
         encoding: rows.encoding.into(),
         time_s: rows.time_s,
-        every: rows.every,
+        every: step(rows)?,
         memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
     };
     let request = IdentifyRequest {

@@ -1,6 +1,6 @@
 //! `poinsot inspect`
 
-use super::{Failure, Outcome, print, print_json};
+use super::{Failure, Outcome, print, print_json, step};
 use crate::arguments::Inspect;
 use poinsot::segment_files;
 use poinsot_model::read_telemetry_map;
@@ -12,7 +12,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
         encoding: rows.encoding.into(),
         recover: arguments.recover,
         time_s: rows.time_s,
-        every: rows.every,
+        every: step(rows)?,
         memory_mib: rows.memory_mib.unwrap_or(poinsot_telemetry::MEMORY_MIB),
         ..ReadOptions::default()
     };

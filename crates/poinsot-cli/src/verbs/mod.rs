@@ -40,6 +40,18 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
     }
 }
 
+/// The step through the rows of telemetry.
+pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
+    match rows.every {
+        0 => Err(Failure::from(poinsot::Error::Usage {
+            option: "--every",
+            value: "0".to_owned(),
+            why: "a whole number of rows is needed: 1 takes all, 10 every tenth".to_owned(),
+        })),
+        every => Ok(every),
+    }
+}
+
 /// Says which files were written: on standard error, or as JSON on standard output.
 pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
     if json {

@@ -7,7 +7,7 @@ use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Squared length of a whitened reading, three numbers, beyond which it is an outlier: one in 10^6.
-const OUTLIER: f64 = 30.7;
+pub(crate) const OUTLIER: f64 = 30.7;
 /// Median of chi-square with three degrees of freedom.
 const MEDIAN: f64 = 2.366;
 /// Lags of the whiteness test.

@@ -15,7 +15,7 @@ mod projected;
 mod suspects;
 mod types;
 
-pub(crate) use channels::whiteness;
+pub(crate) use channels::{OUTLIER, whiteness};
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
     Suspect,

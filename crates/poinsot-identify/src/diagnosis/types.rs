@@ -146,6 +146,8 @@ pub enum FaultKind {
     Drag,
     /// Momentum drifts in inertial axes.
     MomentumDrift,
+    /// A declared prior that the data contradict.
+    Prior,
     /// Single bad readings.
     Outliers,
     /// Noise larger than declared, and white.
@@ -172,6 +174,7 @@ impl FaultKind {
             Self::Torque => "torque",
             Self::Drag => "drag",
             Self::MomentumDrift => "momentum_drift",
+            Self::Prior => "prior",
             Self::Outliers => "outliers",
             Self::NoiseUnderstated => "noise_understated",
             Self::NotRigid => "not_rigid",

@@ -23,8 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err(format!("{word}: known are --trials N, --clean N, --only ROW").into()),
         }
     }
-    println!("| planted | trials | noticed | named rightly | first named |");
-    println!("|---|---|---|---|---|");
+    println!("| planted | trials | noticed | named rightly | not trusted | first named |");
+    println!("|---|---|---|---|---|---|");
     for (at, planted) in Planted::ALL.into_iter().enumerate() {
         if only.is_some_and(|only| only != at) {
             continue;
@@ -40,10 +40,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => r.named.to_string(),
         };
         println!(
-            "| {} | {} | {} | {named} | {} |",
+            "| {} | {} | {} | {named} | {} | {} |",
             r.planted.words(),
             r.trials,
             r.detected,
+            r.doubted,
             firsts.join(", ")
         );
     }

@@ -135,6 +135,8 @@ pub struct Outcome {
     pub named: bool,
     /// Name of the first thing said.
     pub first: String,
+    /// The answer is refused, or says itself that it is not to be relied on.
+    pub doubted: bool,
 }
 
 /// Trials of one fault.
@@ -143,6 +145,7 @@ pub struct Row {
     pub trials: u64,
     pub detected: usize,
     pub named: usize,
+    pub doubted: usize,
     /// How often each name came first.
     pub firsts: BTreeMap<String, usize>,
 }
@@ -195,6 +198,7 @@ pub fn row(study: &Study, planted: Planted, trials: u64) -> Row {
         trials,
         detected: outcomes.iter().filter(|o| o.detected).count(),
         named: outcomes.iter().filter(|o| o.named).count(),
+        doubted: outcomes.iter().filter(|o| o.doubted).count(),
         firsts,
     }
 }
@@ -304,7 +308,8 @@ fn outcome(study: &Study, planted: Planted, trial: u64) -> Outcome {
     if planted == Planted::Outliers {
         spoil(&mut tables[0], study, trial);
     }
-    let said = diagnosed(study, &tables).unwrap_or_else(|e| vec![("error".to_owned(), e)]);
+    let (said, doubted) =
+        diagnosed(study, &tables).unwrap_or_else(|e| (vec![("error".to_owned(), e)], true));
     let wanted = planted.fault();
     let right = |(name, text): &(String, String)| {
         wanted.is_some_and(|f| f.name() == name) && text.contains(planted.culprit())
@@ -313,11 +318,12 @@ fn outcome(study: &Study, planted: Planted, trial: u64) -> Outcome {
         detected: !said.is_empty(),
         named: said.first().is_some_and(right),
         first: said.first().map(|f| f.0.clone()).unwrap_or_default(),
+        doubted,
     }
 }
 
-/// What a user is told: by the check on reading, or by the diagnosis of the fit.
-fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, String> {
+/// What a user is told, by the check on reading or by the diagnosis of the fit, and whether the answer is doubted.
+fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<(String, String)>, bool), String> {
     for table in tables {
         if let Err(refusal) = check_conventions(table) {
             let text = refusal.to_string();
@@ -327,7 +333,7 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, S
             } else {
                 "conventions"
             };
-            return Ok(vec![(name.to_owned(), text)]);
+            return Ok((vec![(name.to_owned(), text)], true));
         }
     }
     let tree = Tree::new(&study.model);
@@ -340,11 +346,11 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<Vec<(String, String)>, S
         relative_accuracy: 1.0,
     })
     .map_err(|e| e.to_string())?;
+    let doubted = estimate.exit_code() != 0;
     let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
-    Ok(found
-        .into_iter()
-        .map(|f| (f.fault.name().to_owned(), f.text))
-        .collect())
+    let said = found.into_iter();
+    let said = said.map(|f| (f.fault.name().to_owned(), f.text)).collect();
+    Ok((said, doubted))
 }
 
 /// Three of a hundred gyro readings off by twenty sigma in a random direction.

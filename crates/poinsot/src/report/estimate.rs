@@ -28,6 +28,8 @@ pub(crate) struct EstimateFile {
     #[serde(default)]
     pub diagnostics: Option<DiagnosticsFile>,
     pub covariance_trustworthy: bool,
+    #[serde(default)]
+    pub doubts: Vec<String>,
     pub repairs: Vec<String>,
     #[serde(default)]
     pub ignored_columns: Vec<String>,

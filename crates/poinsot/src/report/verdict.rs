@@ -2,26 +2,15 @@
 
 use super::Answer;
 use super::numbers::{NINETY_FIVE, percent, plain};
+use crate::verdict::Standing;
 use minijinja::context;
 use poinsot_report::{PageError, Part, render, significant};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let (tone, word) = match e.status.as_str() {
-        "converged" if e.covariance_trustworthy => ("good", "converged"),
-        "converged" => ("fair", "converged, uncertainty not trustworthy"),
-        "partial" => ("fair", "partial"),
-        "not_identifiable" => ("bad", "not identifiable"),
-        "rejected" => ("bad", "rejected"),
-        "iteration_limit" => ("bad", "not settled"),
-        other => ("bad", other),
-    };
+    let standing = standing(answer);
+    let (tone, word) = standing.badge();
     let samples: usize = e.fit.iter().map(|f| f.samples).sum();
-    let chi2 = e
-        .fit
-        .iter()
-        .filter_map(|f| f.chi2_per_dof)
-        .fold(0.0, f64::max);
     let span: f64 = {
         let mut spans = std::collections::BTreeMap::new();
         for input in &e.inputs {
@@ -43,7 +32,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             samples,
             segments => e.fit.len(),
             span => plain((span * 10.0).round() / 10.0),
-            chi2 => significant(chi2, 3),
+            chi2 => significant(standing.chi2, 3),
             trustworthy => e.covariance_trustworthy,
             warnings => e.warnings.len(),
         },
@@ -54,6 +43,17 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         body,
         figures: Vec::new(),
     })
+}
+
+fn standing(answer: &Answer) -> Standing<'_> {
+    let e = &answer.estimate;
+    let chi2 = e.fit.iter().filter_map(|f| f.chi2_per_dof);
+    Standing {
+        status: &e.status,
+        covariance_trustworthy: e.covariance_trustworthy,
+        doubts: &e.doubts,
+        chi2: chi2.fold(0.0, f64::max),
+    }
 }
 
 fn sentences(answer: &Answer) -> Vec<String> {
@@ -100,26 +100,8 @@ fn sentences(answer: &Answer) -> Vec<String> {
     if let Some(farthest) = farthest(answer) {
         out.push(farthest);
     }
-    let chi2 = e
-        .fit
-        .iter()
-        .filter_map(|f| f.chi2_per_dof)
-        .fold(0.0, f64::max);
-    if !e.covariance_trustworthy {
-        out.push(
-            "The residuals are larger than the declared noise allows: the uncertainty is not trustworthy."
-                .to_owned(),
-        );
-    } else if chi2 < 0.5 {
-        out.push(
-            "The residuals are far smaller than the declared noise (a noise-free file, or noise declared too large); the stated uncertainty follows the declared noise."
-                .to_owned(),
-        );
-    } else {
-        out.push(
-            "The residuals are as large as the declared noise says, so the stated uncertainty can be relied on as far as that noise is right."
-                .to_owned(),
-        );
+    if !e.withheld() {
+        out.push(standing(answer).reliance());
     }
     if answer.truth.is_known() {
         out.push(within(answer));

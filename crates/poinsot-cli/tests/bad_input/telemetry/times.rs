@@ -159,7 +159,7 @@ pub fn rows() -> Vec<Row> {
                 b.write("u.csv", gyro.text());
                 b.spoil(|s| s.without("omega"));
             },
-            0,
+            1,
             &[
                 "a lag of the gyro would explain",
                 "residual of the gyro is",
@@ -180,7 +180,7 @@ pub fn rows() -> Vec<Row> {
                     }
                 })
             },
-            0,
+            1,
             &["a lag of the gyro"],
         ),
     ]

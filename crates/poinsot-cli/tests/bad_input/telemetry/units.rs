@@ -104,7 +104,7 @@ pub fn rows() -> Vec<Row> {
             "T7",
             "the same, accepted",
             |b| b.spoil(|s| s.map("wheel", |_, w| rpm(w))),
-            0,
+            1,
             &["units: the data ask for"],
         )
         .more(&["--policy", "units=report"]),

@@ -228,6 +228,7 @@ fn write(
             })
             .collect(),
         covariance_trustworthy: solved.chi2 <= MISFIT && !rejected,
+        doubts: doubts(solved.chi2, rejected),
         warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
         assumptions: Vec::new(),
         diagnostics: None,
@@ -249,6 +250,17 @@ fn write(
         }),
         iterations: 1,
         bodies,
+    }
+}
+
+fn doubts(chi2: f64, rejected: bool) -> Vec<String> {
+    match (rejected, chi2 > MISFIT) {
+        (true, _) => vec!["the data contradict the rigid model".to_owned()],
+        (false, true) => vec![format!(
+            "residuals are {:.1} times the declared noise",
+            chi2.sqrt()
+        )],
+        (false, false) => Vec::new(),
     }
 }
 
