@@ -119,15 +119,17 @@ impl Sensor {
     fn judged(name: &'static str, levels: &[Octave], chance: f64) -> Option<Self> {
         let whole = levels.iter().fold(Octave::default(), |a, b| a.plus(b));
         let too_large = |o: &&Octave| o.per_number() > 1.0 + NEGLIGIBLE && o.chance(1.0) < chance;
-        let all = std::iter::once(&whole).chain(levels);
-        let worst = all
-            .filter(too_large)
-            .max_by(|a, b| a.per_number().total_cmp(&b.per_number()))?;
+        let coloured = levels.iter().any(|o| o.chance(whole.per_number()) < chance);
+        // Levels of white noise scatter about the whole, those of few readings widely.
+        let all = std::iter::once(&whole).chain(levels.iter().filter(|_| coloured));
+        let larger = |a: &&Octave, b: &&Octave| a.per_number().total_cmp(&b.per_number());
+        let worst = all.filter(too_large).max_by(larger);
+        let worst = worst.or_else(|| levels.iter().filter(too_large).max_by(larger))?;
         Some(Self {
             name,
             segment: None,
             worst: *worst,
-            coloured: levels.iter().any(|o| o.chance(whole.per_number()) < chance),
+            coloured,
             whole,
         })
     }

@@ -127,8 +127,8 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.map("time_s", |_, t| t * 1e3)),
             2,
             &[
-                "E0306 t.csv: channel 'omega_x'",
-                "turns between samples 200 s apart; correct the unit",
+                "E0215 attitude 'q_x..q_w' and gyro 'omega_x..z' contradict",
+                "times in ms that are read as s",
             ],
         ),
         row(
