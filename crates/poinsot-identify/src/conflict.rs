@@ -25,7 +25,8 @@ const SEEN: f64 = 1.0e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Conflict {
     pub text: String,
-    /// Factor on every variance that covers what the priors have moved the answer by.
+    /// Factor on every variance that covers what the priors of mass properties have moved the answer by. Calibrations (a bias,
+    /// a random torque) act on the answer through others, and a bound on that would be far above what they do.
     pub ratio: f64,
 }
 
@@ -35,8 +36,6 @@ struct Apart {
     value: f64,
     sigma: f64,
     z: f64,
-    /// Square of what it has moved the answer by, in the answer's sigmas.
-    moved: f64,
 }
 
 /// The contradiction, and the look for faults where the priors do not stand in the way: their fault is no fault of the
@@ -47,10 +46,10 @@ pub(crate) fn conflict(
     wanted: bool,
 ) -> (Option<Conflict>, Option<Diagnostics>) {
     let (mut apart, mut unnamed) = (calibrations(experiment, fitted), false);
-    let mut moved = apart.iter().map(|a| a.moved).sum::<f64>();
+    let mut moved = 0.0;
     let mut found = None;
     if let Some(square) = design(experiment, fitted) {
-        moved += square;
+        moved = square;
         let free = without(experiment, fitted, |free, end| {
             let found = wanted.then(|| diagnose(free, end, fitted_numbers(free, end)));
             (rows(experiment, end), found)
@@ -171,7 +170,6 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
             sigma: own * declared.sigma,
             declared,
             z,
-            moved: 0.0,
         })
     };
     let all = rows.into_iter().filter_map(apart);
@@ -197,7 +195,6 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
         Some(Apart {
             value: declared.nominal - row.residual * declared.sigma / left,
             sigma: declared.sigma * (known / left).max(0.0).sqrt(),
-            moved: z * z * known / left,
             declared,
             z,
         })

@@ -44,6 +44,8 @@ pub(crate) fn beyond_the_readings(
 pub(crate) struct InputCurves {
     joints: Vec<Option<SmoothCurve>>,
     wheels: Vec<Option<SmoothCurve>>,
+    /// Wheels whose readings are declared free of noise.
+    exact: Vec<bool>,
 }
 
 impl InputCurves {
@@ -54,6 +56,7 @@ impl InputCurves {
         Self {
             joints: joints.collect(),
             wheels: wheels.collect(),
+            exact: noise.wheel_speed.iter().map(|v| *v == 0.0).collect(),
         }
     }
 
@@ -62,6 +65,12 @@ impl InputCurves {
     pub fn joint(&self, j: usize, t: f64, lag_s: f64) -> ([f64; 2], [f64; 2]) {
         let (change, there) = between(self.joints.get(j), t, lag_s);
         ([change[0], change[1]], [there[1], there[2]])
+    }
+
+    /// Whether a wheel runs straight from reading to reading, late or not: nothing is to be smoothed, and a torque that jumps
+    /// is no smooth curve.
+    pub fn runs_straight(&self, w: usize, wheels_smooth: bool) -> bool {
+        !wheels_smooth && self.exact.get(w) == Some(&true)
     }
 
     /// The same for a wheel's speed, and its acceleration at the later time.

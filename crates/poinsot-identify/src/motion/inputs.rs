@@ -72,7 +72,11 @@ impl Motion<'_> {
                         continue;
                     };
                     for &w in wheels {
-                        let (change, rate) = curves.wheel(w, t, value);
+                        let (change, rate) =
+                            match curves.runs_straight(w, self.vehicle.wheels_smooth) {
+                                true => straight(self.observations, w, (k, t), value),
+                                false => curves.wheel(w, t, value),
+                            };
                         site.wheels[w] += change;
                         changes.push(InputChange {
                             unknown,
@@ -178,6 +182,28 @@ impl Motion<'_> {
         }
         list
     }
+}
+
+/// Change of a wheel's speed over a lag from time t, in the interval after grid time k, along straight lines from reading to
+/// reading, and the slope at the end; the outermost lines go on.
+fn straight(o: &Observations, wheel: usize, (k, t): (usize, f64), lag_s: f64) -> (f64, f64) {
+    let n = o.time_s.len();
+    let wheels = o.wheel_speed.len() / n.max(1);
+    let Some(last) = n.checked_sub(2) else {
+        return (0.0, 0.0);
+    };
+    let speed = |k: usize| o.wheel_speed[k * wheels + wheel];
+    let line = |k: usize, t: f64| {
+        let slope = (speed(k + 1) - speed(k)) / (o.time_s[k + 1] - o.time_s[k]);
+        (speed(k) + slope * (t - o.time_s[k]), slope)
+    };
+    let (here, slope) = line(k.min(last), t);
+    if lag_s == 0.0 {
+        return (0.0, slope);
+    }
+    let after = o.time_s.partition_point(|x| *x <= t + lag_s);
+    let (there, slope) = line(after.saturating_sub(1).min(last), t + lag_s);
+    (there - here, slope)
 }
 
 /// Force of a thruster at a placement, and its arm from the point c, in B.
