@@ -259,13 +259,13 @@ fn most_likely(readings: &[Reading]) -> Option<f64> {
     };
     let of = |decade: f64| deviance(&stretches, 10.0_f64.powf(decade));
     let mut best = (0.0, f64::INFINITY);
-    for decade in DECADES {
+    for decade in DECADES.step_by(4) {
         let d = of(f64::from(decade));
         if d < best.1 {
             best = (f64::from(decade), d);
         }
     }
-    for step in [0.5, 0.25, 0.125] {
+    for step in [2.0, 1.0, 0.5, 0.25, 0.125] {
         for decade in [best.0 - step, best.0 + step] {
             let d = of(decade);
             if d < best.1 {
