@@ -15,7 +15,7 @@ fn examples() -> PathBuf {
 }
 
 fn model(path: &str, late: SensorKind) -> Model {
-    let mut model = read_model(&examples().join(path)).unwrap();
+    let mut model = read_model(examples().join(path)).unwrap();
     let sensors = model.sensors.iter_mut();
     for sensor in sensors.filter(|s| s.kind == late) {
         sensor.lag = Nuisance::Estimate;
@@ -138,7 +138,7 @@ fn stat_late_joints_and_a_joint_off_its_reading_are_named() {
     let path = examples().join("cases/ma2008_traj1.toml");
     let case = parse_case(&path, std::fs::read_to_string(&path).unwrap()).unwrap();
     let whole = simulate_case(&case, &read_model(&case.model).unwrap()).unwrap();
-    let model = read_model(&examples().join("ma2008/model_noisy.toml")).unwrap();
+    let model = read_model(examples().join("ma2008/model_noisy.toml")).unwrap();
     let (name, lag_s) = first_suspect(&model, late(&whole.table, "joint", 2, 1));
     assert_eq!(name, "a lag of the joints");
     assert!((lag_s - 0.1).abs() < 1.0e-3, "{lag_s}");
