@@ -59,7 +59,7 @@ pub(crate) struct SensorFile {
     pub nonorthogonality: Option<NuisanceFile>,
     /// Delay of the samples, s: "none" (default), "estimate", or { sigma_s = x }.
     pub lag: Option<NuisanceFile>,
-    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity.
+    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity. Columns of telemetry are in body axes whatever stands here: it says in which axes the sensor errs (noise, bias, scale).
     pub rotation_xyzw: Option<[f64; 4]>,
     /// The same as a matrix of rows: takes components in the sensor's axes to components in the body's.
     pub rotation_matrix: Option<[[f64; 3]; 3]>,

@@ -276,7 +276,7 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0220",
         "A check of the telemetry found something that its policy refuses.",
-        "A mix-up of units; under --strict any finding.",
+        "A mix-up of units; under --strict any finding but a gap.",
         "Correct the telemetry, or accept the finding by --policy CHECK=POLICY.",
     ),
     (
