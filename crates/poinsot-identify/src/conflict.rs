@@ -12,6 +12,7 @@ use crate::maximum_likelihood::fitted_numbers;
 use crate::prior::{self, Declared, PriorRow};
 use crate::problem::Problem;
 use crate::solved::{HeadSolution, Shared, head};
+use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability by chance below which priors and data contradict each other: five sigma of one number.
@@ -91,21 +92,11 @@ fn said(a: &Apart, more: usize) -> String {
         1 => "; and one more".to_owned(),
         more => format!("; and {more} more"),
     };
-    let (nominal, sigma) = (short(*nominal), short(*sigma));
-    let (value, own) = (short(a.value), short(a.sigma));
+    let [nominal, sigma, value, own] = [*nominal, *sigma, a.value, a.sigma].map(|x| rounded(x, 5));
     format!(
         "the prior of {name} contradicts the data: {nominal} ± {sigma} {unit} is declared, the data alone say {value} ± {own} {unit}, {:.0} sigma apart{more}; correct the nominal number or the sigma of the prior",
         a.z.abs()
     )
-}
-
-/// A number with at most five figures.
-fn short(x: f64) -> String {
-    let rounded = format!("{x:.4e}").parse().unwrap_or(x);
-    match rounded != 0.0_f64 && !(1.0e-4..1.0e6).contains(&rounded.abs()) {
-        true => format!("{rounded:e}"),
-        false => format!("{rounded}"),
-    }
 }
 
 /// Where the priors of mass properties contradict the data: the square of what they have moved the answer by, in its own

@@ -121,12 +121,13 @@ pub(crate) fn solve(
     if shift > LEANS {
         // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
         let mut segments = problem.segments.iter();
-        solved.leans = segments.any(|s| s.observations.between_readings);
-        let warning = leaning(shift, experiment.wheels_smooth, solved.leans);
+        let seldom = segments.any(|s| s.observations.between_readings);
+        solved.leans = seldom.then_some("how wheels run between their readings");
+        let warning = leaning(shift, experiment.wheels_smooth, seldom);
         solved.warnings.extend(warning);
     }
     if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
-        solved.leans = true;
+        solved.leans = Some("what drove the vehicle beyond the readings");
         solved.warnings.push(warning);
     }
     if let Some(found) = &mut solved.diagnostics {
@@ -373,7 +374,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
-        leans: false,
+        leans: None,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

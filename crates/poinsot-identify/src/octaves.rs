@@ -95,12 +95,12 @@ pub(crate) fn octaves(white: &[Vector3], loss: Loss, outlier: f64) -> Vec<Octave
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    fn white(n: usize, seed: u64) -> Vec<Vector3> {
+    pub(crate) fn white(n: usize, seed: u64) -> Vec<Vector3> {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let mut draw = || StandardNormal.sample(&mut random);
         (0..n)

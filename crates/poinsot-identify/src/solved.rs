@@ -234,9 +234,8 @@ pub(crate) struct Solved {
     pub conflict: Option<Conflict>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
     pub adds_up: bool,
-    /// Whether the answer hangs on how wheels run between readings, or on what joints or wheels did beyond them, and
-    /// nobody knows.
-    pub leans: bool,
+    /// What nobody read, and the answer hangs on.
+    pub leans: Option<&'static str>,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

@@ -58,9 +58,7 @@ impl Trust {
                 chi2.sqrt()
             ));
         }
-        if solved.leans {
-            doubts.push("it hangs on how wheels run between their readings".to_owned());
-        }
+        doubts.extend(solved.leans.map(|what| format!("it hangs on {what}")));
         if solved.not_rigid {
             doubts.push("a line in the residual says that the vehicle is not rigid".to_owned());
         }
@@ -217,17 +215,8 @@ mod tests {
     use crate::estimate::ChannelFit;
     use crate::loss::Loss;
     use crate::octaves::octaves;
+    use crate::octaves::tests::white;
     use poinsot_spatial::Vector3;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-
-    fn white(n: usize, seed: u64) -> Vec<Vector3> {
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-        let mut draw = || StandardNormal.sample(&mut random);
-        (0..n)
-            .map(|_| Vector3::new(draw(), draw(), draw()))
-            .collect()
-    }
 
     fn fit(channels: &[(&'static str, Vec<Vector3>)]) -> SegmentFit {
         let channel = |(name, white): &(&'static str, Vec<Vector3>)| ChannelFit {

@@ -1,47 +1,16 @@
 //! The same bits on any number of threads.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use poinsot_dynamics::{
-    Fourier, JointMotion, Plan, Prescribed, Start, StartVelocity, Tolerance, Tree,
-};
+mod two_bodies;
+
+use poinsot_dynamics::Tree;
 use poinsot_identify::{
     Estimate, Noise, Number, Observations, Problem, Samples, Segment, Translation, linear,
     maximum_likelihood,
 };
 use poinsot_model::{Model, parse_model};
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
-
-const VEHICLE: &str = r#"
-schema = "poinsot.model/1"
-name = "two bodies"
-
-[[body]]
-name = "bus"
-mass_kg = 30.0
-com_m = [0.1, -0.2, 0.3]
-inertia_kg_m2 = { xx = 9.0, yy = 11.0, zz = 8.0, xy = 0.5, xz = -0.7, yz = 0.4 }
-estimate = true
-
-[[body]]
-name = "arm"
-mass_kg = 14.0
-com_m = [0.3, 0.2, -0.1]
-inertia_kg_m2 = { xx = 2.0, yy = 3.0, zz = 2.5, xy = 0.2, xz = 0.1, yz = -0.3 }
-estimate = true
-
-[[joint]]
-name = "shoulder"
-type = "revolute"
-parent = "bus"
-child = "arm"
-origin_m = [0.4, 0.3, -0.2]
-axis = [0.36, 0.48, 0.8]
-
-[[sensor]]
-name = "gyro"
-type = "gyro"
-noise_rad_s = 1e-5
-"#;
+use poinsot_spatial::{Matrix3, Vector3};
+use two_bodies::{VEHICLE, tumble};
 
 /// Numbers between -1 and 1 without a pattern.
 fn scatter(k: usize) -> f64 {
@@ -50,40 +19,22 @@ fn scatter(k: usize) -> f64 {
 
 /// A tumbling segment with errors of the size of the declared noise.
 fn segment(model: &Model, tree: &Tree, at: usize, rows: usize) -> Segment {
-    let mut plan = Plan::hold(model, &tree.coordinates);
-    plan.joints[0] = JointMotion::Fourier(Fourier {
-        offset: 0.2,
-        base_frequency_hz: 0.05,
-        sine: vec![0.5, -0.3 + 0.1 * at as f64],
-        cosine: vec![0.2, 0.4],
-    });
-    let start = Start {
-        R_NB: UnitQuaternion::from_euler_angles(0.3, -0.5, 0.2 + at as f64),
-        p_NoBo_N: Vector3::zeros(),
-        velocity: StartVelocity::Twist {
-            v_NBo_N: Vector3::new(0.1, -0.05, 0.2),
-            w_NB_B: Vector3::new(0.2, 0.15, -0.1 - 0.1 * at as f64),
-        },
-    };
     let times: Vec<f64> = (0..rows).map(|k| 0.02 * k as f64).collect();
     let mut samples = Samples {
         time_s: times.clone(),
         ..Samples::default()
     };
     let mut motion = Translation::default();
-    let vehicle = Prescribed::new(model, &plan, Tolerance::default()).unwrap();
-    vehicle
-        .run(&start, &times, |s| {
-            let k = 10 * (samples.R_NB.len() + rows * at);
-            let error = |from: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(k + from + i));
-            samples.R_NB.push(s.R_NB);
-            samples.w_NB_B.push(s.w_NB_B + error(0));
-            motion.v_NBo_N.push(s.v_NBo_N + error(3));
-            motion.p_NoBo_N.push(s.p_NoBo_N + error(6));
-            samples.joint_position.extend(&s.q);
-            samples.joint_rate.extend(&s.rates);
-        })
-        .unwrap();
+    tumble(model, tree, at, &times, |s| {
+        let k = 10 * (samples.R_NB.len() + rows * at);
+        let error = |from: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(k + from + i));
+        samples.R_NB.push(s.R_NB);
+        samples.w_NB_B.push(s.w_NB_B + error(0));
+        motion.v_NBo_N.push(s.v_NBo_N + error(3));
+        motion.p_NoBo_N.push(s.p_NoBo_N + error(6));
+        samples.joint_position.extend(&s.q);
+        samples.joint_rate.extend(&s.rates);
+    });
     let observations = Observations {
         time_s: times,
         rate: samples.w_NB_B.iter().copied().map(Some).collect(),

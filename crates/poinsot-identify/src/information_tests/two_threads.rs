@@ -3,7 +3,6 @@
 use super::{MODEL, finer, noise};
 use crate::information::Experiment;
 use crate::likelihood::{Evaluated, Setting, evaluate};
-use crate::loss::Loss;
 use crate::parameters::{Equations, Parameters};
 use crate::problem::Problem;
 use poinsot_dynamics::Tree;
@@ -49,7 +48,6 @@ fn exact_two_threads_give_the_bits_of_one() {
                 split,
                 ..experiment.setting()
             };
-            assert_eq!(setting.loss, Loss::Gaussian);
             let (head, unknown) = (&point.heads[0], experiment.unknown[0]);
             let x = &point.x;
             let of = (0, &segments[0]);
