@@ -1,6 +1,6 @@
 //! `poinsot export`
 
-use super::{Outcome, print, written};
+use super::{Outcome, note, print, written};
 use crate::arguments::{Export, Format};
 use poinsot::export::export_into_urdf;
 
@@ -8,7 +8,7 @@ pub fn run(arguments: &Export) -> Outcome {
     let Format::Urdf = arguments.to;
     let exported = export_into_urdf(&arguments.folder, &arguments.onto)?;
     for line in exported.left_out.iter().filter(|_| !arguments.quiet) {
-        eprintln!("{line}");
+        note(line);
     }
     match &arguments.out {
         Some(path) => {

@@ -1,6 +1,6 @@
 //! `poinsot identify`
 
-use super::{Outcome, formats, print_document, print_json, step};
+use super::{Outcome, formats, note, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
@@ -56,7 +56,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         print_document(&estimate_document(&identified));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
-        eprintln!("written: {}", path.display());
+        note(&format!("written: {}", path.display()));
     }
     Ok(identified.exit_code())
 }

@@ -1,6 +1,6 @@
 //! `poinsot import`
 
-use super::{Failure, Outcome, print, written};
+use super::{Failure, Outcome, note, print, written};
 use crate::arguments::Import;
 use poinsot_model::{parse_model, read_urdf, write_model};
 
@@ -19,13 +19,13 @@ pub fn run(arguments: &Import) -> Outcome {
     if arguments.quiet {
         return Ok(0);
     }
-    for note in &model.notes {
-        eprintln!("note: {}:{note}", arguments.urdf.display());
+    for found in &model.notes {
+        note(&format!("note: {}:{found}", arguments.urdf.display()));
     }
-    eprintln!(
+    note(&format!(
         "{} bodies, {} joints; add sensors with their noise and say what is to be estimated",
         model.bodies.len(),
         model.joints.len()
-    );
+    ));
     Ok(0)
 }

@@ -52,6 +52,12 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
     }
 }
 
+/// One line on standard error. Where that is closed nobody reads it, and the answer is none the worse.
+pub fn note(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// Says which files were written: on standard error, or as JSON on standard output.
 pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
     if json {
@@ -59,7 +65,7 @@ pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
         print_json(&serde_json::json!({ "written": names }));
     } else if !quiet {
         for path in paths {
-            eprintln!("written: {}", path.display());
+            note(&format!("written: {}", path.display()));
         }
     }
 }

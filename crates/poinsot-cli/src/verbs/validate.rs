@@ -1,6 +1,6 @@
 //! `poinsot validate`
 
-use super::{Outcome, print_document, print_json};
+use super::{Outcome, note, print_document, print_json};
 use crate::arguments::Validate;
 use poinsot::validate::{
     ValidateRequest, validate, validation_document, validation_json, write_validation,
@@ -28,7 +28,7 @@ pub fn run(arguments: &Validate) -> Outcome {
         print_document(&validation_document(&validation));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
-        eprintln!("written: {}", path.display());
+        note(&format!("written: {}", path.display()));
     }
     Ok(validation.exit_code())
 }

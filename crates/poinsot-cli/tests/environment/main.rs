@@ -252,6 +252,21 @@ fn cli_closed_standard_error_is_no_error_either() {
     assert_eq!(child.wait().unwrap().code(), Some(2));
 }
 
+/// Notes after an answer that is written: nobody reads them, and the answer stands.
+#[test]
+fn regress_notes_on_a_closed_standard_error_are_no_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = example("cases/stsat3_spin.toml");
+    let mut child = poinsot(&["simulate", &case, "--out", "out"])
+        .current_dir(folder.path())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stderr.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
 #[test]
 fn cli_a_folder_without_permission_is_exit_3() {
     use std::os::unix::fs::PermissionsExt;
