@@ -2,10 +2,10 @@
 
 use crate::bind::BindError;
 use poinsot_identify::ProblemError;
-use poinsot_identify::methods::kim2010::Kim2010ProblemError;
-use poinsot_identify::methods::ma2008::Ma2008Error;
-use poinsot_identify::methods::xu2017::Xu2017Error;
 use poinsot_model::ModelError;
+use poinsot_papers::kim2010::Kim2010ProblemError;
+use poinsot_papers::ma2008::Ma2008Error;
+use poinsot_papers::xu2017::Xu2017Error;
 use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
 use std::path::PathBuf;

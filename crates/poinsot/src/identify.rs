@@ -5,12 +5,12 @@ use crate::error::Error;
 use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
     Coordinates, Estimate, FitOptions, LEANS, Loss, Number, Prediction, Problem, Status,
     linear_predicted, maximum_likelihood_predicted, predicted_by, tensor_name,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
+use poinsot_papers::{kim2010, ma2008, xu2017};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{ColumnMap, Encoding, ReadOptions, Source, Table, read};
@@ -374,10 +374,10 @@ fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
 
 fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
     let name = request.method.as_str();
-    let published = methods::published(name);
+    let published = poinsot_papers::published(name);
     if !METHODS.contains(&name) && published.is_none() {
         let mut names = METHODS.to_vec();
-        names.extend(methods::PUBLISHED.iter().map(|p| p.name));
+        names.extend(poinsot_papers::PUBLISHED.iter().map(|p| p.name));
         return Err(Error::Usage {
             option: "--method",
             value: request.method.clone(),
@@ -405,12 +405,12 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
 }
 
 fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
-    let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
+    let known = poinsot_papers::published("kim2010").map_or(&[][..], |p| p.variants);
     kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
 }
 
 fn xu2017_variant(request: &IdentifyRequest) -> Result<xu2017::Variant, Error> {
-    let known = methods::published("xu2017").map_or(&[][..], |p| p.variants);
+    let known = poinsot_papers::published("xu2017").map_or(&[][..], |p| p.variants);
     xu2017::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
 }
 

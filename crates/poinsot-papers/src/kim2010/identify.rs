@@ -5,12 +5,10 @@
 
 use super::suspicions::suspicions;
 use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, VISITED, Variant, wheel_momentum};
-use crate::answer_body::finish;
-use crate::estimate::{BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Source, Status};
-use crate::linear::linear;
-use crate::parameters::TENSOR;
-use crate::problem::{Problem, ProblemError};
-use crate::segment::Segment;
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment,
+    Source, Status, TENSOR, linear,
+};
 use poinsot_model::Model;
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -317,7 +315,7 @@ fn replaced(mut body: BodyEstimate, I: &Matrix3, impossible: bool) -> BodyEstima
             *number = Number::open(number.nominal);
         }
     }
-    finish(
+    BodyEstimate::from_numbers(
         body.name,
         body.mass,
         body.com,

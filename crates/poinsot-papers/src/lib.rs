@@ -1,5 +1,7 @@
 //! Published methods, one paper each, run by the same command as the ladder and measured against it.
 
+#![allow(non_snake_case)]
+
 pub mod kim2010;
 pub mod ma2008;
 pub mod xu2017;

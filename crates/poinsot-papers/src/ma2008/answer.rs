@@ -5,15 +5,12 @@ use super::error::Ma2008Error;
 use super::influence::Directions;
 use super::words::*;
 use super::{Known, Raw, Vehicle, tensor};
-use crate::answer_body::{finish, known};
-use crate::estimate::{
-    Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, SegmentFit, Source as From,
-    Status,
-};
-use crate::parameters::axis_name;
-use crate::problem::Problem;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
+    SegmentFit, Source as From, Status, axis_name,
+};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 
 /// Which option of both steps.
@@ -203,7 +200,7 @@ fn write(
             .bodies
             .iter()
             .skip(1)
-            .map(|b| known(b.name.clone(), &b.nominal)),
+            .map(|b| BodyEstimate::known(b.name.clone(), &b.nominal)),
     );
     Estimate {
         method: "ma2008".to_owned(),
@@ -269,22 +266,22 @@ fn body(
     name: String,
     nominal: &MassProperties,
     of: impl Fn(&[f64; 10]) -> MassProperties,
-) -> crate::estimate::BodyEstimate {
+) -> BodyEstimate {
     let pi = nominal.parameters().to_array();
     let mass = ten.number(nominal.mass, |u| of(u).mass);
     let com = [0, 1, 2].map(|k| ten.number(nominal.p_BoBcm_B[k], |u| of(u).p_BoBcm_B[k]));
     let inertia =
-        crate::parameters::TENSOR.map(|e| ten.number(nominal.I_BBcm_B[e], |u| of(u).I_BBcm_B[e]));
+        poinsot_identify::TENSOR.map(|e| ten.number(nominal.I_BBcm_B[e], |u| of(u).I_BBcm_B[e]));
     let barycentric =
         std::array::from_fn(|k| ten.number(pi[k], |u| of(u).parameters().to_array()[k]));
-    finish(name, mass, com, inertia, barycentric)
+    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }
 
 fn system(
     problem: &Problem,
     ten: &Ten,
     nominal: &MassProperties,
-) -> Option<(crate::estimate::BodyEstimate, Vec<f64>)> {
+) -> Option<(BodyEstimate, Vec<f64>)> {
     let q = problem
         .segments
         .first()?
