@@ -1,48 +1,26 @@
-//! Published methods, one paper each, run by the same command as the ladder and measured against it.
-
+//! Published methods of identification, one folder a paper: reproduced as printed where that is right, measured against
+//! [`poinsot_identify`].
+//!
+//! [`METHODS`] is the registration of all of them. The command line, `poinsot methods`, help, error codes and tests read
+//! that list; no other crate names a paper.
+//!
+//! ```
+//! for method in poinsot_papers::METHODS {
+//!     let about = method.about();
+//!     println!("{}: {} ({})", about.name, about.summary, about.citation);
+//!     for variant in about.variants {
+//!         println!("    {}: {}", variant.name, variant.summary);
+//!     }
+//! }
+//! assert!(poinsot_papers::method("ma2008").is_some());
+//! ```
 #![allow(non_snake_case)]
 
+mod answered;
 pub mod kim2010;
 pub mod ma2008;
+mod method;
 pub mod xu2017;
 
-/// A published method and how it is called.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Published {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Variants; the first is taken where none is named.
-    pub variants: &'static [&'static str],
-    /// Where it was published.
-    pub citation: &'static str,
-}
-
-/// Every published method that is there.
-pub const PUBLISHED: [Published; 3] = [
-    Published {
-        name: "kim2010",
-        variants: &[
-            "suggested",
-            "batch",
-            "conventional",
-            "pre-estimate",
-            "iterated",
-        ],
-        citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
-    },
-    Published {
-        name: "ma2008",
-        variants: &["unknown-momentum", "known-momentum"],
-        citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
-    },
-    Published {
-        name: "xu2017",
-        variants: &["swarm", "linear", "swarm-inward", "linear-inward"],
-        citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
-    },
-];
-
-/// The published method of this name.
-pub fn published(name: &str) -> Option<&'static Published> {
-    PUBLISHED.iter().find(|p| p.name == name)
-}
+pub use answered::answered;
+pub use method::{About, Explained, METHODS, Method, MethodError, Named, VariantText, method};

@@ -2,25 +2,19 @@
 
 use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
+use crate::methods::{is_own, methods};
 use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, LEANS, Loss, Number, Prediction, Problem, Status,
-    linear_predicted, maximum_likelihood_predicted, predicted_by, tensor_name,
+    Coordinates, Estimate, FitOptions, LEANS, Loss, Prediction, Problem, Status, linear_predicted,
+    maximum_likelihood_predicted, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
-use poinsot_papers::{kim2010, ma2008, xu2017};
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_papers::{answered, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{ColumnMap, Encoding, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
-
-/// Methods by name; `auto` is linear least squares, then maximum likelihood.
-pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
-
-/// Variants of maximum likelihood: the loss of a reading.
-pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
@@ -37,9 +31,9 @@ pub struct IdentifyRequest {
     pub segments: Vec<Vec<PathBuf>>,
     /// File with a `[telemetry]` table that replaces the model's.
     pub map: Option<PathBuf>,
-    /// One of [`METHODS`].
+    /// Name of a method, see [`crate::methods::methods`].
     pub method: String,
-    /// Variant of a published method.
+    /// One of its variants.
     pub variant: Option<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
@@ -126,7 +120,7 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
     if let Some(wanted) = options
         .wanted
         .as_mut()
-        .filter(|_| request.method == "xu2017")
+        .filter(|_| method(&request.method).is_some_and(|m| m.about().reads_accelerations))
     {
         wanted.extend(acceleration_channels());
     }
@@ -147,7 +141,7 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         let label = table_label(table);
         findings.extend(checks::apply(table, &label, &policies)?);
     }
-    if METHODS.contains(&request.method.as_str())
+    if is_own(&request.method)
         && let Some(mut finding) = mixups::times(&model, &tables)
     {
         finding.policy = policies.of(finding.check);
@@ -256,18 +250,8 @@ pub fn identify_tables(
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match request.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
-        "kim2010" => {
-            let estimate = kim2010::identify(&problem, kim2010_variant(request)?)?;
-            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
-            (estimate, predictions)
-        }
-        "ma2008" => {
-            let estimate = ma2008::identify(&problem, ma2008_variant(request))?;
-            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
-            (estimate, predictions)
-        }
-        "xu2017" => {
-            let estimate = xu2017::identify(&problem, xu2017_variant(request)?)?;
+        name if let Some(method) = method(name) => {
+            let estimate = method.identify(&problem, request.variant.as_deref())?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
@@ -284,7 +268,7 @@ pub fn identify_tables(
             (estimate, predictions)
         }
     };
-    let findings = match METHODS.contains(&request.method.as_str()) {
+    let findings = match is_own(&request.method) {
         true => mixups::rates(&problem, &tables, &estimate)
             .into_iter()
             .collect(),
@@ -334,65 +318,21 @@ fn refuse_gravity(model: &Model, request: &IdentifyRequest) -> Result<(), Error>
     })
 }
 
-/// The vehicle as a published method says it is: what is determined, else what the method prints, else nominal.
-fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
-    let printed = |name: &str| {
-        let report = estimate.method_report.as_ref()?;
-        let found = report.numbers.iter().find(|n| n.name == name)?;
-        found.number.value
-    };
-    let bodies = model.bodies.iter().zip(&estimate.bodies);
-    bodies
-        .map(|(body, answer)| {
-            if !answer.asked {
-                return body.nominal;
-            }
-            let best = |n: &Number, name: &str| {
-                let printed = || printed(name).filter(|_| model.bodies.len() == 1);
-                n.value.or_else(printed).unwrap_or(n.nominal)
-            };
-            let [xx, xy, yy, xz, yz, zz] = std::array::from_fn(|k| {
-                // Kim, Choi and Oh write zx.
-                let name = tensor_name(k).replace("xz", "zx");
-                best(&answer.inertia[k], &format!("inertia_{name}"))
-            });
-            MassProperties {
-                mass: best(&answer.mass, "mass"),
-                p_BoBcm_B: Vector3::from(answer.com.map(|n| n.value.unwrap_or(n.nominal))),
-                I_BBcm_B: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-            }
-        })
-        .collect()
-}
-
-fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
-    match request.variant.as_deref() {
-        Some("known-momentum") => ma2008::Variant::KnownMomentum,
-        _ => ma2008::Variant::UnknownMomentum,
-    }
-}
-
 fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
-    let name = request.method.as_str();
-    let published = poinsot_papers::published(name);
-    if !METHODS.contains(&name) && published.is_none() {
-        let mut names = METHODS.to_vec();
-        names.extend(poinsot_papers::PUBLISHED.iter().map(|p| p.name));
+    let methods = methods();
+    let Some(method) = methods.iter().find(|m| m.name == request.method) else {
+        let names: Vec<&str> = methods.iter().map(|m| m.name).collect();
         return Err(Error::Usage {
             option: "--method",
             value: request.method.clone(),
             why: format!("there is no such method; use one of {}", names.join(", ")),
         });
-    }
-    let known: &[&str] = match (published, name) {
-        (Some(published), _) => published.variants,
-        (None, "linear") => &[],
-        (None, _) => &LOSSES,
     };
+    let known: Vec<&str> = method.variants.iter().map(|v| v.name).collect();
     if let Some(variant) = &request.variant
         && !known.contains(&variant.as_str())
     {
-        return Err(variant_error(request, known));
+        return Err(variant_error(request, &known));
     }
     if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
@@ -402,16 +342,6 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         });
     }
     Ok(())
-}
-
-fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
-    let known = poinsot_papers::published("kim2010").map_or(&[][..], |p| p.variants);
-    kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
-}
-
-fn xu2017_variant(request: &IdentifyRequest) -> Result<xu2017::Variant, Error> {
-    let known = poinsot_papers::published("xu2017").map_or(&[][..], |p| p.variants);
-    xu2017::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
 }
 
 fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {

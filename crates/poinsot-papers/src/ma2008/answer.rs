@@ -5,6 +5,7 @@ use super::error::Ma2008Error;
 use super::influence::Directions;
 use super::words::*;
 use super::{Known, Raw, Vehicle, tensor};
+use crate::method::{About, Method, MethodError, Named};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
@@ -22,13 +23,44 @@ pub enum Variant {
     UnknownMomentum,
 }
 
-impl Variant {
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::UnknownMomentum,
+            "option 2: increments eliminate the momentum",
+        ),
+        (
+            Self::KnownMomentum,
+            "option 1: the model gives the momentum",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
         match self {
             Self::KnownMomentum => "known-momentum",
             Self::UnknownMomentum => "unknown-momentum",
         }
+    }
+}
+
+/// This method in the list of methods.
+pub struct Ma2008;
+
+impl Method for Ma2008 {
+    fn about(&self) -> About {
+        About {
+            name: "ma2008",
+            summary: "mass, mass centre and inertia of the base from the motion of a known arm",
+            citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+            variants: Variant::texts(),
+            reads_accelerations: false,
+            codes: super::codes::CODES,
+        }
+    }
+
+    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        Ok(identify(problem, variant)?)
     }
 }
 

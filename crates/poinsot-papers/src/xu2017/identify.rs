@@ -10,6 +10,7 @@ use super::error::Xu2017Error;
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::words::{notes, warnings};
 use super::{Kind, Variant};
+use crate::method::Named;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
     BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, Source, Status, TENSOR,
