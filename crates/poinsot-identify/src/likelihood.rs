@@ -105,7 +105,7 @@ pub(crate) fn evaluate(
         compare.joint_rate.fill(0.0);
     }
     compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
-    compare.points.predict(&vehicle, segment, &state)?;
+    compare.points.predict(&vehicle, (index, segment), &state)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
     if unknown.attitude && segment.observations.attitude.iter().all(Option::is_none) {
