@@ -41,6 +41,7 @@ mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
+mod propagation;
 mod quantity;
 mod refine;
 mod remedies;

@@ -17,10 +17,10 @@ use crate::block_qr::{BlockQr, Triangle};
 use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
-use crate::motion::{Motion, State};
+use crate::motion::{Grid, Motion, State};
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
-use crate::vehicle::{Vehicle, tilted};
+use crate::vehicle::{Steps, Vehicle, tilted};
 use colour::Colour;
 use ideal::Ideal;
 use nalgebra::{Cholesky, SMatrix, SVector};
@@ -42,8 +42,23 @@ pub(crate) struct Setting<'a> {
     pub wheels_smooth: bool,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
+    /// Integration steps, one grid per segment, how many steps for each, and whether wheel speeds bend within an interval.
+    pub grids: &'a [Grid],
+    pub factor: u32,
+    pub bends: bool,
     /// Whether a second thread may follow the motion while this one compares.
     pub split: bool,
+}
+
+impl Setting<'_> {
+    /// How finely a segment is propagated.
+    pub fn steps(&self, segment: usize) -> Steps<'_> {
+        Steps {
+            grid: self.grids.get(segment),
+            factor: self.factor,
+            bends: self.bends,
+        }
+    }
 }
 
 /// One kind of sensor in one segment: whitened residuals, three axes a sample.
@@ -88,6 +103,7 @@ pub(crate) fn evaluate(
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(index);
+    vehicle.steps = setting.steps(index);
     let joints = setting.noise.joint_position.iter();
     let rates = &setting.noise.joint_rate;
     vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();

@@ -1,6 +1,7 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
 use crate::input_curves::InputCurves;
+use crate::motion::Grid;
 use crate::parameters::{Gust, Parameters, UnknownKind};
 use crate::segment::{Firing, Observations, Segment};
 use poinsot_dynamics::Tree;
@@ -29,6 +30,8 @@ pub(crate) struct Vehicle<'a> {
     pub drag: Vector3,
     /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
     pub wheels_smooth: bool,
+    /// How finely its motion is propagated.
+    pub steps: Steps<'a>,
     /// Whether each joint's readings are noisy; empty where all are exact.
     pub noisy_joints: Vec<bool>,
     /// Unknowns that change what joints and wheels do.
@@ -43,6 +46,27 @@ pub(crate) struct Vehicle<'a> {
     pub gusts: Vec<(Gust, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
+}
+
+/// How finely a segment is propagated.
+#[derive(Clone, Copy)]
+pub(crate) struct Steps<'a> {
+    /// Steps in each interval; `None`: those that the vehicle itself asks for.
+    pub grid: Option<&'a Grid>,
+    /// Steps for each of them.
+    pub factor: u32,
+    /// Whether wheel speeds bend within an interval, their axial momentum straight.
+    pub bends: bool,
+}
+
+impl Default for Steps<'_> {
+    fn default() -> Self {
+        Self {
+            grid: None,
+            factor: 1,
+            bends: false,
+        }
+    }
 }
 
 /// An unknown fault of the readings of joints or wheels.
@@ -88,6 +112,7 @@ impl<'a> Vehicle<'a> {
             torque_N,
             drag,
             wheels_smooth: false,
+            steps: Steps::default(),
             noisy_joints: Vec::new(),
             gusts: parameters
                 .unknowns
