@@ -7,9 +7,9 @@
 
 use crate::fit::{Fitted, Local, fit_on};
 use crate::information::Experiment;
-use crate::levenberg_marquardt::{LeastSquares, Linearised};
 use crate::likelihood::Evaluated;
 use faer::Mat;
+use poinsot_solve::{LeastSquares, Linearised};
 
 /// Largest change of the answer by halved steps, sigmas.
 const ANSWER: f64 = 0.05;

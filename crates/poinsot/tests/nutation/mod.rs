@@ -80,7 +80,6 @@ interpolation = "constant"
 
 [output]
 rate_hz = {rate_hz:?}
-sensors_only = true
 seed = 3
 "#
     )
