@@ -43,6 +43,8 @@ pub(crate) struct Experiment<'a> {
     pub wheels_smooth: bool,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
+    /// Whether evaluations keep every whitened row.
+    pub keep_rows: bool,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
     grids: Arc<OnceLock<Vec<Grid>>>,
     /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
@@ -83,6 +85,7 @@ impl<'a> Experiment<'a> {
             coordinates: Coordinates::default(),
             wheels_smooth: false,
             fineness: Fineness::default(),
+            keep_rows: false,
             grids: Arc::default(),
             curves: Arc::default(),
         }
@@ -101,6 +104,7 @@ impl<'a> Experiment<'a> {
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
             fineness: self.fineness,
+            keep_rows: self.keep_rows,
             grids: Arc::clone(&self.grids),
             curves: Arc::clone(&self.curves),
         }
@@ -130,6 +134,7 @@ impl<'a> Experiment<'a> {
             grids: self.grids(),
             factor: self.fineness.factor,
             bends: self.bends(),
+            keep_rows: self.keep_rows,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
                 && rayon::current_thread_index().is_none()
@@ -156,11 +161,15 @@ impl<'a> Experiment<'a> {
         })
     }
 
-    /// Whether wheel speeds bend within an interval: where they run smoothly they are curves already.
+    /// Whether wheel speeds bend within an interval.
     pub fn bends(&self) -> bool {
         let long = || self.grids().iter().any(|g| g.bends);
-        let wheels = !self.problem.model.wheels.is_empty();
-        wheels && !self.wheels_smooth && (self.fineness.bends || long())
+        self.may_bend() && (self.fineness.bends || long())
+    }
+
+    /// Whether they can: where they run smoothly they are curves already.
+    pub fn may_bend(&self) -> bool {
+        !self.problem.model.wheels.is_empty() && !self.wheels_smooth
     }
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.

@@ -89,10 +89,10 @@ pub(crate) fn within_steps(
         if round == REFINEMENTS || experiment.fineness.factor >= MOST {
             return (fitted, Some(error));
         }
-        match experiment.bends() {
-            // Straight speeds may be all that is wrong.
-            false => experiment.fineness.bends = true,
-            true => experiment.fineness.factor *= error.factor(),
+        // Straight speeds may be all that is wrong.
+        match experiment.may_bend() && !experiment.bends() {
+            true => experiment.fineness.bends = true,
+            false => experiment.fineness.factor *= error.factor(),
         }
         let here = experiment.linearise(&fitted.at);
         let finer = here.and_then(|h| fit_on(experiment, fitted.at.clone(), h, limit));

@@ -535,6 +535,7 @@ impl<'a> Ground<'a> {
             grids: &[],
             factor: 1,
             bends: false,
+            keep_rows: false,
             split: false,
         };
         let evaluated = evaluate(

@@ -16,6 +16,7 @@
 
 use super::variation::Variation;
 use super::{Column, Motion, Ready, State, along};
+use crate::parameters::UnknownKind;
 use nalgebra::{DMatrix, DVector};
 use poinsot_spatial::Vector3;
 use std::sync::Arc;
@@ -98,30 +99,27 @@ impl Motion<'_> {
     }
 
     /// The sensitivities at the start of an interval whose chord is known.
-    pub(super) fn open_columns(&self) -> Option<ColumnChord> {
-        let variation = self.ready.as_ref()?.variation.as_ref()?;
-        let axes: Vec<Vector3> = self.axes().collect();
+    pub(super) fn open_columns(&mut self) -> Option<ColumnChord> {
+        let variation = Arc::clone(self.ready.as_ref()?.variation.as_ref()?);
+        let turns = self.turns()?;
         let columns = self.columns.iter().enumerate();
         let turned = columns.map(|(j, column)| {
             let unknown = j.checked_sub(self.head);
-            about(&axes, variation, column, unknown)
+            turns.of(&variation, column, unknown)
         });
         Some(ColumnChord {
             from: turned.collect(),
-            columns: vec![Column::zeros(); 2 * axes.len()],
+            columns: vec![Column::zeros(); 2 * turns.axes.len()],
         })
     }
 
     /// Adds to every column at the end of the interval what the two ends of the chord do to it.
     pub(super) fn close_columns(&mut self, chord: &ColumnChord) -> Option<()> {
         let variation = Arc::clone(self.ready.as_ref()?.variation.as_ref()?);
-        let axes: Vec<Vector3> = self.axes().collect();
-        let wheels = axes.len();
+        let turns = self.turns()?;
+        let wheels = turns.axes.len();
         let (first, last) = chord.columns.split_at(wheels);
-        let own: Vec<Vec<f64>> = last
-            .iter()
-            .map(|x| about(&axes, &variation, x, None))
-            .collect();
+        let own: Vec<Vec<f64>> = last.iter().map(|x| turns.of(&variation, x, None)).collect();
         let one = DMatrix::from_fn(wheels, wheels, |i, j| {
             f64::from(u8::from(i == j)) - own[j][i]
         });
@@ -130,13 +128,32 @@ impl Motion<'_> {
             for (x, share) in first.iter().zip(from) {
                 *column += x * *share;
             }
-            let to = about(&axes, &variation, column, j.checked_sub(self.head));
+            let to = turns.of(&variation, column, j.checked_sub(self.head));
             let to = solver.solve(&DVector::from_vec(to))?;
             for (x, share) in last.iter().zip(to.iter()) {
                 *column += x * *share;
             }
         }
         Some(())
+    }
+
+    /// What columns turn about the wheels' axes where the motion is ready.
+    fn turns(&mut self) -> Option<Turns> {
+        let w = self.ready.as_ref()?.instant.twist.w;
+        self.along_axes(&w);
+        let (v, kinematics) = (self.vehicle, &self.site.kinematics);
+        let tilts = v.kinds.iter().enumerate().filter_map(|(u, kind)| {
+            let UnknownKind::WheelTilt(wheel, _) = *kind else {
+                return None;
+            };
+            let host = v.tree.rotors[wheel].body;
+            let tilt = kinematics.R[host] * v.tilt_slopes[u];
+            Some((u, wheel, tilt.dot(&kinematics.w[host])))
+        });
+        Some(Turns {
+            tilts: tilts.collect(),
+            axes: self.axes().collect(),
+        })
     }
 
     /// Axes of the wheels at the inputs in hand, in B.
@@ -170,14 +187,22 @@ impl Motion<'_> {
     }
 }
 
-/// What a column turns the base about each axis, wheel speeds held.
-fn about(
-    axes: &[Vector3],
-    variation: &Variation,
-    column: &Column,
-    unknown: Option<usize>,
-) -> Vec<f64> {
-    let twist = variation.twist(column, unknown);
-    let dw: Vector3 = twist.fixed_rows::<3>(3).into();
-    axes.iter().map(|a| a.dot(&dw)).collect()
+/// Axes of the wheels in B at one time.
+struct Turns {
+    axes: Vec<Vector3>,
+    /// Unknowns that tilt a wheel, and what they change of `a . w_host`.
+    tilts: Vec<(usize, usize, f64)>,
+}
+
+impl Turns {
+    /// Change of `a . w_host` of every wheel with a column, wheel speeds held.
+    fn of(&self, variation: &Variation, column: &Column, unknown: Option<usize>) -> Vec<f64> {
+        let twist = variation.twist(column, unknown);
+        let dw: Vector3 = twist.fixed_rows::<3>(3).into();
+        let mut all: Vec<f64> = self.axes.iter().map(|a| a.dot(&dw)).collect();
+        for (_, wheel, change) in self.tilts.iter().filter(|t| unknown == Some(t.0)) {
+            all[*wheel] += change;
+        }
+        all
+    }
 }

@@ -289,9 +289,13 @@ impl Motion<'_> {
         let own = match &v.kinds[unknown] {
             UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
             UnknownKind::WheelTilt(w, _) => {
-                let h = self.site.kinematics.R[v.tree.rotors[*w].body]
-                    * v.tilt_slopes[unknown]
-                    * (v.spin[*w] * self.site.wheels[*w]);
+                let host = v.tree.rotors[*w].body;
+                let tilt = self.site.kinematics.R[host] * v.tilt_slopes[unknown];
+                let mut h = tilt * (v.spin[*w] * self.site.wheels[*w]);
+                if let Some((axis, _)) = self.site.free.get(*w) {
+                    // The axial momentum is given: what of it is the host's turn changes too.
+                    h -= axis * (v.spin[*w] * tilt.dot(&self.site.kinematics.w[host]));
+                }
                 Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
             }
             kind if kind.is_nuisance() => return Vector6::zeros(),

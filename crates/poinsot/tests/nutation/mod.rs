@@ -3,6 +3,7 @@
 //! Bus of 15, 18 and 20 kg m2 with three wheels (`examples/cases/rigid_bus.toml`), one of which stores the momentum h.
 //! Records come from `simulate`, whose integrator controls its own error. Motor torques are constant between whole
 //! seconds and wheel speeds are known exactly, so nothing but the propagation of the estimator can spoil an answer.
+#![allow(dead_code)]
 
 use poinsot::case::parse_case;
 use poinsot::trials::Study;
@@ -10,9 +11,6 @@ use poinsot_model::{Model, SensorKind, parse_model};
 use std::path::Path;
 
 const BUS: &str = include_str!("../../../../examples/cases/rigid_bus.toml");
-
-/// Spin inertia of the wheels, kg m2.
-const SPIN_INERTIA: f64 = 0.002;
 
 /// One setting of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,12 +42,12 @@ pub fn bus() -> Model {
     model
 }
 
-fn case(cell: Cell) -> String {
+fn case(cell: Cell, spin_inertia: f64) -> String {
     let Cell {
         stored_N_m_s,
         rate_hz,
     } = cell;
-    let speed = stored_N_m_s / SPIN_INERTIA;
+    let speed = stored_N_m_s / spin_inertia;
     format!(
         r#"
 schema = "poinsot.case/1"
@@ -87,9 +85,15 @@ seed = 3
 
 /// The experiment of one setting.
 pub fn study(cell: Cell) -> Study {
-    let case = parse_case(Path::new("nutation.toml"), case(cell)).unwrap();
+    study_of(cell, bus())
+}
+
+/// The same with another bus.
+pub fn study_of(cell: Cell, bus: Model) -> Study {
+    let text = case(cell, bus.wheels[0].spin_inertia);
+    let case = parse_case(Path::new("nutation.toml"), text).unwrap();
     Study {
         diagnose: false,
-        ..Study::of_case(&case, &bus(), bus()).unwrap()
+        ..Study::of_case(&case, &bus, bus.clone()).unwrap()
     }
 }
