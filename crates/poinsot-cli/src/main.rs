@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Verb::Simulate(a) => verbs::simulate::run(a),
         Verb::Predict(a) => verbs::predict::run(a),
         Verb::Validate(a) => verbs::validate::run(a),
+        Verb::Compare(a) => verbs::compare::run(a),
         Verb::Report(a) => verbs::report::run(a),
         Verb::Inspect(a) => verbs::inspect::run(a),
         Verb::Check(a) => verbs::check::run(a),
@@ -34,7 +35,7 @@ fn main() -> ExitCode {
         Verb::Export(a) => verbs::export::run(a),
         Verb::Explain(a) => verbs::explain::run(a),
         Verb::Methods(a) => verbs::methods::run(a),
-        Verb::Schema => verbs::schema::run(),
+        Verb::Schema(a) => verbs::schema::run(a),
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),
     });

@@ -274,9 +274,9 @@ pub(crate) struct Fitted {
 
 /// All segments at a point, the triangle of the shared unknowns, and its spectrum.
 pub(crate) struct Local {
-    evaluated: Vec<Evaluated>,
-    shared: Shared,
-    spectrum: Spectrum,
+    pub evaluated: Vec<Evaluated>,
+    pub shared: Shared,
+    pub spectrum: Spectrum,
     /// The bodies that the steps keep physical.
     bodies: Option<PhysicalBodies>,
 }

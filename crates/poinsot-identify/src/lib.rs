@@ -17,6 +17,7 @@ mod coordinates;
 mod deviance;
 mod diagnosis;
 mod estimate;
+mod evaluation;
 mod fit;
 mod held_back;
 mod impulse;
@@ -36,6 +37,7 @@ mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
+mod propagation;
 mod quantity;
 mod remedies;
 mod residual;
@@ -58,6 +60,7 @@ pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MethodReport,
     MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
 pub use impulse::{Impulse, Impulses, thrust_impulses};
 pub use linear::linear;

@@ -531,6 +531,10 @@ impl<'a> Ground<'a> {
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
             curves: &curves,
+            grids: &[],
+            factor: 1,
+            bends: false,
+            keep_rows: false,
             split: false,
         };
         let evaluated = evaluate(

@@ -3,7 +3,7 @@
 
 use poinsot::explain::explain;
 use poinsot::methods::methods;
-use poinsot::{IdentifyRequest, identify_reading};
+use poinsot::{IdentifyRequest, identify};
 use std::path::Path;
 
 /// Model and one record: a body with wheels, an arm of known mass, an arm under thrust.
@@ -18,27 +18,17 @@ const EVERY: usize = 8;
 #[test]
 fn prop_every_published_variant_answers_or_is_refused_with_a_code() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let reading = poinsot::Reading {
-        every: EVERY,
-        ..Default::default()
-    };
     let mut answered = Vec::new();
     for method in methods().iter().filter(|m| m.paper.is_some()) {
         for variant in &method.variants {
             for (model, record) in VEHICLES {
-                let request = IdentifyRequest {
-                    model: examples.join(model),
-                    segments: vec![vec![examples.join(record)]],
-                    map: None,
-                    method: method.name.to_owned(),
-                    variant: Some(variant.name.to_owned()),
-                    relative_accuracy: 1.0,
-                    coordinates: Default::default(),
-                    strict: false,
-                    recover: false,
-                };
+                let mut request =
+                    IdentifyRequest::new(examples.join(model), [examples.join(record)]);
+                request.reading.every = EVERY;
+                request.question.method = method.name.to_owned();
+                request.question.variant = Some(variant.name.to_owned());
                 let label = format!("{} {} on {model}", method.name, variant.name);
-                match identify_reading(&request, &reading) {
+                match identify(&request) {
                     Ok(found) => {
                         assert_eq!(found.estimate.method, method.name, "{label}");
                         assert_eq!(found.estimate.variant.as_deref(), Some(variant.name));

@@ -88,6 +88,12 @@ pub(super) const CODES: &[Entry] = &[
         "Check units and magnitudes of the telemetry.",
     ),
     (
+        "E0411",
+        "An array given for an evaluation has the wrong length.",
+        "Arrays made by a program: one is short, or the values are those of another problem.",
+        "Give one entry for each sample, input or unknown that the message counts.",
+    ),
+    (
         "E0501",
         "The case file cannot be read, or is larger than 16 MiB or not UTF-8.",
         "A wrong path or encoding.",
