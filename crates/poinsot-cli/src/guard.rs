@@ -1,4 +1,4 @@
-//! A fault of the program becomes one line and exit code 4; what a terminal would obey is not printed.
+//! A fault of the program becomes one line and exit code 4.
 
 use crate::verbs::{Failure, Outcome};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
@@ -40,29 +40,6 @@ fn remember(info: &PanicHookInfo<'_>) {
     }
 }
 
-/// Text without control characters other than line ends: names in files must not speak to the terminal.
-pub fn plain(text: &str) -> String {
-    text.chars()
-        .map(|c| {
-            if c.is_control() && c != '\n' {
-                '\u{fffd}'
-            } else {
-                c
-            }
-        })
-        .collect()
-}
-
-/// The same for output, where tabs stay.
-pub fn plain_lines(text: &str) -> std::borrow::Cow<'_, str> {
-    let bad = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
-    if text.contains(bad) {
-        text.replace(bad, "\u{fffd}").into()
-    } else {
-        text.into()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,10 +61,5 @@ mod tests {
             ": this is a fault of poinsot; please report it with the command and, if you can, the input"
         ));
         assert!(!message.contains('\n'));
-    }
-
-    #[test]
-    fn exact_escape_sequences_do_not_reach_the_terminal() {
-        assert_eq!(plain("a\u{1b}[31mb\nc"), "a\u{fffd}[31mb\nc");
     }
 }

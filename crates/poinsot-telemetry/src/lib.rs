@@ -54,4 +54,4 @@ pub use resample::{hold, resample, resample_attitude, resample_hermite};
 pub use suggest::{Suggestion, suggest};
 pub use time_base::median_step;
 pub use unit::{Dimension, Unit, parse_unit, units};
-pub use writer::write;
+pub use writer::{write, write_staged};

@@ -7,6 +7,7 @@ use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
+use poinsot_files::{Stage, folder_of};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -26,40 +27,39 @@ const BATCH: usize = 65_536;
 /// [`TelemetryError::Write`] for channels of one name, values that are not finite, or times that do not increase;
 /// [`TelemetryError::Io`] where the disk refuses.
 pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
+    let mut stage = Stage::new(folder_of(path))?;
+    let name = path.file_name().unwrap_or_default();
+    write_staged(&mut stage, Path::new(name), channels)?;
+    stage.commit()?;
+    Ok(())
+}
+
+/// The same as one file of an answer: `name` is its path below the folder of `stage`.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_staged(
+    stage: &mut Stage,
+    name: &Path,
+    channels: &[Channel],
+) -> Result<(), TelemetryError> {
+    let path = &stage.target(name);
     check(path, channels)?;
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be written",
-        source,
-    };
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".poinsot-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any other new file: the process's umask decides.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(io)?;
     let times = union_of_times(channels);
     let extension = path.extension().and_then(|e| e.to_str());
-    if matches!(extension, Some("parquet" | "pq")) {
-        write_parquet(file.as_file_mut(), &times, channels).map_err(|e| {
-            TelemetryError::Parquet {
+    stage.fill(name, |file| match extension {
+        Some("parquet" | "pq") => {
+            write_parquet(file, &times, channels).map_err(|e| TelemetryError::Parquet {
                 place: Place::file(path),
                 why: e.to_string(),
-            }
-        })?;
-    } else {
-        write_csv(file.as_file_mut(), &times, channels).map_err(io)?;
-    }
-    file.as_file().sync_all().map_err(io)?;
-    file.persist(path).map_err(|e| io(e.error))?;
-    Ok(())
+            })
+        }
+        _ => write_csv(file, &times, channels).map_err(|source| TelemetryError::Io {
+            path: path.to_owned(),
+            what: "cannot be written",
+            source,
+        }),
+    })
 }
 
 fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {

@@ -1,7 +1,8 @@
 //! The verb `export`: the answer of `identify` in the file of another program.
 
-use crate::error::Error;
-use poinsot_model::{LinkInertial, export_urdf, read_urdf};
+use crate::error::{Error, unreadable};
+use crate::report::LARGEST_RESULT;
+use poinsot_model::{LinkInertial, export_urdf, parse_urdf, read_model_text};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
@@ -26,17 +27,7 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
         path: path.to_owned(),
         why,
     };
-    let bytes = std::fs::read(&path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => fault(
-            &path,
-            "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
-        ),
-        _ => Error::Io {
-            path: path.clone(),
-            what: "cannot be read",
-            source,
-        },
-    })?;
+    let bytes = poinsot_files::read(&path, LARGEST_RESULT).map_err(|e| unreadable(&path, e))?;
     let estimate: Value = serde_json::from_slice(&bytes).map_err(|e| {
         fault(
             &path,
@@ -49,12 +40,8 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
             "it is no poinsot.estimate/1; give the folder of identify --out".to_owned(),
         ));
     }
-    read_urdf(urdf).model?;
-    let text = std::fs::read_to_string(urdf).map_err(|source| Error::Io {
-        path: urdf.to_owned(),
-        what: "cannot be read",
-        source,
-    })?;
+    let text = read_model_text(urdf)?;
+    parse_urdf(&text, &urdf.display().to_string()).model?;
     let mut links = Vec::new();
     let mut left_out = Vec::new();
     for (name, body) in estimate["bodies"].as_object().into_iter().flatten() {

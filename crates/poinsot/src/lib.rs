@@ -18,6 +18,7 @@ pub mod report;
 pub mod simulate;
 pub mod trials;
 pub mod validate;
+mod threads;
 mod verdict;
 
 pub use error::Error;
@@ -27,6 +28,7 @@ pub use identify::{
     Identified, IdentifyRequest, Reading, identify, identify_reading, identify_tables,
     segment_files,
 };
-pub use output::{write_estimate, write_file, write_files, write_result};
+pub use output::{check_outputs, write_estimate, write_file, write_files, write_result};
 pub use poinsot_identify::Coordinates;
-pub use report::{write_figures, write_report, write_report_data};
+pub use report::write_report;
+pub use threads::start_threads;

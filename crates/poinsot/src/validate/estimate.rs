@@ -2,7 +2,9 @@
 
 use super::{Mover, ValidateError};
 use crate::error::Error;
+use crate::report::LARGEST_RESULT;
 use poinsot_dynamics::Tree;
+use poinsot_files::{InputError, read_text};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
 use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
@@ -104,15 +106,13 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
         path: file.clone(),
         why,
     };
-    let text = std::fs::read_to_string(&file).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => Error::from(refuse(
-            "there is no such file; give the folder of identify --out".to_owned(),
-        )),
-        _ => Error::Io {
+    let text = read_text(&file, LARGEST_RESULT).map_err(|error| match error {
+        InputError::System(source) => Error::Io {
             path: file.clone(),
             what: "cannot be read",
             source,
         },
+        other => refuse(format!("{other}; give the folder of identify --out")).into(),
     })?;
     let read: EstimateFile = serde_json::from_str(&text)
         .map_err(|e| refuse(format!("{e}; give an estimate.json as identify writes it")))?;
