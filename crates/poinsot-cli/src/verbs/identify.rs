@@ -3,8 +3,8 @@
 use super::{Failure, Outcome, formats, note, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
-    check_outputs, segment_files, write_result,
+    Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
+    estimate_json, identify, segment_files, write_result,
 };
 use std::path::Path;
 
@@ -14,13 +14,6 @@ const IDENTIFY_MIB: usize = 64;
 pub fn run(arguments: &Identify) -> Outcome {
     poinsot::start_threads()?;
     let rows = &arguments.rows;
-    let reading = Reading {
-        policies: arguments.policy.clone(),
-        encoding: rows.encoding.into(),
-        time_s: rows.time_s,
-        every: step(rows)?,
-        memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
-    };
     let request = IdentifyRequest {
         model: arguments.model.clone(),
         segments: arguments
@@ -28,19 +21,28 @@ pub fn run(arguments: &Identify) -> Outcome {
             .iter()
             .map(|t| segment_files(t))
             .collect(),
-        map: arguments.map.clone(),
-        method: arguments.method.clone(),
-        variant: arguments.variant.clone(),
-        relative_accuracy: arguments.relative_accuracy,
-        coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
-        strict: arguments.strict,
-        recover: arguments.recover,
+        reading: Reading {
+            map: arguments.map.clone(),
+            recover: arguments.recover,
+            encoding: rows.encoding.into(),
+            time_s: rows.time_s,
+            every: step(rows)?,
+            memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
+        },
+        question: Question {
+            method: arguments.method.clone(),
+            variant: arguments.variant.clone(),
+            relative_accuracy: arguments.relative_accuracy,
+            coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
+            strict: arguments.strict,
+            policies: arguments.policy.clone(),
+        },
     };
     let figures = formats(&arguments.figures);
     if let Some(folder) = &arguments.out {
         check_places(arguments, folder, &request)?;
     }
-    let identified = identify_reading(&request, &reading)?;
+    let identified = identify(&request)?;
     let written = match &arguments.out {
         Some(folder) => {
             let words = std::env::args_os().skip(1);
@@ -77,7 +79,7 @@ fn check_places(
         outputs.push(folder.join("figures").join("..."));
     }
     let mut inputs: Vec<&Path> = vec![&request.model];
-    inputs.extend(request.map.as_deref());
+    inputs.extend(request.reading.map.as_deref());
     inputs.extend(request.segments.iter().flatten().map(|p| p.as_path()));
     Ok(check_outputs("--out", &outputs, &inputs)?)
 }
