@@ -7,8 +7,8 @@ use std::path::Path;
 /// Why an input cannot be read.
 #[derive(Debug)]
 pub enum InputError {
-    /// No file of this name.
-    Missing,
+    /// No file of this name, as the operating system says it.
+    Missing(io::Error),
     /// A folder.
     Folder,
     /// A pipe, a device or a socket: reading it may never end.
@@ -36,7 +36,7 @@ impl InputError {
     /// What to do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
-            Self::Missing => "check the path",
+            Self::Missing(_) => "check the path",
             Self::Folder => "name the file in it",
             Self::NotRegular => "name a file; save the output of a pipe to a file first",
             Self::TooLarge { .. } => "name a file of the right kind",
@@ -49,7 +49,7 @@ impl InputError {
 impl std::fmt::Display for InputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Missing => write!(f, "there is no such file"),
+            Self::Missing(_) => write!(f, "there is no such file"),
             Self::Folder => write!(f, "this is a folder"),
             Self::NotRegular => write!(f, "this is not a regular file"),
             Self::TooLarge { limit } => write!(f, "the file is larger than {} MiB", limit >> 20),
@@ -65,7 +65,7 @@ impl From<io::Error> for InputError {
     fn from(source: io::Error) -> Self {
         match source.kind() {
             // "a.csv/b": a file where a folder was expected.
-            ErrorKind::NotFound | ErrorKind::NotADirectory => Self::Missing,
+            ErrorKind::NotFound | ErrorKind::NotADirectory => Self::Missing(source),
             ErrorKind::IsADirectory => Self::Folder,
             _ => Self::System(source),
         }
@@ -145,7 +145,7 @@ mod tests {
         ));
         assert!(matches!(read(folder.path(), 9), Err(InputError::Folder)));
         let below = path.join("y");
-        assert!(matches!(read(&below, 9), Err(InputError::Missing)));
+        assert!(matches!(read(&below, 9), Err(InputError::Missing(_))));
     }
 
     #[cfg(target_os = "linux")]

@@ -6,5 +6,7 @@ mod plain;
 mod stage;
 
 pub use input::{InputError, open, read, read_text};
-pub use plain::{LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped};
+pub use plain::{
+    LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
+};
 pub use stage::{Stage, StageError, check_target, folder_of, is_same_file, remove_stages};

@@ -21,6 +21,9 @@ const LOCK: &str = "lock";
 /// A hidden folder younger than this may not have its lock yet.
 const FRESH: Duration = Duration::from_secs(60);
 
+/// How often a folder that is being filled is removed.
+const TRIES: usize = 10;
+
 /// Hidden folders of this process; locked while files are put in place, so that an interruption waits.
 static OPEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -33,7 +36,8 @@ fn open_stages() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 pub fn remove_stages() {
     let open = open_stages();
     for folder in open.iter() {
-        let _ = fs::remove_dir_all(folder);
+        // Another thread may be drafting: what it adds in between is removed by the next try.
+        let _ = (0..TRIES).any(|_| fs::remove_dir_all(folder).is_ok());
     }
     std::mem::forget(open);
 }
@@ -185,8 +189,9 @@ impl Stage {
             make_folders(folder_of(&draft.target), &mut self.made)
                 .map_err(|e| StageError::new(&draft.target, "its folder cannot be made", e))?;
             let kept = self.hidden().join(format!("old-{k}"));
-            let found = keep(&draft.target, &kept)
-                .map_err(|e| StageError::new(&draft.target, "the earlier file cannot be kept", e))?;
+            let found = keep(&draft.target, &kept).map_err(|e| {
+                StageError::new(&draft.target, "the earlier file cannot be kept", e)
+            })?;
             earlier.push(found.then_some(kept));
         }
         Ok(earlier)
@@ -360,9 +365,8 @@ fn is_stale(hidden: &Path) -> bool {
         .flatten()
         .map(|e| e.file_name().to_string_lossy().into_owned())
         .collect();
-    let strange = |name: &String| {
-        name != LOCK && !name.starts_with("new-") && !name.starts_with("old-")
-    };
+    let strange =
+        |name: &String| name != LOCK && !name.starts_with("new-") && !name.starts_with("old-");
     if names.iter().any(strange) {
         return false;
     }

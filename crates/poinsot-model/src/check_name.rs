@@ -1,8 +1,8 @@
 //! Names: printable, unique, and no two things that would read one telemetry column.
 
-use poinsot_files::is_unprintable;
 use crate::file::{JointType, ModelFile, SensorType};
 use crate::finding::{Findings, Key};
+use poinsot_files::is_unprintable;
 use std::collections::HashMap;
 
 /// Longest name, bytes.

@@ -1,10 +1,10 @@
 //! Which column holds which channel.
 
-use poinsot_files::excerpt;
 use crate::file::{JointType, ModelFile, TelemetryFile};
 use crate::finding::{Findings, Key};
 use crate::suggest;
 use crate::vehicle::{ColumnSource, TelemetryMap};
+use poinsot_files::excerpt;
 use std::collections::HashSet;
 
 /// Channels that every vehicle may have.

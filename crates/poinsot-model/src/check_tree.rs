@@ -1,9 +1,9 @@
 //! The joints make one tree that hangs on the base. No recursion: chains of thousands of links are fine.
 
-use poinsot_files::excerpt;
 use crate::file::{BodyFile, JointFile};
 use crate::finding::{Findings, Key};
 use crate::suggest;
+use poinsot_files::excerpt;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 

@@ -3,9 +3,9 @@
 
 use crate::check_sensor::key_fits;
 use crate::document::KeyPath;
-use poinsot_files::excerpt;
 use crate::finding::{Findings, Key};
 use crate::suggest;
+use poinsot_files::excerpt;
 use serde_json::Value as Schema;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

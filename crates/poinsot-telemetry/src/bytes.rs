@@ -25,15 +25,10 @@ pub(crate) enum ByteFault {
 /// Opens a regular file.
 pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
     poinsot_files::open(path).map_err(|error| match error {
-        InputError::System(source) => TelemetryError::Io {
+        InputError::System(source) | InputError::Missing(source) => TelemetryError::Io {
             path: path.to_owned(),
             what: "cannot be read",
             source,
-        },
-        InputError::Missing => TelemetryError::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source: io::ErrorKind::NotFound.into(),
         },
         _ => TelemetryError::Format {
             place: Place::file(path),

@@ -84,13 +84,15 @@ pub enum Error {
         source: std::io::Error,
     },
     /// No thread to work with.
-    #[error("E0005 the system starts no thread: {why}; raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs")]
+    #[error(
+        "E0005 the system starts no thread: {why}; raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs"
+    )]
     Threads {
         /// What the system said.
         why: String,
     },
     /// Files were put in place in part, and the earlier ones cannot be put back.
-    #[error("E0004 {}: {source}; the earlier files lie in {}: move them back", path.display(), kept.display())]
+    #[error("E0004 {}: only a part of the answer is in place: {source}; move the earlier files back from {}", path.display(), kept.display())]
     Kept {
         /// The file that could not be put in place.
         path: PathBuf,
@@ -121,7 +123,9 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         let environment = match self {
             Self::Internal { .. } => return 4,
-            Self::Io { .. } | Self::Kept { .. } | Self::Threads { .. } | Self::Output { .. } => true,
+            Self::Io { .. } | Self::Kept { .. } | Self::Threads { .. } | Self::Output { .. } => {
+                true
+            }
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),
@@ -139,7 +143,7 @@ pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
             what: "cannot be read",
             source,
         },
-        InputError::Missing => Error::Report {
+        InputError::Missing(_) => Error::Report {
             path: path.to_owned(),
             why: "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
         },

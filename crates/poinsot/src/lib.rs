@@ -16,9 +16,9 @@ pub mod predict;
 mod progress;
 pub mod report;
 pub mod simulate;
+mod threads;
 pub mod trials;
 pub mod validate;
-mod threads;
 mod verdict;
 
 pub use error::Error;

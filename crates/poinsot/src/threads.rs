@@ -17,9 +17,8 @@ pub fn start_threads() -> Result<(), Error> {
         .filter(|n| *n > 0);
     let count = startable(asked.map_or(cores, |n: usize| n.min(cores)))?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(count);
-    pool.build_global().map_err(|e| Error::Threads {
-        why: e.to_string(),
-    })
+    pool.build_global()
+        .map_err(|e| Error::Threads { why: e.to_string() })
 }
 
 /// How many threads of these can run at the same time.

@@ -2,11 +2,11 @@
 
 use super::{Outcome, note, print_document, print_json};
 use crate::arguments::Validate;
-use poinsot::{check_outputs, segment_files};
-use std::path::Path;
 use poinsot::validate::{
     ValidateRequest, validate, validation_document, validation_json, write_validation,
 };
+use poinsot::{check_outputs, segment_files};
+use std::path::Path;
 
 pub fn run(arguments: &Validate) -> Outcome {
     poinsot::start_threads()?;

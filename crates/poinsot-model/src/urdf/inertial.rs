@@ -4,8 +4,8 @@ use super::raw::{Kind, Link, Robot};
 use super::tree::Order;
 use super::{Remark, UrdfDefect};
 use crate::check_body::PHYSICAL_TOLERANCE;
-use poinsot_files::excerpt;
 use crate::number::{list, short};
+use poinsot_files::excerpt;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.

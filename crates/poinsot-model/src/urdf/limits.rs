@@ -64,7 +64,12 @@ enum Skip {
 
 fn skipped(text: &str, start: usize) -> Skip {
     let rest = text.get(start..).unwrap_or_default();
-    for (begin, end) in [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("<!", ">")] {
+    for (begin, end) in [
+        ("<!--", "-->"),
+        ("<![CDATA[", "]]>"),
+        ("<?", "?>"),
+        ("<!", ">"),
+    ] {
         if rest.starts_with(begin) {
             return Skip::Past(past(text, start + begin.len(), end));
         }

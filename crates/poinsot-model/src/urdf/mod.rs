@@ -11,10 +11,10 @@ mod tree;
 
 pub use export::{LinkInertial, UrdfExport, export_urdf};
 
-use poinsot_files::excerpt;
 use crate::finding::{Finding, ModelError};
 use crate::read::read_model_text;
 use crate::vehicle::Model;
+use poinsot_files::excerpt;
 use std::path::Path;
 
 /// Findings shown; the rest is counted.

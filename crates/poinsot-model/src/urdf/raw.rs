@@ -3,8 +3,8 @@
 use super::limits::excess;
 use super::{Remark, UrdfDefect};
 use crate::check_name::misspelt;
-use poinsot_files::excerpt;
 use crate::shape::LARGEST;
+use poinsot_files::excerpt;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
@@ -332,10 +332,7 @@ impl Reader<'_> {
         subject: &str,
         missing: Option<[f64; N]>,
     ) -> Option<[f64; N]> {
-        let key = format!(
-            "{subject} <{} {name}>",
-            excerpt(node.tag_name().name(), 40)
-        );
+        let key = format!("{subject} <{} {name}>", excerpt(node.tag_name().name(), 40));
         let Some(text) = node.attribute(name) else {
             if missing.is_none() {
                 let problem = "the number is missing".to_owned();

@@ -182,3 +182,74 @@ fn regress_a_dictionary_that_declares_more_than_it_holds_is_refused() {
         "{error}"
     );
 }
+
+/// 400 rows in two groups, pages of some 64 rows, a dictionary in `omega_y`; made by pyarrow 26 with
+/// `write_page_checksum=True, row_group_size=200, data_page_size=512, write_batch_size=64`, data pages of version 1
+/// and 2.
+fn with_checksums(version: &str) -> Vec<u8> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    std::fs::read(data.join(format!("checksums_{version}.parquet"))).unwrap()
+}
+
+#[test]
+fn xval_checksums_of_another_writer_are_compared_and_reported() {
+    let folder = Folder::new();
+    for version in ["v1", "v2"] {
+        let path = folder.path("sums.parquet");
+        std::fs::write(&path, with_checksums(version)).unwrap();
+        let table = read(&[&path], &ReadOptions::default()).unwrap();
+        assert_eq!(table.sources[0].rows, 400);
+        let said = table.repairs.iter().find(|r| r.contains("checksums of"));
+        let said = said.unwrap_or_else(|| panic!("{version}: {:?}", table.repairs));
+        let words: Vec<&str> = said.split(' ').collect();
+        let count = |k: usize| words[k].parse::<usize>().unwrap();
+        // At least a page of each of four columns in two groups.
+        assert!(count(3) >= 8 && count(3) == count(5), "{said}");
+    }
+}
+
+/// Whatever byte before the footer is changed: the file is refused, or nothing that was read changed.
+#[test]
+fn regress_a_changed_page_never_gives_another_number() {
+    let folder = Folder::new();
+    let path = folder.path("sums.parquet");
+    for version in ["v1", "v2"] {
+        let good = with_checksums(version);
+        std::fs::write(&path, &good).unwrap();
+        let whole = read(&[&path], &ReadOptions::default()).unwrap();
+        let recover = ReadOptions {
+            recover: true,
+            ..ReadOptions::default()
+        };
+        let (mut sums, mut recovered) = (0, 0);
+        let footer = &good[good.len() - 8..good.len() - 4];
+        let footer = u32::from_le_bytes(footer.try_into().unwrap()) as usize;
+        for at in (4..good.len() - 8 - footer).step_by(7) {
+            let mut bad = good.clone();
+            bad[at] ^= 0x10;
+            std::fs::write(&path, &bad).unwrap();
+            match read(&[&path], &ReadOptions::default()) {
+                Ok(table) => assert_eq!(table.channels, whole.channels, "{version}, byte {at}"),
+                Err(error) => {
+                    let why = error.to_string();
+                    sums += usize::from(why.contains("does not match its checksum"));
+                }
+            }
+            let Ok(table) = read(&[&path], &recover) else {
+                continue;
+            };
+            recovered += usize::from(table.sources[0].rows < 400);
+            for (kept, all) in table.channels.iter().zip(&whole.channels) {
+                assert_eq!(
+                    kept.values[..],
+                    all.values[..kept.values.len()],
+                    "{version}, byte {at}"
+                );
+            }
+        }
+        assert!(
+            sums > 100 && recovered > 100,
+            "{version}: {sums} refused, {recovered} recovered"
+        );
+    }
+}
