@@ -1,14 +1,21 @@
-//! Signals: an interruption leaves no draft behind, and a limit of the file size is an error like any other.
+//! Signals: an interruption leaves no draft behind; a limit of file size or memory is exit code 3.
+
+/// Exit code where the system refuses.
+#[cfg(unix)]
+const ENVIRONMENT: i32 = 3;
 
 /// Installs what is done on signals.
 #[cfg(unix)]
 pub fn install() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM};
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
 
     // Caught, so that the write fails with its own error.
     let _ = signal_hook::flag::register(libc::SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    // Rust aborts where the system gives no memory, after a line that says so: no fault of the program.
+    let always = Arc::new(AtomicBool::new(true));
+    let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, ENVIRONMENT, always);
     let ignored = ignored_signals();
     let caught: Vec<i32> = [SIGINT, SIGTERM, SIGHUP]
         .into_iter()

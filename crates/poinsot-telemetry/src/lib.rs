@@ -21,10 +21,16 @@ mod inspect_parts;
 mod inspect_text;
 mod noise;
 mod number;
+#[cfg(feature = "parquet")]
 mod parquet_bytes;
+#[cfg(feature = "parquet")]
 mod parquet_dictionaries;
+#[cfg(feature = "parquet")]
 mod parquet_pages;
+#[cfg_attr(not(feature = "parquet"), path = "parquet_absent.rs")]
 mod parquet_reader;
+#[cfg(feature = "parquet")]
+mod parquet_writer;
 mod plan;
 mod quaternion;
 mod rate_pairs;

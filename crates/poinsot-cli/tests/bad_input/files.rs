@@ -87,7 +87,7 @@ fn bad_page(b: &Bench) {
     b.write("t.parquet", bytes);
 }
 
-/// In a page of the second half of the time column.
+/// In a page of `omega_x` in the second half of the rows.
 const BAD_BYTE: usize = 8000;
 
 /// A file of the fuzzing corpus.

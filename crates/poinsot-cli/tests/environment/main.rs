@@ -422,6 +422,33 @@ fn regress_threads_are_at_most_the_cores() {
 }
 
 #[test]
+fn regress_little_memory_is_an_error_of_the_environment() {
+    let mut codes = Vec::new();
+    for mib in [64, 80, 96, 112, 128, 160, 256, 2048] {
+        let folder = tempfile::tempdir().unwrap();
+        let script = format!("ulimit -v {}; exec \"$@\"", mib << 10);
+        let done = Command::new("sh")
+            .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_poinsot")])
+            .args(identify().arguments)
+            .args(["--out", "out"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let code = done.status.code();
+        assert!(
+            matches!(code, Some(0 | 1 | 3)),
+            "{mib} MiB: {:?} {}",
+            done.status,
+            stderr(&done)
+        );
+        assert!(stderr(&done).lines().count() <= 2, "{mib} MiB: {}", stderr(&done));
+        codes.push((mib, code));
+    }
+    println!("{codes:?}");
+    assert_eq!(codes.first().map(|c| c.1), Some(Some(3)), "{codes:?}");
+}
+
+#[test]
 fn regress_no_thread_is_one_line_and_exit_3() {
     let folder = tempfile::tempdir().unwrap();
     let Some(shim) = shim(folder.path()) else {
