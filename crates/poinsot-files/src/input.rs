@@ -65,7 +65,9 @@ impl From<io::Error> for InputError {
     fn from(source: io::Error) -> Self {
         match source.kind() {
             // "a.csv/b": a file where a folder was expected.
-            ErrorKind::NotFound | ErrorKind::NotADirectory => Self::Missing(source),
+            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidFilename => {
+                Self::Missing(source)
+            }
             ErrorKind::IsADirectory => Self::Folder,
             _ => Self::System(source),
         }

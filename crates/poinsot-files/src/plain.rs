@@ -90,8 +90,13 @@ pub fn error_line(text: &str) -> String {
     if line.chars().count() <= LONGEST_LINE {
         return line;
     }
-    // A third for the advice at the end.
-    let tail = LONGEST_LINE / 3;
+    // The advice, behind the last semicolon, stays whole where it leaves room for code and place.
+    let most = LONGEST_LINE * 2 / 3;
+    let advice = line.rfind("; ").and_then(|at| line.get(at..));
+    let tail = advice
+        .map(|a| a.chars().count())
+        .filter(|n| *n <= most)
+        .unwrap_or(LONGEST_LINE / 3);
     cut_middle(&line, LONGEST_LINE - tail - CUT.len(), tail)
 }
 
@@ -113,14 +118,19 @@ fn shortened(line: &str) -> Option<String> {
     Some(format!("{}{run}{}", line.get(..start)?, line.get(end..)?))
 }
 
-/// Byte ranges of what stands between quotes on one line, and of words outside of quotes.
+/// Byte ranges of what stands between quotes or brackets on one line, and of words outside of them.
 fn runs(line: &str) -> impl Iterator<Item = (usize, usize)> + '_ {
     let mut at = 0;
     std::iter::from_fn(move || {
         let rest = line.get(at..)?;
         let start = at + rest.find(|c: char| !c.is_whitespace())?;
         let word = line.get(start..)?;
-        let quote = word.chars().next().filter(|c| matches!(c, '\'' | '"'));
+        let quote = word.chars().next().and_then(|c| match c {
+            '\'' | '"' => Some(c),
+            '{' => Some('}'),
+            '[' => Some(']'),
+            _ => None,
+        });
         let length = match quote.and_then(|q| word.get(1..)?.find(q)) {
             Some(inside) => inside + 2,
             None => word.find(char::is_whitespace).unwrap_or(word.len()),
@@ -183,6 +193,25 @@ mod tests {
             line.ends_with("': no such thing; name one of them"),
             "{line}"
         );
+    }
+
+    #[test]
+    fn exact_a_long_problem_is_cut_before_the_advice() {
+        let problem = "this is wrong and that too ".repeat(40);
+        let advice =
+            "; add a segment with thrust, take estimate out of the base, or use another method";
+        let line = error_line(&format!("E0533 {problem}{advice}"));
+        assert_eq!(line.chars().count(), LONGEST_LINE);
+        assert!(
+            line.starts_with("E0533 this") && line.ends_with(advice),
+            "{line}"
+        );
+        let table = format!(
+            "E0115 m.toml:8: inertia = {{ {} }}: no body; correct it",
+            "xx = 1.0, ".repeat(60)
+        );
+        let line = error_line(&table);
+        assert!(line.ends_with(" }: no body; correct it"), "{line}");
     }
 
     #[test]

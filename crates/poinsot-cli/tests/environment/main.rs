@@ -441,7 +441,11 @@ fn regress_little_memory_is_an_error_of_the_environment() {
             done.status,
             stderr(&done)
         );
-        assert!(stderr(&done).lines().count() <= 2, "{mib} MiB: {}", stderr(&done));
+        assert!(
+            stderr(&done).lines().count() <= 2,
+            "{mib} MiB: {}",
+            stderr(&done)
+        );
         codes.push((mib, code));
     }
     println!("{codes:?}");
