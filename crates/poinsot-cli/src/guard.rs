@@ -4,6 +4,9 @@ use crate::verbs::{Failure, Outcome};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::Mutex;
 
+/// In the message of a library's panic where the system gives no memory.
+const NO_MEMORY: &str = "AllocError";
+
 /// Message and place of the last panic.
 static LAST: Mutex<String> = Mutex::new(String::new());
 
@@ -16,7 +19,10 @@ pub fn guarded(verb: impl FnOnce() -> Outcome) -> Outcome {
             Ok(text) => text.clone(),
             Err(poisoned) => poisoned.into_inner().clone(),
         };
-        Err(Failure::from(poinsot::Error::Internal { what }))
+        Err(Failure::from(match what.contains(NO_MEMORY) {
+            true => poinsot::Error::Memory,
+            false => poinsot::Error::Internal { what },
+        }))
     })
 }
 

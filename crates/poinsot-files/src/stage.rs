@@ -225,7 +225,9 @@ impl Drop for Stage {
         // Some systems remove no open file.
         self.lock = None;
         if let Some(hidden) = self.hidden.take() {
-            open_stages().remove(hidden.path());
+            // An interruption waits: what is not removed here is removed by it.
+            let mut open = open_stages();
+            open.remove(hidden.path());
             let _ = hidden.close();
         }
         remove_folders(&self.made);

@@ -91,6 +91,11 @@ pub enum Error {
         /// What the system said.
         why: String,
     },
+    /// No memory to work with.
+    #[error(
+        "E0006 the system gives no more memory; raise its limit (ulimit -v), take fewer rows by --every, or end other programs"
+    )]
+    Memory,
     /// Files were put in place in part, and the earlier ones cannot be put back.
     #[error("E0004 {}: only a part of the answer is in place: {source}; move the earlier files back from {}", path.display(), kept.display())]
     Kept {
@@ -123,9 +128,11 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         let environment = match self {
             Self::Internal { .. } => return 4,
-            Self::Io { .. } | Self::Kept { .. } | Self::Threads { .. } | Self::Output { .. } => {
-                true
-            }
+            Self::Io { .. }
+            | Self::Kept { .. }
+            | Self::Threads { .. }
+            | Self::Memory
+            | Self::Output { .. } => true,
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),

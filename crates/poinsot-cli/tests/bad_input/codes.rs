@@ -386,6 +386,11 @@ pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
             "only where the system refuses: tests/environment",
         ),
         (
+            "E0006",
+            poinsot::Error::Memory.to_string(),
+            "only where the system refuses: tests/environment",
+        ),
+        (
             "E0009",
             fault.to_string(),
             "only where the program has a fault",

@@ -405,51 +405,60 @@ fn regress_threads_are_at_most_the_cores() {
         return;
     };
     let log = folder.path().join("threads");
-    let done = run(&identify(), folder.path(), |command| {
-        command.env("LD_PRELOAD", &shim);
-        command.env("RAYON_NUM_THREADS", "100000");
-        command.env("THREADS_LOG", &log);
-    });
-    assert!(
-        done.status.code().is_some_and(|c| c <= 1),
-        "{}",
-        stderr(&done)
-    );
-    let started = std::fs::read(&log).unwrap().len();
+    let started = |threads: Option<&str>| {
+        let _ = std::fs::remove_file(&log);
+        let done = run(&identify(), folder.path(), |command| {
+            command.env("LD_PRELOAD", &shim);
+            command.env("THREADS_LOG", &log);
+            match threads {
+                Some(n) => command.env("RAYON_NUM_THREADS", n),
+                None => command.env_remove("RAYON_NUM_THREADS"),
+            };
+        });
+        assert!(
+            done.status.code().is_some_and(|c| c <= 1),
+            "{}",
+            stderr(&done)
+        );
+        std::fs::read(&log).unwrap().len()
+    };
     let cores = std::thread::available_parallelism().unwrap().get();
-    // Each once to try, once to work; one for signals, one beside the fit.
-    assert!(started <= 2 * cores + 2, "{started} threads, {cores} cores");
+    let cores = started(Some(&cores.to_string()));
+    assert_eq!(started(Some("100000")), cores);
+    assert_eq!(started(None), cores);
 }
 
 #[test]
 fn regress_little_memory_is_an_error_of_the_environment() {
     let mut codes = Vec::new();
-    for mib in [64, 80, 96, 112, 128, 160, 256, 2048] {
+    for mib in (20..64).step_by(4) {
         let folder = tempfile::tempdir().unwrap();
         let script = format!("ulimit -v {}; exec \"$@\"", mib << 10);
         let done = Command::new("sh")
             .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_poinsot")])
             .args(identify().arguments)
             .args(["--out", "out"])
+            .env_remove("RUST_BACKTRACE")
             .current_dir(folder.path())
             .output()
             .unwrap();
         let code = done.status.code();
+        // 127: not even the program fits.
         assert!(
-            matches!(code, Some(0 | 1 | 3)),
+            matches!(code, Some(0 | 1 | 3 | 127)),
             "{mib} MiB: {:?} {}",
             done.status,
             stderr(&done)
         );
         assert!(
-            stderr(&done).lines().count() <= 2,
+            stderr(&done).lines().count() <= 3,
             "{mib} MiB: {}",
             stderr(&done)
         );
         codes.push((mib, code));
     }
     println!("{codes:?}");
-    assert_eq!(codes.first().map(|c| c.1), Some(Some(3)), "{codes:?}");
+    assert!(codes.iter().any(|c| c.1 == Some(3)), "{codes:?}");
 }
 
 #[test]

@@ -34,6 +34,12 @@ pub(super) const CODES: &[Entry] = &[
         "Raise the limit or end other programs.",
     ),
     (
+        "E0006",
+        "The system gives no more memory.",
+        "A limit of memory (ulimit -v, a container), or a record larger than the memory.",
+        "Raise the limit, or take fewer rows by --every and --time-s.",
+    ),
+    (
         "E0009",
         "The program failed inside itself.",
         "A fault of Poinsot.",
