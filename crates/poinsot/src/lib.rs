@@ -3,6 +3,7 @@
 
 pub mod bind;
 pub mod case;
+pub mod compare;
 mod diagnostics_file;
 mod error;
 mod estimate_file;
@@ -10,11 +11,13 @@ mod estimate_text;
 pub mod explain;
 pub mod export;
 pub mod identify;
+pub mod methods;
 mod mixups;
 mod output;
 pub mod predict;
 mod progress;
 pub mod report;
+mod schema;
 pub mod simulate;
 mod threads;
 pub mod trials;
@@ -22,12 +25,14 @@ pub mod validate;
 mod verdict;
 
 pub use error::Error;
-pub use estimate_file::estimate_json;
+pub use estimate_file::{estimate_file, estimate_json};
 pub use estimate_text::estimate_document;
 pub use identify::{
     Identified, IdentifyRequest, Question, Reading, identify, identify_tables, segment_files,
 };
 pub use output::{check_outputs, write_estimate, write_file, write_files, write_result};
+pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
 pub use report::write_report;
+pub use schema::schema;
 pub use threads::start_threads;

@@ -1,7 +1,7 @@
 //! Files of one answer appear under their names together, when all are complete and on disk. Every verb writes here.
 
 use crate::error::{Error, no_page};
-use crate::estimate_file::estimate_json;
+use crate::estimate_file::estimate_file;
 use crate::identify::Identified;
 use crate::report::{figure_files, page_of, report_data};
 use poinsot_files::{Stage, check_target, folder_of, is_same_file, json_escaped};
@@ -65,7 +65,7 @@ pub fn write_result(
 fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
     json(
         folder,
-        serde_json::to_string_pretty(&estimate_json(identified)),
+        serde_json::to_string_pretty(&estimate_file(identified)),
     )
 }
 

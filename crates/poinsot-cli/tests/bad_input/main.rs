@@ -133,6 +133,10 @@ fn sources() -> Vec<(std::path::PathBuf, String)> {
                 folders.push(path);
                 continue;
             }
+            // Explanations, not uses.
+            if path.ends_with("codes.rs") {
+                continue;
+            }
             let text = std::fs::read_to_string(&path).unwrap_or_default();
             let code = text.split("#[cfg(test)]").next().unwrap_or_default();
             found.push((path, code.to_owned()));
