@@ -1,10 +1,10 @@
 //! Which column holds which channel.
 
-use crate::document::printable;
 use crate::file::{JointType, ModelFile, TelemetryFile};
 use crate::finding::{Findings, Key};
 use crate::suggest;
 use crate::vehicle::{ColumnSource, TelemetryMap};
+use poinsot_files::excerpt;
 use std::collections::HashSet;
 
 /// Channels that every vehicle may have.
@@ -124,7 +124,7 @@ fn check_channel(
         None
     };
     let remedy = match near {
-        Some(near) => format!("did you mean {}?", printable(near, 60)),
+        Some(near) => format!("did you mean {}?", excerpt(near, 60)),
         None => {
             "name a standard channel, for example omega_x, joint1_rad or gyro.omega_x".to_owned()
         }

@@ -34,6 +34,7 @@ const WORDS: &[&str] = &[
     "name",
     "normalise",
     "prescribe",
+    "raise",
     "read",
     "remove",
     "rename",
