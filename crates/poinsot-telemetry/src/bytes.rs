@@ -61,10 +61,13 @@ pub(crate) struct TextBytes<R> {
     line: usize,
     after_cr: bool,
     last: u8,
+    /// Lines that are still to be left out.
+    skip: u64,
 }
 
 impl<R: Read> TextBytes<R> {
-    pub(crate) fn new(inner: R) -> Self {
+    /// Without the first `skip` lines.
+    pub(crate) fn new(inner: R, skip: u64) -> Self {
         Self {
             inner,
             hash: Sha256::new(),
@@ -72,7 +75,25 @@ impl<R: Read> TextBytes<R> {
             line: 0,
             after_cr: false,
             last: 0,
+            skip,
         }
+    }
+
+    /// Leaves out what belongs to the lines that are skipped; returns how many bytes are left.
+    fn without_head(&mut self, bytes: &mut [u8]) -> usize {
+        let mut from = 0;
+        while self.skip > 0 {
+            let rest = bytes.get(from..).unwrap_or_default();
+            match rest.iter().position(|&b| b == b'\n') {
+                Some(at) => {
+                    from += at + 1;
+                    self.skip -= 1;
+                }
+                None => return 0,
+            }
+        }
+        bytes.copy_within(from.., 0);
+        bytes.len() - from
     }
 
     /// SHA-256 of the bytes so far, hexadecimal.
@@ -120,7 +141,10 @@ impl<R: Read> Read for TextBytes<R> {
             }
             self.hash.update(&*read);
             self.offset += n as u64;
-            let kept = self.plain_line_ends(read);
+            let mut kept = self.plain_line_ends(read);
+            if self.skip > 0 {
+                kept = self.without_head(read.get_mut(..kept).unwrap_or_default());
+            }
             let text = read.get(..kept).unwrap_or_default();
             match text.iter().rposition(|&b| b == b'\n') {
                 Some(at) => self.line = kept - at - 1,

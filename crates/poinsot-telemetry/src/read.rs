@@ -5,7 +5,7 @@ use crate::error::Place;
 use crate::plan::Plan;
 use crate::size::{Limit, Rows};
 use crate::{
-    ColumnMap, Source, Table, TelemetryError, as_read, assemble, check_conventions, csv_reader,
+    Origin, Source, Table, TelemetryError, TelemetryMap, as_read, assemble, check_conventions, csv_reader,
     parquet_reader, plan, time_base,
 };
 use std::collections::BTreeSet;
@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 /// What is asked of the files of one segment.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Columns that are not standard names in SI.
-    pub columns: Vec<ColumnMap>,
-    /// Rows are kept where each of these columns holds exactly this text.
-    pub row_filter: Vec<(String, String)>,
+    /// What the files hold where it is not standard names in SI.
+    pub map: TelemetryMap,
+    /// What the times count from; `None`: the first row read decides, see [`Table::origin`].
+    pub origin: Option<Origin>,
     /// Channels asked for: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a
     /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`].
     pub wanted: Option<BTreeSet<String>>,
@@ -136,9 +136,14 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
     let mut found = assemble::Found::default();
     let mut unused = plan::Unused::new(options);
     for path in &paths {
+        let options = &ReadOptions {
+            origin: table.origin.or(options.origin),
+            ..options.clone()
+        };
         let (plan, mut columns, sha256) = read_file(path, options, &mut table.repairs)?;
+        table.origin = columns.origin.or(options.origin);
         unused.mark(&plan);
-        for column in plan.missing_filters(options) {
+        for column in plan.missing_filters() {
             table.repairs.push(format!(
                 "{}: no column '{column}' to choose rows by; all its rows are kept",
                 path.display()
@@ -178,7 +183,7 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
         });
         assemble::add(path, &plan, columns, options.strict, &mut found, &mut table)?;
     }
-    unused.check(&paths)?;
+    unused.check(&paths, &mut table.repairs)?;
     if options.check_conventions {
         check_conventions(&table)?;
     }
@@ -211,7 +216,7 @@ fn read_file(
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let (plan, columns, sha256) = decode(path, options, repairs, None)?;
     if columns.time_s.is_empty()
-        && let Some((column, text)) = options.row_filter.first()
+        && let Some((column, text)) = options.map.for_file(path).row_filter.first()
     {
         let seen: Vec<String> = columns
             .filter_seen

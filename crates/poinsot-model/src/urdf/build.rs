@@ -5,7 +5,8 @@ use super::inertial::rotation;
 use super::raw::{Kind, Robot};
 use super::tree::Order;
 use crate::Environment;
-use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum, TelemetryMap};
+use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum};
+use poinsot_telemetry::TelemetryMap;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::collections::HashMap;
 

@@ -1,7 +1,7 @@
 //! Every fault of a CSV file, with the whole line that the user sees.
 
 use crate::{Folder, read_text};
-use poinsot_telemetry::{ColumnMap, ReadOptions, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
 
 fn fault(text: impl AsRef<[u8]>) -> String {
     read_text(text, &ReadOptions::default()).expect_err("must be refused")
@@ -17,11 +17,7 @@ fn strict(text: &str) -> String {
 
 fn map(channel: &str, column: &str, unit: &str) -> ReadOptions {
     ReadOptions {
-        columns: vec![ColumnMap {
-            channel: channel.into(),
-            column: column.into(),
-            unit: unit.into(),
-        }],
+        map: TelemetryMap::of(vec![ColumnMap::new(channel, column, unit)], Vec::new()),
         ..ReadOptions::default()
     }
 }
