@@ -13,7 +13,6 @@ pub(crate) use head::{Head, HeadColumns, Sight, start};
 pub(crate) use ideal::translation_lag;
 pub(crate) use point_rows::perfect;
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
@@ -26,6 +25,7 @@ use ideal::Ideal;
 use nalgebra::{Cholesky, SMatrix, SVector};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
+use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use point_rows::PointCompare;
 use side_by_side::compare_all;
