@@ -68,6 +68,8 @@ pub enum Verb {
     Explain(Explain),
     /// Print the JSON Schema of the model file.
     Schema,
+    /// List the units that a map of telemetry may name, by quantity.
+    Units(Units),
     /// Print the completions of a shell, to be read by it at its start.
     Completions(Completions),
     /// Write the manual pages, one per command.
@@ -375,6 +377,14 @@ pub struct Check {
     /// Print nothing but errors: the exit code is the answer; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+}
+
+/// Arguments of `units`.
+#[derive(Debug, Args)]
+pub struct Units {
+    /// Print as JSON, with the factors to SI.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `completions`.

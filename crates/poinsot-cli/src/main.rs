@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Verb::Export(a) => verbs::export::run(a),
         Verb::Explain(a) => verbs::explain::run(a),
         Verb::Schema => verbs::schema::run(),
+        Verb::Units(a) => verbs::units::run(a),
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),
     });

@@ -1,6 +1,5 @@
 //! Wheels, thrusters, momentum, environment, and the nuisance parameters they share with sensors.
 
-use std::f64::consts::{PI, TAU};
 use crate::check_rotation::check_axis;
 use crate::check_tree::unknown_name;
 use crate::file::{
@@ -13,6 +12,7 @@ use crate::vehicle::{
     Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, RandomTorque, Thruster, Wheel,
 };
 use poinsot_spatial::Vector3;
+use std::f64::consts::{PI, TAU};
 
 /// A number above zero; `None` where it was refused.
 pub(crate) fn positive(
@@ -227,7 +227,11 @@ fn check_orbit(
     let angles = [
         ("inclination_rad", file.inclination_rad, PI),
         ("raan_rad", file.raan_rad, TAU),
-        ("argument_of_periapsis_rad", file.argument_of_periapsis_rad, TAU),
+        (
+            "argument_of_periapsis_rad",
+            file.argument_of_periapsis_rad,
+            TAU,
+        ),
         ("true_anomaly_rad", file.true_anomaly_rad, TAU),
     ];
     let before = findings.count();
@@ -237,7 +241,11 @@ fn check_orbit(
                 "E0108",
                 &key.at(name),
                 format!("the angle is beyond {} rad", short(most)),
-                format!("write radians; {} deg are {} rad", short(angle), short(angle.to_radians())),
+                format!(
+                    "write radians; {} deg are {} rad",
+                    short(angle),
+                    short(angle.to_radians())
+                ),
             );
         }
     }

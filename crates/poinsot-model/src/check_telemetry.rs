@@ -2,14 +2,14 @@
 
 use crate::document::printable;
 use crate::file::{
-    AttitudeFile, ColumnFile, ExportFile, FrameFile, JointType, ModelFile, OrbitColumnsFile, OrderFile,
-    ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
+    AttitudeFile, ColumnFile, ExportFile, FrameFile, JointType, ModelFile, OrbitColumnsFile,
+    OrderFile, ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
 };
 use crate::finding::{Findings, Key};
 use crate::suggest;
 use poinsot_telemetry::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Scale, Sense, TelemetryMap,
-    TimeFormat, TimeMap, map_faults,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Scale, Sense,
+    TelemetryMap, TimeFormat, TimeMap, map_faults,
 };
 use std::collections::{BTreeMap, HashSet};
 
@@ -114,7 +114,9 @@ fn checked(
         if let Some(known) = known {
             check_channel(channel, known, &here, findings);
         }
-        let Some(column) = &source.column else { continue };
+        let Some(column) = &source.column else {
+            continue;
+        };
         if column.is_empty() {
             findings.refuse(
                 "E0109",
@@ -135,7 +137,8 @@ fn checked(
         });
     }
     let attitude = part.attitude.iter().flatten().enumerate();
-    let attitude = attitude.filter_map(|(k, a)| check_attitude(a, &key.at("attitude").index(k), findings));
+    let attitude =
+        attitude.filter_map(|(k, a)| check_attitude(a, &key.at("attitude").index(k), findings));
     FileMap {
         attitude: attitude.collect(),
         layout: check_layout(part, key, findings),
@@ -167,7 +170,12 @@ fn checked(
                 earth_fixed: orbit.frame == Some(FrameFile::EarthFixed),
             })
         }),
-        row_filter: part.rows.iter().flatten().map(|(c, t)| (c.clone(), t.clone())).collect(),
+        row_filter: part
+            .rows
+            .iter()
+            .flatten()
+            .map(|(c, t)| (c.clone(), t.clone()))
+            .collect(),
     }
 }
 
@@ -178,9 +186,15 @@ fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> 
             "tab" => b'\t',
             "space" => b' ',
             _ => match text.as_bytes() {
-                [byte] if !byte.is_ascii_alphanumeric() && !matches!(byte, b'"' | b'.' | b'-' | b'+' | b'\n' | b'\r') => *byte,
+                [byte]
+                    if !byte.is_ascii_alphanumeric()
+                        && !matches!(byte, b'"' | b'.' | b'-' | b'+' | b'\n' | b'\r') =>
+                {
+                    *byte
+                }
                 _ => {
-                    let problem = "one character that no number and no name holds is needed".to_owned();
+                    let problem =
+                        "one character that no number and no name holds is needed".to_owned();
                     let remedy = match name {
                         "comment" => "write for example \"#\"",
                         _ => "write \",\", \";\", \"|\", \"tab\" or \"space\"",
@@ -199,7 +213,12 @@ fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> 
             return Some(row as u64);
         }
         let problem = "the line of the header is a whole number from 1 to 1e6".to_owned();
-        findings.refuse("E0108", &key.at("header_row"), problem, "count lines from 1");
+        findings.refuse(
+            "E0108",
+            &key.at("header_row"),
+            problem,
+            "count lines from 1",
+        );
         None
     });
     Layout {
@@ -210,22 +229,40 @@ fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> 
     }
 }
 
-fn check_attitude(file: &AttitudeFile, key: &Key, findings: &mut Findings<'_, '_>) -> Option<AttitudeMap> {
+fn check_attitude(
+    file: &AttitudeFile,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<AttitudeMap> {
     let forms = [&file.quaternion, &file.matrix, &file.euler, &file.mrp];
-    let given: Vec<usize> = (0..forms.len()).filter(|k| forms.get(*k).is_some_and(|f| f.is_some())).collect();
+    let given: Vec<usize> = (0..forms.len())
+        .filter(|k| forms.get(*k).is_some_and(|f| f.is_some()))
+        .collect();
     let mut fault = |name: &str, problem: &str, remedy: &str| {
-        let here = if name.is_empty() { key.clone() } else { key.at(name) };
+        let here = if name.is_empty() {
+            key.clone()
+        } else {
+            key.at(name)
+        };
         findings.refuse("E0107", &here, problem.to_owned(), remedy);
         None
     };
     let &[form] = given.as_slice() else {
-        return fault("", "an attitude has one form", "give one of quaternion, matrix, euler, mrp");
+        return fault(
+            "",
+            "an attitude has one form",
+            "give one of quaternion, matrix, euler, mrp",
+        );
     };
     if file.order.is_some() && form != 0 {
         return fault("order", "only a quaternion has an order", "remove it");
     }
     if file.sequence.is_some() != (form == 2) {
-        return fault("sequence", "Euler angles and their sequence belong together", "write for example sequence = \"ZYX\" for yaw, pitch, roll, or remove it");
+        return fault(
+            "sequence",
+            "Euler angles and their sequence belong together",
+            "write for example sequence = \"ZYX\" for yaw, pitch, roll, or remove it",
+        );
     }
     let form_of = || match form {
         0 => Some(AttitudeForm::Quaternion(match file.order {
@@ -241,12 +278,21 @@ fn check_attitude(file: &AttitudeFile, key: &Key, findings: &mut Findings<'_, '_
         }
     };
     let Some(kind) = form_of() else {
-        return fault("sequence", "the sequence is not three of X, Y, Z", "write for example \"ZYX\" for yaw, pitch, roll");
+        return fault(
+            "sequence",
+            "the sequence is not three of X, Y, Z",
+            "write for example \"ZYX\" for yaw, pitch, roll",
+        );
     };
     Some(AttitudeMap {
         sensor: file.sensor.clone().unwrap_or_default(),
         form: kind,
-        columns: forms.get(form).copied().cloned().flatten().unwrap_or_default(),
+        columns: forms
+            .get(form)
+            .copied()
+            .cloned()
+            .flatten()
+            .unwrap_or_default(),
         sense: match file.sense {
             Some(SenseFile::InertialToBody) => Sense::InertialToBody,
             _ => Sense::BodyToInertial,

@@ -2,7 +2,9 @@
 
 use crate::number::short;
 use crate::vehicle::{Environment, Orbit};
-use poinsot_telemetry::{AttitudeForm, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat, TimeMap};
+use poinsot_telemetry::{
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat, TimeMap,
+};
 
 /// One line for each force and torque of the surroundings that acts.
 pub(crate) fn environment(around: &Environment) -> Vec<String> {
@@ -18,7 +20,9 @@ pub(crate) fn environment(around: &Environment) -> Vec<String> {
         lines.push("gravity-gradient torque: acts".to_owned());
         lines.push(match &around.orbit {
             Some(orbit) => orbit_words(orbit, gm),
-            None => "orbit: from telemetry (orbit_x orbit_y orbit_z, or [telemetry] orbit)".to_owned(),
+            None => {
+                "orbit: from telemetry (orbit_x orbit_y orbit_z, or [telemetry] orbit)".to_owned()
+            }
         });
     }
     lines
@@ -55,14 +59,21 @@ fn file(head: &str, map: &FileMap) -> Vec<String> {
     let mut lines = Vec::new();
     let mut say = |text: String| lines.push(format!("{head}{text}"));
     let layout = map.layout;
-    let delimiter = layout.delimiter.map(|d| format!("fields separated by {:?}", char::from(d)));
-    let comment = layout.comment.map(|c| format!("lines that begin with {:?} are comments", char::from(c)));
+    let delimiter = layout
+        .delimiter
+        .map(|d| format!("fields separated by {:?}", char::from(d)));
+    let comment = layout
+        .comment
+        .map(|c| format!("lines that begin with {:?} are comments", char::from(c)));
     let header = layout.header_row.map(|row| format!("header in line {row}"));
     let units = layout.units_row.map(|on| match on {
         true => "units in the row below the header".to_owned(),
         false => "no row of units".to_owned(),
     });
-    let layout: Vec<String> = [delimiter, comment, header, units].into_iter().flatten().collect();
+    let layout: Vec<String> = [delimiter, comment, header, units]
+        .into_iter()
+        .flatten()
+        .collect();
     if !layout.is_empty() {
         say(layout.join(", "));
     }
@@ -77,7 +88,10 @@ fn file(head: &str, map: &FileMap) -> Vec<String> {
             true => "axes that turn with the Earth (turned back by the Earth rotation angle)",
             false => "inertial axes",
         };
-        say(format!("orbit: position from {}, {unit}, in {frame}", orbit.position.join(" ")));
+        say(format!(
+            "orbit: position from {}, {unit}, in {frame}",
+            orbit.position.join(" ")
+        ));
     }
     for (column, text) in &map.row_filter {
         say(format!("rows: those with '{text}' in '{column}'"));
@@ -99,8 +113,12 @@ fn time_words(time: &TimeMap) -> String {
             };
             format!("time: '{column}', {unit} since {since}")
         }
-        TimeFormat::Iso8601 => format!("time: '{column}', date and time, {scale} where it has no zone"),
-        TimeFormat::DayOfYear => format!("time: '{column}', year, day of the year and time, {scale}"),
+        TimeFormat::Iso8601 => {
+            format!("time: '{column}', date and time, {scale} where it has no zone")
+        }
+        TimeFormat::DayOfYear => {
+            format!("time: '{column}', year, day of the year and time, {scale}")
+        }
         TimeFormat::GpsWeek => {
             let week = time.week.as_deref().unwrap_or_default();
             format!("time: GPS week '{week}' and seconds of the week '{column}', {unit}")
@@ -111,7 +129,10 @@ fn time_words(time: &TimeMap) -> String {
 fn column(map: &ColumnMap) -> String {
     let (channel, column) = (&map.channel, &map.column);
     if let Some(force) = map.nominal_N {
-        return format!("{channel}: flag '{column}', {} N where it is on", short(force));
+        return format!(
+            "{channel}: flag '{column}', {} N where it is on",
+            short(force)
+        );
     }
     let mut value = match map.scale {
         Some(scale) => format!("{} '{column}'", short(scale)),
@@ -124,7 +145,10 @@ fn column(map: &ColumnMap) -> String {
         value = format!("-{value}");
     }
     match (map.counts_per_revolution, map.unit.as_deref()) {
-        (Some(counts), _) => format!("{channel}: {value}, {} counts per revolution", short(counts)),
+        (Some(counts), _) => format!(
+            "{channel}: {value}, {} counts per revolution",
+            short(counts)
+        ),
         (None, Some(unit)) => format!("{channel}: {value}, {unit}"),
         (None, None) => format!("{channel}: {value}, unit as the units row says"),
     }
@@ -141,7 +165,10 @@ fn attitude(map: &AttitudeMap) -> String {
         AttitudeForm::Matrix => "rotation matrix, row by row".to_owned(),
         AttitudeForm::Mrp => "modified Rodrigues parameters".to_owned(),
         AttitudeForm::Euler(axes) => {
-            let axes: Vec<&str> = axes.iter().filter_map(|a| ["x", "y", "z"].get(*a).copied()).collect();
+            let axes: Vec<&str> = axes
+                .iter()
+                .filter_map(|a| ["x", "y", "z"].get(*a).copied())
+                .collect();
             let unit = map.unit.as_deref().unwrap_or("unit as the units row says");
             format!("Euler angles about {}, {unit}", axes.join(", "))
         }
@@ -150,5 +177,8 @@ fn attitude(map: &AttitudeMap) -> String {
         Sense::BodyToInertial => "body to inertial",
         Sense::InertialToBody => "inertial to body",
     };
-    format!("attitude{of}: {form}, {sense}, from {}", map.columns.join(" "))
+    format!(
+        "attitude{of}: {form}, {sense}, from {}",
+        map.columns.join(" ")
+    )
 }

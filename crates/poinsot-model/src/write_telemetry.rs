@@ -34,22 +34,38 @@ fn write_file(out: &mut String, map: &FileMap) {
     given("units_row", layout.units_row.map(|on| on.to_string()));
     given("time", map.time.as_ref().map(time));
     let attitude: Vec<String> = map.attitude.iter().map(attitude).collect();
-    given("attitude", (!attitude.is_empty()).then(|| format!("[{}]", attitude.join(", "))));
-    given("orbit", map.orbit.as_ref().map(|orbit| {
-        let mut keys = vec![("position", names(&orbit.position))];
-        keys.extend(orbit.unit.iter().map(|u| ("unit", quoted(u))));
-        keys.extend(orbit.earth_fixed.then(|| ("frame", quoted("earth_fixed"))));
-        table(&keys)
-    }));
-    let rows = map.row_filter.iter().map(|(column, text)| (quoted(column), quoted(text)));
+    given(
+        "attitude",
+        (!attitude.is_empty()).then(|| format!("[{}]", attitude.join(", "))),
+    );
+    given(
+        "orbit",
+        map.orbit.as_ref().map(|orbit| {
+            let mut keys = vec![("position", names(&orbit.position))];
+            keys.extend(orbit.unit.iter().map(|u| ("unit", quoted(u))));
+            keys.extend(orbit.earth_fixed.then(|| ("frame", quoted("earth_fixed"))));
+            table(&keys)
+        }),
+    );
+    let rows = map
+        .row_filter
+        .iter()
+        .map(|(column, text)| (quoted(column), quoted(text)));
     rows.for_each(|(column, text)| line(out, &format!("where.{column}"), text));
     for column in &map.columns {
-        line(out, &format!("columns.{}", quoted(&column.channel)), self::column(column));
+        line(
+            out,
+            &format!("columns.{}", quoted(&column.channel)),
+            self::column(column),
+        );
     }
 }
 
 fn table(keys: &[(&str, String)]) -> String {
-    let keys: Vec<String> = keys.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    let keys: Vec<String> = keys
+        .iter()
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
     format!("{{ {} }}", keys.join(", "))
 }
 
@@ -68,7 +84,11 @@ fn column(map: &ColumnMap) -> String {
         ("counts_per_revolution", map.counts_per_revolution),
         ("nominal_N", map.nominal_N),
     ];
-    keys.extend(numbers.into_iter().filter_map(|(key, x)| Some((key, number(x?)))));
+    keys.extend(
+        numbers
+            .into_iter()
+            .filter_map(|(key, x)| Some((key, number(x?)))),
+    );
     table(&keys)
 }
 
@@ -87,7 +107,10 @@ fn time(map: &TimeMap) -> String {
         ("epoch", map.epoch.as_deref()),
         ("scale", map.scale.map(|scale| scale.name())),
     ];
-    let keys: Vec<(&str, String)> = texts.into_iter().filter_map(|(key, text)| Some((key, quoted(text?)))).collect();
+    let keys: Vec<(&str, String)> = texts
+        .into_iter()
+        .filter_map(|(key, text)| Some((key, quoted(text?))))
+        .collect();
     table(&keys)
 }
 

@@ -1,8 +1,8 @@
 //! From the columns of one file to channels of the table.
 
 use crate::columns::Columns;
-use crate::error::Place;
 use crate::derive::derive;
+use crate::error::Place;
 use crate::plan::{Plan, PlannedChannel};
 use crate::{Channel, Quantity, Table, TelemetryError, quaternion};
 use std::collections::HashMap;

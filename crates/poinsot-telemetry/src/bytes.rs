@@ -2,6 +2,7 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
+use crate::packing::{is_standard_input, standard_input};
 use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
@@ -28,6 +29,11 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
         what: "cannot be read",
         source,
     };
+    if is_standard_input(path) {
+        let file = standard_input().map_err(io)?;
+        let metadata = file.metadata().map_err(io)?;
+        return Ok((file, metadata));
+    }
     let metadata = std::fs::metadata(path).map_err(io)?;
     if !metadata.is_file() {
         return Err(TelemetryError::Format {
@@ -40,7 +46,7 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
 
 /// The file is still the one that was opened.
 pub(crate) fn check_unchanged(path: &Path, before: &Metadata) -> Result<(), TelemetryError> {
-    let same = std::fs::metadata(path).is_ok_and(|now| {
+    let same = is_standard_input(path) || std::fs::metadata(path).is_ok_and(|now| {
         now.len() == before.len() && now.modified().ok() == before.modified().ok()
     });
     if same {

@@ -41,7 +41,11 @@ pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, 
         Ok(unit) if unit.dimension == Dimension::Time => unit,
         _ => {
             let what = format!("unit '{unit}' is not a time");
-            return fault("unit", what, &format!("use one of: {}", crate::unit::list(Dimension::Time)));
+            return fault(
+                "unit",
+                what,
+                &format!("use one of: {}", crate::unit::list(Dimension::Time)),
+            );
         }
     };
     let weeks = map.format == TimeFormat::GpsWeek;
@@ -84,7 +88,13 @@ pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, 
     if weeks {
         calendar = Calendar::new(Scale::Gps);
     }
-    Ok(Clock { format: map.format, unit, since, calendar, origin: None })
+    Ok(Clock {
+        format: map.format,
+        unit,
+        since,
+        calendar,
+        origin: None,
+    })
 }
 
 /// 1980 January 6, 0 h, of GPS time: 19 s of TAI later.
@@ -156,7 +166,10 @@ impl Clock {
         let origin = match self.origin {
             Some(origin) => origin,
             None if seconds.abs() < COUNTED_S => Origin::OWN,
-            None => Origin { at: self.count(cell).unwrap_or_default(), scale: None },
+            None => Origin {
+                at: self.count(cell).unwrap_or_default(),
+                scale: None,
+            },
         };
         self.origin = Some(origin);
         if origin.scale.is_some() {
@@ -212,13 +225,64 @@ mod tests {
         use TimeFormat::*;
         for (map, cells) in [
             (map(Number, "s", ""), ["0", "0.2", "0.4", "1.000000001"]),
-            (map(Number, "s", ""), ["1773512340.1", "1773512340.3", "1773512340.5", "1.773512341100000001e9"]),
-            (map(Number, "s", "unix"), ["1773512340.1", "1773512340.3", "1773512340.5", "1773512341.100000001"]),
-            (map(Number, "ns", "unix"), ["1773512340100000000", "1773512340300000000", "1773512340500000000", "1773512341100000001"]),
-            (map(Number, "ms", "gps"), ["1457547558100", "1457547558300", "1457547558500", "1457547559100.000001"]),
-            (map(GpsWeek, "s", ""), ["584358.1", "584358.3", "584358.5", "584359.100000001"]),
-            (map(Iso8601, "", ""), ["2026-03-14T18:19:00.1", "2026-03-14T18:19:00.3Z", "2026-03-14T18:19:00.5", "2026-03-14T18:19:01.100000001"]),
-            (map(DayOfYear, "", ""), ["2026-073T18:19:00.1", "2026-073T18:19:00.3", "2026-073T18:19:00.5", "2026-073T18:19:01.100000001"]),
+            (
+                map(Number, "s", ""),
+                [
+                    "1773512340.1",
+                    "1773512340.3",
+                    "1773512340.5",
+                    "1.773512341100000001e9",
+                ],
+            ),
+            (
+                map(Number, "s", "unix"),
+                [
+                    "1773512340.1",
+                    "1773512340.3",
+                    "1773512340.5",
+                    "1773512341.100000001",
+                ],
+            ),
+            (
+                map(Number, "ns", "unix"),
+                [
+                    "1773512340100000000",
+                    "1773512340300000000",
+                    "1773512340500000000",
+                    "1773512341100000001",
+                ],
+            ),
+            (
+                map(Number, "ms", "gps"),
+                [
+                    "1457547558100",
+                    "1457547558300",
+                    "1457547558500",
+                    "1457547559100.000001",
+                ],
+            ),
+            (
+                map(GpsWeek, "s", ""),
+                ["584358.1", "584358.3", "584358.5", "584359.100000001"],
+            ),
+            (
+                map(Iso8601, "", ""),
+                [
+                    "2026-03-14T18:19:00.1",
+                    "2026-03-14T18:19:00.3Z",
+                    "2026-03-14T18:19:00.5",
+                    "2026-03-14T18:19:01.100000001",
+                ],
+            ),
+            (
+                map(DayOfYear, "", ""),
+                [
+                    "2026-073T18:19:00.1",
+                    "2026-073T18:19:00.3",
+                    "2026-073T18:19:00.5",
+                    "2026-073T18:19:01.100000001",
+                ],
+            ),
         ] {
             assert_eq!(seconds(&map, &cells), wanted, "{map:?}");
         }
@@ -227,9 +291,21 @@ mod tests {
     #[test]
     fn unit_dates_and_counts_do_not_mix() {
         let mut clock = Clock::own(parse_unit("s").unwrap());
-        clock.origin = Some(Origin { at: 0, scale: Some(Scale::Utc) });
-        assert!(clock.seconds(b"1.0", None).unwrap_err().text(true).contains("name its epoch"));
-        let wrong = TimeMap { epoch: Some("tomorrow".into()), ..TimeMap::default() };
+        clock.origin = Some(Origin {
+            at: 0,
+            scale: Some(Scale::Utc),
+        });
+        assert!(
+            clock
+                .seconds(b"1.0", None)
+                .unwrap_err()
+                .text(true)
+                .contains("name its epoch")
+        );
+        let wrong = TimeMap {
+            epoch: Some("tomorrow".into()),
+            ..TimeMap::default()
+        };
         assert_eq!(check_time(&wrong).unwrap_err().0, "epoch");
     }
 }

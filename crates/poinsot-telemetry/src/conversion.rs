@@ -25,7 +25,9 @@ impl Conversion {
         let scale = map.scale.unwrap_or(1.0);
         let offset = map.offset.unwrap_or(0.0);
         match (unit, map.counts_per_revolution) {
-            (_, Some(counts)) => Self::Linear(sign * scale * TAU / counts, sign * offset * TAU / counts),
+            (_, Some(counts)) => {
+                Self::Linear(sign * scale * TAU / counts, sign * offset * TAU / counts)
+            }
             (Some(unit), None) if sign == 1.0 && scale == 1.0 && offset == 0.0 => Self::Unit(unit),
             (Some(unit), None) => Self::Linear(unit.to_si(sign * scale), unit.to_si(sign * offset)),
             (None, None) => Self::Linear(sign * scale, sign * offset),
@@ -69,18 +71,33 @@ mod tests {
         };
         let degrees = Conversion::of(&map, parse_unit("deg").ok());
         // -(2 * 3 + 0.5) deg.
-        let Ok(Cell::Number(angle)) = degrees.cell(b"3") else { panic!() };
+        let Ok(Cell::Number(angle)) = degrees.cell(b"3") else {
+            panic!()
+        };
         assert!((angle + 6.5_f64.to_radians()).abs() < 1e-15);
-        let encoder = ColumnMap { counts_per_revolution: Some(4096.0), ..ColumnMap::default() };
-        assert_eq!(Conversion::of(&encoder, None).cell(b"1024"), Ok(Cell::Number(TAU / 4.0)));
+        let encoder = ColumnMap {
+            counts_per_revolution: Some(4096.0),
+            ..ColumnMap::default()
+        };
+        assert_eq!(
+            Conversion::of(&encoder, None).cell(b"1024"),
+            Ok(Cell::Number(TAU / 4.0))
+        );
     }
 
     #[test]
     fn exact_flags_are_the_nominal_force() {
-        let map = ColumnMap { nominal_N: Some(0.9), ..ColumnMap::default() };
+        let map = ColumnMap {
+            nominal_N: Some(0.9),
+            ..ColumnMap::default()
+        };
         let flag = Conversion::of(&map, None);
         for (text, force) in [("1", 0.9), ("ON", 0.9), ("0", 0.0), ("closed", 0.0)] {
-            assert_eq!(flag.cell(text.as_bytes()), Ok(Cell::Number(force)), "{text}");
+            assert_eq!(
+                flag.cell(text.as_bytes()),
+                Ok(Cell::Number(force)),
+                "{text}"
+            );
         }
         assert_eq!(flag.cell(b""), Ok(Cell::Empty));
         assert!(flag.cell(b"0.37").is_err());

@@ -1,10 +1,11 @@
 //! CSV with one header row, and what exports put around it.
 
-use crate::bytes::{ByteFault, TextBytes, check_unchanged, open};
+use crate::bytes::{ByteFault, TextBytes, check_unchanged, open, sha256_of};
+use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
-use crate::clock::Clock;
 use crate::number::{Cell, NoNumber};
+use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
 use crate::size::Rows;
@@ -27,7 +28,23 @@ pub(crate) fn read(
         what: "cannot be read",
         source,
     };
-    let rows = Rows::of_text(&mut file, before.len()).map_err(io)?;
+    let packing = Packing::of(&mut file).map_err(io)?;
+    let rows = match packing {
+        Packing::None => Rows::of_text(&mut file, before.len()).map_err(io)?,
+        _ => {
+            let unpacked = packing.reader(file.try_clone().map_err(io)?);
+            let lines = unpacked.and_then(Rows::of_lines);
+            lines.map_err(|source| damaged(path, source))?
+        }
+    };
+    let packed_sha256 = match packing {
+        Packing::None => None,
+        _ => {
+            file.rewind().map_err(io)?;
+            Some(sha256_of(path, &mut file)?)
+        }
+    };
+    let unpacked = packing.reader(file).map_err(io)?;
     let layout = options.map.for_file(path).layout;
     let above = layout.header_row.unwrap_or(1).saturating_sub(1);
     let mut reader = csv::ReaderBuilder::new()
@@ -36,7 +53,7 @@ pub(crate) fn read(
         .delimiter(layout.delimiter.unwrap_or(b','))
         .comment(layout.comment)
         .buffer_capacity(1 << 16)
-        .from_reader(TextBytes::new(file, above));
+        .from_reader(TextBytes::new(unpacked, above));
     let mut record = ByteRecord::new();
     if !next(path, &mut reader, &mut record)? {
         return Err(TelemetryError::Header {
@@ -72,7 +89,15 @@ pub(crate) fn read(
         selection.check(path, &plan, &mut columns, rows, full.as_deref_mut())?;
         last_row = above + record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
-        let taken = take_row(path, &plan, &mut clock, &record, last_row, &mut selection, &mut columns);
+        let taken = take_row(
+            path,
+            &plan,
+            &mut clock,
+            &record,
+            last_row,
+            &mut selection,
+            &mut columns,
+        );
         columns.origin = clock.origin;
         let Err(error) = taken else {
             continue;
@@ -112,7 +137,8 @@ pub(crate) fn read(
     }
     selection.check(path, &plan, &mut columns, rows, full)?;
     check_unchanged(path, &before)?;
-    Ok((plan, columns, reader.get_ref().sha256()))
+    let sha256 = packed_sha256.unwrap_or_else(|| reader.get_ref().sha256());
+    Ok((plan, columns, sha256))
 }
 
 /// One data row into the columns; on error the row may be there in part.
@@ -254,11 +280,7 @@ fn next<R: Read>(
                     why: source.to_string(),
                 }
             }
-            csv::ErrorKind::Io(source) => TelemetryError::Io {
-                path: path.to_owned(),
-                what: "cannot be read",
-                source,
-            },
+            csv::ErrorKind::Io(source) => damaged(path, source),
             _ => TelemetryError::Format {
                 place: Place::file(path),
                 why: format!("{text}; write the file again as CSV in UTF-8"),

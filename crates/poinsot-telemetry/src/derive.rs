@@ -16,7 +16,11 @@ const ORTHONORMAL: f64 = 1e-2;
 ///
 /// # Errors
 /// A matrix that is no rotation; axes of the Earth without dates.
-pub(crate) fn derive(path: &Path, plan: &Plan, columns: &mut Columns) -> Result<Vec<PlannedChannel>, TelemetryError> {
+pub(crate) fn derive(
+    path: &Path,
+    plan: &Plan,
+    columns: &mut Columns,
+) -> Result<Vec<PlannedChannel>, TelemetryError> {
     if plan.groups.is_empty() {
         return Ok(plan.channels.clone());
     }
@@ -41,22 +45,43 @@ pub(crate) fn derive(path: &Path, plan: &Plan, columns: &mut Columns) -> Result<
     for ((k, group), mut parts) in plan.groups.iter().enumerate().zip(parts) {
         parts.sort_by_key(|p| p.0);
         let parts: Vec<Vec<f64>> = parts.into_iter().map(|p| p.1).collect();
-        let first = plan.channels.iter().find(|c| c.part.is_some_and(|p| p.0 == k));
+        let first = plan
+            .channels
+            .iter()
+            .find(|c| c.part.is_some_and(|p| p.0 == k));
         let (index, column) = first.map_or((0, ""), |c| (c.index, c.column.as_str()));
         let (names, made): (Vec<String>, Vec<Vec<f64>>) = match group {
-            Group::Attitude { sensor, form, sense } => {
+            Group::Attitude {
+                sensor,
+                form,
+                sense,
+            } => {
                 let made = attitude(path, column, &columns.rows, &parts, *form, *sense)?;
-                (["q_x", "q_y", "q_z", "q_w"].map(|n| full_name(sensor, n)).into(), made)
+                (
+                    ["q_x", "q_y", "q_z", "q_w"]
+                        .map(|n| full_name(sensor, n))
+                        .into(),
+                    made,
+                )
             }
             Group::EarthFixed => {
                 let made = inertial(path, plan, columns, &parts)?;
-                (["orbit_x", "orbit_y", "orbit_z"].map(str::to_owned).into(), made)
+                (
+                    ["orbit_x", "orbit_y", "orbit_z"].map(str::to_owned).into(),
+                    made,
+                )
             }
         };
         for (name, value) in names.iter().zip(made) {
             let Some(name) = classify(name) else { continue };
             let conversion = Conversion::Linear(1.0, 0.0);
-            channels.push(PlannedChannel { index, column: column.to_owned(), name, conversion, part: None });
+            channels.push(PlannedChannel {
+                index,
+                column: column.to_owned(),
+                name,
+                conversion,
+                part: None,
+            });
             values.push(value);
             nan_cells.push((0, 0));
         }
@@ -88,10 +113,14 @@ fn attitude(
         let q = match form {
             AttitudeForm::Matrix => match row::<9>(parts, k) {
                 None => None,
-                Some(cells) => Some(from_matrix(&cells).map_err(|why| TelemetryError::Quaternion {
-                    place: Place::cell(path, *line, column),
-                    why,
-                })?),
+                Some(cells) => {
+                    Some(
+                        from_matrix(&cells).map_err(|why| TelemetryError::Quaternion {
+                            place: Place::cell(path, *line, column),
+                            why,
+                        })?,
+                    )
+                }
             },
             AttitudeForm::Euler(axes) => row::<3>(parts, k).map(|a| euler(axes, a)),
             AttitudeForm::Mrp => row::<3>(parts, k).map(mrp),
@@ -117,13 +146,18 @@ fn from_matrix(cells: &[f64; 9]) -> Result<UnitQuaternion<f64>, String> {
             rounded(R.determinant(), 3)
         ));
     }
-    Ok(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_eps(&R, 1e-15, 20, Rotation3::identity())))
+    Ok(UnitQuaternion::from_rotation_matrix(
+        &Rotation3::from_matrix_eps(&R, 1e-15, 20, Rotation3::identity()),
+    ))
 }
 
 /// Turns one after the other, each about the axis as the turns before it left it.
 fn euler(axes: [usize; 3], angles: [f64; 3]) -> UnitQuaternion<f64> {
     let turns = axes.into_iter().zip(angles).map(|(axis, angle)| {
-        UnitQuaternion::from_axis_angle(&[Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][axis.min(2)], angle)
+        UnitQuaternion::from_axis_angle(
+            &[Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][axis.min(2)],
+            angle,
+        )
     });
     turns.fold(UnitQuaternion::identity(), |q, turn| q * turn)
 }
@@ -137,7 +171,12 @@ fn mrp(sigma: [f64; 3]) -> UnitQuaternion<f64> {
 }
 
 /// Positions turned by the Earth rotation angle.
-fn inertial(path: &Path, plan: &Plan, columns: &Columns, parts: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, TelemetryError> {
+fn inertial(
+    path: &Path,
+    plan: &Plan,
+    columns: &Columns,
+    parts: &[Vec<f64>],
+) -> Result<Vec<Vec<f64>>, TelemetryError> {
     let dated = columns.origin.filter(|o| o.date().is_some());
     let origin = dated.ok_or_else(|| TelemetryError::Map {
         code: "E0212",

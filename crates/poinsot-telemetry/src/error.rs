@@ -166,7 +166,10 @@ pub enum TelemetryError {
         second: Box<Place>,
     },
     /// A unit that is not in the table.
-    #[error("E0211 unit '{}' is not known; did you mean '{nearest}'? `poinsot units` lists all", one_line(unit))]
+    #[error(
+        "E0211 unit '{}' is not known; did you mean '{nearest}'? `poinsot units` lists all",
+        one_line(unit)
+    )]
     UnknownUnit {
         /// As written.
         unit: String,

@@ -101,13 +101,19 @@ impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.date() {
             Some(date) => f.write_str(&date),
-            None => write!(f, "{} s of the files' own count", crate::as_read(self.own_zero_s())),
+            None => write!(
+                f,
+                "{} s of the files' own count",
+                crate::as_read(self.own_zero_s())
+            ),
         }
     }
 }
 
 fn epoch(at: i128) -> Epoch {
-    Epoch::from_tai_duration(Duration::from_total_nanoseconds(at.div_euclid(1_000_000_000)))
+    Epoch::from_tai_duration(Duration::from_total_nanoseconds(
+        at.div_euclid(1_000_000_000),
+    ))
 }
 
 /// The day so many days after 1970 January 1, as year, month, day (Howard Hinnant, `civil_from_days`).
@@ -119,8 +125,16 @@ fn civil(day: i64) -> (i64, u8, u8) {
     let of_year = of_era - (365 * year + year / 4 - year / 100);
     let shifted = (5 * of_year + 2) / 153;
     let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
-    (year + era * 400 + i64::from(month <= 2), month as u8, day as u8)
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
+    (
+        year + era * 400 + i64::from(month <= 2),
+        month as u8,
+        day as u8,
+    )
 }
 
 /// Days since 1970 January 1 (Howard Hinnant, `days_from_civil`).
@@ -201,7 +215,10 @@ impl Calendar {
             day
         };
         if !YEARS.contains(&year) {
-            return Err(NoNumber("lies outside of 1972 to 2199", Some("correct the year")));
+            return Err(NoNumber(
+                "lies outside of 1972 to 2199",
+                Some("correct the year"),
+            ));
         }
         one_of(&mut rest, b"T t:/")?;
         let hour = digits(&mut rest, 2)?;
@@ -297,7 +314,9 @@ mod tests {
     use super::*;
 
     fn at(scale: Scale, text: &str) -> i128 {
-        Calendar::new(scale).instant(text.as_bytes(), false).unwrap()
+        Calendar::new(scale)
+            .instant(text.as_bytes(), false)
+            .unwrap()
     }
 
     #[test]
@@ -318,7 +337,10 @@ mod tests {
         assert_eq!(ordinal, Ok(utc));
         let unix = Calendar::new(Scale::Utc).unix(1_773_512_340 * ATTO + ATTO / 4);
         assert_eq!(unix, Ok(utc));
-        let origin = Origin { at: utc, scale: Some(Scale::Gps) };
+        let origin = Origin {
+            at: utc,
+            scale: Some(Scale::Gps),
+        };
         assert_eq!(origin.to_string(), "2026-03-14T18:19:18.25 GPS");
     }
 
@@ -338,7 +360,10 @@ mod tests {
 
     #[test]
     fn exact_seconds_since_an_origin_are_the_nearest_doubles() {
-        let origin = Origin { at: 1_773_512_340 * ATTO, scale: None };
+        let origin = Origin {
+            at: 1_773_512_340 * ATTO,
+            scale: None,
+        };
         assert_eq!(origin.seconds_to(1_773_512_340 * ATTO + ATTO / 5), 0.2);
         assert_eq!(origin.own_zero_s(), 1_773_512_340.0);
     }
@@ -346,7 +371,10 @@ mod tests {
     #[test]
     fn exact_earth_rotation_at_a_known_instant() {
         // SOFA, iauEra00: ERA(JD 2454388.5) = 0.4022837240028158102 rad; 2007 October 15, 0 h.
-        let origin = Origin { at: at(Scale::Utc, "2007-10-15T00:00:00"), scale: Some(Scale::Utc) };
+        let origin = Origin {
+            at: at(Scale::Utc, "2007-10-15T00:00:00"),
+            scale: Some(Scale::Utc),
+        };
         assert!((origin.earth_rotation(0.0) - 0.402_283_724_002_815_8).abs() < 1e-9);
         let sidereal_day_s = 86_164.098_903_691;
         let turn = origin.earth_rotation(sidereal_day_s) - origin.earth_rotation(0.0);
@@ -355,7 +383,15 @@ mod tests {
 
     #[test]
     fn unit_what_is_no_date() {
-        for text in ["", "2026", "14/03/2026 18:19:00", "2026-02-29T00:00:00", "2026-03-14T24:00:00", "2026-03-14T18:19", "1026-03-14T18:19:00"] {
+        for text in [
+            "",
+            "2026",
+            "14/03/2026 18:19:00",
+            "2026-02-29T00:00:00",
+            "2026-03-14T24:00:00",
+            "2026-03-14T18:19",
+            "1026-03-14T18:19:00",
+        ] {
             let read = Calendar::new(Scale::Utc).instant(text.as_bytes(), false);
             assert!(read.is_err(), "{text}");
         }

@@ -25,8 +25,10 @@ mod inspect_text;
 mod instant;
 mod map;
 mod map_faults;
+mod mounting;
 mod noise;
 mod number;
+mod packing;
 mod parquet_bytes;
 mod parquet_dictionaries;
 mod parquet_reader;
@@ -55,9 +57,11 @@ pub use inspect::{ChannelSummary, FileSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
 pub use instant::{Origin, Scale};
 pub use map::{
-    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, TelemetryMap, TimeFormat, TimeMap,
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, TelemetryMap, TimeFormat,
+    TimeMap,
 };
 pub use map_faults::{MapFault, map_faults};
+pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
 pub use read::{Encoding, MEMORY_MIB, ReadOptions, read};
 pub use resample::{hold, resample, resample_attitude, resample_hermite};

@@ -203,9 +203,8 @@ impl FileMap {
     /// Every column that the map names, with what it is for.
     pub(crate) fn named(&self) -> Vec<(String, String)> {
         let own = self.columns.iter();
-        let mut all: Vec<(String, String)> = own
-            .map(|c| (c.channel.clone(), c.column.clone()))
-            .collect();
+        let mut all: Vec<(String, String)> =
+            own.map(|c| (c.channel.clone(), c.column.clone())).collect();
         let time = self.time.iter();
         let time = time.flat_map(|t| std::iter::once(&t.column).chain(&t.week));
         all.extend(time.map(|c| ("time".to_owned(), c.clone())));

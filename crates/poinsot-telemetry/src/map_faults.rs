@@ -112,13 +112,25 @@ fn unit_of(text: &str, dimension: Dimension) -> Result<Unit, Wrong> {
         Ok(unit) if unit.dimension == dimension => Ok(unit),
         Ok(_) => {
             let problem = format!("unit '{text}' does not measure it");
-            let remedy = format!("give a unit that converts to {}: {}", dimension.si(), list(dimension));
+            let remedy = format!(
+                "give a unit that converts to {}: {}",
+                dimension.si(),
+                list(dimension)
+            );
             Err(("E0212", problem, remedy))
         }
         Err(_) => {
             let near = nearest_unit(text, Some(dimension));
             let problem = format!("unit '{text}' is not known");
-            Err(("E0211", problem, format!("did you mean '{near}'? {}{}", remedy[..1].to_uppercase(), &remedy[1..])))
+            Err((
+                "E0211",
+                problem,
+                format!(
+                    "did you mean '{near}'? {}{}",
+                    remedy[..1].to_uppercase(),
+                    &remedy[1..]
+                ),
+            ))
         }
     }
 }
@@ -128,39 +140,78 @@ pub(crate) fn resolve(
     map: &ColumnMap,
     units_row: bool,
 ) -> Result<(ChannelName, Option<Unit>), (&'static str, Wrong)> {
-    let fault = |key, problem: String, remedy: &str| Err((key, ("E0212", problem, remedy.to_owned())));
+    let fault =
+        |key, problem: String, remedy: &str| Err((key, ("E0212", problem, remedy.to_owned())));
     let Some(name) = classify(&map.channel) else {
         let problem = "not a standard channel name".to_owned();
-        return fault("", problem, "write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N");
+        return fault(
+            "",
+            problem,
+            "write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N",
+        );
     };
-    for (key, value) in [("scale", map.scale), ("counts_per_revolution", map.counts_per_revolution)] {
+    for (key, value) in [
+        ("scale", map.scale),
+        ("counts_per_revolution", map.counts_per_revolution),
+    ] {
         if value == Some(0.0) || value.is_some_and(|x| key != "scale" && x < 0.0) {
-            return fault(key, format!("the {} is not positive", key.replace('_', " ")), "correct the number; sign = -1 turns the sign");
+            return fault(
+                key,
+                format!("the {} is not positive", key.replace('_', " ")),
+                "correct the number; sign = -1 turns the sign",
+            );
         }
     }
     if map.sign.is_some_and(|s| s.abs() != 1.0) {
-        return fault("sign", "the sign is neither 1 nor -1".to_owned(), "write 1 or -1; scale takes any factor");
+        return fault(
+            "sign",
+            "the sign is neither 1 nor -1".to_owned(),
+            "write 1 or -1; scale takes any factor",
+        );
     }
     let time = name.quantity == Quantity::Time;
     let changed = map.scale.or(map.offset).or(map.sign).is_some();
     if time && (changed || map.counts_per_revolution.or(map.nominal_N).is_some()) {
-        return fault("", "a time has a unit alone".to_owned(), "remove the other keys, or write [telemetry] time");
+        return fault(
+            "",
+            "a time has a unit alone".to_owned(),
+            "remove the other keys, or write [telemetry] time",
+        );
     }
     if map.nominal_N.is_some() {
         if name.dimension != Dimension::Force {
-            return fault("nominal_N", "only a thruster has a nominal force".to_owned(), "map the column with its unit");
+            return fault(
+                "nominal_N",
+                "only a thruster has a nominal force".to_owned(),
+                "map the column with its unit",
+            );
         }
         if changed || map.unit.is_some() || map.counts_per_revolution.is_some() {
-            return fault("nominal_N", "a flag has no unit, sign, scale or offset".to_owned(), "remove them, or nominal_N");
+            return fault(
+                "nominal_N",
+                "a flag has no unit, sign, scale or offset".to_owned(),
+                "remove them, or nominal_N",
+            );
         }
         return Ok((name, None));
     }
     if map.counts_per_revolution.is_some() {
-        if !matches!(name.dimension, Dimension::Angle | Dimension::AngularVelocity) {
-            return fault("counts_per_revolution", "only an angle or its rate has counts per revolution".to_owned(), "map the column with its unit");
+        if !matches!(
+            name.dimension,
+            Dimension::Angle | Dimension::AngularVelocity
+        ) {
+            return fault(
+                "counts_per_revolution",
+                "only an angle or its rate has counts per revolution".to_owned(),
+                "map the column with its unit",
+            );
         }
         if map.unit.is_some() {
-            return fault("unit", "counts have no unit".to_owned(), "remove unit or counts_per_revolution");
+            return fault(
+                "unit",
+                "counts have no unit".to_owned(),
+                "remove unit or counts_per_revolution",
+            );
         }
         return Ok((name, None));
     }
@@ -168,7 +219,10 @@ pub(crate) fn resolve(
         if units_row {
             return Ok((name, None));
         }
-        let remedy = format!("write unit = \"...\", one of: {}; or units_row = true where the file has a row of units", list(name.dimension));
+        let remedy = format!(
+            "write unit = \"...\", one of: {}; or units_row = true where the file has a row of units",
+            list(name.dimension)
+        );
         return fault("", "there is no unit".to_owned(), &remedy);
     };
     match unit_of(unit, name.dimension) {
@@ -182,17 +236,22 @@ fn attitude_fault(map: &AttitudeMap, file: &FileMap) -> Option<Wrong> {
     let fault = |problem: String, remedy: &str| Some(("E0212", problem, remedy.to_owned()));
     let wanted = map.form.width();
     if map.columns.len() != wanted {
-        let problem = format!("{} columns are named where the form has {wanted}", map.columns.len());
+        let problem = format!(
+            "{} columns are named where the form has {wanted}",
+            map.columns.len()
+        );
         return fault(problem, "name them in their order");
     }
     match (map.form, &map.unit) {
-        (Euler([a, b, c]), _) if a == b || b == c => {
-            fault("two turns in a row are about one axis".to_owned(), "correct the sequence, for example \"ZYX\"")
-        }
+        (Euler([a, b, c]), _) if a == b || b == c => fault(
+            "two turns in a row are about one axis".to_owned(),
+            "correct the sequence, for example \"ZYX\"",
+        ),
         (Euler(_), Some(unit)) => unit_of(unit, Dimension::Angle).err(),
-        (Euler(_), None) if file.layout.units_row != Some(true) => {
-            fault("the angles have no unit".to_owned(), "write unit = \"deg\" or another angle")
-        }
+        (Euler(_), None) if file.layout.units_row != Some(true) => fault(
+            "the angles have no unit".to_owned(),
+            "write unit = \"deg\" or another angle",
+        ),
         (Euler(_), None) | (_, None) => None,
         (_, Some(_)) => fault("only Euler angles have a unit".to_owned(), "remove it"),
     }

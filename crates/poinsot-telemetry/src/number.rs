@@ -99,7 +99,9 @@ pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, NoNumber> {
     if cell.is_empty() || cell.eq_ignore_ascii_case(b"nan") {
         return Ok(None);
     }
-    let word = WORDS.iter().find(|(word, _)| cell.eq_ignore_ascii_case(word.as_bytes()));
+    let word = WORDS
+        .iter()
+        .find(|(word, _)| cell.eq_ignore_ascii_case(word.as_bytes()));
     word.map(|(_, on)| Some(*on)).ok_or(NoNumber(
         "is no flag",
         Some("write 0 or 1, or map the column with a unit in place of nominal_N"),

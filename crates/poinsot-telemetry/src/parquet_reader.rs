@@ -3,8 +3,8 @@
 //! The decoder is third-party code that panics on some damaged files: a panic becomes an error here.
 
 use crate::bytes::{check_unchanged, open, sha256_of};
-use crate::columns::Columns;
 use crate::clock::Clock;
+use crate::columns::Columns;
 use crate::error::{Place, shown};
 use crate::number::Cell;
 use crate::parquet_bytes::ParquetBytes;
@@ -104,7 +104,15 @@ fn decode(
     let mut selection = options.selection();
     for batch in reader {
         let batch = batch.map_err(|e| refused(path, e))?;
-        take_batch(path, &plan, &mut clock, &header, &batch, &mut selection, &mut columns)?;
+        take_batch(
+            path,
+            &plan,
+            &mut clock,
+            &header,
+            &batch,
+            &mut selection,
+            &mut columns,
+        )?;
         let full = full.as_deref_mut();
         selection.check(path, &plan, &mut columns, rows, full)?;
     }
@@ -199,7 +207,9 @@ fn take_batch(
     let weeks = plan.week_index.map(cells).transpose()?;
     for (k, (cell, keep)) in times.iter().zip(&mut keep).enumerate() {
         let row = first + k as u64;
-        let week = weeks.as_ref().map(|w| w.get(k).and_then(Option::as_deref).unwrap_or_default());
+        let week = weeks
+            .as_ref()
+            .map(|w| w.get(k).and_then(Option::as_deref).unwrap_or_default());
         let text = cell.as_deref().unwrap_or_default();
         let time = clock.seconds(text.as_bytes(), week.map(str::as_bytes));
         let time = time.map_err(|why| TelemetryError::Number {

@@ -121,16 +121,31 @@ impl Planner<'_> {
         }
     }
 
-    fn add(&mut self, index: usize, name: ChannelName, conversion: Conversion) -> Result<(), TelemetryError> {
+    fn add(
+        &mut self,
+        index: usize,
+        name: ChannelName,
+        conversion: Conversion,
+    ) -> Result<(), TelemetryError> {
         let column = self.header.get(index).cloned().unwrap_or_default();
-        if let Some(first) = self.channels.iter().find(|c| c.part.is_none() && c.name == name) {
+        if let Some(first) = self
+            .channels
+            .iter()
+            .find(|c| c.part.is_none() && c.name == name)
+        {
             return Err(TelemetryError::DuplicateChannel {
                 channel: name.full(),
                 first: Box::new(Place::cell(self.path, 0, &first.column)),
                 second: Box::new(Place::cell(self.path, 0, &column)),
             });
         }
-        self.channels.push(PlannedChannel { index, column, name, conversion, part: None });
+        self.channels.push(PlannedChannel {
+            index,
+            column,
+            name,
+            conversion,
+            part: None,
+        });
         Ok(())
     }
 
@@ -140,15 +155,22 @@ impl Planner<'_> {
             return Ok(None);
         };
         let resolved = resolve(map, self.units.is_some());
-        let (name, unit) = resolved.map_err(|(_, (code, problem, remedy))| TelemetryError::Map {
-            code,
-            channel: map.channel.clone(),
-            why: format!("{problem}; {remedy}"),
-        })?;
+        let (name, unit) =
+            resolved.map_err(|(_, (code, problem, remedy))| TelemetryError::Map {
+                code,
+                channel: map.channel.clone(),
+                why: format!("{problem}; {remedy}"),
+            })?;
         let needs_unit = map.nominal_N.is_none() && map.counts_per_revolution.is_none();
         let unit = match unit {
             None if needs_unit => Some(self.unit_below(index, &name)?.ok_or_else(|| {
-                self.fault(&map.channel, format!("its units row is empty below '{}'; write unit in [telemetry]", map.column))
+                self.fault(
+                    &map.channel,
+                    format!(
+                        "its units row is empty below '{}'; write unit in [telemetry]",
+                        map.column
+                    ),
+                )
             })?),
             unit => unit,
         };
@@ -160,7 +182,11 @@ impl Planner<'_> {
     }
 
     /// The columns of a group, all of them or none.
-    fn columns(&mut self, channel: &str, columns: &[String]) -> Result<Option<Vec<usize>>, TelemetryError> {
+    fn columns(
+        &mut self,
+        channel: &str,
+        columns: &[String],
+    ) -> Result<Option<Vec<usize>>, TelemetryError> {
         let found: Vec<Option<usize>> = columns.iter().map(|c| self.find(channel, c)).collect();
         if found.iter().all(Option::is_none) {
             return Ok(None);
@@ -175,7 +201,12 @@ impl Planner<'_> {
     }
 
     /// The unit that a map names, else that of the units row, else SI.
-    fn unit(&self, named: Option<&str>, index: usize, name: &ChannelName) -> Result<Unit, TelemetryError> {
+    fn unit(
+        &self,
+        named: Option<&str>,
+        index: usize,
+        name: &ChannelName,
+    ) -> Result<Unit, TelemetryError> {
         match named {
             Some(text) => parse_unit(text),
             None => match self.unit_below(index, name)? {
@@ -191,9 +222,19 @@ impl Planner<'_> {
             return Ok(());
         };
         let component = |name: &str| {
-            classify(&crate::full_name(&map.sensor, name)).ok_or_else(|| self.fault(&label, format!("'{}' is no name of a sensor; correct it", map.sensor)))
+            classify(&crate::full_name(&map.sensor, name)).ok_or_else(|| {
+                self.fault(
+                    &label,
+                    format!("'{}' is no name of a sensor; correct it", map.sensor),
+                )
+            })
         };
-        let [x, y, z, w] = [component("q_x")?, component("q_y")?, component("q_z")?, component("q_w")?];
+        let [x, y, z, w] = [
+            component("q_x")?,
+            component("q_y")?,
+            component("q_z")?,
+            component("q_w")?,
+        ];
         if let AttitudeForm::Quaternion(order) = map.form {
             let names = match order {
                 Order::Xyzw => [x, y, z, w],
@@ -201,7 +242,8 @@ impl Planner<'_> {
             };
             for (index, name) in found.into_iter().zip(names) {
                 // The inverse rotation has the vector part reversed.
-                let turned = map.sense == Sense::InertialToBody && name.quantity != Quantity::Attitude(3);
+                let turned =
+                    map.sense == Sense::InertialToBody && name.quantity != Quantity::Attitude(3);
                 let sign = if turned { -1.0 } else { 1.0 };
                 self.add(index, name, Conversion::Linear(sign, 0.0))?;
             }
@@ -217,23 +259,44 @@ impl Planner<'_> {
             }
             self.part(index, name, conversion, (group, place));
         }
-        self.groups.push(Group::Attitude { sensor: map.sensor.clone(), form: map.form, sense: map.sense });
+        self.groups.push(Group::Attitude {
+            sensor: map.sensor.clone(),
+            form: map.form,
+            sense: map.sense,
+        });
         Ok(())
     }
 
-    fn part(&mut self, index: usize, name: ChannelName, conversion: Conversion, part: (usize, usize)) {
+    fn part(
+        &mut self,
+        index: usize,
+        name: ChannelName,
+        conversion: Conversion,
+        part: (usize, usize),
+    ) {
         let column = self.header.get(index).cloned().unwrap_or_default();
-        self.channels.push(PlannedChannel { index, column, name, conversion, part: Some(part) });
+        self.channels.push(PlannedChannel {
+            index,
+            column,
+            name,
+            conversion,
+            part: Some(part),
+        });
     }
 
     fn orbit(&mut self, map: &FileMap) -> Result<(), TelemetryError> {
-        let Some(orbit) = &map.orbit else { return Ok(()) };
+        let Some(orbit) = &map.orbit else {
+            return Ok(());
+        };
         let Some(found) = self.columns("orbit", &orbit.position)? else {
             return Ok(());
         };
         let group = self.groups.len();
         for (place, index) in found.into_iter().enumerate() {
-            let axis = ["orbit_x", "orbit_y", "orbit_z"].get(place).copied().unwrap_or_default();
+            let axis = ["orbit_x", "orbit_y", "orbit_z"]
+                .get(place)
+                .copied()
+                .unwrap_or_default();
             let Some(name) = classify(axis) else { continue };
             let conversion = Conversion::Unit(self.unit(orbit.unit.as_deref(), index, &name)?);
             match orbit.earth_fixed {
@@ -271,9 +334,16 @@ pub(crate) fn build(
     if let Some(map) = &map.time
         && let Some(index) = planner.find("time", &map.column)
     {
-        let clock = check_time(map).map_err(|(_, problem, remedy)| planner.fault("time", format!("{problem}; {remedy}")))?;
+        let clock = check_time(map).map_err(|(_, problem, remedy)| {
+            planner.fault("time", format!("{problem}; {remedy}"))
+        })?;
         if let Some(week) = &map.week {
-            week_index = Some(planner.find("time", week).ok_or_else(|| planner.fault("time", format!("there is no column '{week}'; correct its name")))?);
+            week_index = Some(planner.find("time", week).ok_or_else(|| {
+                planner.fault(
+                    "time",
+                    format!("there is no column '{week}'; correct its name"),
+                )
+            })?);
         }
         time = Some((index, clock));
     }
@@ -331,7 +401,12 @@ pub(crate) fn build(
             None => missing_filters.push(column.clone()),
         }
     }
-    let Planner { mut channels, groups, used, .. } = planner;
+    let Planner {
+        mut channels,
+        groups,
+        used,
+        ..
+    } = planner;
     channels.sort_by_key(|c| c.index);
     Ok(Plan {
         time_index,
@@ -433,14 +508,23 @@ impl<'a> Unused<'a> {
     }
 
     /// Every column that the map names for these files must stand in one of them; says which entries fit no file.
-    pub(crate) fn check(&self, paths: &[PathBuf], repairs: &mut Vec<String>) -> Result<(), TelemetryError> {
+    pub(crate) fn check(
+        &self,
+        paths: &[PathBuf],
+        repairs: &mut Vec<String>,
+    ) -> Result<(), TelemetryError> {
         let files: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
         let files = files.join(", ");
         let map = &self.options.map;
         let mut named = map.all.named();
         let mut filters = map.all.row_filter.clone();
         for (pattern, own) in &map.files {
-            let fitting = |p: &PathBuf| crate::map::fits(pattern, &p.file_name().unwrap_or_default().to_string_lossy());
+            let fitting = |p: &PathBuf| {
+                crate::map::fits(
+                    pattern,
+                    &p.file_name().unwrap_or_default().to_string_lossy(),
+                )
+            };
             if paths.iter().any(fitting) {
                 named.extend(own.named());
                 filters.extend(own.row_filter.iter().cloned());
@@ -448,8 +532,13 @@ impl<'a> Unused<'a> {
                 repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
             }
         }
-        let unused = |channel: &str, column: &str| !self.used.contains(&(channel.to_owned(), column.to_owned()));
-        if let Some((channel, column)) = named.iter().find(|(channel, column)| unused(channel, column)) {
+        let unused = |channel: &str, column: &str| {
+            !self.used.contains(&(channel.to_owned(), column.to_owned()))
+        };
+        if let Some((channel, column)) = named
+            .iter()
+            .find(|(channel, column)| unused(channel, column))
+        {
             return Err(TelemetryError::Map {
                 code: "E0212",
                 channel: channel.clone(),
@@ -467,7 +556,11 @@ impl<'a> Unused<'a> {
     }
 
     fn nearest(&self, column: &str) -> String {
-        let close = self.columns.iter().map(|c| (strsim::jaro_winkler(c, column), c)).filter(|c| c.0 > 0.7);
+        let close = self
+            .columns
+            .iter()
+            .map(|c| (strsim::jaro_winkler(c, column), c))
+            .filter(|c| c.0 > 0.7);
         match close.max_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((_, near)) => format!("; did you mean '{near}'?"),
             None => {

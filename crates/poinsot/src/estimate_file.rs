@@ -23,7 +23,7 @@ pub fn estimate_json(identified: &Identified) -> Value {
         })
         .collect();
     let bodies: Map<String, Value> = e.bodies.iter().map(|b| (b.name.clone(), body(b))).collect();
-    json!({
+    let mut file = json!({
         "schema": "poinsot.estimate/1",
         "poinsot": env!("CARGO_PKG_VERSION"),
         "method": e.method,
@@ -66,7 +66,24 @@ pub fn estimate_json(identified: &Identified) -> Value {
         "repairs": identified.repairs,
         "ignored_columns": identified.ignored,
         "warnings": e.warnings,
-    })
+    });
+    if let (Some(epoch), Some(map)) = (epoch(identified), file.as_object_mut()) {
+        map.insert("epoch".to_owned(), epoch);
+    }
+    file
+}
+
+/// What all times count from: a date, or a number of the files' own count; `None` where that is zero.
+fn epoch(identified: &Identified) -> Option<Value> {
+    let origin = identified.origin?;
+    match origin.date() {
+        Some(date) => {
+            let (at, scale) = date.split_once(' ')?;
+            Some(json!({ "at": at, "scale": scale }))
+        }
+        None if origin.own_zero_s() == 0.0 => None,
+        None => Some(json!({ "own_count_s": origin.own_zero_s() })),
+    }
 }
 
 fn body(b: &BodyEstimate) -> Value {

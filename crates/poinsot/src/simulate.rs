@@ -3,6 +3,7 @@
 mod record;
 mod truth;
 
+use crate::bind::mountings;
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use crate::progress::step;
 use poinsot_dynamics::{
@@ -11,7 +12,7 @@ use poinsot_dynamics::{
 };
 use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
-use poinsot_telemetry::{Table, TelemetryError, advice};
+use poinsot_telemetry::{Mounting, Table, TelemetryError, advice, mount};
 use record::Recorder;
 pub(crate) use record::{joint_channels, names};
 use std::io::Write;
@@ -104,7 +105,10 @@ pub struct Written {
 pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> {
     let case = read_case(case_path)?;
     let model = read_model(&case.model)?;
-    let simulation = simulate_case(&case, &model)?;
+    let mut simulation = simulate_case(&case, &model)?;
+    // Files are in the axes of the sensors, tables in those of the bodies.
+    let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
+    mount(&mut simulation.table, &back);
     let name = match case.format {
         Format::Csv => "telemetry.csv",
         Format::Parquet => "telemetry.parquet",

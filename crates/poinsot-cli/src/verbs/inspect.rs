@@ -4,7 +4,7 @@ use super::{Failure, Outcome, print, print_json, step};
 use crate::arguments::Inspect;
 use poinsot::segment_files;
 use poinsot_model::read_telemetry_map;
-use poinsot_telemetry::{ColumnMap, ReadOptions, inspect_files};
+use poinsot_telemetry::{ReadOptions, inspect_files};
 
 pub fn run(arguments: &Inspect) -> Outcome {
     let rows = &arguments.rows;
@@ -17,17 +17,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
         ..ReadOptions::default()
     };
     if let Some(path) = &arguments.map {
-        let map = read_telemetry_map(path).map_err(Failure::from)?;
-        options.row_filter = map.row_filter;
-        options.columns = map
-            .columns
-            .into_iter()
-            .map(|c| ColumnMap {
-                channel: c.channel,
-                column: c.column,
-                unit: c.unit,
-            })
-            .collect();
+        options.map = read_telemetry_map(path).map_err(Failure::from)?;
     }
     let files = segment_files(&arguments.telemetry);
     let inspection = inspect_files(&files, &options).map_err(Failure::from)?;

@@ -9,7 +9,7 @@ use arrow_array::{BooleanArray, Float64Array, StringArray};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
-use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, TelemetryError, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, TelemetryMap, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

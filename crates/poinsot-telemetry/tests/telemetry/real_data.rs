@@ -1,7 +1,8 @@
 //! Files of real and simulated spacecraft that are not part of the repository; without them each test passes.
 
 use poinsot_telemetry::{
-    ColumnMap, ReadOptions, TelemetryMap, Verdict, convention_tests, inspect, read, test_sensors, write,
+    ColumnMap, ReadOptions, TelemetryMap, Verdict, convention_tests, inspect, read, test_sensors,
+    write,
 };
 use std::path::{Path, PathBuf};
 
@@ -26,13 +27,16 @@ fn xval_a_throw_is_read_as_pyarrow_reads_it() {
         return;
     };
     let options = ReadOptions {
-        map: TelemetryMap::of(map(&[
-            ("time_s", "t_s", "s"),
-            ("omega_x", "wx", "rad/s"),
-            ("omega_y", "wy", "rad/s"),
-            ("omega_z", "wz", "rad/s"),
-            ("wheel_rad_s", "wheel_z", "rad/s"),
-        ]), vec![("log".into(), "LOG00119".into())]),
+        map: TelemetryMap::of(
+            map(&[
+                ("time_s", "t_s", "s"),
+                ("omega_x", "wx", "rad/s"),
+                ("omega_y", "wy", "rad/s"),
+                ("omega_z", "wz", "rad/s"),
+                ("wheel_rad_s", "wheel_z", "rad/s"),
+            ]),
+            vec![("log".into(), "LOG00119".into())],
+        ),
         ..ReadOptions::default()
     };
     let table = read(&[&path], &options).unwrap();
@@ -69,11 +73,14 @@ fn xval_two_files_of_a_satellite_in_orbit() {
         return;
     };
     let options = ReadOptions {
-        map: TelemetryMap::of(map(&[
-            ("time_s", "OBTS, sec", "s"),
-            ("omega_x", "rRoll_meas", "deg/s"),
-            ("wheel1_rad_s", "MRW1_meas", "rad/s"),
-        ]), Vec::new()),
+        map: TelemetryMap::of(
+            map(&[
+                ("time_s", "OBTS, sec", "s"),
+                ("omega_x", "rRoll_meas", "deg/s"),
+                ("wheel1_rad_s", "MRW1_meas", "rad/s"),
+            ]),
+            Vec::new(),
+        ),
         ..ReadOptions::default()
     };
     let table = read(&[rates, wheels], &options).unwrap();
