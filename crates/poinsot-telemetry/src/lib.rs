@@ -31,6 +31,7 @@ mod number;
 mod packing;
 mod parquet_bytes;
 mod parquet_dictionaries;
+mod parquet_pages;
 mod parquet_reader;
 mod plan;
 mod quaternion;

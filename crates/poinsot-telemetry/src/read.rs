@@ -279,7 +279,7 @@ fn decode(
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let kind = kind_of(path)?;
     let (plan, columns, sha256) = match kind.as_deref() {
-        Some("parquet" | "pq") => parquet_reader::read(path, options, full)?,
+        Some("parquet" | "pq") => parquet_reader::read(path, options, repairs, full)?,
         Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs, full)?,
         _ => {
             return Err(TelemetryError::Format {
