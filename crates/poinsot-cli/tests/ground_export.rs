@@ -81,6 +81,11 @@ bias = "estimate"
 name = "tracker"
 type = "attitude"
 noise_rad = 3.0e-5
+
+[[sensor]]
+name = "tachometers"
+type = "wheel_speed"
+noise_rad_s = 0.02
 "#;
     format!(
         "{}{sensors}\n[environment]\ngravity = \"point_mass\"\ngm_m3_s2 = {GM:e}\ngravity_gradient = true\norbit = {{ semi_major_axis_m = {RADIUS_M:e}, inclination_rad = {INCLINATION_RAD}, true_anomaly_rad = {ANOMALY_RAD} }}\n",
@@ -169,6 +174,11 @@ name = "tracker"
 type = "attitude"
 noise_rad = 3.0e-5
 rotation_matrix = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+
+[[sensor]]
+name = "tachometers"
+type = "wheel_speed"
+noise_rad_s = 0.02
 
 [environment]
 gravity = "point_mass"
@@ -513,4 +523,87 @@ fn cli_the_same_answer_from_unix_gps_iso_and_relative_times() {
             );
         }
     }
+}
+
+#[test]
+fn cli_check_says_the_map_and_the_surroundings_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("model.toml"), model()).unwrap();
+    let said = run(folder.path(), &["check", "model.toml"]);
+    let said = String::from_utf8_lossy(&said.stdout).into_owned();
+    for line in [
+        "gravity of a point mass of 3.986004418e14 m3/s2 (the Earth)",
+        "gravity-gradient torque: acts",
+        "aocs*.csv: time: 'UTC', date and time, UTC where it has no zone",
+        "aocs*.csv: omega_z: -'GYR_Z', unit as the units row says",
+        "startracker*.csv: attitude: quaternion, scalar first, inertial to body, from Q0 Q1 Q2 Q3",
+        "thrusters*.csv: thr1_N: flag 'THR_A', 0.9 N where it is on",
+        "ephemeris*.csv: time: 't', s since 1970-01-01 UTC (Unix)",
+    ] {
+        assert!(said.contains(line), "{line}\n{said}");
+    }
+    let units = run(folder.path(), &["units"]);
+    let units = String::from_utf8_lossy(&units.stdout).into_owned();
+    assert!(
+        units.contains("angular velocity      rad/s    rad/s, mrad/s, deg/s"),
+        "{units}"
+    );
+    let units: Value =
+        serde_json::from_slice(&run(folder.path(), &["units", "--json"]).stdout).unwrap();
+    let rpm = units["units"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|u| u["symbol"] == "rpm")
+        .unwrap();
+    assert_eq!(
+        (&rpm["dimension"], &rpm["si"]),
+        (&"angular_velocity".into(), &"rad/s".into())
+    );
+}
+
+#[test]
+fn cli_inspect_without_a_map_proposes_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_exports(folder, &simulated(folder));
+    let said = run(folder, &["inspect", "aocs_073.csv"]);
+    let said = String::from_utf8_lossy(&said.stdout).into_owned();
+    for line in [
+        "Proposed map",
+        "name = \"aocs_073.csv\"",
+        "delimiter = \";\"",
+        "units_row = true",
+        "time = { column = \"UTC\", format = \"iso8601\" }",
+        "wheel1_rad_s = { column = \"RW1\" }",
+        // Read as proposed.
+        "omega_x",
+    ] {
+        assert!(said.contains(line), "{line}\n{said}");
+    }
+    let said = run(folder, &["inspect", "thrusters.csv"]);
+    let said = String::from_utf8_lossy(&said.stdout).into_owned();
+    assert!(
+        said.contains("format = \"gps_week\", week = \"WEEK\""),
+        "{said}"
+    );
+}
+
+#[test]
+fn cli_standard_input_is_a_file_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    simulated(folder);
+    let telemetry = folder.join("sim/telemetry.csv");
+    let from_file = run(folder, &["inspect", "sim/telemetry.csv", "--json"]);
+    let mut command = Command::cargo_bin("poinsot").unwrap();
+    let piped = command
+        .args(["inspect", "-", "--json"])
+        .write_stdin(std::fs::read(telemetry).unwrap())
+        .output()
+        .unwrap();
+    let [a, b]: [Value; 2] =
+        [from_file.stdout, piped.stdout].map(|out| serde_json::from_slice(&out).unwrap());
+    assert_eq!(a["channels"], b["channels"]);
+    assert_eq!(a["sources"][0]["sha256"], b["sources"][0]["sha256"]);
 }

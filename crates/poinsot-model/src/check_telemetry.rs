@@ -13,6 +13,9 @@ use poinsot_telemetry::{
 };
 use std::collections::{BTreeMap, HashSet};
 
+/// Longest text of a fault; names in it come from the file.
+const LONGEST: usize = 400;
+
 /// A header below more lines than this is a mistake.
 const MOST_LINES: f64 = 1e6;
 
@@ -53,7 +56,13 @@ pub(crate) fn check_telemetry(
         if let Some(index) = fault.index {
             here = here.index(index);
         }
-        findings.refuse(fault.code, &here, fault.problem, fault.remedy);
+        let problem = printable(&fault.problem, LONGEST);
+        findings.refuse(
+            fault.code,
+            &here,
+            problem,
+            printable(&fault.remedy, LONGEST),
+        );
     }
     map
 }
@@ -111,8 +120,10 @@ fn checked(
     for (channel, source) in part.columns.iter().flatten() {
         let mut here = key.at("columns");
         here.path = here.path.key(channel);
-        if let Some(known) = known {
-            check_channel(channel, known, &here, findings);
+        if let Some(known) = known
+            && !check_channel(channel, known, &here, findings)
+        {
+            continue;
         }
         let Some(column) = &source.column else {
             continue;
@@ -341,21 +352,22 @@ fn channels(model: &ModelFile) -> HashSet<String> {
     known
 }
 
+/// Whether the vehicle can have this channel.
 fn check_channel(
     channel: &str,
     known: &HashSet<String>,
     key: &Key,
     findings: &mut Findings<'_, '_>,
-) {
+) -> bool {
     if known.contains(channel) && !channel.ends_with('.') {
-        return;
+        return true;
     }
     let split = channel
         .match_indices('.')
         .map(|(at, _)| channel.split_at(at + 1))
         .find(|(sensor, rest)| known.contains(*sensor) && known.contains(*rest));
     if split.is_some() {
-        return;
+        return true;
     }
     let near = if findings.count() < 50 {
         let mut names: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -376,4 +388,5 @@ fn check_channel(
         "this vehicle has no channel of this name".to_owned(),
         remedy,
     );
+    false
 }

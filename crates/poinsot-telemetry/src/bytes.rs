@@ -46,9 +46,10 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
 
 /// The file is still the one that was opened.
 pub(crate) fn check_unchanged(path: &Path, before: &Metadata) -> Result<(), TelemetryError> {
-    let same = is_standard_input(path) || std::fs::metadata(path).is_ok_and(|now| {
-        now.len() == before.len() && now.modified().ok() == before.modified().ok()
-    });
+    let same = is_standard_input(path)
+        || std::fs::metadata(path).is_ok_and(|now| {
+            now.len() == before.len() && now.modified().ok() == before.modified().ok()
+        });
     if same {
         return Ok(());
     }

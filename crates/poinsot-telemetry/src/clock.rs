@@ -24,7 +24,7 @@ enum Since {
 #[derive(Debug, Clone)]
 pub(crate) struct Clock {
     format: TimeFormat,
-    unit: Unit,
+    pub(crate) unit: Unit,
     since: Since,
     calendar: Calendar,
     /// What all files of the run count from, once the first row is read.

@@ -43,6 +43,7 @@ type Wrong = (&'static str, String, String);
 /// Everything that is wrong with a map.
 pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
     let mut faults = Vec::new();
+    let all = &map.all;
     for (file, map) in map.maps() {
         let mut add = |keys: &[&str], index, channel: &str, wrong: Wrong| {
             let (code, problem, remedy) = wrong;
@@ -56,8 +57,9 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
                 remedy,
             });
         };
+        let units_row = map.layout.units_row.or(all.layout.units_row) == Some(true);
         for column in &map.columns {
-            if let Err((key, wrong)) = resolve(column, map.layout.units_row == Some(true)) {
+            if let Err((key, wrong)) = resolve(column, units_row) {
                 let keys = ["columns", &column.channel, key];
                 let keys = if key.is_empty() { &keys[..2] } else { &keys };
                 add(keys, None, &column.channel, wrong);
@@ -69,7 +71,7 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
             add(&["time", key], None, "time", ("E0212", problem, remedy));
         }
         for (k, attitude) in map.attitude.iter().enumerate() {
-            if let Some(wrong) = attitude_fault(attitude, map) {
+            if let Some(wrong) = attitude_fault(attitude, units_row) {
                 let name = crate::full_name(&attitude.sensor, "attitude");
                 add(&["attitude"], Some(k), &name, wrong);
             }
@@ -231,7 +233,7 @@ pub(crate) fn resolve(
     }
 }
 
-fn attitude_fault(map: &AttitudeMap, file: &FileMap) -> Option<Wrong> {
+fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Option<Wrong> {
     use crate::AttitudeForm::Euler;
     let fault = |problem: String, remedy: &str| Some(("E0212", problem, remedy.to_owned()));
     let wanted = map.form.width();
@@ -248,7 +250,7 @@ fn attitude_fault(map: &AttitudeMap, file: &FileMap) -> Option<Wrong> {
             "correct the sequence, for example \"ZYX\"",
         ),
         (Euler(_), Some(unit)) => unit_of(unit, Dimension::Angle).err(),
-        (Euler(_), None) if file.layout.units_row != Some(true) => fault(
+        (Euler(_), None) if !units_row => fault(
             "the angles have no unit".to_owned(),
             "write unit = \"deg\" or another angle",
         ),

@@ -41,7 +41,10 @@ impl Packing {
 
 /// The name without the ending of a packed file.
 pub(crate) fn unpacked_name(path: &Path) -> &Path {
-    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
+    let ending = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_lowercase);
     match ending.as_deref() {
         Some("gz" | "gzip" | "zst" | "zstd") => path.file_stem().map_or(path, Path::new),
         _ => path,
@@ -52,10 +55,12 @@ pub(crate) fn unpacked_name(path: &Path) -> &Path {
 pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
     use io::ErrorKind as Kind;
     match source.kind() {
-        Kind::InvalidData | Kind::InvalidInput | Kind::UnexpectedEof | Kind::Other => TelemetryError::Format {
-            place: Place::file(path),
-            why: format!("the packed data are damaged ({source}); copy the file again"),
-        },
+        Kind::InvalidData | Kind::InvalidInput | Kind::UnexpectedEof | Kind::Other => {
+            TelemetryError::Format {
+                place: Place::file(path),
+                why: format!("the packed data are damaged ({source}); copy the file again"),
+            }
+        }
         _ => TelemetryError::Io {
             path: path.to_owned(),
             what: "cannot be read",

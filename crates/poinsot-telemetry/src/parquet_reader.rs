@@ -166,7 +166,9 @@ fn sound_rows(
     }
     if sums.compared > 0 {
         let (compared, pages) = (sums.compared, sums.pages);
-        repairs.push(format!("{name}: checksums of {compared} of {pages} pages compared"));
+        repairs.push(format!(
+            "{name}: checksums of {compared} of {pages} pages compared"
+        ));
     }
     Ok(declared)
 }

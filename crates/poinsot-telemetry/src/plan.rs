@@ -6,7 +6,8 @@ use crate::error::Place;
 use crate::map_faults::resolve;
 use crate::{
     AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Order, Quantity,
-    ReadOptions, Sense, TelemetryError, Unit, classify, map_faults, parse_unit, suggest,
+    ReadOptions, Sense, TelemetryError, TimeFormat, Unit, classify, map_faults, parse_unit,
+    suggest,
 };
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -105,7 +106,7 @@ impl Planner<'_> {
             return Ok(None);
         };
         let text = text.trim().trim_matches(['[', ']', '(', ')']).trim();
-        if text.is_empty() {
+        if text.is_empty() || (text == "-" && name.dimension != Dimension::One) {
             return Ok(None);
         }
         match parse_unit(text) {
@@ -334,9 +335,16 @@ pub(crate) fn build(
     if let Some(map) = &map.time
         && let Some(index) = planner.find("time", &map.column)
     {
-        let clock = check_time(map).map_err(|(_, problem, remedy)| {
+        let clock = check_time(map);
+        let mut clock = clock.map_err(|(_, problem, remedy)| {
             planner.fault("time", format!("{problem}; {remedy}"))
         })?;
+        if let (None, TimeFormat::Number | TimeFormat::GpsWeek, Some(name)) =
+            (&map.unit, map.format, classify("time_s"))
+            && let Some(unit) = planner.unit_below(index, &name)?
+        {
+            clock.unit = unit;
+        }
         if let Some(week) = &map.week {
             week_index = Some(planner.find("time", week).ok_or_else(|| {
                 planner.fault(
@@ -444,8 +452,12 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
     if let [only] = header
         && let Some(delimiter) = only.chars().find(|c| matches!(c, ';' | '\t' | '|'))
     {
+        let name = match delimiter {
+            '\t' => "tab".to_owned(),
+            other => other.to_string(),
+        };
         return Err(fault(format!(
-            "the columns are separated by {delimiter:?}; write [telemetry] delimiter = {delimiter:?}; decimal numbers have points"
+            "the columns are separated by {delimiter:?}; write [telemetry] delimiter = \"{name}\", and points in decimal numbers"
         )));
     }
     let mut seen = HashSet::new();

@@ -267,7 +267,9 @@ fn kind_of(path: &Path) -> Result<Option<String>, TelemetryError> {
     let mut first = Vec::new();
     let file = standard_input().map_err(io)?;
     file.take(4).read_to_end(&mut first).map_err(io)?;
-    Ok(Some(if first == b"PAR1" { "parquet" } else { "csv" }.to_owned()))
+    Ok(Some(
+        if first == b"PAR1" { "parquet" } else { "csv" }.to_owned(),
+    ))
 }
 
 /// By the kind of file that its name says.

@@ -375,7 +375,13 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
-    let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
+    let origin = tables.first().and_then(|t| t.origin);
+    let counted = origin.filter(|o| o.date().is_some() || o.own_zero_s() != 0.0);
+    let mut repairs: Vec<String> = counted
+        .map(|o| format!("times count from {o}"))
+        .into_iter()
+        .collect();
+    repairs.extend(tables.iter().flat_map(|t| t.repairs.clone()));
     repairs.extend(bound.repairs);
     repairs.extend(estimate.assumptions.iter().cloned());
     let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
@@ -385,7 +391,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         model,
         estimate,
         predictions,
-        origin: tables.first().and_then(|t| t.origin),
+        origin,
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,

@@ -14,6 +14,7 @@ mod mixups;
 mod output;
 pub mod predict;
 mod progress;
+mod propose;
 pub mod report;
 pub mod simulate;
 pub mod trials;
@@ -28,4 +29,5 @@ pub use identify::{
 };
 pub use output::{write_estimate, write_file, write_files, write_result};
 pub use poinsot_identify::Coordinates;
+pub use propose::proposed_map;
 pub use report::{write_figures, write_report, write_report_data};

@@ -92,7 +92,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s,omega_x\n# made by hand\n0,1\n",
-            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out: '#' begins no comment here",
+            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out, or write [telemetry] comment = \"#\"",
         ),
         (
             "time_s,omega_x,omega_x\n0,1,2\n",
@@ -100,11 +100,11 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s;omega_x\n0;1,5\n",
-            "E0205 run.csv: the columns are separated by ';'; write commas, and points in decimal numbers",
+            "E0205 run.csv: the columns are separated by ';'; write [telemetry] delimiter = \";\", and points in decimal numbers",
         ),
         (
             "time_s\tomega_x\n0\t1\n",
-            "E0205 run.csv: the columns are separated by '\\t'; write commas, and points in decimal numbers",
+            "E0205 run.csv: the columns are separated by '\\t'; write [telemetry] delimiter = \"tab\", and points in decimal numbers",
         ),
         (
             "",
