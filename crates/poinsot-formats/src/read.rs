@@ -58,8 +58,7 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
         path: path.to_owned(),
         why: e.to_string(),
     };
-    let value: serde_json::Value =
-        serde_json::from_slice(&bytes).map_err(|e| shape(&path, e))?;
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(|e| shape(&path, e))?;
     let found = value.get("schema").and_then(|s| s.as_str()).unwrap_or("");
     if found != ESTIMATE {
         let found = found.to_owned();

@@ -59,11 +59,16 @@ impl PointCompare {
 
     /// Perfect readings at all grid times of the instruments whose lag is unknown. `None` where the vehicle
     /// cannot move.
-    pub fn predict(&mut self, vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<()> {
+    pub fn predict(
+        &mut self,
+        vehicle: &Vehicle,
+        (index, segment): (usize, &Segment),
+        start: &State,
+    ) -> Option<()> {
         if self.all.iter().all(|one| !one.late) {
             return Some(());
         }
-        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, 0);
+        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, index);
         let samples = segment.observations.time_s.len();
         let mut state = *start;
         for k in 0..samples {

@@ -85,7 +85,7 @@ turn_rad = { column = "turn", counts_per_revolution = 4096.0, sign = -1.0 }
 [[telemetry.file]]
 name = "tracker*.csv"
 delimiter = "tab"
-comment = "#"
+comment = "%"
 header_row = 3
 units_row = true
 time = { column = "TOW", format = "gps_week", week = "WEEK", unit = "ms" }
