@@ -15,6 +15,7 @@ mod check_sensor;
 mod check_telemetry;
 mod check_tree;
 mod describe;
+mod describe_telemetry;
 mod document;
 mod file;
 mod finding;
@@ -26,10 +27,12 @@ mod suggest;
 mod urdf;
 mod vehicle;
 mod write;
+mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
 pub use number::rounded;
+pub use poinsot_telemetry::TelemetryMap;
 pub use read::{
     MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
 };
