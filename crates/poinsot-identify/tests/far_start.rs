@@ -27,7 +27,7 @@ fn record(model: &Model, tree: &Tree) -> Segment {
         ..Samples::default()
     };
     let error = |k: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(3 * k + i));
-    tumble(model, tree, 0, &times, |s| {
+    tumble(model, 0, &times, |s| {
         let k = samples.R_NB.len();
         let turn = UnitQuaternion::from_scaled_axis(error(k + ROWS));
         samples.R_NB.push(s.R_NB * turn);

@@ -25,7 +25,7 @@ fn segment(model: &Model, tree: &Tree, at: usize, rows: usize) -> Segment {
         ..Samples::default()
     };
     let mut motion = Translation::default();
-    tumble(model, tree, at, &times, |s| {
+    tumble(model, at, &times, |s| {
         let k = 10 * (samples.R_NB.len() + rows * at);
         let error = |from: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(k + from + i));
         samples.R_NB.push(s.R_NB);

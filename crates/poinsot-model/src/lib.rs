@@ -18,6 +18,7 @@ mod describe;
 mod document;
 mod file;
 mod finding;
+mod kinematic;
 mod number;
 mod read;
 mod schema;
