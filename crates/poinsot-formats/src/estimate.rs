@@ -24,8 +24,10 @@ pub struct EstimateFile {
     /// "converged", "partial", "not_identifiable", "iteration_limit" or "rejected".
     pub status: String,
     /// Iterations taken; 1 for a closed form.
+    #[serde(default)]
     pub iterations: usize,
     /// Name of the vehicle.
+    #[serde(default)]
     pub model: String,
     /// Telemetry files.
     pub inputs: Vec<InputFile>,
@@ -34,6 +36,7 @@ pub struct EstimateFile {
     /// Names, units and matrix of all determined mass properties and nuisances.
     pub covariance: CovarianceFile,
     /// The whole vehicle at the first sample; empty where only rotation is measured.
+    #[serde(default)]
     pub system: Vec<SystemFile>,
     /// Momentum at the first sample, one entry per segment.
     pub momentum: Vec<MomentumFile>,
@@ -44,18 +47,23 @@ pub struct EstimateFile {
     /// Fit, one entry per segment.
     pub fit: Vec<SegmentFitFile>,
     /// Tests of the residuals; null of a method that makes none.
+    #[serde(default)]
     pub diagnostics: Option<DiagnosticsFile>,
     /// Whether the covariance is stated and no evidence contradicts it.
     pub covariance_trustworthy: bool,
     /// Evidence against relying on the answer, most important first.
+    #[serde(default)]
     pub doubts: Vec<String>,
     /// Numbers that a published method prints; null for other methods.
+    #[serde(default)]
     pub method_report: Option<MethodReportFile>,
     /// Findings of the telemetry checks.
+    #[serde(default)]
     pub telemetry_checks: Vec<CheckFile>,
     /// What was assumed or repaired.
     pub repairs: Vec<String>,
     /// Columns of the telemetry that were not used.
+    #[serde(default)]
     pub ignored_columns: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
@@ -255,6 +263,25 @@ pub struct CheckFile {
     pub text: String,
     /// What was done: "report", "exclude" or "refuse".
     pub policy: String,
+}
+
+impl BodyFile {
+    /// Mass, mass centre and inertia with name and unit.
+    pub fn numbers(&self) -> Vec<(String, &'static str, NumberFile)> {
+        let mut all = vec![("mass".to_owned(), "kg", self.mass_kg.clone())];
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            all.push((format!("com {axis}"), "m", self.com_m.number(k)));
+        }
+        for (element, number) in self.inertia_kg_m2.named() {
+            all.push((format!("I {element}"), "kg m²", number));
+        }
+        all
+    }
+
+    /// Whether any of its numbers was asked for.
+    pub fn is_asked(&self) -> bool {
+        self.numbers().iter().any(|(_, _, n)| !n.is_known())
+    }
 }
 
 impl EstimateFile {

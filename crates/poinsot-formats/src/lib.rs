@@ -10,11 +10,15 @@
 //! ```
 #![allow(non_snake_case)]
 
+mod comparison;
 mod diagnostics;
 mod estimate;
 mod number;
 mod read;
 
+pub use comparison::{
+    COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
+};
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
 };
@@ -30,12 +34,13 @@ use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 1] = ["estimate"];
+pub const NAMES: [&str; 2] = ["estimate", "comparison"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
+        "comparison" => Some(schema_for!(ComparisonFile).to_value()),
         _ => None,
     }
 }

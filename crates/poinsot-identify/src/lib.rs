@@ -30,7 +30,6 @@ mod likelihood;
 mod linear;
 mod loss;
 mod maximum_likelihood;
-pub mod methods;
 mod motion;
 mod octaves;
 mod parameters;
@@ -58,11 +57,12 @@ pub use diagnosis::{
     Suspect,
 };
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
-    NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MethodReport,
+    MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
+pub use impulse::{Impulse, Impulses, thrust_impulses};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
