@@ -55,10 +55,10 @@ fn exact_jacobian_is_the_slope_of_the_residuals_and_of_the_likelihood() {
         let by_differences = (&up.residuals - &down.residuals) / (2.0 * step);
         let column = here.jacobian.column(k);
         let gap = (&by_differences - column).norm() / column.norm();
-        assert!(gap < 1.0e-4, "{}: {gap:e}", unknown.name);
+        assert!(gap < 1.0e-3, "{}: {gap:e}", unknown.name);
         let slope = (up.log_likelihood - down.log_likelihood) / (2.0 * step);
         let gap = (slope - gradient[k]).abs() / column.norm() / here.residuals.norm();
-        assert!(gap < 1.0e-4, "{}: {gap:e}", unknown.name);
+        assert!(gap < 1.0e-3, "{}: {gap:e}", unknown.name);
     }
 }
 

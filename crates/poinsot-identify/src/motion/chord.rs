@@ -170,11 +170,8 @@ impl Motion<'_> {
             let Some((joint, dq, drate)) = change.joint else {
                 continue;
             };
-            let links = v.tree.links.iter();
-            let Some(at) = links
-                .clone()
-                .position(|l| l.motion == Joint::Revolute(joint))
-            else {
+            let turns = |link: &Link| link.motion == Joint::Revolute(joint);
+            let Some(at) = v.tree.links.iter().position(turns) else {
                 continue;
             };
             for (wheel, (rotor, a)) in v.tree.rotors.iter().zip(self.axes()).enumerate() {
