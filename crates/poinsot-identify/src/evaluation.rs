@@ -50,7 +50,8 @@ pub struct Evaluation {
     pub sensors: Vec<SensorResiduals>,
     /// All whitened residuals: those of the sensors in their order, then those of declared priors.
     pub residuals: DVector<f64>,
-    /// Slopes of the residuals over the unknowns, whitening held: one row per residual, one column per unknown.
+    /// Slopes of the residuals over the unknowns, whitening held, to first order in the residual of an attitude: one row
+    /// per residual, one column per unknown.
     pub jacobian: DMatrix<f64>,
     /// Fisher information `J^T J`, priors included.
     pub information: DMatrix<f64>,
@@ -511,4 +512,31 @@ fn check(problem: &Problem, segment: &Segment) -> Result<(), EvaluationError> {
     expect("noise.joint_position", noise.joint_position.len(), dof)?;
     expect("noise.joint_rate", noise.joint_rate.len(), dof)?;
     expect("noise.wheel_speed", noise.wheel_speed.len(), wheels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_turn_slopes_are_those_of_the_rotation() {
+        for phi in [
+            Vector3::new(0.4, -1.1, 0.7),
+            Vector3::new(2.0e-5, 0.0, -1.0e-5),
+        ] {
+            let here = UnitQuaternion::from_scaled_axis(phi);
+            for k in 0..3 {
+                let mut step = Vector3::zeros();
+                step[k] = 1.0e-5;
+                let [up, down] = [step, -step].map(|d| UnitQuaternion::from_scaled_axis(phi + d));
+                let turn = ((here.inverse() * up).scaled_axis()
+                    - (here.inverse() * down).scaled_axis())
+                    / 2.0e-5;
+                assert!(
+                    (turn - turn_slopes(&phi).column(k)).norm() < 1.0e-9,
+                    "{phi}"
+                );
+            }
+        }
+    }
 }
