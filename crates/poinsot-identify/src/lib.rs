@@ -37,7 +37,6 @@ pub mod methods;
 mod motion;
 mod octaves;
 mod parameters;
-mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
@@ -48,6 +47,7 @@ mod residual;
 mod rows;
 mod segment;
 mod semidefinite;
+mod sensors;
 mod smooth_curve;
 mod solved;
 mod spectrum;
@@ -76,9 +76,9 @@ pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
-    Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
+    Equations, ErrorGroup, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
+    tensor_name,
 };
-pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
@@ -86,6 +86,7 @@ pub use prediction::{
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
 pub use segment::{
-    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Translation,
+    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, SensorRecord,
+    SensorSample, SensorValue, Translation,
 };
 pub use spectrum::{NotFinite, Spectrum};

@@ -1,6 +1,7 @@
 //! Declared noise of the sensors, and how much of it the data really show.
 
-use super::{BindError, base_sensor};
+use super::BindError;
+use super::sensors::Leading;
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
 use poinsot_model::{Model, Sensor, SensorKind};
@@ -14,10 +15,10 @@ const DIFFERENCE: f64 = 0.95;
 ///
 /// # Errors
 /// The gyro or a velocity that is measured declares no noise.
-pub fn declared_noise(
+pub(super) fn declared_noise(
     model: &Model,
     tree: &Tree,
-    tables: &[Table],
+    (tables, leading): (&[Table], &Leading),
     repairs: &mut Vec<String>,
 ) -> Result<Noise, BindError> {
     let has = |name: &str| {
@@ -25,12 +26,13 @@ pub fn declared_noise(
             .iter()
             .any(|t| t.channels.iter().any(|c| c.name == name))
     };
-    let gyro = vector(model, SensorKind::Gyro).ok_or(BindError::NoNoise {
+    let vector = |kind| vector(model, leading, kind);
+    let gyro = vector(SensorKind::Gyro).ok_or(BindError::NoNoise {
         kind: "gyro",
         key: "noise_rad_s",
     })?;
-    let position = vector(model, SensorKind::Position);
-    let velocity = velocity(model, tables, &has, position)?;
+    let position = vector(SensorKind::Position);
+    let velocity = velocity(vector(SensorKind::Velocity), tables, &has, position)?;
     let mut exact = |value: Option<Matrix3>, channel: &str, what: &str| {
         if value.is_none() && has(channel) {
             repairs.push(format!(
@@ -39,7 +41,7 @@ pub fn declared_noise(
         }
         value.unwrap_or_else(Matrix3::zeros)
     };
-    let attitude = exact(vector(model, SensorKind::Attitude), "q_w", "attitude");
+    let attitude = exact(vector(SensorKind::Attitude), "q_w", "attitude");
     let position = exact(position, "r_x", "position");
     let of_joints = |kind: SensorKind| -> Vec<f64> {
         tree.coordinates
@@ -48,6 +50,7 @@ pub fn declared_noise(
             .collect()
     };
     let mut noise = Noise {
+        gyro_sensor: leading.index(SensorKind::Gyro),
         gyro,
         attitude,
         velocity,
@@ -57,13 +60,6 @@ pub fn declared_noise(
         wheel_speed: (0..model.wheels.len())
             .map(|k| scalar(model, SensorKind::WheelSpeed, k))
             .collect(),
-        correlation_s: [
-            SensorKind::Gyro,
-            SensorKind::Attitude,
-            SensorKind::Velocity,
-            SensorKind::Position,
-        ]
-        .map(|kind| base_sensor(model, kind).map_or(0.0, |s| s.correlation_s)),
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
@@ -75,9 +71,9 @@ pub fn declared_noise(
     Ok(noise)
 }
 
-/// Covariance of a base sensor in body axes, quantisation included.
-fn vector(model: &Model, kind: SensorKind) -> Option<Matrix3> {
-    let sensor = base_sensor(model, kind)?;
+/// Covariance of a leading sensor in body axes, quantisation included.
+fn vector(model: &Model, leading: &Leading, kind: SensorKind) -> Option<Matrix3> {
+    let sensor = leading.sensor(model, kind)?;
     let covariance = covariance(sensor)?;
     Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
 }
@@ -99,13 +95,13 @@ fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
 }
 
 fn velocity(
-    model: &Model,
+    declared: Option<Matrix3>,
     tables: &[Table],
     has: &dyn Fn(&str) -> bool,
     position: Option<Matrix3>,
 ) -> Result<Matrix3, BindError> {
     if has("v_x") {
-        return vector(model, SensorKind::Velocity).ok_or(BindError::NoNoise {
+        return declared.ok_or(BindError::NoNoise {
             kind: "velocity",
             key: "noise_m_s",
         });
