@@ -5,10 +5,10 @@
 
 use crate::fit::is_close;
 use crate::information::{Experiment, Point};
-use crate::levenberg_marquardt::{LeastSquares, levenberg_marquardt};
 use crate::parameters::UnknownKind;
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample};
+use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Readings of each sensor in a segment of which none is left out.
 const FEW: usize = 128;

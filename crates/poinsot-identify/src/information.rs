@@ -4,7 +4,6 @@
 //! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
 //! estimator: this module knows none.
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::coordinates::Coordinates;
 use crate::input_curves::InputCurves;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
@@ -14,11 +13,12 @@ use crate::prior;
 use crate::problem::Problem;
 use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
-use crate::spectrum::{NotFinite, Spectrum};
 use crate::vehicle::Vehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
+use poinsot_solve::{BlockQr, Triangle};
+use poinsot_solve::{NotFinite, Spectrum};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};

@@ -8,7 +8,6 @@ mod answer;
 mod answer_body;
 mod answer_covariance;
 mod answer_momentum;
-mod block_qr;
 mod bound;
 mod coarse;
 mod combination;
@@ -17,7 +16,6 @@ mod conflict;
 mod coordinates;
 mod deviance;
 mod diagnosis;
-mod double_double;
 mod estimate;
 mod fit;
 mod held_back;
@@ -27,8 +25,6 @@ mod information;
 mod information_tests;
 mod input_curves;
 mod input_noise;
-mod lanes;
-mod levenberg_marquardt;
 mod likelihood;
 mod linear;
 mod loss;
@@ -41,21 +37,16 @@ mod prediction;
 mod prior;
 mod problem;
 mod quantity;
-mod refine;
 mod remedies;
 mod residual;
 mod rows;
 mod segment;
-mod semidefinite;
 mod sensors;
-mod smooth_curve;
 mod solved;
-mod spectrum;
 mod trust;
 mod vehicle;
 mod words;
 
-pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
@@ -64,13 +55,11 @@ pub use diagnosis::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
     Suspect,
 };
-pub use double_double::DoubleDouble;
 pub use estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
     NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
 pub use held_back::{HeldBack, held_back};
-pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
@@ -79,14 +68,13 @@ pub use parameters::{
     Equations, ErrorGroup, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
     tensor_name,
 };
+pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
-pub use refine::{Refined, refine, solve_triangle};
 pub use segment::{
     Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, SensorRecord,
     SensorSample, SensorValue, Translation,
 };
-pub use spectrum::{NotFinite, Spectrum};

@@ -8,7 +8,6 @@ mod side_by_side;
 
 pub(crate) use head::{Head, HeadColumns, Sight, start};
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
@@ -21,6 +20,7 @@ use follow::Follower;
 use nalgebra::Cholesky;
 use poinsot_dynamics::Tree;
 use poinsot_model::{SensorKind, Thruster};
+use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rate_noise::RateNoise;
 use side_by_side::compare_all;

@@ -13,7 +13,6 @@ use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
 use crate::information::{Experiment, Point};
 use crate::input_curves::beyond_the_readings;
-use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -23,8 +22,9 @@ use crate::parameters::{
 };
 use crate::problem::{Problem, ProblemError};
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
-use crate::spectrum::Spectrum;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
+use poinsot_solve::LeastSquares;
+use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
 
 /// Sigmas by which an answer may hang on how wheels run between their readings.

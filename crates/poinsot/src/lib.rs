@@ -24,8 +24,7 @@ pub use error::Error;
 pub use estimate_file::estimate_json;
 pub use estimate_text::estimate_document;
 pub use identify::{
-    Identified, IdentifyRequest, Reading, identify, identify_reading, identify_tables,
-    segment_files,
+    Identified, IdentifyRequest, Question, Reading, identify, identify_tables, segment_files,
 };
 pub use output::{write_estimate, write_file, write_files, write_result};
 pub use poinsot_identify::Coordinates;

@@ -1,9 +1,8 @@
 //! Readings of wheels that stop for a while, or come at other times than those of the base's sensors.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use poinsot::identify::{Reading, identify_reading, read_options};
-use poinsot::{Identified, IdentifyRequest, identify_tables};
-use poinsot_identify::Coordinates;
+use poinsot::identify::{identify, read_options};
+use poinsot::{Identified, IdentifyRequest, Question, identify_tables};
 use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
@@ -34,18 +33,8 @@ fn is_wheel(channel: &Channel) -> bool {
     channel.name.starts_with("wheel")
 }
 
-fn request() -> IdentifyRequest {
-    IdentifyRequest {
-        model: PathBuf::new(),
-        segments: Vec::new(),
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Coordinates::default(),
-        strict: false,
-        recover: false,
-    }
+fn request() -> Question {
+    Question::default()
 }
 
 fn answer(model: &Model, table: Table) -> Identified {
@@ -135,16 +124,12 @@ fn regress_wheels_read_too_seldom_are_not_trusted() {
 #[test]
 fn regress_thinned_rows_are_not_trusted() {
     let asked = |every: usize| {
-        let request = IdentifyRequest {
-            model: example("model.toml"),
-            segments: vec![vec![example("multiaxis/telemetry_noisy.csv")]],
-            ..request()
-        };
-        let reading = Reading {
-            every,
-            ..Reading::default()
-        };
-        identify_reading(&request, &reading).unwrap()
+        let mut request = IdentifyRequest::new(
+            example("model.toml"),
+            [example("multiaxis/telemetry_noisy.csv")],
+        );
+        request.reading.every = every;
+        identify(&request).unwrap()
     };
     assert!(asked(1).estimate.covariance_trustworthy);
     let thinned = asked(2);
@@ -159,7 +144,7 @@ fn regress_thinned_rows_are_not_trusted() {
 fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
     let (model, table) = record();
     let asked = |relative_accuracy: f64| {
-        let request = IdentifyRequest {
+        let request = Question {
             relative_accuracy,
             ..request()
         };
