@@ -56,3 +56,46 @@ impl RateNoise {
         added
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Two sensors that feel the same joint rates, one after the other, against their covariance together.
+    #[test]
+    fn exact_sensors_one_by_one_are_those_of_the_whole_covariance() {
+        let variances = [0.4, 0.0, 0.9];
+        let gains = |phase: f64| -> Vec<Vector3> {
+            let one = |j: usize| Vector3::from_fn(|i, _| (phase + (3 * j + i) as f64).sin());
+            (0..3).map(one).collect()
+        };
+        let all = [gains(0.3), gains(1.7)];
+        let sensors = [Matrix3::identity() * 0.2, Matrix3::identity() * 0.05];
+        let residuals = [Vector3::new(0.5, -1.0, 0.2), Vector3::new(0.1, 0.7, -0.3)];
+        let mut whole = DMatrix::zeros(6, 6);
+        for i in 0..6 {
+            for j in 0..6 {
+                let joints = variances.iter().enumerate();
+                whole[(i, j)] = joints
+                    .map(|(k, v)| all[i / 3][k][i % 3] * all[j / 3][k][j % 3] * v)
+                    .sum();
+            }
+            whole[(i, i)] += sensors[i / 3][(0, 0)];
+        }
+        let stacked = DVector::from_iterator(6, residuals.iter().flat_map(|r| r.iter().copied()));
+        let solved = whole.clone().cholesky().unwrap().solve(&stacked);
+        let expected = (stacked.dot(&solved), whole.determinant().ln());
+        let mut noise = RateNoise::new(&variances);
+        let mut found = (0.0, 0.0);
+        for k in 0..2 {
+            let mut rows = [residuals[k]];
+            let added = noise.take(&all[k], &sensors[k], &mut rows, &mut []);
+            let own = sensors[k] + added;
+            found.0 += rows[0].dot(&(own.try_inverse().unwrap() * rows[0]));
+            found.1 += own.determinant().ln();
+        }
+        assert!((found.0 - expected.0).abs() < 1.0e-12);
+        assert!((found.1 - expected.1).abs() < 1.0e-12);
+    }
+}

@@ -1,7 +1,7 @@
 //! Finding the channels of a sensor in a table.
 
 use super::BindError;
-use super::sensors::{Leading, columns_of, named};
+use super::sensors::Leading;
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
@@ -37,13 +37,9 @@ impl<'a> Channels<'a> {
             .or_else(|| self.table.sensor_channel("", name))
     }
 
-    /// The columns of the leading sensor of a kind on the base, or of none where the model declares no such sensor.
+    /// The columns of the leading sensor of a kind: see [`Leading::columns`].
     pub fn leading(&self, model: &Model, kind: SensorKind) -> Option<Vec<&'a Channel>> {
-        match self.leading.index(kind) {
-            Some(sensor) => columns_of(model, self.table, sensor).map(|c| c.parts),
-            None if model.sensors_of(kind).next().is_none() => named(model, self.table, kind, ""),
-            None => None,
-        }
+        self.leading.columns(model, self.table, kind)
     }
 
     /// The same of a sensor with three axes.

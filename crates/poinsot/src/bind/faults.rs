@@ -25,7 +25,20 @@ pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
             ("nonorthogonality", sensor.nonorthogonality),
             ("lag", sensor.lag),
         ] {
-            if declared == Nuisance::Known || known(kind).contains(&what) {
+            if declared == Nuisance::Known {
+                continue;
+            }
+            let moves = matches!(kind, SensorKind::Position | SensorKind::Velocity);
+            if moves && what == "bias" && model.sensors_of(kind).nth(1).is_none() {
+                return Err(BindError::Unsupported {
+                    what: format!(
+                        "sensor '{}': a bias of the only sensor of type {} cannot be told from where N is and how it drifts; take it out",
+                        sensor.name,
+                        kind.word()
+                    ),
+                });
+            }
+            if known(kind).contains(&what) {
                 continue;
             }
             let instead = match (kind, what) {

@@ -58,7 +58,7 @@ pub(super) fn columns_of<'a>(
     })
 }
 
-pub(super) fn named<'a>(
+fn named<'a>(
     model: &Model,
     table: &'a Table,
     kind: SensorKind,
@@ -232,6 +232,20 @@ impl Leading {
         self.of.iter().find(|l| l.0 == kind).map(|l| l.1)
     }
 
+    /// Its columns, or those of none where the model declares no such sensor.
+    pub fn columns<'a>(
+        &self,
+        model: &Model,
+        table: &'a Table,
+        kind: SensorKind,
+    ) -> Option<Vec<&'a Channel>> {
+        match self.index(kind) {
+            Some(sensor) => columns_of(model, table, sensor).map(|c| c.parts),
+            None if model.sensors_of(kind).next().is_none() => named(model, table, kind, ""),
+            None => None,
+        }
+    }
+
     pub fn sensor<'m>(&self, model: &'m Model, kind: SensorKind) -> Option<&'m Sensor> {
         self.index(kind).map(|k| &model.sensors[k])
     }
@@ -256,21 +270,24 @@ pub(super) fn check_sensors(
         unread(model, table, &label, repairs);
         ownerless(model, table, &label, repairs);
     }
+    let read = |s: &Sensor| {
+        let at = model
+            .sensors
+            .iter()
+            .position(|other| std::ptr::eq(s, other));
+        let mut tables = tables.iter();
+        at.is_some_and(|k| tables.any(|t| columns_of(model, t, k).is_some()))
+    };
+    refuse_links_alone(model, &read)?;
     for kind in KINDS {
-        let read = |s: &Sensor| {
-            let at = model
-                .sensors
-                .iter()
-                .position(|other| std::ptr::eq(s, other));
-            let mut tables = tables.iter();
-            at.is_some_and(|k| tables.any(|t| columns_of(model, t, k).is_some()))
-        };
         let all: Vec<&Sensor> = model.sensors_of(kind).collect();
         let with_columns: Vec<&&Sensor> = all.iter().filter(|s| read(s)).collect();
         for sensor in &with_columns {
             refuse_noiseless(sensor, with_columns.len())?;
         }
-        if let Some(sensor) = all.iter().find(|s| asks(s) && !read(s)) {
+        // Without any gyro its columns are what is missing: that is said elsewhere.
+        let needed = kind != SensorKind::Gyro || !with_columns.is_empty();
+        if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
             return Err(BindError::Unsupported {
                 what: format!(
                     "sensor '{}': an unknown of it is asked for, and no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
@@ -311,6 +328,34 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
             full_name(nameless[0], &names[0])
         ),
     })
+}
+
+/// What the fit starts from is measured on the base: rate, attitude, and position or velocity where there is any.
+fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
+    let groups: [&[SensorKind]; 3] = [
+        &[SensorKind::Gyro],
+        &[SensorKind::Attitude],
+        &[SensorKind::Velocity, SensorKind::Position],
+    ];
+    for kinds in groups {
+        let own = || {
+            let all = model.sensors.iter();
+            all.filter(|s| kinds.contains(&s.kind) && read(s))
+        };
+        if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
+            let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
+            return Err(BindError::Unsupported {
+                what: format!(
+                    "sensor '{}' sits on body '{}', and no {} is read on the base '{}', from which the fit starts; add one there, or take this one out",
+                    sensor.name,
+                    model.bodies[sensor.body].name,
+                    words.join(" or "),
+                    model.bodies[0].name
+                ),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A declared sensor without columns is not used.
