@@ -1,5 +1,6 @@
 //! The words of the command line.
 
+use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
 use std::path::PathBuf;
@@ -52,6 +53,11 @@ pub enum Verb {
     /// declared noise. 1: beyond them, or the motion depends on what the estimate leaves open. 2: bad usage, model,
     /// case or telemetry. 3: disk or permission.
     Validate(Validate),
+    /// Compare answers of one vehicle: before and after refuelling, two nights, two methods.
+    ///
+    /// Exit code 0: they agree. 1: they differ, share telemetry, or one of them is not to be relied on. 2: invalid
+    /// arguments or files.
+    Compare(Compare),
     /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
@@ -66,8 +72,10 @@ pub enum Verb {
     Export(Export),
     /// Say what an error code means, its usual cause and what to do; all codes without one.
     Explain(Explain),
-    /// Print the JSON Schema of the model file.
-    Schema,
+    /// List the methods of `identify` with their variants and papers.
+    Methods(Methods),
+    /// Print the JSON Schema of a file format.
+    Schema(Schema),
     /// Print the completions of a shell, to be read by it at its start.
     Completions(Completions),
     /// Write the manual pages, one per command.
@@ -93,15 +101,11 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
-    /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published methods:
-    /// kim2010, ma2008, xu2017.
-    #[arg(long, default_value = "auto")]
+    /// Method; `poinsot methods` lists them.
+    #[arg(long, default_value = "auto", value_parser = Words::methods())]
     pub method: String,
-    /// Variant of a method. Of maximum likelihood: gaussian (default), huber, student_t, the loss of a
-    /// reading. Of kim2010: suggested (default), batch, conventional, pre-estimate, iterated. Of ma2008:
-    /// unknown-momentum (default), known-momentum. Of xu2017: swarm (default), linear, swarm-inward,
-    /// linear-inward.
-    #[arg(long)]
+    /// Variant of the method; `poinsot methods` lists them.
+    #[arg(long, value_parser = Words::variants(), hide_possible_values = true)]
     pub variant: Option<String>,
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
@@ -252,6 +256,19 @@ pub struct Explain {
     pub quiet: bool,
 }
 
+/// Arguments of `methods`.
+#[derive(Debug, Args)]
+pub struct Methods {
+    /// One method; all without it.
+    pub name: Option<String>,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors: the exit code says whether there is such a method; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
 pub struct Simulate {
@@ -323,6 +340,28 @@ pub struct Validate {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Folders of identify --out, or their estimate.json; two or more. Telemetry of different answers must be different.
+    #[arg(value_name = "ANSWER", required = true)]
+    pub answers: Vec<PathBuf>,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+pub struct Schema {
+    /// Format: model, estimate or comparison.
+    #[arg(value_name = "NAME", default_value = "model")]
+    pub name: String,
 }
 
 /// Arguments of `report`.

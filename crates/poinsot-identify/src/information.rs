@@ -8,17 +8,18 @@ use crate::coordinates::Coordinates;
 use crate::input_curves::InputCurves;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
+use crate::motion::Grid;
 use crate::parameters::Parameters;
 use crate::prior;
 use crate::problem::Problem;
+use crate::propagation::Fineness;
 use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
 use crate::vehicle::Vehicle;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
-use poinsot_solve::{BlockQr, Triangle};
-use poinsot_solve::{NotFinite, Spectrum};
+use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -39,6 +40,12 @@ pub(crate) struct Experiment<'a> {
     pub coordinates: Coordinates,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// How finely the motion is propagated.
+    pub fineness: Fineness,
+    /// Whether evaluations keep every whitened row.
+    pub keep_rows: bool,
+    /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
+    grids: Arc<OnceLock<Vec<Grid>>>,
     /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
     curves: Arc<OnceLock<Vec<InputCurves>>>,
 }
@@ -76,6 +83,9 @@ impl<'a> Experiment<'a> {
             loss: Loss::Gaussian,
             coordinates: Coordinates::default(),
             wheels_smooth: false,
+            fineness: Fineness::default(),
+            keep_rows: false,
+            grids: Arc::default(),
             curves: Arc::default(),
         }
     }
@@ -92,6 +102,9 @@ impl<'a> Experiment<'a> {
             loss: self.loss,
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
+            fineness: self.fineness,
+            keep_rows: self.keep_rows,
+            grids: Arc::clone(&self.grids),
             curves: Arc::clone(&self.curves),
         }
     }
@@ -101,6 +114,7 @@ impl<'a> Experiment<'a> {
         Experiment {
             problem,
             curves: Arc::default(),
+            grids: Arc::default(),
             ..self.with_parameters(self.parameters)
         }
     }
@@ -116,11 +130,45 @@ impl<'a> Experiment<'a> {
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
             curves: self.curves(),
+            grids: self.grids(),
+            factor: self.fineness.factor,
+            bends: self.bends(),
+            keep_rows: self.keep_rows,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
                 && rayon::current_thread_index().is_none()
                 && rayon::current_num_threads() > 1,
         }
+    }
+
+    /// The grids of all segments.
+    fn grids(&self) -> &[Grid] {
+        self.grids.get_or_init(|| {
+            let x = self.parameters.nominal_vector();
+            let tree = self.problem.tree;
+            let vehicle = Vehicle::new(
+                tree,
+                &self.thrusters,
+                self.parameters,
+                &self.nominal_spin,
+                &x,
+            );
+            let segments = self.problem.segments.iter();
+            segments
+                .map(|s| Grid::new(&vehicle, &s.observations))
+                .collect()
+        })
+    }
+
+    /// Whether wheel speeds bend within an interval.
+    pub fn bends(&self) -> bool {
+        let long = || self.grids().iter().any(|g| g.bends);
+        self.may_bend() && (self.fineness.bends || long())
+    }
+
+    /// Whether they can: where they run smoothly they are curves already.
+    pub fn may_bend(&self) -> bool {
+        !self.problem.model.wheels.is_empty() && !self.wheels_smooth
     }
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.

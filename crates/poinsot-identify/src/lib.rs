@@ -17,6 +17,7 @@ mod coordinates;
 mod deviance;
 mod diagnosis;
 mod estimate;
+mod evaluation;
 mod fit;
 mod held_back;
 mod impulse;
@@ -29,13 +30,13 @@ mod likelihood;
 mod linear;
 mod loss;
 mod maximum_likelihood;
-pub mod methods;
 mod motion;
 mod octaves;
 mod parameters;
 mod prediction;
 mod prior;
 mod problem;
+mod propagation;
 mod quantity;
 mod remedies;
 mod residual;
@@ -56,10 +57,12 @@ pub use diagnosis::{
     Suspect,
 };
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
-    NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MethodReport,
+    MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
+pub use impulse::{Impulse, Impulses, thrust_impulses};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};

@@ -11,11 +11,11 @@ pub(crate) use head::{Head, HeadColumns, Sight, start};
 use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
-use crate::motion::{Motion, State};
+use crate::motion::{Grid, Motion, State};
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
 use crate::sensors::Ideal;
-use crate::vehicle::{Vehicle, tilted};
+use crate::vehicle::{Steps, Vehicle, tilted};
 use follow::Follower;
 use nalgebra::Cholesky;
 use poinsot_dynamics::Tree;
@@ -37,8 +37,25 @@ pub(crate) struct Setting<'a> {
     pub wheels_smooth: bool,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
+    /// Integration steps, one grid per segment, how many steps for each, and whether wheel speeds bend within an interval.
+    pub grids: &'a [Grid],
+    pub factor: u32,
+    pub bends: bool,
+    /// Whether every whitened row is kept beside the triangle.
+    pub keep_rows: bool,
     /// Whether a second thread may follow the motion while this one compares.
     pub split: bool,
+}
+
+impl Setting<'_> {
+    /// How finely a segment is propagated.
+    pub fn steps(&self, segment: usize) -> Steps<'_> {
+        Steps {
+            grid: self.grids.get(segment),
+            factor: self.factor,
+            bends: self.bends,
+        }
+    }
 }
 
 /// One sensor in one segment: whitened residuals, three axes a sample.
@@ -62,6 +79,38 @@ pub(crate) struct Evaluated {
     pub cost: f64,
     pub rows: usize,
     pub channels: Vec<ChannelResidual>,
+    pub kept: KeptRows,
+}
+
+/// Whitened rows, where they are kept.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KeptRows {
+    pub rows: Vec<KeptRow>,
+    /// Rows of the last measurements, with `ln det` of the noise of each three, until their sensor is known.
+    fresh: Vec<(Vec<f64>, f64)>,
+}
+
+impl KeptRows {
+    /// Those of one sensor; of the priors of the start.
+    pub fn of<'a>(&'a self, channel: Option<&'a str>) -> impl Iterator<Item = &'a KeptRow> {
+        let rows = self.rows.iter();
+        rows.filter(move |r| r.channel.as_deref() == channel)
+    }
+}
+
+/// Three numbers of one measurement.
+#[derive(Debug, Clone)]
+pub(crate) struct KeptRow {
+    /// Name of the sensor's record; `None` for a prior of the start.
+    pub channel: Option<String>,
+    /// Grid time.
+    pub at: usize,
+    pub raw: Vector3,
+    pub white: Vector3,
+    /// Logarithm of the determinant of its noise.
+    pub log_det: f64,
+    /// Slopes of the prediction, then the residual; all whitened.
+    pub rows: Vec<Vec<f64>>,
 }
 
 /// Propagates one segment and compares with every sensor. `None` where the parameters are not those of a
@@ -84,6 +133,7 @@ pub(crate) fn evaluate(
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(index);
+    vehicle.steps = setting.steps(index);
     let joints = setting.noise.joint_position.iter();
     let rates = &setting.noise.joint_rate;
     vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
@@ -125,6 +175,9 @@ struct Compare<'a> {
     /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
     log_det: f64,
     ideal: Ideal,
+    kept: KeptRows,
+    /// Grid time in hand.
+    now: usize,
 }
 
 impl<'a> Compare<'a> {
@@ -148,6 +201,8 @@ impl<'a> Compare<'a> {
             joint_rate: joint_rate_noise(setting.noise, segment),
             log_det: 0.0,
             ideal: Ideal::default(),
+            kept: KeptRows::default(),
+            now: 0,
         }
     }
 
@@ -160,6 +215,7 @@ impl<'a> Compare<'a> {
     }
 
     fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
+        self.now = k;
         let sensors = &self.segment.observations.sensors;
         let mut pairs = self.followers.iter().zip(sensors);
         let due = pairs.any(|(follower, record)| follower.is_due(record, k));
@@ -213,6 +269,11 @@ impl<'a> Compare<'a> {
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| rows[j][i]);
         }
+        if self.setting.keep_rows {
+            let log_det = (0..3).map(|j| 2.0 * alone[(j, j)].ln()).sum::<f64>();
+            let row = |i: usize| rows.iter().map(|r| r[i]).collect();
+            self.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
+        }
         Some(white)
     }
 
@@ -230,6 +291,21 @@ impl<'a> Compare<'a> {
                 _ => 0.0,
             });
         }
+        if self.setting.keep_rows {
+            let row = |i: usize| {
+                let mut row = vec![0.0; last + 1];
+                (row[i], row[last]) = (1.0 / sigma, residual[i]);
+                row
+            };
+            self.kept.rows.push(KeptRow {
+                channel: None,
+                at: 0,
+                raw: residual * sigma,
+                white: residual,
+                log_det: 0.0,
+                rows: (0..3).map(row).collect(),
+            });
+        }
     }
 
     fn note(&mut self, i: usize, residual: &Vector3, white: Vector3) {
@@ -237,6 +313,18 @@ impl<'a> Compare<'a> {
         channel.square += residual.norm_squared();
         channel.white.push(white);
         self.rows += 3;
+        let fresh = &mut self.kept.fresh;
+        if fresh.len() >= 3 {
+            let log_det = fresh[0].1;
+            self.kept.rows.push(KeptRow {
+                channel: Some(channel.name.clone()),
+                at: self.now,
+                raw: *residual,
+                white,
+                log_det,
+                rows: fresh.drain(..3).map(|(row, _)| row).collect(),
+            });
+        }
     }
 
     fn finish(self) -> Option<Evaluated> {
@@ -258,6 +346,7 @@ impl<'a> Compare<'a> {
             chi2,
             cost,
             rows: self.rows,
+            kept: self.kept,
             channels,
         })
     }

@@ -21,10 +21,10 @@ use crate::parameters::{
     Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
 };
 use crate::problem::{Problem, ProblemError};
+use crate::propagation::within_steps;
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
-use poinsot_solve::LeastSquares;
-use poinsot_solve::Spectrum;
+use poinsot_solve::{LeastSquares, Spectrum};
 use poinsot_spatial::Vector3;
 
 /// Sigmas by which an answer may hang on how wheels run between their readings.
@@ -93,6 +93,7 @@ pub(crate) fn solve(
             .to_owned(),
         );
     }
+    let (fitted, step_error) = within_steps(&mut experiment, fitted, ITERATIONS);
     let explained = match &linear {
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
@@ -129,6 +130,10 @@ pub(crate) fn solve(
     if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
         solved.leans = Some("what drove the vehicle beyond the readings");
         solved.warnings.push(warning);
+    }
+    if let Some(error) = step_error {
+        solved.leans = Some("the steps of the integration");
+        solved.warnings.push(error.words());
     }
     if let Some(found) = &mut solved.diagnostics {
         found.shift_between_readings = shift;

@@ -17,8 +17,7 @@ use crate::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorV
 use crate::solved::{Shared, Solved};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::{EstimateSet, SensorKind, Thruster};
-use poinsot_solve::BlockQr;
-use poinsot_solve::Spectrum;
+use poinsot_solve::{BlockQr, Spectrum};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at
@@ -513,6 +512,10 @@ impl<'a> Ground<'a> {
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
             curves: &curves,
+            grids: &[],
+            factor: 1,
+            bends: false,
+            keep_rows: false,
             split: false,
         };
         let evaluated = evaluate(

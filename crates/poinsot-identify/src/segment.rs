@@ -205,6 +205,17 @@ impl Observations {
         })
     }
 
+    /// Grid times and attitudes of the base: of the tracker there that has most samples.
+    pub(crate) fn attitudes(&self) -> impl Iterator<Item = (usize, UnitQuaternion)> {
+        let base = self.of_kind(SensorKind::Attitude).filter(|r| r.body == 0);
+        let most = base.max_by_key(|r| r.samples.len());
+        let samples = most.into_iter().flat_map(|r| &r.samples);
+        samples.filter_map(|s| match s.value {
+            SensorValue::Attitude(R) => Some((s.to, R)),
+            SensorValue::Vector(_) => None,
+        })
+    }
+
     /// Grid times and body rates that [`Self::best_gyro`] measured, rad/s.
     pub fn rates(&self) -> impl Iterator<Item = (usize, Vector3)> {
         let samples = self.best_gyro().into_iter().flat_map(|r| &r.samples);
@@ -241,7 +252,7 @@ impl InputErrors {
     }
 }
 
-/// Accelerations at the times of the samples: Xu 2017 alone uses them.
+/// Accelerations at the times of the samples, for methods that take them instead of momentum.
 #[derive(Debug, Clone, Default)]
 pub struct Accelerations {
     /// Angular acceleration of the base, in B, rad/s2.

@@ -1,6 +1,7 @@
 //! One file per verb.
 
 pub mod check;
+pub mod compare;
 pub mod completions;
 pub mod explain;
 pub mod export;
@@ -8,6 +9,7 @@ pub mod identify;
 pub mod import;
 pub mod inspect;
 pub mod man;
+pub mod methods;
 pub mod predict;
 pub mod report;
 pub mod schema;

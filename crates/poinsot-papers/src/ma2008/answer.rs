@@ -1,0 +1,447 @@
+//! From model and telemetry to the answer: both steps, what they determine, sigma and words.
+
+use super::both::*;
+use super::error::Ma2008Error;
+use super::influence::Directions;
+use super::words::*;
+use super::{Known, Raw, Vehicle, tensor};
+use crate::method::{About, Method, MethodError, Named};
+use nalgebra::{DMatrix, SMatrix, SVector};
+use poinsot_dynamics::{Kinematics, composite};
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
+    SegmentFit, Source as From, Status, axis_name,
+};
+use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
+
+/// Which option of both steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variant {
+    /// Option 1: the momentum is given by the model.
+    KnownMomentum,
+    /// Option 2: it is eliminated by increments.
+    UnknownMomentum,
+}
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::UnknownMomentum,
+            "option 2: increments eliminate the momentum",
+        ),
+        (
+            Self::KnownMomentum,
+            "option 1: the model gives the momentum",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::KnownMomentum => "known-momentum",
+            Self::UnknownMomentum => "unknown-momentum",
+        }
+    }
+}
+
+/// This method in the list of methods.
+pub struct Ma2008;
+
+impl Method for Ma2008 {
+    fn about(&self) -> About {
+        About {
+            name: "ma2008",
+            summary: "mass, mass centre and inertia of the base from the motion of a known arm",
+            citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+            variants: Variant::texts(),
+            reads_accelerations: false,
+            codes: super::codes::CODES,
+        }
+    }
+
+    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        Ok(identify(problem, variant)?)
+    }
+}
+
+/// Chi-square per degree of freedom above which the declared noise cannot be right.
+pub(super) const MISFIT: f64 = 1.5;
+/// Above which a model that explains little, or a given momentum that explains less than none, is refused.
+const REJECT: f64 = 9.0;
+/// A number that leans on open directions by more than this share is not answered.
+const TOUCH: f64 = 1.0e-4;
+/// Elements of the paper's `y` in the order xx, xy, yy, xz, yz, zz of the result.
+const RESULT_ORDER: [usize; 6] = [0, 3, 1, 4, 5, 2];
+pub(super) const PAPER_NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
+
+/// Identifies the base of a vehicle by its arm.
+///
+/// # Errors
+/// The question cannot be put to this method. What the data leave open is an answer.
+pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008Error> {
+    let given = check(problem, variant)?;
+    let mut vehicle = Vehicle::new(problem.model, problem.tree);
+    let data: Vec<Vec<Raw>> = problem
+        .segments
+        .iter()
+        .map(|s| raws(problem, s))
+        .collect::<Result<_, _>>()?;
+    let sources = sources(problem.noise);
+    let solved = solve_both(problem, &mut vehicle, &data, &sources, given)?;
+    let mut contradicted = None;
+    if given.is_some() && solved.chi2 > REJECT {
+        let free = solve_both(problem, &mut vehicle, &data, &sources, None)?;
+        contradicted = (solved.chi2 > 4.0 * free.chi2).then_some(free.chi2);
+    }
+    Ok(write(problem, variant, given, &solved, contradicted))
+}
+
+/// The ten numbers `u = [m, com, I in the paper's order]` with covariance and what is open of them.
+pub(super) struct Ten {
+    pub(super) value: [f64; 10],
+    pub(super) covariance: SMatrix<f64, 10, 10>,
+    pub(super) bias: SVector<f64, 10>,
+    pub(super) open: [bool; 10],
+    pub(super) inflation: f64,
+}
+
+impl Ten {
+    fn new(solved: &Solved, inflation: f64, rejected: bool) -> Self {
+        let x = &solved.x;
+        let m = solved.arm_mass / x[0];
+        let mut value = [0.0; 10];
+        value[..4].copy_from_slice(&[m, x[1], x[2], x[3]]);
+        // From directions to u: columns of the map.
+        let effect = &solved.influence;
+        let mut map = SMatrix::<f64, 10, 10>::zeros();
+        let d = SVector::<f64, 4>::new(-m / x[0], 1.0, 1.0, 1.0);
+        let bias_x = solved
+            .linear
+            .in_units(&solved.linear.along(&effect.linear.bias));
+        let mut bias = SVector::<f64, 10>::zeros();
+        for i in 0..4 {
+            bias[i] = d[i] * bias_x[i];
+            for j in 0..4 {
+                map[(i, j)] = d[i] * solved.linear.natural[i] * solved.linear.V[(i, j)];
+            }
+        }
+        let mut open = [true; 10];
+        mask(&solved.linear, &mut open[..4]);
+        if let Some((y, directions)) = &solved.angular {
+            mask(directions, &mut open[4..]);
+            let rhs = effect.angular.bias + effect.coupling * bias_x;
+            let bias_y = directions.in_units(&directions.along(&rhs));
+            for i in 0..6 {
+                value[4 + i] = y[i];
+                bias[4 + i] = bias_y[i];
+                for j in 0..6 {
+                    map[(4 + i, 4 + j)] = directions.natural[i] * directions.V[(i, j)];
+                }
+            }
+        }
+        let covariance = map * effect.covariance.fixed_view::<10, 10>(0, 0) * map.transpose();
+        let broken = rejected || x[0] <= 0.0;
+        Self {
+            value,
+            covariance,
+            bias,
+            open: open.map(|o| o || broken),
+            inflation,
+        }
+    }
+
+    /// A function of the ten numbers; open where it changes with an open one.
+    fn number(&self, nominal: f64, f: impl Fn(&[f64; 10]) -> f64) -> Number {
+        let mut gradient = SVector::<f64, 10>::zeros();
+        for k in 0..10 {
+            let h = 1.0e-5 * (self.value[k].abs() + 1.0e-3 * self.value[0].abs().max(1.0));
+            let (mut a, mut b) = (self.value, self.value);
+            a[k] += h;
+            b[k] -= h;
+            gradient[k] = (f(&a) - f(&b)) / (2.0 * h);
+        }
+        let value = f(&self.value);
+        let open = (0..10).any(|k| self.open[k] && gradient[k] != 0.0);
+        if open || !value.is_finite() {
+            return Number::open(nominal);
+        }
+        let variance = (self.covariance * gradient).dot(&gradient).max(0.0);
+        let bias = self.bias.dot(&gradient);
+        let sigma = self.inflation * (variance + bias * bias).sqrt();
+        Number::data(value, sigma, nominal)
+    }
+}
+
+fn mask<const N: usize>(d: &Directions<N>, open: &mut [bool]) {
+    for (i, o) in open.iter_mut().enumerate() {
+        let touch: f64 = (0..N)
+            .filter(|&j| !d.usable[j])
+            .map(|j| d.V[(i, j)] * d.V[(i, j)])
+            .sum();
+        *o = touch.sqrt() > TOUCH;
+    }
+}
+
+fn properties(u: &[f64; 10]) -> MassProperties {
+    let y = [u[4], u[5], u[6], u[7], u[8], u[9]];
+    MassProperties {
+        mass: u[0],
+        p_BoBcm_B: Vector3::new(u[1], u[2], u[3]),
+        I_BBcm_B: tensor(&y),
+    }
+}
+
+fn write(
+    problem: &Problem,
+    variant: Variant,
+    given: Option<Known>,
+    solved: &Solved,
+    contradicted: Option<f64>,
+) -> Estimate {
+    let model = problem.model;
+    let rejected = contradicted.is_some() || (solved.chi2 > REJECT && solved.explained < 0.5);
+    let ten = Ten::new(solved, solved.chi2.sqrt().max(1.0), rejected);
+    let nominal = model
+        .bodies
+        .first()
+        .map_or(MassProperties::ZERO, |b| b.nominal);
+    let name = model
+        .bodies
+        .first()
+        .map_or(String::new(), |b| b.name.clone());
+    let base = body(&ten, name.clone(), &nominal, properties);
+    let numbers = || {
+        std::iter::once(&base.mass)
+            .chain(&base.com)
+            .chain(&base.inertia)
+    };
+    let open = numbers().filter(|n| n.source == From::Open).count();
+    let status = match (rejected, open) {
+        (true, _) => Status::Rejected,
+        (_, 0) => Status::Converged,
+        (_, 10) => Status::NotIdentifiable,
+        _ => Status::Partial,
+    };
+    let (covariance_names, covariance_units, covariance) = covariance(&ten, &name);
+    let system = (open == 0)
+        .then(|| system(problem, &ten, &nominal))
+        .flatten();
+    let mut bodies = vec![base];
+    bodies.extend(
+        model
+            .bodies
+            .iter()
+            .skip(1)
+            .map(|b| BodyEstimate::known(b.name.clone(), &b.nominal)),
+    );
+    Estimate {
+        method: "ma2008".to_owned(),
+        variant: Some(variant.name().to_owned()),
+        status,
+        system,
+        momentum: momentum(problem, given, solved, &ten),
+        nuisance: Vec::new(),
+        covariance_names,
+        covariance_units,
+        covariance,
+        identifiability: identifiability(&name, solved, &ten, rejected),
+        fit: problem
+            .segments
+            .iter()
+            .zip(&solved.chi2_segment)
+            .map(|(s, chi2)| SegmentFit {
+                label: s.label.clone(),
+                samples: s.samples.time_s.len(),
+                chi2_per_dof: *chi2,
+                channels: Vec::new(),
+            })
+            .collect(),
+        covariance_trustworthy: solved.chi2 <= MISFIT && !rejected,
+        doubts: doubts(solved.chi2, rejected),
+        warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
+        assumptions: Vec::new(),
+        diagnostics: None,
+        method_report: Some(MethodReport {
+            note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds on the errors and condition numbers of both steps, at the declared noise".to_owned(),
+            numbers: report(solved)
+                .into_iter()
+                .map(|(name, value, unit)| NamedNumber {
+                    name,
+                    unit,
+                    number: Number {
+                        value: value.is_finite().then_some(value),
+                        sigma: None,
+                        nominal: 0.0,
+                        source: From::Data,
+                    },
+                })
+                .collect(),
+        }),
+        iterations: 1,
+        bodies,
+    }
+}
+
+fn doubts(chi2: f64, rejected: bool) -> Vec<String> {
+    match (rejected, chi2 > MISFIT) {
+        (true, _) => vec!["the data contradict the rigid model".to_owned()],
+        (false, true) => vec![format!(
+            "residuals are {:.1} times the declared noise",
+            chi2.sqrt()
+        )],
+        (false, false) => Vec::new(),
+    }
+}
+
+fn body(
+    ten: &Ten,
+    name: String,
+    nominal: &MassProperties,
+    of: impl Fn(&[f64; 10]) -> MassProperties,
+) -> BodyEstimate {
+    let pi = nominal.parameters().to_array();
+    let mass = ten.number(nominal.mass, |u| of(u).mass);
+    let com = [0, 1, 2].map(|k| ten.number(nominal.p_BoBcm_B[k], |u| of(u).p_BoBcm_B[k]));
+    let inertia =
+        poinsot_identify::TENSOR.map(|e| ten.number(nominal.I_BBcm_B[e], |u| of(u).I_BBcm_B[e]));
+    let barycentric =
+        std::array::from_fn(|k| ten.number(pi[k], |u| of(u).parameters().to_array()[k]));
+    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
+}
+
+fn system(
+    problem: &Problem,
+    ten: &Ten,
+    nominal: &MassProperties,
+) -> Option<(BodyEstimate, Vec<f64>)> {
+    let q = problem
+        .segments
+        .first()?
+        .samples
+        .joint_position
+        .get(..problem.tree.dof())?
+        .to_vec();
+    let mut kinematics = Kinematics::new(problem.tree);
+    kinematics.place(problem.tree, &q);
+    let arm: Vec<InertialParameters> = problem
+        .model
+        .bodies
+        .iter()
+        .map(|b| b.nominal.parameters())
+        .collect();
+    let whole = |base: &MassProperties| {
+        let mut all = arm.clone();
+        if let Some(first) = all.first_mut() {
+            *first = base.parameters();
+        }
+        let c = composite(&all, &kinematics);
+        MassProperties {
+            mass: c.mass,
+            p_BoBcm_B: c.p_BoScm_B(),
+            I_BBcm_B: c.I_SScm_B(),
+        }
+    };
+    let of = |u: &[f64; 10]| whole(&properties(u));
+    Some((body(ten, "system".to_owned(), &whole(nominal), of), q))
+}
+
+type Covariance = (Vec<String>, Vec<&'static str>, Vec<Vec<f64>>);
+
+fn covariance(ten: &Ten, name: &str) -> Covariance {
+    let order = [0, 1, 2, 3].into_iter().chain(RESULT_ORDER.map(|k| 4 + k));
+    let kept: Vec<usize> = order.filter(|&k| !ten.open[k]).collect();
+    let label = |k: usize| match k {
+        0 => format!("{name}.mass"),
+        1..=3 => format!("{name}.com_{}", axis_name(k - 1)),
+        _ => format!("{name}.inertia_{}", PAPER_NAMES[k - 4]),
+    };
+    let scale = ten.inflation * ten.inflation;
+    (
+        kept.iter().map(|&k| label(k)).collect(),
+        kept.iter().map(|&k| unit(k)).collect(),
+        kept.iter()
+            .map(|&i| {
+                kept.iter()
+                    .map(|&j| scale * ten.covariance[(i, j)])
+                    .collect()
+            })
+            .collect(),
+    )
+}
+
+pub(super) fn unit(k: usize) -> &'static str {
+    match k {
+        0 => "kg",
+        1..=3 => "m",
+        _ => "kg m2",
+    }
+}
+
+fn momentum(
+    problem: &Problem,
+    given: Option<Known>,
+    solved: &Solved,
+    ten: &Ten,
+) -> Vec<MomentumEstimate> {
+    if let Some(k) = given {
+        let one = MomentumEstimate {
+            linear: [0, 1, 2].map(|i| Number::known(k.p_C_N[i])),
+            angular: [0, 1, 2].map(|i| Number::known(k.h_C_N[i])),
+        };
+        return vec![one; problem.segments.len()];
+    }
+    let cov: &DMatrix<f64> = &solved.influence.covariance;
+    let number = |value: f64, at: usize, open: bool| {
+        if open {
+            Number::open(0.0)
+        } else {
+            Number::data(value, ten.inflation * cov[(at, at)].sqrt(), 0.0)
+        }
+    };
+    let (open_P, open_H) = (ten.open[..4].contains(&true), ten.open.contains(&true));
+    solved
+        .influence
+        .momentum
+        .iter()
+        .enumerate()
+        .map(|(s, (P, H))| MomentumEstimate {
+            linear: [0, 1, 2].map(|k| number(P[k], 10 + 6 * s + k, open_P)),
+            angular: [0, 1, 2].map(|k| number(H[k], 13 + 6 * s + k, open_H)),
+        })
+        .collect()
+}
+
+/// Sec. IV with the declared noise: errors, bounds, condition numbers of both steps.
+fn report(solved: &Solved) -> Vec<(String, f64, &'static str)> {
+    let mut out = Vec::new();
+    for (step, bound) in solved.bounds.iter().enumerate() {
+        let n = step + 1;
+        let unit = ["mixed (1, m)", "kg m2"][step.min(1)];
+        out.push((
+            format!("step {n}: condition number of the matrix"),
+            bound.condition,
+            "1",
+        ));
+        out.push((
+            format!("step {n}: size of the matrix error, rms"),
+            bound.epsilon_A,
+            ["mixed", "rad/s"][step.min(1)],
+        ));
+        out.push((
+            format!("step {n}: size of the right-hand side error, rms"),
+            bound.epsilon_b,
+            ["m/s", "N m s"][step.min(1)],
+        ));
+        out.push((
+            format!("step {n}: first-order bound of the error, eq. (35)"),
+            bound.absolute,
+            unit,
+        ));
+        out.push((
+            format!("step {n}: relative bound, eq. (36)"),
+            bound.relative,
+            "1",
+        ));
+    }
+    out
+}

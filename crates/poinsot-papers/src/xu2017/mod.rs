@@ -1,0 +1,171 @@
+//! W. Xu, Z. Hu, Y. Zhang, B. Liang, "On-orbit identifying the inertia parameters of space robotic systems
+//! using simple equivalent dynamics", Acta Astronautica (2017). Numbers in brackets are the paper's equations.
+//!
+//! With all joints locked the robot is one rigid body: thrusters push it, and (35) gives its mass, mass centre
+//! and inertia. With one joint unlocked it is two bodies: momentum is conserved, and (49) gives one of them,
+//! the other following from the first step by (43)-(46). Joint after joint, 1..n or n..1, gives every body.
+//!
+//! | paper | here | meaning |
+//! |---|---|---|
+//! | `M`, `I_eq`, `r_cm` | [`Single`] | mass, central inertia, mass centre of the locked robot, base axes |
+//! | `r_s`, `v_s'` | `p_BoS_B`, `a_NS_B` | place of the accelerometer, what it reads |
+//! | `r_i`, `f_i` | `T_B`, `F_B` | place and force of the thrusters; here their sums `sum r x f`, `sum f` |
+//! | `g`, `h` of (36) | [`SingleRow`] | what (35) leaves |
+//! | `B~0`, `B~1` | `inner`, `outer` | base side and tip side of the unlocked joint |
+//! | `m~`, `I~`, `a~` | [`InertialParameters`] | of each side, about the origin of its own frame |
+//! | `g`, `h` of (50), (51) | [`MomentumRow`] | momentum of both sides |
+//! | `X`, `P_i`, `P_g`, `V`, `w`, `c1`, `c2` | [`swarm`] | particle swarm |
+//!
+//! **Assumptions.** Joints not unlocked stay in one ("normal") configuration; thrust is known; momentum is zero
+//! while joints move (the linear solution also takes it as unknown); no wheels.
+//!
+//! **What it cannot identify.** The paper claims every number of every body. From motion, momentum and thrust a
+//! tree of n revolute joints shows `10 + 7 n` combinations: 52 of 70 for the paper's robot. Each two-body step
+//! leaves three of its ten numbers unseen: a mass on the joint axis, a first moment along it and a line inertia
+//! on it move to the other side without a trace. What a search returns for them is a point of its own range.
+//! See `docs/methods/xu2017.md`.
+//!
+//! **Misprints followed in the corrected form:** (29), (30) `r_s` is the thruster's place `r_i`; (34) lacks the
+//! sensor's acceleration and has the signs of (35) reversed; (42) is
+//! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2;
+//! (68) forgets `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
+
+mod codes;
+mod error;
+mod identify;
+mod least_squares;
+mod roles;
+pub mod sensitivity;
+mod sequence;
+mod single_body;
+pub mod swarm;
+mod two_body;
+mod words;
+
+pub use error::Xu2017Error;
+pub use identify::identify;
+pub use least_squares::Answer;
+pub use sequence::{Found, Order, Searched, Solver, StepReport, sequence};
+pub use single_body::{
+    Form, Part, Push, Single, SingleObjective, SingleRow, accelerations, momenta, solve_single,
+};
+use swarm::Particle;
+pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
+
+use crate::method::{About, Method, MethodError, Named};
+use nalgebra::SMatrix;
+use poinsot_identify::{Estimate, Problem};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
+
+/// Which solver and which order; the names of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// Linear solution or particle swarm.
+    pub solver: Kind,
+    /// Joints from the base to the tip or back.
+    pub order: Order,
+}
+
+/// Linear solution or particle swarm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The residuals of (35) and (49) solved by linear least squares.
+    Linear,
+    /// The paper's particle swarm on (37) and (52).
+    Swarm,
+}
+
+impl Variant {
+    const fn new(solver: Kind, order: Order) -> Self {
+        Self { solver, order }
+    }
+}
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::new(Kind::Swarm, Order::Outward),
+            "particle swarm, joints from base to tip",
+        ),
+        (
+            Self::new(Kind::Linear, Order::Outward),
+            "linear least squares, joints from base to tip",
+        ),
+        (
+            Self::new(Kind::Swarm, Order::Inward),
+            "particle swarm, joints from tip to base",
+        ),
+        (
+            Self::new(Kind::Linear, Order::Inward),
+            "linear least squares, joints from tip to base",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
+        match (self.solver, self.order) {
+            (Kind::Swarm, Order::Outward) => "swarm",
+            (Kind::Swarm, Order::Inward) => "swarm-inward",
+            (Kind::Linear, Order::Outward) => "linear",
+            (Kind::Linear, Order::Inward) => "linear-inward",
+        }
+    }
+}
+
+/// This method in the list of methods.
+pub struct Xu2017;
+
+impl Method for Xu2017 {
+    fn about(&self) -> About {
+        About {
+            name: "xu2017",
+            summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
+            citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
+            variants: Variant::texts(),
+            reads_accelerations: true,
+            codes: codes::CODES,
+        }
+    }
+
+    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        Ok(identify(problem, variant)?)
+    }
+}
+
+/// `K` with `I w = K y`, `y = [xx, yy, zz, xy, xz, yz]` in the order of (61).
+#[inline]
+fn tensor_regressor(w: &Vector3) -> SMatrix<f64, 3, 6> {
+    #[rustfmt::skip]
+    let k = SMatrix::<f64, 3, 6>::new(
+        w.x, 0.0, 0.0, w.y, w.z, 0.0,
+        0.0, w.y, 0.0, w.x, 0.0, w.z,
+        0.0, 0.0, w.z, 0.0, w.x, w.y,
+    );
+    k
+}
+
+/// The ten numbers of (61), (62): mass, central inertia in the paper's order, mass centre.
+pub fn particle(body: &MassProperties) -> Particle {
+    let (I, c) = (&body.I_BBcm_B, &body.p_BoBcm_B);
+    [
+        body.mass, I.m11, I.m22, I.m33, I.m12, I.m13, I.m23, c.x, c.y, c.z,
+    ]
+}
+
+/// The inverse of [`particle`].
+pub fn properties(x: &Particle) -> MassProperties {
+    MassProperties {
+        mass: x[0],
+        I_BBcm_B: Matrix3::new(x[1], x[4], x[5], x[4], x[2], x[6], x[5], x[6], x[3]),
+        p_BoBcm_B: Vector3::new(x[7], x[8], x[9]),
+    }
+}
+
+/// Sum of bodies about one origin, in one set of axes.
+fn sum(a: &InertialParameters, b: &InertialParameters, sign: f64) -> InertialParameters {
+    InertialParameters {
+        mass: a.mass + sign * b.mass,
+        mc_B: a.mc_B + b.mc_B * sign,
+        I_BBo_B: a.I_BBo_B + b.I_BBo_B * sign,
+    }
+}

@@ -1,0 +1,182 @@
+//! What every segment is for: thrust on the locked robot, or one joint in motion; and what is known.
+
+use super::error::Xu2017Error;
+use super::single_body::Part;
+use poinsot_identify::{Problem, Segment};
+use poinsot_model::EstimateSet;
+
+/// A joint that moves by less than this and a few sigma is locked, rad or m.
+const STILL: f64 = 1.0e-6;
+/// Sigmas of the encoder that are no motion.
+const SIGMAS: f64 = 8.0;
+
+/// The roles of all segments.
+pub(super) struct Roles {
+    /// Segments with thrust and all joints locked.
+    pub single: Vec<usize>,
+    /// Per joint coordinate, the segments in which it alone moves.
+    pub of_joint: Vec<Vec<usize>>,
+    /// Segments in which several joints move.
+    pub together: Vec<usize>,
+    /// Normal configuration, rad or m.
+    pub normal: Vec<f64>,
+    /// Whether each body is unknown.
+    pub unknown: Vec<bool>,
+    /// What is asked of the equivalent single body.
+    pub part: Part,
+}
+
+pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
+    let model = problem.model;
+    if let Some(wheel) = model.wheels.first() {
+        let wheel = wheel.name.clone();
+        return Err(Xu2017Error::Wheel { wheel });
+    }
+    let dof = problem.tree.dof();
+    let mut found = Roles {
+        single: Vec::new(),
+        of_joint: vec![Vec::new(); dof],
+        together: Vec::new(),
+        normal: vec![0.0; dof],
+        unknown: model.bodies.iter().map(|b| b.estimate.any()).collect(),
+        part: part(problem)?,
+    };
+    let moving: Vec<Vec<usize>> = problem
+        .segments
+        .iter()
+        .map(|s| (0..dof).filter(|&j| moves(problem, s, j)).collect())
+        .collect();
+    for (at, (segment, joints)) in problem.segments.iter().zip(&moving).enumerate() {
+        let label = || segment.label.clone();
+        match (joints.as_slice(), segment.firings.is_empty()) {
+            ([], false) => found.single.push(at),
+            ([], true) => {}
+            (_, true) if segment.samples.translation.is_none() => {
+                let what = "the momentum of a moving joint";
+                return Err(Xu2017Error::NoVelocity {
+                    label: label(),
+                    what,
+                });
+            }
+            ([one], true) => found.of_joint[*one].push(at),
+            (_, true) => found.together.push(at),
+            ([first, ..], false) => {
+                let joint = joint_name(problem, *first);
+                return Err(Xu2017Error::ThrustInMotion {
+                    label: label(),
+                    joint,
+                });
+            }
+        }
+    }
+    let nothing = found.single.is_empty() && found.moving_segments() == 0;
+    if nothing {
+        return Err(Xu2017Error::NothingMoves);
+    }
+    // A tensor alone is the second use: the locked robot, no joint in motion.
+    let first = found.unknown.iter().position(|u| *u).unwrap_or(0);
+    if found.part == Part::Inertia && found.moving_segments() > 0 {
+        let body = model.bodies[first].name.clone();
+        return Err(Xu2017Error::PartlyKnown { body });
+    }
+    let several = found.unknown.iter().filter(|u| **u).count() > 1;
+    if let Some(&at) = found.together.first().filter(|_| several) {
+        let names = moving[at].iter().map(|&j| joint_name(problem, j));
+        return Err(Xu2017Error::JointsTogether {
+            label: problem.segments[at].label.clone(),
+            joints: names.collect::<Vec<_>>().join(", "),
+        });
+    }
+    found.normal = normal(problem, &moving, several)?;
+    Ok(found)
+}
+
+impl Roles {
+    /// Segments in which any joint moves.
+    pub fn moving_segments(&self) -> usize {
+        self.together.len() + self.of_joint.iter().map(Vec::len).sum::<usize>()
+    }
+}
+
+/// Known, unknown, or of all unknown bodies the tensor alone.
+fn part(problem: &Problem) -> Result<Part, Xu2017Error> {
+    let inertia = EstimateSet {
+        inertia: true,
+        ..EstimateSet::default()
+    };
+    let asked = || problem.model.bodies.iter().filter(|b| b.estimate.any());
+    if asked().count() > 0 && asked().all(|b| b.estimate == inertia) {
+        return Ok(Part::Inertia);
+    }
+    match asked().find(|b| b.estimate != EstimateSet::ALL) {
+        Some(b) => Err(Xu2017Error::PartlyKnown {
+            body: b.name.clone(),
+        }),
+        None => Ok(Part::All),
+    }
+}
+
+fn positions<'a>(
+    problem: &Problem,
+    segment: &'a Segment,
+    joint: usize,
+) -> impl Iterator<Item = f64> + 'a {
+    let dof = problem.tree.dof().max(1);
+    segment
+        .samples
+        .joint_position
+        .iter()
+        .skip(joint)
+        .step_by(dof)
+        .copied()
+}
+
+fn tolerance(problem: &Problem, joint: usize) -> f64 {
+    let variance = problem.noise.joint_position.get(joint).copied();
+    STILL + SIGMAS * variance.unwrap_or(0.0).sqrt()
+}
+
+fn moves(problem: &Problem, segment: &Segment, joint: usize) -> bool {
+    let (low, high) = positions(problem, segment, joint)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| {
+            (a.min(q), b.max(q))
+        });
+    high - low > tolerance(problem, joint)
+}
+
+/// Where every joint stands while it is locked; where it never is, its first position. One configuration is
+/// needed where several bodies are unknown.
+fn normal(
+    problem: &Problem,
+    moving: &[Vec<usize>],
+    one_needed: bool,
+) -> Result<Vec<f64>, Xu2017Error> {
+    (0..problem.tree.dof())
+        .map(|joint| {
+            let first = |at: usize| positions(problem, &problem.segments[at], joint).next();
+            let mut locked = (0..moving.len()).filter(|&at| !moving[at].contains(&joint));
+            let Some(reference) = locked.next().and_then(first) else {
+                return Ok(first(0).unwrap_or(0.0));
+            };
+            for at in locked.filter(|_| one_needed) {
+                let found = first(at).unwrap_or(reference);
+                if (found - reference).abs() > tolerance(problem, joint) {
+                    return Err(Xu2017Error::OtherConfiguration {
+                        label: problem.segments[at].label.clone(),
+                        joint: joint_name(problem, joint),
+                        found,
+                        expected: reference,
+                    });
+                }
+            }
+            Ok(reference)
+        })
+        .collect()
+}
+
+/// Name of a joint coordinate.
+pub(super) fn joint_name(problem: &Problem, coordinate: usize) -> String {
+    let at = problem.tree.coordinates.get(coordinate);
+    at.and_then(|&k| problem.model.joints.get(k))
+        .map_or(String::new(), |j| j.name.clone())
+}

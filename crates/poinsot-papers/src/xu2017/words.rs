@@ -1,0 +1,191 @@
+//! What to say beside the numbers: thrust that shows nothing, joints that stand, ranges that exclude.
+
+use super::identify::COORDINATES;
+use super::roles::{joint_name, roles};
+use super::sequence::{Found, StepReport};
+use super::single_body::Form;
+use super::{Order, Searched, Variant};
+use poinsot_dynamics::Kinematics;
+use poinsot_identify::{Estimate, Problem};
+use poinsot_model::{Nuisance, SensorKind};
+
+/// A lever arm below this share of the radius of gyration is no lever.
+const NO_LEVER: f64 = 1.0e-6;
+
+/// What the report of the method says first.
+pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> String {
+    let order = match variant.order {
+        Order::Outward => "joints 1..n, base side searched",
+        Order::Inward => "joints n..1, tip side searched",
+    };
+    let form = match found.form {
+        Some(Form::Acceleration) => " (35) from measured accelerations.",
+        Some(Form::Momentum) => " (35) integrated over time: no accelerations needed.",
+        None => "",
+    };
+    format!(
+        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; what the data show is {} of {} combinations, and only those are answered. Sigma is that of the linear method on all segments at once, widened by the difference to it.",
+        variant.solver.words(),
+        estimate.identifiability.rank,
+        estimate.identifiability.parameters,
+    )
+}
+
+pub(super) fn warnings(problem: &Problem, found: &Found) -> Vec<String> {
+    let mut list = Vec::new();
+    list.extend(thrust(problem, found));
+    list.extend(standing(problem));
+    list.extend(declared(problem, found));
+    for step in &found.steps {
+        list.extend(search(step));
+        if step.found.mass <= 0.0 {
+            list.push(format!(
+                "{}: the step gives a mass of {:.3} kg: noise or a wrong model dominates it",
+                step.name, step.found.mass
+            ));
+        }
+    }
+    list
+}
+
+/// Thrusters that never fire, thrust without torque, torque without force.
+fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
+    let Ok(roles) = roles(problem) else {
+        return Vec::new();
+    };
+    let Some(step) = found.steps.iter().find(|s| s.part == Searched::Single) else {
+        return Vec::new();
+    };
+    let model = problem.model;
+    let mut list = Vec::new();
+    let firings = || {
+        roles
+            .single
+            .iter()
+            .flat_map(|&k| &problem.segments[k].firings)
+    };
+    let idle: Vec<&str> = (0..model.thrusters.len())
+        .filter(|&t| firings().all(|f| f.thruster != t || f.force == 0.0))
+        .map(|t| model.thrusters[t].name.as_str())
+        .collect();
+    if !idle.is_empty() {
+        list.push(format!(
+            "{} never fires while the joints are locked: what only {} thrust would show stays open",
+            idle.join(", "),
+            if idle.len() == 1 { "its" } else { "their" }
+        ));
+    }
+    let mut kinematics = Kinematics::new(problem.tree);
+    kinematics.place(problem.tree, &found.normal);
+    let length = step.found.radius_of_gyration();
+    let lever = firings()
+        .map(|f| {
+            let thruster = &model.thrusters[f.thruster];
+            let R = &kinematics.R[thruster.body];
+            let arm = kinematics.p[thruster.body] + R * thruster.p_BoT_B - step.found.p_BoBcm_B;
+            arm.cross(&(R * thruster.direction_B)).norm()
+        })
+        .fold(0.0, f64::max);
+    let turns = roles.single.iter().any(|&k| {
+        let rates = &problem.segments[k].samples.w_NB_B;
+        let noise = problem.noise.gyro.trace().sqrt();
+        let first = rates.first().copied().unwrap_or_default();
+        rates.iter().any(|w| (w - first).norm() > 10.0 * noise)
+    });
+    if lever <= NO_LEVER * length || !turns {
+        list.push(format!(
+            "the thrust makes no torque about the mass centre (largest lever {lever:.1e} m), so nothing turns: the inertia tensor does not enter (30) and stays open; fire thrusters beside the mass centre"
+        ));
+    }
+    list
+}
+
+/// What the model declares unknown and the paper takes as exact.
+fn declared(problem: &Problem, found: &Found) -> Vec<String> {
+    let model = problem.model;
+    let mut list = Vec::new();
+    let bias = model
+        .sensors_of(SensorKind::Gyro)
+        .any(|s| s.bias != Nuisance::Known);
+    if bias {
+        list.push("the gyro's bias is declared unknown: xu2017 takes it as zero; --method auto estimates it".to_owned());
+    }
+    let scaled = model.thrusters.iter().any(|t| t.scale != Nuisance::Known);
+    if scaled && found.form.is_some() {
+        list.push("thruster scales are declared unknown: xu2017 takes the thrust as exact; --method auto estimates them".to_owned());
+    }
+    if model.bodies.iter().any(|b| b.prior.is_some()) {
+        list.push("the declared priors are not used by xu2017".to_owned());
+    }
+    list
+}
+
+/// Joints that never move though something on both sides is unknown.
+fn standing(problem: &Problem) -> Vec<String> {
+    let Ok(roles) = roles(problem) else {
+        return Vec::new();
+    };
+    let unknown = roles.unknown.iter().filter(|u| **u).count();
+    if unknown < 2 || roles.moving_segments() == 0 {
+        return Vec::new();
+    }
+    (0..problem.tree.dof())
+        .filter(|&j| roles.of_joint[j].is_empty())
+        .map(|j| {
+            let joint = &problem.model.joints[problem.tree.coordinates[j]];
+            let name = |b: usize| &problem.model.bodies[b].name;
+            format!(
+                "{} does not move in any segment: {} and {} are one body to these data; drive it in a segment of its own",
+                joint_name(problem, j),
+                name(joint.parent),
+                name(joint.child)
+            )
+        })
+        .collect()
+}
+
+/// A swarm on the bounds of its range, or not arrived.
+fn search(step: &StepReport) -> Option<String> {
+    let (flight, range) = step.flight.as_ref()?;
+    let touched: Vec<String> = flight
+        .on_bound
+        .iter()
+        .map(|&d| {
+            let (name, unit) = COORDINATES[d];
+            format!(
+                "{name} = {:.6} {unit} of [{:.6}, {:.6}]",
+                flight.best[d], range.low[d], range.high[d]
+            )
+        })
+        .collect();
+    if step.excluded() {
+        return Some(format!(
+            "{}: the swarm's solution lies on the bound of its search range ({}) and leaves a cost of {:.1e} where the linear solution leaves {:.1e}: the range excludes the answer and its numbers are withheld; correct the nominal values, which the range of 50 % surrounds, or use --variant linear",
+            step.name,
+            touched.join("; "),
+            flight.cost,
+            step.cost_linear
+        ));
+    }
+    if !step.arrived() {
+        return Some(format!(
+            "{}: the swarm stopped at a cost of {:.1e} after {} iterations{}; the linear solution of the same equations leaves {:.1e}: its numbers are withheld; use --variant linear",
+            step.name,
+            flight.cost,
+            flight.history.len() - 1,
+            if touched.is_empty() {
+                ""
+            } else {
+                ", caught on a bound of its range"
+            },
+            step.cost_linear
+        ));
+    }
+    (!touched.is_empty()).then(|| {
+        format!(
+            "{}: the swarm's solution lies on the bound of its search range ({}) and fits as well as the linear one: the data do not show these numbers",
+            step.name,
+            touched.join("; ")
+        )
+    })
+}
