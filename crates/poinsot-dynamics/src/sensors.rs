@@ -2,10 +2,10 @@
 //! rounding.
 
 use crate::prescribed::MotionSample;
+use crate::sensor::{Nuisance, Sensor, SensorKind};
 use crate::sensor_errors::{SensorError, SensorErrors};
 use crate::tree::Tree;
 use nalgebra::Quaternion;
-use poinsot_model::{Nuisance, Sensor, SensorKind};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
