@@ -2,6 +2,7 @@
 
 pub use poinsot_dynamics::{Nuisance, Orbit, Sensor, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_telemetry::TelemetryMap;
 
 /// A checked vehicle: a tree of bodies with joints, wheels, thrusters and sensors.
 #[derive(Debug, Clone, PartialEq)]
@@ -233,26 +234,6 @@ pub struct RandomTorque {
     pub sigma_N_m: f64,
     /// Time after which it has forgotten itself to 1/e, s.
     pub correlation_s: f64,
-}
-
-/// How columns of a telemetry file become channels.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct TelemetryMap {
-    /// Channel name (standard, SI) to source column and its unit.
-    pub columns: Vec<ColumnSource>,
-    /// Rows are kept where each of these columns holds exactly this text.
-    pub row_filter: Vec<(String, String)>,
-}
-
-/// Where a channel comes from.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ColumnSource {
-    /// Standard channel name, for example `omega_x`.
-    pub channel: String,
-    /// Column in the file.
-    pub column: String,
-    /// Unit of that column as written, for example `deg/s`.
-    pub unit: String,
 }
 
 impl Model {
