@@ -22,7 +22,7 @@ pub enum FormatError {
         source: std::io::Error,
     },
     /// It is another format.
-    #[error("its schema is \"{found}\", not {ESTIMATE}; give the folder of identify --out")]
+    #[error("{}; give the folder of identify --out", schema_found(found))]
     Schema {
         /// Path.
         path: PathBuf,
@@ -39,6 +39,12 @@ pub enum FormatError {
     },
 }
 
+fn schema_found(found: &str) -> String {
+    match found {
+        "" => "it has no key \"schema\"".to_owned(),
+        found => format!("its schema is \"{found}\", not {ESTIMATE}"),
+    }
+}
 /// Largest file that is read, bytes.
 const LARGEST: u64 = 256 << 20;
 

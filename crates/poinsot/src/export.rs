@@ -26,7 +26,7 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
         path: path.to_owned(),
         why,
     };
-    let (path, estimate) = read_estimate(folder).map_err(format_error)?;
+    let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
     let text = read_model_text(urdf)?;
     parse_urdf(&text, &urdf.display().to_string()).model?;
     let mut links = Vec::new();
