@@ -19,6 +19,7 @@ const SURELY: f64 = 1.5;
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rows {
     /// As a footer declares them.
+    #[cfg_attr(not(feature = "parquet"), allow(dead_code))]
     Declared(u64),
     /// From lines counted here and there.
     Estimated(u64),
