@@ -15,9 +15,11 @@ mod check_sensor;
 mod check_telemetry;
 mod check_tree;
 mod describe;
+mod describe_telemetry;
 mod document;
 mod file;
 mod finding;
+mod kinematic;
 mod number;
 mod read;
 mod schema;
@@ -26,10 +28,12 @@ mod suggest;
 mod urdf;
 mod vehicle;
 mod write;
+mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
 pub use number::rounded;
+pub use poinsot_telemetry::TelemetryMap;
 pub use read::{
     MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
 };

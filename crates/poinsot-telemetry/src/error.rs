@@ -168,21 +168,20 @@ pub enum TelemetryError {
     },
     /// A unit that is not in the table.
     #[error(
-        "E0211 {}unit '{}' is not known; did you mean '{nearest}'?",
-        if channel.is_empty() { String::new() } else { format!("map of channel '{}': ", escaped(channel)) },
+        "E0211 unit '{}' is not known; did you mean '{nearest}'? `poinsot units` lists all",
         escaped(unit)
     )]
     UnknownUnit {
-        /// The channel whose map names it; empty where a unit stands alone.
-        channel: String,
         /// As written.
         unit: String,
         /// The nearest known unit.
         nearest: String,
     },
     /// A map that cannot be followed.
-    #[error("E0212 map of channel '{}': {}", escaped(channel), escaped(why))]
+    #[error("{code} map of channel '{}': {}", escaped(channel), escaped(why))]
     Map {
+        /// `E0210`, `E0211` or `E0212`: see `poinsot explain`.
+        code: &'static str,
         /// The channel that is mapped.
         channel: String,
         /// What is wrong and what to do.
@@ -322,7 +321,7 @@ impl TelemetryError {
             Self::TimeUnit { .. } => "E0209",
             Self::DuplicateChannel { .. } => "E0210",
             Self::UnknownUnit { .. } => "E0211",
-            Self::Map { .. } => "E0212",
+            Self::Map { code, .. } => code,
             Self::Filter { .. } => "E0213",
             Self::Quaternion { .. } => "E0214",
             Self::Convention { .. } => "E0215",

@@ -16,6 +16,7 @@ mod mixups;
 mod output;
 pub mod predict;
 mod progress;
+mod propose;
 pub mod report;
 mod schema;
 pub mod simulate;
@@ -33,6 +34,7 @@ pub use identify::{
 pub use output::{check_outputs, write_estimate, write_file, write_files, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
+pub use propose::proposed_map;
 pub use report::write_report;
 pub use schema::schema;
 pub use threads::start_threads;

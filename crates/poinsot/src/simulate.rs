@@ -3,6 +3,7 @@
 mod record;
 mod truth;
 
+use crate::bind::mountings;
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use crate::error::Error;
 use crate::output::check_outputs;
@@ -14,7 +15,7 @@ use poinsot_dynamics::{
 use poinsot_files::{Stage, json_escaped};
 use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
-use poinsot_telemetry::{Table, write_staged};
+use poinsot_telemetry::{Mounting, Table, mount, write_staged};
 use record::Recorder;
 pub(crate) use record::{joint_channels, names};
 use std::path::{Path, PathBuf};
@@ -100,7 +101,10 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let outputs = [telemetry.clone(), truth.clone()];
     check_outputs("--out", &outputs, &[case_path, &case.model])?;
     let model = read_model(&case.model)?;
-    let simulation = simulate_case(&case, &model)?;
+    let mut simulation = simulate_case(&case, &model)?;
+    // Files are in the axes of the sensors, tables in those of the bodies.
+    let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
+    mount(&mut simulation.table, &back);
     let channels = &simulation.table.channels;
     let mut stage = Stage::new(out)?;
     write_staged(&mut stage, Path::new(name), channels)?;

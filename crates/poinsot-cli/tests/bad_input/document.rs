@@ -77,7 +77,8 @@ const DIFFERENCES: &str = "\
 - R6, R7: there is no recursive filter yet.
 - F2: a column that nobody asked for is ignored and listed; only a missing one is an error.
 - F5: neither reading nor writing of numbers knows the process's locale.
-- F6, S6: nothing compressed is read but the pages of Parquet. No regular expression is applied to input.
+- F6, S6: gzip and Zstandard are unpacked as they are read, and a line of more than 16 MiB ends it. No regular expression is
+  applied to input.
 - F7: no file is mapped into memory. A network file system was not tried.
 - F8: nested, encrypted and other damaged files: `crates/poinsot-telemetry/tests`, `parquet_files.rs` and `corpora.rs`.
 - F9: MCAP is not read.

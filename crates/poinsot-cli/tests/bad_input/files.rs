@@ -118,10 +118,10 @@ fn csv() -> Vec<Row> {
         row("F3", "UTF-16, big end first", |b| { let t: Vec<u8> = [0xfeff].into_iter().chain(sheet().text().encode_utf16()).flat_map(u16::to_be_bytes).collect(); b.write("t.csv", t); }, 2, &["E0202 t.csv: the file is UTF-16; save it as UTF-8"]),
         row("F3", "line ends of all kinds", |b| { let t: String = sheet().text().lines().enumerate().map(|(n, l)| format!("{l}{}", ["\n", "\r\n", "\r"][n % 3])).collect(); b.write("t.csv", t); }, 0, &["every number asked for is determined"]),
         row("F3", "NUL bytes", |b| { let mut t = bytes(); t[500] = 0; b.write("t.csv", t); }, 2, &["E0202 t.csv: byte 500 is NUL: the file is not text, or is UTF-16; save it as UTF-8"]),
-        row("F3", "semicolons", |b| b.write("t.csv", sheet().text().replace(',', ";")), 2, &["E0205 t.csv: the columns are separated by ';'; write commas, and points in decimal numbers"]),
+        row("F3", "semicolons", |b| b.write("t.csv", sheet().text().replace(',', ";")), 2, &["E0205 t.csv: the columns are separated by ';'; write [telemetry] delimiter = \";\""]),
         row("F3", "tabs", |b| b.write("t.csv", sheet().text().replace(',', "\t")), 2, &["E0205 t.csv: the columns are separated by '\\t'"]),
         row("F3", "a comma at the end of each row", |b| b.write("t.csv", sheet().text().replace('\n', ",\n")), 0, &["every number asked for is determined"]),
-        row("F3", "a comment", |b| b.spoil(|s| s.rows.insert(3, vec!["# comment".into()])), 2, &["E0204 t.csv:5", "leave the line out: '#' begins no comment here"]),
+        row("F3", "a comment", |b| b.spoil(|s| s.rows.insert(3, vec!["# comment".into()])), 2, &["E0204 t.csv:5", "leave the line out, or write [telemetry] comment = \"#\""]),
         row("F4", "a Latin-1 header", |b| { let t = sheet().text().replacen("wheel3_rad_s", "wheel3_rad_s,temp_\u{b0}C", 1).replace('\n', ",\n").replacen("C,\n", "C\n", 1); let t: Vec<u8> = t.chars().map(|c| c as u8).collect(); b.write("t.csv", t); }, 2,
             &["E0202 t.csv:1: the header is not UTF-8 ('temp_", "read it by --encoding latin1"]),
         row("F4", "the same, read as Latin-1", |b| { let t = sheet().text().replacen("wheel3_rad_s", "wheel3_rad_s,temp_\u{b0}C", 1).replace('\n', ",\n").replacen("C,\n", "C\n", 1); let t: Vec<u8> = t.chars().map(|c| c as u8).collect(); b.write("t.csv", t); }, 0,
@@ -156,8 +156,8 @@ fn csv() -> Vec<Row> {
         row("F6", "a pipe where the truth of a simulation would be", |b| pipe(b, "truth.json"), 0, &["every number asked for is determined"]),
         row("F6", "a link to itself", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::os::unix::fs::symlink("t.csv", b.path("t.csv")).unwrap(); }, 3, &["E0201 t.csv: cannot be read:"]),
         row("F6", "no such file", |b| std::fs::remove_file(b.path("t.csv")).unwrap(), 2, &["E0201 t.csv: cannot be read: No such file or directory"]),
-        row("F6", "a compressed file", |b| std::fs::rename(b.path("t.csv"), b.path("t.csv.gz")).unwrap(), 2, &["E0202 t.csv.gz: the kind of file is not known from its name"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv.gz", "--out", "out"]),
-        row("F9", "MCAP (not read)", |b| b.write("t.mcap", b"\x89MCAP0\r\n"), 2, &["E0202 t.mcap: the kind of file is not known from its name; give a .csv or .parquet file"]).run(&["inspect", "t.mcap"]),
+        row("F6", "plain text under the name of a packed file", |b| std::fs::rename(b.path("t.csv"), b.path("t.csv.gz")).unwrap(), 0, &["every number asked for is determined"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv.gz", "--out", "out"]),
+        row("F9", "MCAP (not read)", |b| b.write("t.mcap", b"\x89MCAP0\r\n"), 2, &["E0202 t.mcap: the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"]).run(&["inspect", "t.mcap"]),
         row("F3", "inspect names the header's fault too", |b| b.write("t.csv", "a;b\n1;2\n"), 2, &["E0205 t.csv"]).run(INSPECT),
     ]
 }

@@ -9,7 +9,7 @@ use arrow_array::{BooleanArray, Float64Array, StringArray};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
-use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, TelemetryMap, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -67,14 +67,13 @@ fn sample(folder: &Folder) -> PathBuf {
 }
 
 fn options() -> ReadOptions {
-    let map = |channel: &str, column: &str, unit: &str| ColumnMap {
-        channel: channel.into(),
-        column: column.into(),
-        unit: unit.into(),
-    };
+    let columns = vec![
+        ColumnMap::new("time_s", "t_ns", "ns"),
+        ColumnMap::new("omega_x", "wx", "rad/s"),
+    ];
+    let rows = vec![("log".into(), "b".into()), ("group".into(), "g".into())];
     ReadOptions {
-        columns: vec![map("time_s", "t_ns", "ns"), map("omega_x", "wx", "rad/s")],
-        row_filter: vec![("log".into(), "b".into()), ("group".into(), "g".into())],
+        map: TelemetryMap::of(columns, rows),
         ..ReadOptions::default()
     }
 }
@@ -101,7 +100,7 @@ fn unit_faults_name_file_row_and_column() {
     let folder = Folder::new();
     let path = sample(&folder);
     let unfiltered = ReadOptions {
-        row_filter: Vec::new(),
+        map: TelemetryMap::of(options().map.all.columns, Vec::new()),
         ..options()
     };
     let error = read(&[&path], &unfiltered).unwrap_err();

@@ -187,13 +187,13 @@ pub(super) const CODES: &[Entry] = &[
         "E0202",
         "The file is not text or of no known kind, or changed while it was read.",
         "UTF-16 or Latin-1 text, a binary file, an unknown ending, a file that is still being written.",
-        "Save it as UTF-8 .csv or .parquet when it is complete; --encoding latin1 reads Latin-1.",
+        "Save it as UTF-8 .csv or .parquet when it is complete; --encoding latin1 reads Latin-1. Copy packed files again.",
     ),
     (
         "E0203",
         "A cell is not a finite number.",
-        "A decimal comma, a typographic minus, a text for a missing sample, an overflow.",
-        "Write a decimal point and the ASCII minus; leave the cell empty where there is no sample.",
+        "A decimal comma, a typographic minus, a text for a missing sample, a date, a row of units, an overflow.",
+        "Write a decimal point and the ASCII minus; leave the cell empty where there is no sample; describe dates and a units row in [telemetry].",
     ),
     (
         "E0204",
@@ -204,8 +204,8 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0205",
         "The header is not usable.",
-        "No header, a name twice, another delimiter than a comma, too many columns.",
-        "Write one header row with unique names, separated by commas.",
+        "No header, a name twice, another delimiter than a comma, comments above the header, too many columns.",
+        "Describe delimiter, comment and header_row in [telemetry]; give every column a name of its own.",
     ),
     (
         "E0206",
@@ -217,7 +217,7 @@ pub(super) const CODES: &[Entry] = &[
         "E0207",
         "No column holds the time.",
         "The time column has another name.",
-        "Map it: [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }.",
+        "Map it: [telemetry] time = { column = \"...\", unit = \"s\" }; a file with a clock of its own in [[telemetry.file]].",
     ),
     (
         "E0208",
@@ -241,13 +241,13 @@ pub(super) const CODES: &[Entry] = &[
         "E0211",
         "A unit that is not in the table.",
         "A typing error.",
-        "Use the unit proposed.",
+        "Use a unit of the list in the message; `poinsot units` prints all.",
     ),
     (
         "E0212",
         "A map of a column that cannot be followed.",
-        "A channel that is not standard, a unit of another dimension, a column that is in no file.",
-        "Correct the map.",
+        "A channel that is not standard, a unit of another quantity, a column that is in no file, keys that do not belong together.",
+        "Correct the map; `poinsot inspect FILE` proposes one.",
     ),
     (
         "E0213",
