@@ -1,12 +1,12 @@
 //! Which column holds which channel.
 
-use crate::document::printable;
 use crate::file::{
     AttitudeFile, ColumnFile, ExportFile, FrameFile, JointType, ModelFile, OrbitColumnsFile,
     OrderFile, ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
 };
 use crate::finding::{Findings, Key};
 use crate::suggest;
+use poinsot_files::excerpt;
 use poinsot_telemetry::{
     AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Scale, Sense,
     TelemetryMap, TimeFormat, TimeMap, map_faults,
@@ -56,13 +56,8 @@ pub(crate) fn check_telemetry(
         if let Some(index) = fault.index {
             here = here.index(index);
         }
-        let problem = printable(&fault.problem, LONGEST);
-        findings.refuse(
-            fault.code,
-            &here,
-            problem,
-            printable(&fault.remedy, LONGEST),
-        );
+        let problem = excerpt(&fault.problem, LONGEST);
+        findings.refuse(fault.code, &here, problem, excerpt(&fault.remedy, LONGEST));
     }
     map
 }
@@ -377,7 +372,7 @@ fn check_channel(
         None
     };
     let remedy = match near {
-        Some(near) => format!("did you mean {}?", printable(near, 60)),
+        Some(near) => format!("did you mean {}?", excerpt(near, 60)),
         None => {
             "name a standard channel, for example omega_x, joint1_rad or gyro.omega_x".to_owned()
         }

@@ -33,7 +33,9 @@ pub use describe::*;
 pub use finding::{Finding, ModelError};
 pub use number::rounded;
 pub use poinsot_telemetry::TelemetryMap;
-pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
+pub use read::{
+    MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
+};
 pub use schema::model_schema;
 pub use urdf::{LinkInertial, Urdf, UrdfDefect, UrdfExport, export_urdf, parse_urdf, read_urdf};
 pub use vehicle::*;

@@ -3,6 +3,7 @@
 use crate::TelemetryError;
 use crate::error::Place;
 use crate::packing::{is_standard_input, standard_input};
+use poinsot_files::InputError;
 use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
@@ -24,24 +25,26 @@ pub(crate) enum ByteFault {
 
 /// Opens a regular file.
 pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be read",
-        source,
-    };
     if is_standard_input(path) {
-        let file = standard_input().map_err(io)?;
-        let metadata = file.metadata().map_err(io)?;
+        let spooled = standard_input().and_then(|file| Ok((file.metadata()?, file)));
+        let (metadata, file) = spooled.map_err(|source| TelemetryError::Io {
+            path: path.to_owned(),
+            what: "cannot be read",
+            source,
+        })?;
         return Ok((file, metadata));
     }
-    let metadata = std::fs::metadata(path).map_err(io)?;
-    if !metadata.is_file() {
-        return Err(TelemetryError::Format {
+    poinsot_files::open(path).map_err(|error| match error {
+        InputError::System(source) | InputError::Missing(source) => TelemetryError::Io {
+            path: path.to_owned(),
+            what: "cannot be read",
+            source,
+        },
+        _ => TelemetryError::Format {
             place: Place::file(path),
             why: "not a regular file; give a .csv or .parquet file".into(),
-        });
-    }
-    Ok((File::open(path).map_err(io)?, metadata))
+        },
+    })
 }
 
 /// The file is still the one that was opened.

@@ -29,10 +29,16 @@ mod mounting;
 mod noise;
 mod number;
 mod packing;
+#[cfg(feature = "parquet")]
 mod parquet_bytes;
+#[cfg(feature = "parquet")]
 mod parquet_dictionaries;
+#[cfg(feature = "parquet")]
 mod parquet_pages;
+#[cfg_attr(not(feature = "parquet"), path = "parquet_absent.rs")]
 mod parquet_reader;
+#[cfg(feature = "parquet")]
+mod parquet_writer;
 mod plan;
 mod quaternion;
 mod rate_pairs;
@@ -69,4 +75,4 @@ pub use resample::{hold, resample, resample_attitude, resample_hermite};
 pub use suggest::{Suggestion, suggest};
 pub use time_base::median_step;
 pub use unit::{Dimension, Unit, parse_unit, units};
-pub use writer::write;
+pub use writer::{write, write_staged};

@@ -489,7 +489,7 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
             )
         }
     };
-    let hint = crate::error::one_line(&hint);
+    let hint = poinsot_files::escaped(&hint).into_owned();
     TelemetryError::NoTime {
         place: Place::file(path),
         hint,

@@ -36,6 +36,7 @@ const WORDS: &[&str] = &[
     "name",
     "normalise",
     "prescribe",
+    "raise",
     "read",
     "remove",
     "rename",

@@ -126,7 +126,7 @@ fn xu2017() -> Vec<Row> {
     vec![
         xu("E0531", "momentum wheels", |b| b.model("estimate = [\"inertia\"]", ALL), &["E0531 wheel 'wheel1': xu2017 knows no momentum wheels; take it out of the model if it stands still, or use --method auto"]),
         xu("E0532", "the mass of one body alone", |b| robot(b, ["estimate = [\"mass\"]", "", ""], "", &with(&[("j1_rad", f64::sin)])), &["E0532 body 'bus': estimate: xu2017 takes a body as known, unknown (estimate = true), or, where thrusters fire with the joints locked, all unknown bodies as estimate = [\"inertia\"]; change it, or use --method auto"]),
-        xu("E0533", "nothing known and no thrust", |b| robot(b, [ALL; 3], "", &with(&[("j1_rad", f64::sin)])), &["E0533 no thruster fires with the joints locked, and neither the base nor all that a moving joint carries is known: without the equivalent single body of (35) nothing sets the scale of the momentum equations; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"]),
+        xu("E0533", "nothing known and no thrust", |b| robot(b, [ALL; 3], "", &with(&[("j1_rad", f64::sin)])), &["E0533 no thruster fires with the joints locked, and neither the base", "; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"]),
         xu("E0534", "no velocity", |b| robot(b, ["", ALL, ""], "", &[("j1_rad", f64::sin)]), &["E0534 segment 't.csv': no velocity channel (v_x v_y v_z): xu2017 needs it for the momentum of a moving joint; add it, or use --method auto"]),
         xu("E0535", "two joints at once", |b| robot(b, ["", ALL, ALL], "", &with(&[("j1_rad", f64::sin), ("j2_rad", f64::cos)])), &["E0535 segment 't.csv': joints j1, j2 move together: xu2017 unlocks one joint at a time unless a single body is unknown; split the motion, or use --method auto"]),
         xu("E0536", "thrust while a joint moves", |b| robot(b, ["", ALL, ""], THRUSTER, &with(&[("j1_rad", f64::sin), ("thr_N", |_| 1.0)])), &["E0536 segment 't.csv': a thruster fires while joint 'j1' moves: xu2017 takes momentum as conserved then; cut the firing out, or use --method auto"]),
@@ -171,7 +171,7 @@ pub fn rows() -> Vec<Row> {
         row("E0001", "a code that does not exist", |_| {}, 2, &["E0001 explain 'E9999': there is no such code; run `poinsot explain` for all"]).run(&["explain", "E9999"]),
         row("E0001", "an accuracy of zero", |_| {}, 2, &["E0001 --relative-accuracy '0': must be a positive number; give for example 1.0"]).more(&["--relative-accuracy", "0"]),
         row("usage", "an option that does not exist", |_| {}, 2, &["error: unexpected argument '--nmae' found"]).more(&["--nmae"]),
-        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out/report_data.json: its folder cannot be made: ", "; move the file that stands in the way, or name another folder"]),
+        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out: a folder is needed here: ", "; move the file that stands in the way, or name another folder"]),
         row("E0210", "two files with the same channel", |b| { let t = std::fs::read(b.path("t.csv")).unwrap(); b.write("u.csv", t); }, 2, &["E0210 channel 'omega_x' stands in t.csv column 'omega_x' and again in u.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"]).run(TWO),
         row("E0303", "files that do not overlap", |b| { b.spoil(|s| s.without("wheel")); let mut w = crate::bench::sheet(); w.without("q_"); w.without("omega"); w.map("time_s", |_, t| t + 1000.0); b.write("u.csv", w.text()); }, 2, &["E0303 t.csv,u.csv: 0 samples have all needed channels at one time, and 2 are needed; give a longer record, or files whose times overlap"]).run(TWO),
         row("E0211", "an unknown unit", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"rad/ss\" }\n"), 2, &["E0211 m.toml:", "unit 'rad/ss' is not known; did you mean 'rad/s'?"]),
@@ -214,7 +214,7 @@ fn cases() -> Vec<Row> {
             "no such case",
             |_| {},
             2,
-            &["E0501 case.toml: No such file or directory"],
+            &["E0501 case.toml: there is no such file; check the path"],
         ),
         simulate(
             "E0502",
@@ -338,14 +338,17 @@ fn cases() -> Vec<Row> {
             ],
         ),
         simulate(
-            "E0510",
+            "E0002",
             "a file stands where the folder should go",
             |b| {
                 case(b, "seed = 3", "seed = 3");
                 b.write("sim", "");
             },
             3,
-            &["E0510 sim: "],
+            &[
+                "E0002 sim: a folder is needed here: ",
+                "; move the file that stands in the way",
+            ],
         ),
     ]
 }
@@ -363,12 +366,35 @@ pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
         samples: 1,
     };
     let overflow = ProblemError::NotFinite(poinsot_identify::NotFinite);
+    let threads = poinsot::Error::Threads {
+        why: "Resource temporarily unavailable (os error 11)".to_owned(),
+    };
+    let kept = poinsot::Error::Kept {
+        path: "out/report_data.json".into(),
+        source: std::io::ErrorKind::StorageFull.into(),
+        kept: "out/.poinsot-a1B2c3".into(),
+    };
     let length = EvaluationError::Length {
         what: "values of the unknowns".to_owned(),
         found: 11,
         expected: 12,
     };
     vec![
+        (
+            "E0004",
+            kept.to_string(),
+            "only where a disk fails between two renames: tests/environment",
+        ),
+        (
+            "E0005",
+            threads.to_string(),
+            "only where the system refuses: tests/environment",
+        ),
+        (
+            "E0006",
+            poinsot::Error::Memory.to_string(),
+            "only where the system refuses: tests/environment",
+        ),
         (
             "E0009",
             fault.to_string(),

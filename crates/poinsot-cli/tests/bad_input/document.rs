@@ -99,7 +99,7 @@ pub fn errors(
     let mut out = String::from(
         "# Error codes\n\n`poinsot explain CODE` prints these. Every error is one line: code, place, what was read, what is wrong, what to do.\n\
          The first two digits say where: 00 command, 01 model, 02 telemetry, 03 model and telemetry together, 04 and 05 methods\n\
-         and simulation, 06 results. Exit code 2, but 3 for E0002, E0003, E0510 and for what the operating system refuses, 4 for E0009.\n\
+         and simulation, 06 results. Exit code 2, but 3 for E0002 to E0006 and for what the operating system refuses, 4 for E0009.\n\
          The examples are what the program prints; a test compares them.\n\n",
     );
     for c in codes {

@@ -12,14 +12,32 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0002",
         "The operating system did not let a result be read or written.",
-        "The disk is full, the folder is not writable, or a folder stands where the file should go.",
-        "Free space, correct the permission or give another --out; nothing was left under the final name.",
+        "The disk is full, the folder is not writable, or a folder or a device stands where the file should go.",
+        "Free space, correct the permission or give another --out. An earlier answer is unchanged.",
     ),
     (
         "E0003",
         "Standard output could not be written.",
         "The disk that standard output is redirected to is full.",
         "Free space or write to another place. A reader that closes the pipe early is no error.",
+    ),
+    (
+        "E0004",
+        "Only a part of an answer is in place, and the earlier files could not be put back.",
+        "The disk failed while files were replaced.",
+        "The folder in the message holds each earlier file under the number of its place: move them back.",
+    ),
+    (
+        "E0005",
+        "The system starts no thread.",
+        "A limit of processes or memory (ulimit -u, ulimit -v), or other programs that use all of it.",
+        "Raise the limit or end other programs.",
+    ),
+    (
+        "E0006",
+        "The system gives no more memory.",
+        "A limit of memory (ulimit -v, a container), or a record larger than the memory.",
+        "Raise the limit, or take fewer rows by --every and --time-s.",
     ),
     (
         "E0009",

@@ -191,7 +191,8 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
 fn truth(identified: &Identified) -> Option<Value> {
     let first = identified.inputs.first()?.first()?;
     let path = Path::new(&first.path).parent()?.join("truth.json");
-    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    let bytes = poinsot_files::read(&path, super::LARGEST_RESULT).ok()?;
+    let value: Value = serde_json::from_slice(&bytes).ok()?;
     (value["schema"] == "poinsot.truth/1").then(|| {
         let system = match &value["system"] {
             Value::Null => true_system(identified, &value["bodies"]).unwrap_or(Value::Null),
