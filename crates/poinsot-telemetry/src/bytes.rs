@@ -31,8 +31,8 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
         source,
     };
     if is_standard_input(path) {
-        let file = standard_input().map_err(io)?;
-        let metadata = file.metadata().map_err(io)?;
+        let spooled = standard_input().and_then(|file| Ok((file.metadata()?, file)));
+        let (metadata, file) = spooled.map_err(io)?;
         return Ok((file, metadata));
     }
     poinsot_files::open(path).map_err(|error| match error {
