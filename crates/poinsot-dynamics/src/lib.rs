@@ -51,6 +51,7 @@ mod regressor;
 #[cfg(feature = "std")]
 mod runge_kutta;
 mod sensor;
+mod sensor_errors;
 #[cfg(feature = "std")]
 mod sensors;
 #[cfg(feature = "std")]
@@ -105,6 +106,7 @@ pub use regressor::{momentum_regressor, wheel_regressor};
 #[cfg(feature = "std")]
 pub use runge_kutta::RungeKutta4;
 pub use sensor::{Nuisance, Sensor, SensorKind};
+pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
