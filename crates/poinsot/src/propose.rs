@@ -221,7 +221,7 @@ impl Head {
                 let plain = |h: &String| h.to_lowercase().replace(['_', ' '], "") == *name;
                 self.header.iter().find(|h| plain(h))
             };
-            let found: Option<Vec<&String>> = names.iter().map(|n| find(n)).collect();
+            let found: Option<Vec<&String>> = names.iter().map(find).collect();
             let Some(found) = found else { continue };
             if found.iter().all(|name| classify(name).is_some()) {
                 return;
