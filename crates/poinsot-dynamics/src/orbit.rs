@@ -1,5 +1,7 @@
 //! The reference orbit: a Kepler ellipse in N.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::{ComplexField, RealField};
 use poinsot_spatial::Vector3;
 
 /// A Kepler ellipse about the attracting body, in the inertial axes N.

@@ -1,5 +1,7 @@
 //! A sensor with its declared errors: plain numbers.
 
+use alloc::string::String;
+use alloc::vec::Vec;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// What is known of a number that is not asked for but may be wrong.

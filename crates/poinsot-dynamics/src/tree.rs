@@ -1,5 +1,8 @@
 //! The kinematic constants of a vehicle, laid out for the kernels.
 
+use alloc::vec::Vec;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use poinsot_spatial::{Matrix3, Vector3, skew};
 
 /// How a body moves relative to its parent.

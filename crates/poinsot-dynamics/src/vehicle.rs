@@ -3,6 +3,7 @@
 use crate::orbit::Orbit;
 use crate::thrust::Nozzle;
 use crate::tree::Tree;
+use alloc::vec::Vec;
 use poinsot_spatial::InertialParameters;
 
 /// A vehicle whose numbers are taken as the truth.
@@ -35,7 +36,7 @@ pub struct Gravity {
 
 impl Gravity {
     /// Whether anything but free fall is declared.
-    pub(crate) fn acts(&self) -> bool {
+    pub fn acts(&self) -> bool {
         self.gm.is_some() || self.gradient
     }
 }

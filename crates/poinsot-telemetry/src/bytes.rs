@@ -31,8 +31,8 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
         source,
     };
     if is_standard_input(path) {
-        let file = standard_input().map_err(io)?;
-        let metadata = file.metadata().map_err(io)?;
+        let spooled = standard_input().and_then(|file| Ok((file.metadata()?, file)));
+        let (metadata, file) = spooled.map_err(io)?;
         return Ok((file, metadata));
     }
     poinsot_files::open(path).map_err(|error| match error {
@@ -169,6 +169,7 @@ impl<R: Read> Read for TextBytes<R> {
 }
 
 /// SHA-256 of a whole file, hexadecimal.
+#[cfg(feature = "parquet")]
 pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];

@@ -34,7 +34,14 @@ impl Packing {
         Ok(match self {
             Self::None => Box::new(file),
             Self::Gzip => Box::new(flate2::read::MultiGzDecoder::new(io::BufReader::new(file))),
+            #[cfg(feature = "zstd")]
             Self::Zstd => Box::new(zstd::stream::read::Decoder::new(file)?),
+            #[cfg(not(feature = "zstd"))]
+            Self::Zstd => {
+                return Err(io::Error::other(
+                    "this build does not read Zstandard; unpack the file",
+                ));
+            }
         })
     }
 }

@@ -151,8 +151,10 @@ fn unit_short_and_ragged_arrays_are_errors_with_a_code() {
         ("E0411", &|s, _| s.samples.w_NB_B.truncate(3)),
         ("E0411", &|s, _| s.samples.R_NB.clear()),
         ("E0411", &|s, _| s.samples.wheel_speed.truncate(7)),
-        ("E0411", &|s, _| s.observations.rate.truncate(3)),
-        ("E0411", &|s, _| s.observations.attitude.push(None)),
+        ("E0411", &|s, _| s.observations.time_s.truncate(3)),
+        ("E0411", &|s, _| {
+            s.observations.sensors[0].samples[2].to = 100_000
+        }),
         ("E0411", &|s, _| s.observations.wheel_speed.truncate(4)),
         ("E0411", &|_, n| n.wheel_speed.clear()),
         ("E0411", &|s, _| {

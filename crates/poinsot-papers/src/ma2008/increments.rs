@@ -3,7 +3,8 @@
 //! Summed from the first sample it is the velocity of the base origin in N but for a constant, which the
 //! increments of option 2 eliminate. The error of every interval stays in all later samples.
 
-use poinsot_identify::{PointKind, PointReading, PointReadings, Segment};
+use poinsot_identify::{Segment, SensorRecord, SensorSample, SensorValue};
+use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Times closer than this are one, s.
@@ -18,8 +19,9 @@ pub(super) struct Relative {
 
 /// The sum over the first instrument of the base; `None` without one.
 pub(super) fn relative(segment: &Segment) -> Option<Relative> {
-    let own = |p: &&PointReadings| p.body == 0 && p.readings.len() > 1;
-    let instrument = segment.observations.points.iter().find(own)?;
+    let kinds = [SensorKind::Accelerometer, SensorKind::VelocityIncrement];
+    let own = |r: &&SensorRecord| kinds.contains(&r.kind) && r.body == 0 && r.samples.len() > 1;
+    let instrument = segment.observations.sensors.iter().find(own)?;
     let s = &segment.samples;
     // Sample of each grid time.
     let samples: Vec<Option<usize>> = segment
@@ -39,13 +41,13 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
     };
     let mut longest: f64 = 0.0;
     for pair in std::iter::once(None)
-        .chain(instrument.readings.iter().map(Some))
-        .zip(&instrument.readings)
+        .chain(instrument.samples.iter().map(Some))
+        .zip(&instrument.samples)
     {
         let (before, reading) = pair;
         let (from, change) = match instrument.kind {
-            PointKind::VelocityIncrement => (reading.from, Some(reading.value)),
-            PointKind::SpecificForce => (
+            SensorKind::VelocityIncrement => (reading.from, Some(vector(reading))),
+            _ => (
                 before.map_or(reading.to, |b| b.to),
                 before.and_then(|b| trapezoid(segment, &sample, b, reading)),
             ),
@@ -69,10 +71,18 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
         last = Some(end);
     }
     let step = match instrument.kind {
-        PointKind::VelocityIncrement => instrument.covariance,
-        PointKind::SpecificForce => instrument.covariance * (longest * longest),
+        SensorKind::VelocityIncrement => instrument.covariance,
+        _ => instrument.covariance * (longest * longest),
     };
     Some(Relative { velocity, step })
+}
+
+/// Value of a sample of an instrument at a point.
+fn vector(sample: &SensorSample) -> Vector3 {
+    match sample.value {
+        SensorValue::Vector(x) => x,
+        SensorValue::Attitude(_) => Vector3::zeros(),
+    }
 }
 
 /// The sample of a time.
@@ -88,11 +98,11 @@ fn at(times: &[f64], t: f64) -> Option<usize> {
 fn trapezoid(
     segment: &Segment,
     sample: &impl Fn(usize) -> Option<usize>,
-    before: &PointReading,
-    now: &PointReading,
+    before: &SensorSample,
+    now: &SensorSample,
 ) -> Option<Vector3> {
     let (a, b) = (sample(before.to)?, sample(now.to)?);
     let s = &segment.samples;
     let dt = s.time_s[b] - s.time_s[a];
-    Some((s.R_NB[a] * before.value + s.R_NB[b] * now.value) * (0.5 * dt))
+    Some((s.R_NB[a] * vector(before) + s.R_NB[b] * vector(now)) * (0.5 * dt))
 }

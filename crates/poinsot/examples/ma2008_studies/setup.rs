@@ -77,12 +77,12 @@ pub fn trajectory2() -> Vec<(f64, [f64; 6])> {
 /// The same stops with a swing out by `angle` half-way between each two.
 fn detour(stops: &[f64], place: &[f64], angle: f64) -> (Vec<f64>, Vec<f64>) {
     let mut out = (Vec::new(), Vec::new());
-    for k in 0..stops.len() {
-        out.0.push(stops[k]);
-        out.1.push(place[k]);
+    for (k, (stop, at)) in stops.iter().zip(place).enumerate() {
+        out.0.push(*stop);
+        out.1.push(*at);
         if let (Some(t), Some(q)) = (stops.get(k + 1), place.get(k + 1)) {
-            out.0.push(0.5 * (stops[k] + t));
-            out.1.push(0.5 * (place[k] + q) + angle);
+            out.0.push(0.5 * (stop + t));
+            out.1.push(0.5 * (at + q) + angle);
         }
     }
     out

@@ -277,6 +277,7 @@ fn segment(raws: &[ma2008::Raw]) -> Segment {
 fn noise(seen: f64) -> Noise {
     let one = Matrix3::identity();
     Noise {
+        gyro_sensor: None,
         gyro: one * RATE.powi(2),
         attitude: one * ATTITUDE.powi(2),
         velocity: one * VELOCITY.powi(2),
@@ -284,7 +285,6 @@ fn noise(seen: f64) -> Noise {
         joint_position: vec![0.0; 6],
         joint_rate: vec![JOINT_RATE.powi(2); 6],
         wheel_speed: Vec::new(),
-        correlation_s: [0.0; 4],
         seen_gyro: seen,
         seen_velocity: seen,
         seen_joint_rate: seen,
