@@ -21,16 +21,20 @@ pub fn install() {
         .into_iter()
         .filter(|signal| ignored & (1 << (signal - 1)) == 0)
         .collect();
+    let (ready, is_ready) = std::sync::mpsc::channel::<()>();
     // Without the thread the signals do what they always do.
     let _ = std::thread::Builder::new().spawn(move || {
         let Ok(mut signals) = signal_hook::iterator::Signals::new(caught) else {
             return;
         };
+        drop(ready);
         if let Some(signal) = signals.forever().next() {
             poinsot_files::remove_stages();
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
     });
+    // Nothing is drafted before an interruption is caught.
+    let _ = is_ready.recv();
 }
 
 /// Nothing to install.

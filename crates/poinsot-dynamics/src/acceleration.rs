@@ -3,6 +3,8 @@
 
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
+use alloc::vec;
+use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Vector3};
 
 /// Inertial acceleration of every body, in base axes. Scratch.

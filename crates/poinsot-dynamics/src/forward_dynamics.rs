@@ -20,6 +20,8 @@ use crate::kinematics::Kinematics;
 use crate::momentum::Composite;
 use crate::symmetric::Symmetric;
 use crate::tree::{Motion, Tree};
+use alloc::vec;
+use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// What is known of a joint at one instant.

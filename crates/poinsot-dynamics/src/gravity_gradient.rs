@@ -1,5 +1,7 @@
 //! The torque of a gravity field that is not the same everywhere in the vehicle.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Gravity-gradient torque about the system's mass centre, N m: `3 gm / r^5  r x (I r)` (Hughes 1986, sec. 8.1), to

@@ -4,6 +4,8 @@
 use crate::acceleration::Accelerations;
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
+use alloc::vec;
+use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Vector3};
 
 /// A force and the torque about a point that goes with it, in base axes, N and N m.

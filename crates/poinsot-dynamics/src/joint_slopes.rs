@@ -6,6 +6,7 @@
 
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
+use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, Vector6, parallel_axis, skew};
 
 /// Slopes over one joint coordinate, linear part first.

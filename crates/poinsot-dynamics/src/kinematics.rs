@@ -1,6 +1,8 @@
 //! Where every body is and how it moves, seen from the base.
 
 use crate::tree::{Motion, Tree, product};
+use alloc::vec;
+use alloc::vec::Vec;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Placement and velocity of every body, all in base axes. Scratch: filled by

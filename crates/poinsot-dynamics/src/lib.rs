@@ -3,55 +3,87 @@
 //! Kernels are plain functions on fixed-size matrices. A [`Tree`] is constant; a [`Kinematics`] is
 //! scratch that one call fills and the next reads. Unless a name says otherwise every vector is in the
 //! axes of the base B and every moment is about the base's frame origin `Bo`.
+//!
+//! Without the default feature `std` the kernels remain: tree, kinematics, momentum, regressors, accelerations, forward
+//! and inverse dynamics, orbit. They need `alloc` and, for the functions of `libm`, the feature `libm`.
+#![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
+extern crate alloc;
+
 mod acceleration;
+#[cfg(feature = "std")]
 mod attitude_control;
+#[cfg(feature = "std")]
 mod dop853;
+#[cfg(feature = "std")]
 mod dop853_table;
+#[cfg(feature = "std")]
 mod driven;
+#[cfg(feature = "std")]
 mod driven_stage;
 mod energy;
 mod forward_dynamics;
 mod gravity_gradient;
+#[cfg(feature = "std")]
 mod integrate;
 mod inverse_dynamics;
 mod jacobian;
+#[cfg(feature = "std")]
 mod joint_drive;
+#[cfg(feature = "std")]
 mod joint_motion;
 mod joint_slopes;
 mod kinematics;
 mod mass_matrix;
 mod momentum;
 mod orbit;
+#[cfg(feature = "std")]
 mod piecewise;
+#[cfg(feature = "std")]
 mod plan;
+#[cfg(feature = "std")]
 mod prescribed;
 mod rate_regressor;
+#[cfg(feature = "std")]
 mod reaction_wheel;
 mod regressor;
+#[cfg(feature = "std")]
 mod runge_kutta;
+mod sensor;
+mod sensor_errors;
+#[cfg(feature = "std")]
 mod sensors;
+#[cfg(feature = "std")]
 mod stage;
 mod symmetric;
 mod thrust;
 mod tree;
+mod vehicle;
+#[cfg(feature = "std")]
 mod wheel_motion;
 
 pub use acceleration::Accelerations;
+#[cfg(feature = "std")]
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,
 };
+#[cfg(feature = "std")]
 pub use dop853::DormandPrince8;
+#[cfg(feature = "std")]
 pub use driven::{Driven, DrivenPlan, Integrator};
+#[cfg(feature = "std")]
 pub use driven_stage::DrivenSample;
 pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use gravity_gradient::gravity_gradient_torque;
+#[cfg(feature = "std")]
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};
 pub use jacobian::{base_jacobian, generalise_jacobian, joint_jacobian, point_of_body};
+#[cfg(feature = "std")]
 pub use joint_drive::{ForceProfile, JointDrive, SpringDamper};
+#[cfg(feature = "std")]
 pub use joint_motion::{Fourier, JointMotion};
 pub use joint_slopes::{JointSlope, JointSlopes};
 pub use kinematics::Kinematics;
@@ -60,15 +92,25 @@ pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
 };
-pub use orbit::orbit_state;
+pub use orbit::{Orbit, orbit_state};
+#[cfg(feature = "std")]
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
+#[cfg(feature = "std")]
 pub use plan::{Plan, Start, StartVelocity, Stretches};
+#[cfg(feature = "std")]
 pub use prescribed::{MotionError, MotionSample, Prescribed};
 pub use rate_regressor::{momentum_rate_column, wheel_rate};
+#[cfg(feature = "std")]
 pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
+#[cfg(feature = "std")]
 pub use runge_kutta::RungeKutta4;
+pub use sensor::{Nuisance, Sensor, SensorKind};
+pub use sensor_errors::{SensorError, SensorErrors};
+#[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
+pub use vehicle::{Gravity, Vehicle};
+#[cfg(feature = "std")]
 pub use wheel_motion::WheelMotion;

@@ -9,6 +9,8 @@
 use crate::kinematics::Kinematics;
 use crate::momentum::{Composite, composite};
 use crate::tree::{Motion, Tree};
+use alloc::vec;
+use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Matrix3, Matrix6, Vector3, Vector6, parallel_axis};
 
 /// The blocks of the mass matrix, and the scratch to fill them. No call allocates.

@@ -1,9 +1,11 @@
-//! What the sensors of a vehicle report of a motion: the truth, plus bias, white noise and rounding.
+//! What the sensors of a vehicle report of a motion: the truth with all errors that the estimator knows, noise and
+//! rounding.
 
 use crate::prescribed::MotionSample;
+use crate::sensor::{Nuisance, Sensor, SensorKind};
+use crate::sensor_errors::{SensorError, SensorErrors};
 use crate::tree::Tree;
 use nalgebra::Quaternion;
-use poinsot_model::{Nuisance, Sensor, SensorKind};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -12,9 +14,9 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// A sensor at work: its declared errors, its own random stream and its bias.
 ///
-/// A reading is `truth + bias + noise`, rounded to the least significant bit. Gyro, accelerometer and
-/// attitude err in the sensor's axes and report in those of its body; position and velocity err and
-/// report in N. Scale factor, misalignment and lag are taken as perfect.
+/// A reading is `(1 + turn) truth + bias + noise`, rounded to the least significant bit ([`SensorErrors`]). Gyro,
+/// accelerometer and attitude err in the sensor's axes and report in those of its body; position and velocity err and
+/// report in N. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
 #[derive(Debug, Clone)]
 pub struct Instrument {
     kind: SensorKind,
@@ -26,8 +28,14 @@ pub struct Instrument {
     R_BS: Option<Matrix3>,
     /// A square root of the noise covariance.
     noise: Option<Matrix3>,
+    /// Correlation time of the noise, s; zero where it is white.
+    correlation_s: f64,
+    /// Time and noise of the sample before, where the noise is coloured.
+    last_noise: Option<(f64, Vector3)>,
     quantisation: f64,
     bias: Vec<f64>,
+    /// Scale, misalignment, nonorthogonality and lag; the bias stands beside, since a sensor may read many joints.
+    errors: SensorErrors,
     /// Where the steps of a rounding sensor lie, one per channel, in steps.
     phase: Vec<f64>,
     rng: ChaCha8Rng,
@@ -37,7 +45,8 @@ pub struct Instrument {
 impl Instrument {
     /// A sensor of the vehicle. Equal `seed` and `stream` give equal errors; every sensor of every trial
     /// needs its own stream. The bias is the one given (three numbers, or one per scalar channel, or one
-    /// for all), else drawn from the declared prior sigma, else zero.
+    /// for all), else drawn from the declared prior sigma, else zero. Scale, misalignment, nonorthogonality
+    /// and lag are zero: [`Self::set_error`] gives them.
     pub fn new(sensor: &Sensor, tree: &Tree, seed: u64, stream: u64, bias: Option<&[f64]>) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
@@ -58,6 +67,9 @@ impl Instrument {
             })
             .collect();
         Self {
+            errors: SensorErrors::default(),
+            correlation_s: sensor.correlation_s,
+            last_noise: None,
             kind: sensor.kind,
             body: sensor.body,
             p_BoS_B: sensor.p_BoS_B,
@@ -92,19 +104,48 @@ impl Instrument {
         &self.bias
     }
 
+    /// Gives one error its value, in the sensor's axes; the bias is given to [`Self::new`].
+    pub fn set_error(&mut self, error: SensorError, value: f64) {
+        let now = self.error(error);
+        self.errors.add(error, value - now);
+    }
+
+    /// An error at work other than the bias, in the sensor's axes.
+    pub fn error(&self, error: SensorError) -> f64 {
+        let turn = &self.errors.turn;
+        let pair = |k: usize| {
+            (
+                turn[((k + 2) % 3, (k + 1) % 3)],
+                turn[((k + 1) % 3, (k + 2) % 3)],
+            )
+        };
+        match error {
+            SensorError::Bias(k) => self.bias.get(k).copied().unwrap_or(0.0),
+            SensorError::Scale(k) => turn[(k, k)],
+            SensorError::Misalignment(k) => 0.5 * (pair(k).0 - pair(k).1),
+            SensorError::Nonorthogonality(k) => 0.5 * (pair(k).0 + pair(k).1),
+            SensorError::Lag => self.errors.lag_s,
+        }
+    }
+
+    /// How late the sensor reads, s: a sample of the motion at t bears the time t + lag.
+    pub fn lag_s(&self) -> f64 {
+        self.errors.lag_s
+    }
+
     /// Replaces `out` with one reading: three numbers, four for an attitude (xyzw), one per joint, wheel
     /// or thruster. Empty for the first velocity increment, which has no beginning.
     pub fn read(&mut self, sample: &MotionSample, out: &mut Vec<f64>) {
         match self.kind {
             SensorKind::Attitude => {
                 let q = body_attitude(sample, self.body).coords;
-                self.disturb(&[q.x, q.y, q.z, q.w], out);
+                self.disturb(sample.time, &[q.x, q.y, q.z, q.w], out);
             }
             kind if kind.is_scalar() => {
                 let truth = scalars(kind, sample);
                 let of = |i: &usize| truth.get(*i).copied().unwrap_or(f64::NAN);
                 let exact: Vec<f64> = self.of.iter().map(of).collect();
-                self.disturb(&exact, out);
+                self.disturb(sample.time, &exact, out);
             }
             kind => {
                 let mut x = vector_reading(kind, sample, self.body, &self.p_BoS_B);
@@ -115,18 +156,18 @@ impl Instrument {
                     };
                     x -= last;
                 }
-                self.disturb(x.as_slice(), out);
+                self.disturb(sample.time, x.as_slice(), out);
             }
         }
     }
 
-    /// Replaces `out` with the reading where a perfect sensor reads `exact`: as many numbers, in one order.
-    pub fn disturb(&mut self, exact: &[f64], out: &mut Vec<f64>) {
+    /// Replaces `out` with the reading at a time, s, where a perfect sensor reads `exact`: as many numbers, in one order.
+    pub fn disturb(&mut self, time_s: f64, exact: &[f64], out: &mut Vec<f64>) {
         out.clear();
         match (self.kind, exact) {
             (SensorKind::Attitude, &[x, y, z, w]) => {
                 let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-                out.extend(self.attitude(q).coords.iter());
+                out.extend(self.attitude(time_s, q).coords.iter());
             }
             (kind, _) if kind.is_scalar() => {
                 for (i, x) in exact.iter().enumerate() {
@@ -136,16 +177,16 @@ impl Instrument {
                     out.push(self.round(x + error, i));
                 }
             }
-            (_, &[x, y, z]) => out.extend(self.corrupt(Vector3::new(x, y, z)).iter()),
+            (_, &[x, y, z]) => out.extend(self.corrupt(time_s, Vector3::new(x, y, z)).iter()),
             _ => {}
         }
     }
 
-    fn corrupt(&mut self, x: Vector3) -> Vector3 {
+    fn corrupt(&mut self, time_s: f64, x: Vector3) -> Vector3 {
         let in_body = matches!(self.kind, SensorKind::Gyro | SensorKind::Accelerometer);
         let turn = self.R_BS.filter(|_| in_body);
         let own = turn.map_or(x, |R| R.transpose() * x);
-        let mut own = own + self.error();
+        let mut own = self.errors.change(&own) + self.bias_and_noise(time_s);
         for (i, x) in own.iter_mut().enumerate() {
             *x = self.round(*x, i);
         }
@@ -153,8 +194,8 @@ impl Instrument {
     }
 
     /// The attitude turned by a small rotation in the sensor's axes.
-    fn attitude(&mut self, q: UnitQuaternion) -> Quaternion<f64> {
-        let error = self.error();
+    fn attitude(&mut self, time_s: f64, q: UnitQuaternion) -> Quaternion<f64> {
+        let error = self.bias_and_noise(time_s);
         let error = self.R_BS.map_or(error, |R| R * error);
         let q = q * UnitQuaternion::from_scaled_axis(error);
         if self.quantisation == 0.0 {
@@ -165,13 +206,20 @@ impl Instrument {
         Quaternion::from(q.coords.map(|x| (x / lsb).round() * lsb)).normalize()
     }
 
-    fn error(&mut self) -> Vector3 {
+    fn bias_and_noise(&mut self, time_s: f64) -> Vector3 {
         let mut error = Vector3::zeros();
         error.iter_mut().zip(&self.bias).for_each(|(e, b)| *e = *b);
-        if let Some(root) = self.noise {
-            error += root * Vector3::from_fn(|_, _| normal(&mut self.rng));
+        let Some(root) = self.noise else { return error };
+        let mut noise = root * Vector3::from_fn(|_, _| normal(&mut self.rng));
+        if self.correlation_s > 0.0 {
+            // Gauss-Markov, as the estimator whitens it.
+            if let Some((before, last)) = self.last_noise {
+                let a = (-(time_s - before) / self.correlation_s).exp();
+                noise = last * a + noise * (1.0 - a * a).sqrt();
+            }
+            self.last_noise = Some((time_s, noise));
         }
-        error
+        error + noise
     }
 
     fn round(&self, x: f64, channel: usize) -> f64 {

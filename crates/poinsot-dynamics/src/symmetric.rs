@@ -1,7 +1,7 @@
 //! Symmetric 3 x 3 matrices by their six elements, and the products that the dynamics needs.
 
+use core::ops::AddAssign;
 use poinsot_spatial::{Matrix3, Vector3};
-use std::ops::AddAssign;
 
 /// A symmetric 3 x 3 matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -119,6 +119,7 @@ impl Symmetric {
     }
 
     /// The solution of `self x = b`; `None` where the matrix is not positive definite.
+    #[cfg(feature = "std")]
     #[inline]
     pub fn solve(&self, b: &Vector3) -> Option<Vector3> {
         let factor = self.factor();

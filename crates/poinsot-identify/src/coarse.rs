@@ -7,7 +7,7 @@ use crate::fit::is_close;
 use crate::information::{Experiment, Point};
 use crate::parameters::UnknownKind;
 use crate::problem::Problem;
-use crate::segment::{InputErrors, Observations, Samples, Segment};
+use crate::segment::{InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample};
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Readings of each sensor in a segment of which none is left out.
@@ -47,7 +47,7 @@ pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
 /// A segment with a share of its readings; `None` with instruments whose readings span intervals of the grid.
 fn thinned(segment: &Segment) -> Option<Segment> {
     let o = &segment.observations;
-    if !o.points.is_empty() {
+    if o.reads_points() {
         return None;
     }
     let kept = kept(segment);
@@ -59,14 +59,8 @@ fn thinned(segment: &Segment) -> Option<Segment> {
     };
     let observations = Observations {
         time_s: picked(&o.time_s, &kept),
-        rate: picked(&o.rate, &kept),
-        attitude: picked(&o.attitude, &kept),
-        velocity: picked(&o.velocity, &kept),
-        position: picked(&o.position, &kept),
-        velocity_arm_B: o.velocity_arm_B,
-        position_arm_B: o.position_arm_B,
+        sensors: o.sensors.iter().map(|r| at_kept(r, &kept)).collect(),
         orbit: picked(&o.orbit, &kept),
-        points: Vec::new(),
         joint_position: rows(&o.joint_position, dof),
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
@@ -91,18 +85,10 @@ fn kept(segment: &Segment) -> Vec<usize> {
     let o = &segment.observations;
     let n = o.time_s.len();
     let mut stays = vec![false; n];
-    let sensors: [Vec<usize>; 4] = [
-        present(&o.rate),
-        present(&o.attitude),
-        present(&o.velocity),
-        present(&o.position),
-    ];
-    for readings in &sensors {
-        let stride = (readings.len() / FEW).clamp(1, STRIDE);
-        readings
-            .iter()
-            .step_by(stride)
-            .for_each(|k| stays[*k] = true);
+    for record in &o.sensors {
+        let stride = (record.samples.len() / FEW).clamp(1, STRIDE);
+        let samples = record.samples.iter().step_by(stride);
+        samples.for_each(|s| stays[s.to] = true);
     }
     let edges = segment.firings.iter().flat_map(|f| [f.start_s, f.end_s]);
     for edge in edges {
@@ -115,10 +101,20 @@ fn kept(segment: &Segment) -> Vec<usize> {
         .collect()
 }
 
-fn present<T>(readings: &[Option<T>]) -> Vec<usize> {
-    (0..readings.len())
-        .filter(|&k| readings[k].is_some())
-        .collect()
+/// The samples of a sensor at the grid times that stay, of which they then bear the places.
+fn at_kept(record: &SensorRecord, kept: &[usize]) -> SensorRecord {
+    let samples = record.samples.iter().filter_map(|s| {
+        let at = kept.binary_search(&s.to).ok()?;
+        Some(SensorSample {
+            from: at,
+            to: at,
+            ..*s
+        })
+    });
+    SensorRecord {
+        samples: samples.collect(),
+        ..record.clone()
+    }
 }
 
 fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {

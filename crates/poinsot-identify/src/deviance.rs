@@ -6,23 +6,20 @@
 use crate::fit::Fitted;
 use crate::information::Experiment;
 use crate::prior;
-use poinsot_spatial::Matrix3;
 
 /// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and
 /// calibrations, determinants of the sensors' noise, of the random torque's and of the calibrations', and that of the information.
 /// The noise of joints and wheels counts in chi-square alone.
 pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
-    let noise = experiment.problem.noise;
     let mut sum: f64 = fitted.evaluated.iter().map(|e| e.cost).sum();
-    for channel in fitted.evaluated.iter().flat_map(|e| &e.channels) {
-        let covariance = match channel.name {
-            "gyro" => noise.gyro,
-            "attitude" => noise.attitude,
-            "velocity" => noise.velocity,
-            "position" => noise.position,
-            _ => Matrix3::identity(),
-        };
-        sum += channel.white.len() as f64 * covariance.determinant().ln() + channel.log_det;
+    let segments = experiment.problem.segments.iter();
+    for (segment, one) in segments.zip(&fitted.evaluated) {
+        let records = &segment.observations.sensors;
+        for channel in &one.channels {
+            let own = records.iter().find(|r| r.name == channel.name);
+            let determinant = own.map_or(1.0, |r| r.covariance.determinant());
+            sum += channel.white.len() as f64 * determinant.ln() + channel.log_det;
+        }
     }
     let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);
     sum += calibration.chi2;

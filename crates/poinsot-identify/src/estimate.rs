@@ -219,15 +219,16 @@ pub struct SegmentFit {
     pub samples: usize,
     /// Chi-square per degree of freedom with the declared noise.
     pub chi2_per_dof: f64,
-    /// One entry per kind of sensor.
+    /// One entry per sensor.
     pub channels: Vec<ChannelFit>,
 }
 
-/// How well one kind of sensor fits in one segment.
+/// How well one sensor fits in one segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelFit {
-    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment.
-    pub name: &'static str,
+    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment; `<kind>.<sensor>` where several
+    /// sensors share the kind.
+    pub name: String,
     /// Unit of the root mean square.
     pub unit: &'static str,
     /// Root mean square of measured less predicted, per axis.

@@ -24,18 +24,18 @@ pub struct EvaluatedUnknown {
     pub unit: &'static str,
 }
 
-/// What one kind of sensor says of one segment: three numbers a sample.
+/// What one sensor says of one segment: three numbers a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorResiduals {
     /// Segment.
     pub segment: String,
-    /// Kind of sensor, for example `gyro`.
-    pub sensor: &'static str,
+    /// Name of its [`SensorRecord`](crate::SensorRecord), for example `gyro`.
+    pub sensor: String,
     /// Unit of `raw`.
     pub unit: &'static str,
     /// Times of the samples, s.
     pub time_s: Vec<f64>,
-    /// Measured less predicted: attitude as a small turn in B, velocity and rates in B, position in N.
+    /// Measured less predicted: attitude as a small turn in its body, rates in theirs, velocity and position in N.
     pub raw: Vec<Vector3>,
     /// The same whitened by the declared noise, that of the inputs included.
     pub white: Vec<Vector3>,
@@ -50,7 +50,8 @@ pub struct Evaluation {
     pub sensors: Vec<SensorResiduals>,
     /// All whitened residuals: those of the sensors in their order, then those of declared priors.
     pub residuals: DVector<f64>,
-    /// Slopes of the residuals over the unknowns, whitening held: one row per residual, one column per unknown.
+    /// Slopes of the residuals over the unknowns, whitening held, to first order in the residual of an attitude: one row
+    /// per residual, one column per unknown.
     pub jacobian: DMatrix<f64>,
     /// Fisher information `J^T J`, priors included.
     pub information: DMatrix<f64>,
@@ -84,8 +85,10 @@ pub enum EvaluationError {
 ///
 /// ```
 /// use poinsot_dynamics::Tree;
-/// use poinsot_identify::{Evaluator, Noise, Observations, Problem, Samples, Segment};
-/// use poinsot_model::parse_model;
+/// use poinsot_identify::{
+///     Evaluator, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue,
+/// };
+/// use poinsot_model::{SensorKind, parse_model};
 /// use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 ///
 /// let model = parse_model(r#"
@@ -122,10 +125,10 @@ pub enum EvaluationError {
 ///     },
 ///     observations: Observations {
 ///         time_s,
-///         rate: rates.iter().copied().map(Some).collect(),
-///         attitude: vec![None; 3],
-///         velocity: vec![None; 3],
-///         position: vec![None; 3],
+///         sensors: vec![
+///             SensorRecord::of_base(SensorKind::Gyro, Matrix3::identity() * 1.0e-8)
+///                 .at_every_time(rates.map(SensorValue::Vector)),
+///         ],
 ///         wheel_speed: vec![10.0; 3],
 ///         ..Observations::default()
 ///     },
@@ -133,6 +136,7 @@ pub enum EvaluationError {
 /// };
 /// let none = Matrix3::zeros();
 /// let noise = Noise {
+///     gyro_sensor: None,
 ///     gyro: Matrix3::identity() * 1.0e-8,
 ///     attitude: none,
 ///     velocity: none,
@@ -140,7 +144,6 @@ pub enum EvaluationError {
 ///     joint_position: vec![],
 ///     joint_rate: vec![],
 ///     wheel_speed: vec![0.0],
-///     correlation_s: [0.0; 4],
 ///     seen_gyro: 1.0,
 ///     seen_velocity: 0.0,
 ///     seen_joint_rate: 0.0,
@@ -262,14 +265,14 @@ impl<'a> Evaluator<'a> {
                 deviance += channel.log_det;
                 let mut residuals = SensorResiduals {
                     segment: segment.label.clone(),
-                    sensor: channel.name,
+                    sensor: channel.name.clone(),
                     unit: channel.unit,
                     time_s: Vec::new(),
                     raw: Vec::new(),
                     white: Vec::new(),
                     first_row: rows.residuals.len(),
                 };
-                for row in one.kept.of(Some(channel.name)) {
+                for row in one.kept.of(Some(&channel.name)) {
                     residuals.time_s.push(segment.observations.time_s[row.at]);
                     residuals.raw.push(row.raw);
                     residuals.white.push(row.white);
@@ -483,10 +486,6 @@ fn check(problem: &Problem, segment: &Segment) -> Result<(), EvaluationError> {
     }
     let o: &Observations = &segment.observations;
     let n = o.time_s.len();
-    array("observations.rate", o.rate.len(), n)?;
-    array("observations.attitude", o.attitude.len(), n)?;
-    array("observations.velocity", o.velocity.len(), n)?;
-    array("observations.position", o.position.len(), n)?;
     array(
         "observations.joint_position",
         o.joint_position.len(),
@@ -497,10 +496,11 @@ fn check(problem: &Problem, segment: &Segment) -> Result<(), EvaluationError> {
     if problem.model.environment.gravity_gradient || !o.orbit.is_empty() {
         array("observations.orbit", o.orbit.len(), n)?;
     }
-    for points in &o.points {
-        let last = points.readings.iter().map(|r| r.to.max(r.from)).max();
+    for record in &o.sensors {
+        let last = record.samples.iter().map(|s| s.to.max(s.from)).max();
         if let Some(last) = last.filter(|last| *last >= n) {
-            array("last grid time of observations.points", last + 1, n)?;
+            let what = format!("last grid time of observations.sensors '{}'", record.name);
+            array(&what, last + 1, n)?;
         }
     }
     let thrusters = problem.model.thrusters.len();
@@ -511,4 +511,31 @@ fn check(problem: &Problem, segment: &Segment) -> Result<(), EvaluationError> {
     expect("noise.joint_position", noise.joint_position.len(), dof)?;
     expect("noise.joint_rate", noise.joint_rate.len(), dof)?;
     expect("noise.wheel_speed", noise.wheel_speed.len(), wheels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_turn_slopes_are_those_of_the_rotation() {
+        for phi in [
+            Vector3::new(0.4, -1.1, 0.7),
+            Vector3::new(2.0e-5, 0.0, -1.0e-5),
+        ] {
+            let here = UnitQuaternion::from_scaled_axis(phi);
+            for k in 0..3 {
+                let mut step = Vector3::zeros();
+                step[k] = 1.0e-5;
+                let [up, down] = [step, -step].map(|d| UnitQuaternion::from_scaled_axis(phi + d));
+                let turn = ((here.inverse() * up).scaled_axis()
+                    - (here.inverse() * down).scaled_axis())
+                    / 2.0e-5;
+                assert!(
+                    (turn - turn_slopes(&phi).column(k)).norm() < 1.0e-9,
+                    "{phi}"
+                );
+            }
+        }
+    }
 }

@@ -77,7 +77,7 @@ impl<'a> Experiment<'a> {
             unknown: problem
                 .segments
                 .iter()
-                .map(|s| HeadColumns::of(s, &problem.model.momentum, problem.noise, sight))
+                .map(|s| HeadColumns::of(s, &problem.model.momentum, sight))
                 .collect(),
             sight,
             loss: Loss::Gaussian,

@@ -8,12 +8,14 @@ use crate::linear::linear;
 use crate::loss::Loss;
 use crate::maximum_likelihood::maximum_likelihood;
 use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
-use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
-use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
+use crate::segment::{
+    Firing, Noise, Observations, Samples, Segment, SensorRecord, SensorSample, SensorValue,
+    Translation,
+};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
-use poinsot_model::{Model, parse_model};
+use poinsot_model::{Model, SensorKind, parse_model};
 
 const MODEL: &str = r#"
 schema = "poinsot.model/1"
@@ -152,8 +154,33 @@ disturbance_torque_inertial = "estimate"
 drag_torque = "estimate"
 "#;
 
-fn reading(from: usize, to: usize, value: Vector3<f64>) -> PointReading {
-    PointReading { from, to, value }
+/// Index of a kind in the sensors of [`finer`], where translation is read; gyro and attitude come first anyway.
+const KINDS: [SensorKind; 6] = [
+    SensorKind::Gyro,
+    SensorKind::Attitude,
+    SensorKind::Velocity,
+    SensorKind::Position,
+    SensorKind::Accelerometer,
+    SensorKind::VelocityIncrement,
+];
+
+/// The sensor of a kind in the test's model, with covariance and place.
+fn record(model: &Model, kind: SensorKind) -> SensorRecord {
+    let (variances, body, place) = match kind {
+        SensorKind::Gyro => ([1.0e-2, 2.0e-2, 3.0e-2], 0, [0.0; 3]),
+        SensorKind::Attitude => ([1.0e-2; 3], 0, [0.0; 3]),
+        SensorKind::Velocity => ([2.0e-2; 3], 0, [0.1, 0.2, -0.3]),
+        SensorKind::Position => ([3.0e-2, 1.0e-2, 2.0e-2], 0, [-0.2, 0.1, 0.1]),
+        SensorKind::Accelerometer => ([1.0e-2, 2.0e-2, 3.0e-2], 2, [0.1, -0.2, 0.3]),
+        _ => ([1.0e-2; 3], 1, [0.3, 0.1, -0.1]),
+    };
+    let covariance = Matrix3::from_diagonal(&Vector3::from(variances));
+    SensorRecord {
+        sensor: model.sensors.iter().position(|s| s.kind == kind),
+        body,
+        p_BoS_B: Vector3::from(place),
+        ..SensorRecord::of_base(kind, covariance)
+    }
 }
 
 /// A smooth motion that no vehicle makes: residuals are large, so every slope matters.
@@ -170,7 +197,27 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
         let t = h * k as f64;
         Vector3::new((t + phase).sin(), (0.7 * t - phase).cos(), (1.3 * t).sin()) * 0.3
     };
-    let all = |phase: f64| (0..samples).map(|k| Some(wave(k, phase))).collect();
+    let of = |kind, phase: f64| {
+        let values = (0..samples).map(|k| match kind {
+            SensorKind::Attitude => {
+                SensorValue::Attitude(UnitQuaternion::from_scaled_axis(wave(k, phase)))
+            }
+            _ => SensorValue::Vector(wave(k, phase)),
+        });
+        let mut made = record(model, kind).at_every_time(values);
+        if kind == SensorKind::VelocityIncrement {
+            made.samples.remove(0);
+            made.samples.iter_mut().for_each(|s| s.from = s.to - 1);
+        }
+        made
+    };
+    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0];
+    let moves = |kind| matches!(kind, SensorKind::Velocity | SensorKind::Position);
+    let pairs = KINDS.into_iter().zip(phases);
+    let sensors = pairs
+        .filter(|(kind, _)| translation || !moves(*kind))
+        .map(|(kind, phase)| of(kind, phase))
+        .collect();
     let dof = tree.dof();
     let joint = |k: usize, j: usize| 0.3 * (h * k as f64 * (1.0 + j as f64)).sin();
     let joint_position: Vec<f64> = (0..samples)
@@ -187,12 +234,11 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
     let R_NB: Vec<UnitQuaternion<f64>> = (0..samples)
         .map(|k| UnitQuaternion::from_scaled_axis(wave(k, 0.4)))
         .collect();
-    let none = vec![None; samples];
     Segment {
         label: "made".to_owned(),
         samples: Samples {
             time_s: time_s.clone(),
-            R_NB: R_NB.clone(),
+            R_NB,
             w_NB_B: (0..samples).map(|k| wave(k, 0.0)).collect(),
             translation: translation.then(|| Translation {
                 v_NBo_N: (0..samples).map(|k| wave(k, 1.0)).collect(),
@@ -204,12 +250,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
         },
         observations: Observations {
             time_s,
-            rate: all(0.0),
-            attitude: R_NB.into_iter().map(Some).collect(),
-            velocity: if translation { all(1.0) } else { none.clone() },
-            position: if translation { all(2.0) } else { none },
-            velocity_arm_B: Vector3::new(0.1, 0.2, -0.3),
-            position_arm_B: Vector3::new(-0.2, 0.1, 0.1),
+            sensors,
             // Near and heavy: a torque of the size of the others.
             orbit: (0..samples)
                 .map(|k| {
@@ -218,26 +259,6 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
                     ((x * c + y * s) * 10.0, (y * c - x * s) * 10.0)
                 })
                 .collect(),
-            points: vec![
-                PointReadings {
-                    sensor: 2,
-                    kind: PointKind::SpecificForce,
-                    body: 2,
-                    p_BoS_B: Vector3::new(0.1, -0.2, 0.3),
-                    covariance: Matrix3::from_diagonal(&Vector3::new(1.0e-2, 2.0e-2, 3.0e-2)),
-                    readings: (0..samples).map(|k| reading(k, k, wave(k, 3.0))).collect(),
-                },
-                PointReadings {
-                    sensor: 3,
-                    kind: PointKind::VelocityIncrement,
-                    body: 1,
-                    p_BoS_B: Vector3::new(0.3, 0.1, -0.1),
-                    covariance: Matrix3::identity() * 1.0e-2,
-                    readings: (1..samples)
-                        .map(|k| reading(k - 1, k, wave(k, 4.0)))
-                        .collect(),
-                },
-            ],
             joint_position,
             joint_rate,
             wheel_speed: (0..samples * model.wheels.len())
@@ -261,6 +282,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
 
 fn noise(tree: &Tree) -> Noise {
     Noise {
+        gyro_sensor: Some(0),
         gyro: Matrix3::from_diagonal(&Vector3::new(1.0e-2, 2.0e-2, 3.0e-2)),
         attitude: Matrix3::identity() * 1.0e-2,
         velocity: Matrix3::identity() * 2.0e-2,
@@ -268,10 +290,21 @@ fn noise(tree: &Tree) -> Noise {
         joint_position: vec![0.0; tree.dof()],
         joint_rate: vec![0.0; tree.dof()],
         wheel_speed: vec![0.0],
-        correlation_s: [0.0; 4],
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
+    }
+}
+
+/// Makes the noise of some sensors coloured.
+fn colour(segment: &mut Segment) {
+    for record in &mut segment.observations.sensors {
+        record.correlation_s = match record.kind {
+            SensorKind::Gyro => 0.3,
+            SensorKind::Velocity => 0.2,
+            SensorKind::Position => 0.5,
+            _ => 0.0,
+        };
     }
 }
 
@@ -279,9 +312,9 @@ fn noise(tree: &Tree) -> Noise {
 fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
     let model = parse_model(MODEL, "test").unwrap();
     let tree = Tree::new(&model);
-    let segments = [segment(&model, &tree, translation)];
-    let mut noise = noise(&tree);
-    noise.correlation_s = [0.3, 0.0, 0.2, 0.5];
+    let mut segments = [segment(&model, &tree, translation)];
+    segments.iter_mut().for_each(colour);
+    let noise = noise(&tree);
     let problem = Problem {
         model: &model,
         tree: &tree,
@@ -444,7 +477,8 @@ fn unit_readings_that_are_missing_or_cut_short_are_no_panic() {
     let noise = noise(&tree);
     let mut whole = segment(&model, &tree, true);
     let mut cut = whole.clone();
-    cut.observations.rate.truncate(3);
+    cut.observations.sensors[0].samples[3] =
+        SensorSample::new(100, SensorValue::Vector(Vector3::zeros()));
     whole.observations = Observations::default();
     for segments in [[whole], [cut]] {
         let problem = Problem {

@@ -22,7 +22,7 @@
 
 mod points;
 
-pub(crate) use points::{approximate, is_increment};
+pub(crate) use points::approximate;
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::segment::{InputErrors, Noise, Segment};
@@ -79,11 +79,9 @@ impl InputNoise {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
     pub fn new(noise: &Noise, segment: &Segment, forced: bool, followed: usize) -> Self {
         let o = &segment.observations;
-        let increments = points::increments(&o.points);
-        let translation = o.velocity.iter().any(Option::is_some)
-            || o.position.iter().any(Option::is_some)
-            || increments > 0;
-        let tracks_rates = !o.points.is_empty();
+        let increments = points::increments(&o.sensors);
+        let translation = o.reads_translation() || increments > 0;
+        let tracks_rates = o.reads_points();
         let derived = if tracks_rates {
             o.derived_rates.clone()
         } else {
@@ -118,7 +116,7 @@ impl InputNoise {
         };
         let reach = match inputs.is_empty() {
             true => 0,
-            false => points::reach(&o.points, &derived),
+            false => points::reach(o, &derived),
         };
         let size = active.len() + (2 * reach + 1) * inputs.len() + 3 * increments;
         let size = if inputs.is_empty() { 0 } else { size };

@@ -33,7 +33,6 @@ mod maximum_likelihood;
 mod motion;
 mod octaves;
 mod parameters;
-mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
@@ -43,6 +42,7 @@ mod remedies;
 mod residual;
 mod rows;
 mod segment;
+mod sensors;
 mod solved;
 mod trust;
 mod vehicle;
@@ -68,15 +68,16 @@ pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
-    Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
+    Equations, ErrorGroup, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
+    tensor_name,
 };
 pub use poinsot_solve::{NotFinite, Spectrum};
-pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
 pub use segment::{
-    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Translation,
+    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, SensorRecord,
+    SensorSample, SensorValue, Translation,
 };

@@ -1,17 +1,12 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
-mod base_rows;
 mod colour;
-mod gyro;
+mod follow;
 mod head;
-mod ideal;
-mod point_rows;
+mod rate_noise;
 mod side_by_side;
 
-pub(crate) use gyro::GyroErrors;
 pub(crate) use head::{Head, HeadColumns, Sight, start};
-pub(crate) use ideal::translation_lag;
-pub(crate) use point_rows::perfect;
 
 use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
@@ -19,15 +14,15 @@ use crate::loss::Loss;
 use crate::motion::{Grid, Motion, State};
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
+use crate::sensors::Ideal;
 use crate::vehicle::{Steps, Vehicle, tilted};
-use colour::Colour;
-use ideal::Ideal;
-use nalgebra::{Cholesky, SMatrix, SVector};
+use follow::Follower;
+use nalgebra::Cholesky;
 use poinsot_dynamics::Tree;
-use poinsot_model::Thruster;
+use poinsot_model::{SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
-use point_rows::PointCompare;
+use rate_noise::RateNoise;
 use side_by_side::compare_all;
 
 /// What stays the same over all evaluations.
@@ -63,10 +58,11 @@ impl Setting<'_> {
     }
 }
 
-/// One kind of sensor in one segment: whitened residuals, three axes a sample.
+/// One sensor in one segment: whitened residuals, three axes a sample.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ChannelResidual {
-    pub name: &'static str,
+    /// As in its record.
+    pub name: String,
     pub unit: &'static str,
     pub white: Vec<Vector3>,
     pub square: f64,
@@ -95,17 +91,18 @@ pub(crate) struct KeptRows {
 }
 
 impl KeptRows {
-    /// Those of one kind of sensor; of the priors of the start.
-    pub fn of(&self, channel: Option<&'static str>) -> impl Iterator<Item = &KeptRow> {
-        self.rows.iter().filter(move |r| r.channel == channel)
+    /// Those of one sensor; of the priors of the start.
+    pub fn of<'a>(&'a self, channel: Option<&'a str>) -> impl Iterator<Item = &'a KeptRow> {
+        let rows = self.rows.iter();
+        rows.filter(move |r| r.channel.as_deref() == channel)
     }
 }
 
 /// Three numbers of one measurement.
 #[derive(Debug, Clone)]
 pub(crate) struct KeptRow {
-    /// Kind of sensor; `None` for a prior of the start.
-    pub channel: Option<&'static str>,
+    /// Name of the sensor's record; `None` for a prior of the start.
+    pub channel: Option<String>,
     /// Grid time.
     pub at: usize,
     pub raw: Vector3,
@@ -153,11 +150,11 @@ pub(crate) fn evaluate(
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }
-    compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
-    compare.points.predict(&vehicle, (index, segment), &state)?;
+    let late: Vec<bool> = compare.followers.iter().map(|f| f.late).collect();
+    compare.ideal = Ideal::new(&vehicle, (index, segment), &state, &late)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
-    if unknown.attitude && segment.observations.attitude.iter().all(Option::is_none) {
+    if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
         compare.weak_attitude(&head.R_NB);
     }
     compare.finish()
@@ -167,34 +164,21 @@ pub(crate) fn evaluate(
 struct Compare<'a> {
     setting: &'a Setting<'a>,
     segment: &'a Segment,
-    gyro: GyroErrors,
-    attitude_lag: f64,
+    /// One for each sensor of the segment.
+    followers: Vec<Follower>,
     head: usize,
     qr: Option<BlockQr>,
     rows: usize,
-    channels: Vec<ChannelResidual>,
     inputs: InputNoise,
-    /// Colour of gyro, attitude, velocity and position.
-    colours: [Colour; 4],
     /// Variance of each joint's rate in this segment.
     joint_rate: Vec<f64>,
     /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
     log_det: f64,
-    /// How late velocity and position read, s.
-    translation_lag: [f64; 2],
     ideal: Ideal,
-    points: PointCompare,
     kept: KeptRows,
     /// Grid time in hand.
     now: usize,
 }
-
-const GYRO: usize = 0;
-const ATTITUDE: usize = 1;
-const VELOCITY: usize = 2;
-const POSITION: usize = 3;
-const ACCELEROMETER: usize = 4;
-const INCREMENT: usize = 5;
 
 impl<'a> Compare<'a> {
     fn new(
@@ -204,36 +188,19 @@ impl<'a> Compare<'a> {
         unknown: HeadColumns,
         with_sensitivities: bool,
     ) -> Self {
-        let (gyro, attitude_lag) = GyroErrors::of(setting.parameters, x);
-        let channel = |name, unit| ChannelResidual {
-            name,
-            unit,
-            ..ChannelResidual::default()
-        };
-        let width = unknown.count() + x.len() + 1;
+        let head = unknown.count();
+        let sensors = &segment.observations.sensors;
         Self {
             setting,
             segment,
-            gyro,
-            attitude_lag,
-            head: unknown.count(),
-            qr: with_sensitivities.then(|| BlockQr::new(width)),
+            followers: Follower::all(sensors, setting.parameters, x, head),
+            head,
+            qr: with_sensitivities.then(|| BlockQr::new(head + x.len() + 1)),
             rows: 0,
-            channels: vec![
-                channel("gyro", "rad/s"),
-                channel("attitude", "rad"),
-                channel("velocity", "m/s"),
-                channel("position", "m"),
-                channel("accelerometer", "m/s2"),
-                channel("velocity_increment", "m/s"),
-            ],
             inputs: InputNoise::default(),
-            colours: setting.noise.correlation_s.map(Colour::new),
             joint_rate: joint_rate_noise(setting.noise, segment),
             log_det: 0.0,
-            translation_lag: translation_lag(setting.parameters, x),
             ideal: Ideal::default(),
-            points: PointCompare::new(setting.parameters, segment, x),
             kept: KeptRows::default(),
             now: 0,
         }
@@ -249,122 +216,63 @@ impl<'a> Compare<'a> {
 
     fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
         self.now = k;
-        let o = &self.segment.observations;
-        let measured = o.rate[k].is_some() || o.velocity[k].is_some();
-        let posed = o.attitude[k].is_some() || o.position[k].is_some();
-        let pointed = self.points.wanted(&self.segment.observations.points, k);
+        let sensors = &self.segment.observations.sensors;
+        let mut pairs = self.followers.iter().zip(sensors);
+        let due = pairs.any(|(follower, record)| follower.is_due(record, k));
         let errs = !self.inputs.is_silent();
-        if !measured && !posed && !pointed && !errs {
+        if !due && !errs {
             return Some(());
         }
-        let (instant, twists) = motion.velocity(state, k)?;
-        let twists = twists.to_vec();
+        let (instant, _) = motion.velocity(state, k)?;
         if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
             self.inputs.reach(motion, state, &instant, k);
         }
-        if measured {
-            self.twist_rows(motion, state, &instant, &twists, k);
-        }
-        self.pose_rows(motion, state, k);
-        if pointed {
-            self.point_rows(motion, state, &instant, k);
+        let mut joint_rates = RateNoise::new(&self.joint_rate);
+        for i in 0..self.followers.len() {
+            self.follow(i, motion, (state, k), &instant, &mut joint_rates);
         }
         Some(())
     }
 
-    /// Takes off what the reading of this channel before says of coloured noise, in rows `at` to `at + 2`. The
-    /// white noise that joint rates add is taken as new at every reading.
-    fn coloured<const M: usize>(
-        &mut self,
-        (channel, at, k): (usize, usize, usize),
-        rows: &mut [SVector<f64, M>],
-        slopes: &mut [SVector<f64, M>],
-    ) {
-        let colour = &mut self.colours[channel];
-        if colour.is_white() {
-            return;
-        }
-        let all = || rows.iter().chain(slopes.iter());
-        let mut block: Vec<Vector3> = all()
-            .map(|r| Vector3::new(r[at], r[at + 1], r[at + 2]))
-            .collect();
-        let log_det = colour.take(self.segment.observations.time_s[k], &mut block);
-        self.channels[channel].log_det += 3.0 * log_det;
-        for (row, new) in rows.iter_mut().chain(slopes.iter_mut()).zip(&block) {
-            for axis in 0..3 {
-                row[at + axis] = new[axis];
-            }
-        }
-    }
-
-    /// Three rows of an instrument at a point; `slopes` is what errors of the inputs do to its reading.
-    fn three(
-        &mut self,
-        (channel, slopes): (usize, &[Vector3]),
-        covariance: &Matrix3,
-        residual: &Vector3,
-        column: impl Fn(usize) -> Vector3,
-    ) {
-        let mut rows: Vec<Vector3> = (1..self.followed()).map(|j| column(j - 1)).collect();
-        rows.push(*residual);
-        if let Some(white) = self.take(slopes, covariance, covariance, rows) {
-            self.note(channel, residual, white);
-        }
-    }
-
-    /// Readings at one time, sensitivities first and the residual last: what earlier readings say of the inputs'
-    /// errors is taken off, the rest is whitened and goes into the triangle. Gives the white residual; `None` for
-    /// a sensor taken as exact, which is left out.
+    /// A reading, sensitivities first and the residual last: what earlier readings say of the inputs' errors is taken
+    /// off, the rest is whitened and goes into the triangle. Gives the white residual; `None` for a sensor taken as
+    /// exact, which is left out.
     ///
-    /// `noise` is the covariance of what is new at this time, `sensors` the part of it that no input causes.
-    fn take<const M: usize>(
+    /// `noise` is the covariance of what is new at this time, `sensor` the part of it that no input causes.
+    fn take(
         &mut self,
-        slopes: &[SVector<f64, M>],
-        noise: &SMatrix<f64, M, M>,
-        sensors: &SMatrix<f64, M, M>,
-        mut rows: Vec<SVector<f64, M>>,
-    ) -> Option<SVector<f64, M>> {
-        let alone = Cholesky::new(*sensors)?.l();
+        slopes: &[Vector3],
+        noise: &Matrix3,
+        sensor: &Matrix3,
+        mut rows: Vec<Vector3>,
+    ) -> Option<Vector3> {
+        let alone = Cholesky::new(*sensor)?.l();
         let correlation = self.inputs.correlation(slopes);
         // `M P M^T`.
-        let spread = slopes
-            .iter()
-            .zip(&correlation)
-            .fold(SMatrix::zeros(), |sum: SMatrix<f64, M, M>, (a, b)| {
-                sum + a * b.transpose()
-            });
+        let pairs = slopes.iter().zip(&correlation);
+        let spread = pairs.fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose());
         let mut root = Cholesky::new(noise + spread)?.l();
         self.log_det += 2.0
-            * (0..M)
+            * (0..3)
                 .map(|i| (root[(i, i)] / alone[(i, i)]).ln())
                 .sum::<f64>();
         let residual = self.inputs.expected(slopes, *rows.last()?);
         let white = root.solve_lower_triangular(&residual)?;
         // A reading with less weight is one with more noise: so the filter does not believe it either.
-        let loss = self.setting.loss;
-        let weights: [f64; M] = std::array::from_fn(|i| {
-            let own = (0..M).filter(|j| j / 3 == i / 3);
-            loss.weight(own.map(|j| white[j] * white[j]).sum())
-        });
-        if weights.iter().any(|w| *w != 1.0) {
-            let inflated =
-                SMatrix::from_fn(|i, j| noise[(i, j)] / (weights[i] * weights[j]).sqrt());
-            root = Cholesky::new(inflated + spread)?.l();
+        let weight = self.setting.loss.weight(white.norm_squared());
+        if weight != 1.0 {
+            root = Cholesky::new(noise / weight + spread)?.l();
         }
-        let identity = SMatrix::<f64, M, M>::identity();
-        let inverse_root = root.solve_lower_triangular(&identity)?;
+        let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
         self.inputs
             .take(slopes, &correlation, &inverse_root, &mut rows);
         if let Some(qr) = &mut self.qr {
-            qr.push(M, |i, j| rows[j][i]);
+            qr.push(3, |i, j| rows[j][i]);
         }
         if self.setting.keep_rows {
-            let of_three = |i: usize| {
-                let own = 3 * (i / 3)..3 * (i / 3) + 3;
-                own.map(|j| 2.0 * alone[(j, j)].ln()).sum::<f64>()
-            };
+            let log_det = (0..3).map(|j| 2.0 * alone[(j, j)].ln()).sum::<f64>();
             let row = |i: usize| rows.iter().map(|r| r[i]).collect();
-            self.kept.fresh = (0..M).map(|i| (row(i), of_three(i))).collect();
+            self.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
         }
         Some(white)
     }
@@ -400,16 +308,16 @@ impl<'a> Compare<'a> {
         }
     }
 
-    fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {
-        let c = &mut self.channels[channel];
-        c.square += residual.norm_squared();
-        c.white.push(white);
+    fn note(&mut self, i: usize, residual: &Vector3, white: Vector3) {
+        let channel = &mut self.followers[i].channel;
+        channel.square += residual.norm_squared();
+        channel.white.push(white);
         self.rows += 3;
         let fresh = &mut self.kept.fresh;
         if fresh.len() >= 3 {
             let log_det = fresh[0].1;
             self.kept.rows.push(KeptRow {
-                channel: Some(c.name),
+                channel: Some(channel.name.clone()),
                 at: self.now,
                 raw: *residual,
                 white,
@@ -422,7 +330,13 @@ impl<'a> Compare<'a> {
     fn finish(self) -> Option<Evaluated> {
         let loss = self.setting.loss;
         let (mut chi2, mut cost) = (0.0, self.log_det);
-        for white in self.channels.iter().flat_map(|c| &c.white) {
+        let channels: Vec<ChannelResidual> = self
+            .followers
+            .into_iter()
+            .map(|f| f.channel)
+            .filter(|c| !c.white.is_empty())
+            .collect();
+        for white in channels.iter().flat_map(|c| &c.white) {
             let square = white.norm_squared();
             chi2 += loss.weight(square) * square;
             cost += loss.cost(square);
@@ -433,11 +347,7 @@ impl<'a> Compare<'a> {
             cost,
             rows: self.rows,
             kept: self.kept,
-            channels: self
-                .channels
-                .into_iter()
-                .filter(|c| !c.white.is_empty())
-                .collect(),
+            channels,
         })
     }
 }

@@ -354,7 +354,10 @@ fn segments(
         .zip(reduced)
         .map(|(segment, reduced)| {
             let (start, values) = start_of(problem, parameters, segment, reduced, x);
-            let channels = residual::twist(parameters, x, problem.tree, &spin, segment, values);
+            let channels = {
+                let segment = (segment, problem.noise.gyro_sensor);
+                residual::twist(parameters, x, problem.tree, &spin, segment, values)
+            };
             let fit = SegmentFit {
                 label: segment.label.clone(),
                 samples: segment.samples.time_s.len(),

@@ -397,7 +397,7 @@ pub(crate) fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
     let count = 3.0 * channel.white.len().max(1) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {
-        name: channel.name,
+        name: channel.name.clone(),
         unit: channel.unit,
         rms: (channel.square / count).sqrt(),
         chi2_per_number: Some(chi2 / count),

@@ -12,11 +12,13 @@ mod chord;
 mod grid;
 mod input_slopes;
 mod inputs;
+mod place;
 mod surroundings;
 mod variation;
 
 pub(crate) use acceleration::Point;
 pub(crate) use grid::Grid;
+pub(crate) use place::{JointEffect, Place};
 pub(crate) use variation::{Matrix6x12, pose_change};
 
 use crate::parameters::Gust;
@@ -134,15 +136,17 @@ const FASTER: f64 = 3.0;
 
 /// Integration steps for a run: some for each interval, and those of a motion faster than the measured one.
 fn steps_allowed(o: &Observations) -> f64 {
-    let intervals = o.time_s.windows(2).zip(&o.rate);
-    let turn: f64 = intervals
-        .filter_map(|(t, w)| w.map(|w| w.norm() * (t[1] - t[0])))
-        .sum();
-    if o.rate.iter().all(Option::is_none) {
+    let t = &o.time_s;
+    let steps = o
+        .rates()
+        .filter_map(|(k, w)| Some((w, t.get(k + 1)? - t[k])));
+    let turn: f64 = steps.map(|(w, h)| w.norm() * h).sum();
+    let seen = o.rates().count();
+    if seen == 0 {
         return 1.0e4 * o.time_s.len() as f64;
     }
     // Between the samples of a slow gyro the turn is that of the gap.
-    let seen = o.rate.iter().flatten().count().max(1) as f64;
+    let seen = seen as f64;
     let share = o.time_s.len() as f64 / seen;
     1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / TURN
 }

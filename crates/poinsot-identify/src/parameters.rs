@@ -3,8 +3,11 @@
 
 mod kind;
 mod nuisances;
+mod sensor_errors;
 
 pub use kind::{Gust, UnknownKind};
+pub use sensor_errors::ErrorGroup;
+pub(crate) use sensor_errors::{declared, reading_unit};
 
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, Model};

@@ -2,24 +2,23 @@
 //!
 //! Statistics come from every sample; curves keep at most a given number of points.
 
-mod points;
-
 use crate::answer;
 use crate::coordinates::FitOptions;
 use crate::estimate::Estimate;
 use crate::fit::fit_starts;
 use crate::information::{Experiment, Point};
-use crate::likelihood::{ChannelResidual, GyroErrors, Head, start, translation_lag};
+use crate::likelihood::{ChannelResidual, Head, start};
 use crate::linear::{linear, solve_linear};
 use crate::maximum_likelihood::solve;
-use crate::motion::{Motion, State, small_turn};
-use crate::parameters::{Equations, Parameters, ParametersError};
+use crate::motion::{Instant, Motion, State};
+use crate::parameters::{Equations, Parameters, ParametersError, reading_unit};
 use crate::problem::{Problem, ProblemError};
-use crate::segment::{Firing, Segment};
+use crate::segment::{Firing, Segment, SensorRecord, SensorValue};
+use crate::sensors::{Ideal, gap, perfect, vector};
 use crate::vehicle::{Vehicle, tilted};
-use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
+use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
+use poinsot_model::SensorKind;
 use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
-use points::PointCurves;
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
 pub const HISTOGRAM_BARS: usize = 32;
@@ -49,11 +48,11 @@ pub struct Prediction {
     pub firings: Vec<Firing>,
 }
 
-/// Readings of one kind of sensor beside their prediction. One row a component.
+/// Samples of one sensor beside their prediction. One row a component.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PredictedChannel {
-    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment.
-    pub name: &'static str,
+    /// As in [`crate::ChannelFit`].
+    pub name: String,
     /// Unit of readings and predictions.
     pub unit: &'static str,
     /// Unit of the residual.
@@ -201,22 +200,26 @@ fn segment(
     vehicle.steps = setting.steps(at);
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
+    let late: Vec<bool> = segment
+        .observations
+        .sensors
+        .iter()
+        .map(|r| experiment.parameters.sensor_errors(x, r.sensor).lag_s != 0.0)
+        .collect();
+    let ideal = Ideal::new(&vehicle, (at, segment), &state, &late)?;
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
-    let mut curves = PointCurves::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
         let (instant, _) = motion.velocity(&state, k)?;
-        let twist = instant.twist;
-        recorder.sample((&vehicle, motion.used()), &state, (twist.v, twist.w), k);
-        let t = segment.observations.time_s[k];
-        curves.sample(&mut motion, &state, &instant, (t, k));
+        recorder.motion_at((&vehicle, motion.used()), &state, &instant.twist.w, k);
+        for i in 0..recorder.all.len() {
+            recorder.sample(i, &mut motion, (&state, k), &instant, &ideal);
+        }
         if k + 1 < samples {
             state = motion.advance(&state, k)?;
         }
     }
-    let mut prediction = recorder.prediction;
-    prediction.channels.extend(curves.channels);
-    Some(prediction)
+    Some(recorder.finish())
 }
 
 /// Keeps one of every so many samples.
@@ -242,128 +245,141 @@ impl Sieve {
 /// Joint positions, joint rates and wheel speeds at an instant.
 type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64]);
 
+/// One sensor in the course of a segment.
+struct Follower {
+    errors: SensorErrors,
+    next: usize,
+    sieve: Sieve,
+    /// Grid time and reading where the increment in hand began.
+    began: Option<(usize, Vector3)>,
+    channel: PredictedChannel,
+}
+
 struct Recorder<'a> {
     segment: &'a Segment,
-    gyro: GyroErrors,
-    attitude_lag: f64,
+    all: Vec<Follower>,
+    /// Samples and errors of the gyro whose rates give the measured momentum.
+    gyro: (Vec<(usize, Vector3)>, SensorErrors),
+    next_rate: usize,
     kinematics: Option<Kinematics>,
-    sieves: [Sieve; 4],
-    motion: Sieve,
-    /// Rate at the sample before, for the lag.
-    before: Option<(f64, Vector3)>,
-    velocity_before: Option<(f64, Vector3)>,
-    /// How late velocity and position read, s.
-    late: [f64; 2],
+    sieves: [Sieve; 2],
     prediction: Prediction,
 }
 
-const GYRO: usize = 0;
-const ATTITUDE: usize = 1;
-const VELOCITY: usize = 2;
-const POSITION: usize = 3;
+const MOTION: usize = 0;
+const MOMENTUM: usize = 1;
 
 impl<'a> Recorder<'a> {
     fn new(segment: &'a Segment, parameters: &Parameters, x: &[f64], points: usize) -> Self {
         let o = &segment.observations;
-        let (gyro, attitude_lag) = GyroErrors::of(parameters, x);
-        let counts = [
-            o.rate.iter().flatten().count(),
-            o.attitude.iter().flatten().count(),
-            o.velocity.iter().flatten().count(),
-            o.position.iter().flatten().count(),
-        ];
-        let channels = vec![
-            channel("gyro", ["rad/s"; 2], &["omega_x", "omega_y", "omega_z"]),
-            channel("attitude", ["1", "rad"], &["q_x", "q_y", "q_z", "q_w"]),
-            channel("velocity", ["m/s"; 2], &["v_x", "v_y", "v_z"]),
-            channel("position", ["m"; 2], &["r_x", "r_y", "r_z"]),
-        ];
         let momentum = channel("momentum", ["N m s"; 2], &["h_x", "h_y", "h_z"]);
-        let mut prediction = Prediction {
-            label: segment.label.clone(),
-            channels,
-            momentum,
-            firings: segment.firings.clone(),
-            ..Prediction::default()
+        let rates: Vec<(usize, Vector3)> = o.rates().collect();
+        let gyro = o.best_gyro().and_then(|r| r.sensor);
+        let follower = |record: &SensorRecord| Follower {
+            errors: parameters.sensor_errors(x, record.sensor),
+            next: 0,
+            sieve: Sieve::new(record.samples.len(), points),
+            began: None,
+            channel: PredictedChannel {
+                samples: record.samples.len(),
+                ..sensor_channel(record)
+            },
         };
-        for (c, count) in prediction.channels.iter_mut().zip(counts) {
-            c.samples = count;
-        }
         Self {
             segment,
-            gyro,
-            attitude_lag,
+            all: o.sensors.iter().map(follower).collect(),
+            sieves: [o.time_s.len(), rates.len()].map(|n| Sieve::new(n, points)),
+            gyro: (rates, parameters.sensor_errors(x, gyro)),
+            next_rate: 0,
             kinematics: None,
-            sieves: counts.map(|n| Sieve::new(n, points)),
-            motion: Sieve::new(o.time_s.len(), points),
-            before: None,
-            velocity_before: None,
-            late: translation_lag(parameters, x),
-            prediction,
+            prediction: Prediction {
+                label: segment.label.clone(),
+                momentum,
+                firings: segment.firings.clone(),
+                ..Prediction::default()
+            },
         }
     }
 
-    fn sample(
+    fn finish(self) -> Prediction {
+        Prediction {
+            channels: self.all.into_iter().map(|f| f.channel).collect(),
+            ..self.prediction
+        }
+    }
+
+    /// Motion of the base and momentum at grid time k.
+    fn motion_at(
         &mut self,
         (vehicle, inputs): (&Vehicle, Inputs),
         state: &State,
-        (v, w): (Vector3, Vector3),
+        w: &Vector3,
         k: usize,
     ) {
-        let o = &self.segment.observations;
-        let t = o.time_s[k];
-        let acceleration = match self.before.replace((t, w)) {
-            Some((earlier, rate)) if t > earlier => (w - rate) / (t - earlier),
-            _ => Vector3::zeros(),
+        if self.sieves[MOTION].keeps() {
+            self.motion_point(vehicle, state, w, k);
+        }
+        let Some((_, measured)) = self.gyro.0.get(self.next_rate).filter(|r| r.0 == k) else {
+            return;
         };
-        if self.motion.keeps() {
-            self.motion_point(vehicle, state, &w, k);
+        let measured = *measured;
+        self.next_rate += 1;
+        if self.sieves[MOMENTUM].keeps() {
+            self.momentum_point((vehicle, inputs), state, (&measured, w), k);
         }
-        let R = &state.R_NB;
-        // Acceleration and velocity of the sensor points, for lags.
-        let velocity = R * (v + w.cross(&o.velocity_arm_B));
-        let moving = (
-            match self.velocity_before.replace((t, velocity)) {
-                Some((earlier, was)) if t > earlier => (velocity - was) / (t - earlier),
-                _ => Vector3::zeros(),
-            },
-            R * (v + w.cross(&o.position_arm_B)),
-        );
-        let all = &mut self.prediction.channels;
-        if let Some(measured) = o.rate[k].filter(|_| self.sieves[GYRO].keeps()) {
-            let expected = self.gyro.reading(&w, &acceleration);
-            all[GYRO].push(
-                t,
-                &three(&measured),
-                &three(&expected),
-                &(measured - expected),
-            );
-            self.momentum_point((vehicle, inputs), state, (&measured, &w), k);
+    }
+
+    /// The sample of one sensor at grid time k, and where its next interval begins.
+    fn sample(
+        &mut self,
+        i: usize,
+        motion: &mut Motion,
+        (state, k): (&State, usize),
+        instant: &Instant,
+        ideal: &Ideal,
+    ) {
+        let o = &self.segment.observations;
+        let (record, one) = (&o.sensors[i], &mut self.all[i]);
+        let here = record.samples.get(one.next).filter(|s| s.to == k);
+        one.next += usize::from(here.is_some());
+        let increments = record.kind == SensorKind::VelocityIncrement;
+        let begins = increments && record.samples.get(one.next).is_some_and(|s| s.from == k);
+        let kept = here.filter(|_| one.sieve.keeps());
+        if kept.is_none() && !begins {
+            return;
         }
-        let all = &mut self.prediction.channels;
-        if let Some(measured) = o.attitude[k].filter(|_| self.sieves[ATTITUDE].keeps()) {
-            let residual = small_turn(R, &measured) + w * self.attitude_lag;
-            let own = xyzw(&measured, last(&all[ATTITUDE].measured));
-            let expected = xyzw(R, Some(own));
-            all[ATTITUDE].push(t, &own, &expected, &residual);
+        let (value, rate) = perfect(record, motion, (state, k), instant);
+        let rate = rate.unwrap_or_else(|| ideal.rate(i, &o.time_s, k));
+        let reading = one.errors.reading(&vector(&value), &rate);
+        let clear = reading - one.errors.bias;
+        let began = one.began.take();
+        if begins {
+            one.began = Some((k, clear));
         }
-        if let Some(measured) = o.velocity[k].filter(|_| self.sieves[VELOCITY].keeps()) {
-            let expected = R * (v + w.cross(&o.velocity_arm_B)) - moving.0 * self.late[0];
-            all[VELOCITY].push(
-                t,
-                &three(&measured),
-                &three(&expected),
-                &(measured - expected),
-            );
-        }
-        if let Some(measured) = o.position[k].filter(|_| self.sieves[POSITION].keeps()) {
-            let expected = state.p_NoBo_N + R * o.position_arm_B - moving.1 * self.late[1];
-            all[POSITION].push(
-                t,
-                &three(&measured),
-                &three(&expected),
-                &(measured - expected),
-            );
+        let Some(sample) = kept else { return };
+        let t = o.time_s[k];
+        match (sample.value, value) {
+            (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
+                let expected = truth * UnitQuaternion::from_scaled_axis(reading);
+                let own = xyzw(&measured, last(&one.channel.measured));
+                let residual = gap(&value, &sample.value) - reading;
+                one.channel
+                    .push(t, &own, &xyzw(&expected, Some(own)), &residual);
+            }
+            (SensorValue::Vector(measured), _) => {
+                let expected = match (increments, began) {
+                    (false, _) => reading,
+                    (true, Some((from, before))) if from == sample.from => reading - before,
+                    (true, _) => return,
+                };
+                one.channel.push(
+                    t,
+                    &three(&measured),
+                    &three(&expected),
+                    &(measured - expected),
+                );
+            }
+            _ => {}
         }
     }
 
@@ -405,7 +421,7 @@ impl<'a> Recorder<'a> {
             let c = composite(&vehicle.bodies, kinematics).p_BoScm_B();
             state.R_NB * (lh.fixed_rows::<3>(3) + wheel - c.cross(&l))
         };
-        let own = about_centre(&self.gyro.corrected(measured));
+        let own = about_centre(&self.gyro.1.corrected(measured));
         let expected = about_centre(predicted);
         let t = self.segment.observations.time_s[k];
         let p = &mut self.prediction.momentum;
@@ -414,13 +430,31 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// An empty channel of a sensor.
+fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
+    let unit = reading_unit(record.kind);
+    let components: &[&'static str] = match record.kind {
+        SensorKind::Attitude => &["q_x", "q_y", "q_z", "q_w"],
+        SensorKind::Gyro => &["omega_x", "omega_y", "omega_z"],
+        SensorKind::Velocity => &["v_x", "v_y", "v_z"],
+        SensorKind::Position => &["r_x", "r_y", "r_z"],
+        SensorKind::VelocityIncrement => &["dv_x", "dv_y", "dv_z"],
+        _ => &["acc_x", "acc_y", "acc_z"],
+    };
+    let measured = match record.kind {
+        SensorKind::Attitude => "1",
+        _ => unit,
+    };
+    channel(&record.name, [measured, unit], components)
+}
+
 fn channel(
-    name: &'static str,
+    name: &str,
     [unit, residual_unit]: [&'static str; 2],
     components: &[&'static str],
 ) -> PredictedChannel {
     PredictedChannel {
-        name,
+        name: name.to_owned(),
         unit,
         residual_unit,
         components: components.to_vec(),

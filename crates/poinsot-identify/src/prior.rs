@@ -1,7 +1,8 @@
 //! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
 
-use crate::parameters::{Equations, Parameters, Unknown, UnknownKind, axis_name, tensor_name};
-use crate::point_sensor::Fault;
+use crate::parameters::{
+    Equations, Parameters, Unknown, UnknownKind, axis_name, declared, tensor_name,
+};
 use crate::problem::Problem;
 use crate::quantity::{Quantity, TenParameters};
 use nalgebra::{DMatrix, Matrix4};
@@ -60,10 +61,7 @@ impl PriorRows {
 /// Priors of sensors and thrusters: calibration, part of the experiment.
 pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64]) -> PriorRows {
     let mut out = PriorRows::default();
-    let gyro = problem.model.sensors_of(SensorKind::Gyro).next();
-    let tracker = problem.model.sensors_of(SensorKind::Attitude).next();
     let model = problem.model;
-    let base = |kind| model.sensors_of(kind).find(|s| s.body == 0);
     let reads = |kind, list: &[usize]| {
         let first = list.first()?;
         model.sensors_of(kind).find(|s| s.of.contains(first))
@@ -76,23 +74,10 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let around = &problem.model.environment;
         let declared = match unknown.kind {
-            UnknownKind::GyroBias(_) => gyro.map(|g| g.bias),
-            UnknownKind::GyroScale(_) => gyro.map(|g| g.scale),
-            UnknownKind::GyroMisalignment(_) => gyro.map(|g| g.misalignment),
-            UnknownKind::GyroShear(_) => gyro.map(|g| g.nonorthogonality),
-            UnknownKind::GyroLag => gyro.map(|g| g.lag),
-            UnknownKind::AttitudeLag => tracker.map(|t| t.lag),
-            UnknownKind::Instrument { sensor, fault } => {
+            UnknownKind::Sensor { sensor, error } => {
                 let of = problem.model.sensors.get(sensor);
-                of.map(|s| match fault {
-                    Fault::Bias(_) => s.bias,
-                    Fault::Scale(_) => s.scale,
-                    Fault::Misalignment(_) => s.misalignment,
-                    Fault::Lag => s.lag,
-                })
+                of.map(|s| declared(s, error))
             }
-            UnknownKind::VelocityLag => base(SensorKind::Velocity).map(|s| s.lag),
-            UnknownKind::PositionLag => base(SensorKind::Position).map(|s| s.lag),
             UnknownKind::JointOffset(k) => joint_sensor(k).map(|s| s.bias),
             UnknownKind::JointLag(ref list) => {
                 list.first().and_then(|k| joint_sensor(*k)).map(|s| s.lag)

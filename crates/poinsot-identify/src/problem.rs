@@ -57,8 +57,7 @@ impl Problem<'_> {
 
     /// Whether an instrument at a point (accelerometer, velocity increments) has readings.
     pub(crate) fn sees_points(&self) -> bool {
-        let mut points = self.segments.iter().flat_map(|s| &s.observations.points);
-        points.any(|p| !p.readings.is_empty())
+        self.segments.iter().any(|s| s.observations.reads_points())
     }
 
     /// The unknowns of maximum likelihood: barycentric ones unless nothing but the rotation of one body is
@@ -100,7 +99,7 @@ impl Problem<'_> {
         match self.segments.iter().find(|s| !self.is_observed(s)) {
             Some(s) => Err(ProblemError::TooFewSamples {
                 label: s.label.clone(),
-                samples: s.observations.time_s.len().min(s.observations.rate.len()),
+                samples: s.observations.time_s.len(),
             }),
             None => Ok(()),
         }

@@ -11,13 +11,12 @@ use crate::input_curves::InputCurves;
 use crate::likelihood::{Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
 use crate::parameters::{Equations, Parameters, UnknownKind, axis_name};
-use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::quantity::TenParameters;
-use crate::segment::{Firing, Noise, Observations, Segment};
+use crate::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
 use crate::solved::{Shared, Solved};
 use poinsot_dynamics::{Kinematics, composite};
-use poinsot_model::{EstimateSet, Thruster};
+use poinsot_model::{EstimateSet, SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Spectrum};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
@@ -310,19 +309,10 @@ impl<'a> Ground<'a> {
     /// from.
     fn records(&self) -> Option<Vec<Change>> {
         let from = self.problem.segments.first()?;
-        let (base, share) = thinned(from, self.sight)?;
-        let mut noise = self.problem.noise.clone();
-        for c in [
-            &mut noise.gyro,
-            &mut noise.attitude,
-            &mut noise.velocity,
-            &mut noise.position,
-        ] {
-            *c *= share;
-        }
+        let (base, share) = thinned(from, self.sight, self.problem.noise)?;
         let trial = Trial {
             segment: base,
-            noise,
+            noise: self.problem.noise.clone(),
             head: self.head,
             sight: self.sight,
             known_momentum: false,
@@ -413,8 +403,9 @@ impl<'a> Ground<'a> {
         if self.sight == Sight::Rotation {
             let mut with = trial.clone();
             with.sight = Sight::Translation;
-            with.segment.observations.velocity = vec![Some(Vector3::zeros()); samples];
-            with.noise.velocity = Matrix3::identity() * (VELOCITY * VELOCITY * share);
+            let o = &mut with.segment.observations;
+            let sigma = VELOCITY * share.sqrt();
+            o.sensors.push(tried(SensorKind::Velocity, samples, sigma));
             add(
                 format!("add a velocity sensor of {VELOCITY} m/s, as fast as the gyro"),
                 &with,
@@ -422,20 +413,10 @@ impl<'a> Ground<'a> {
         }
         if !self.problem.sees_points() {
             let mut with = trial.clone();
-            with.segment.observations.points = vec![PointReadings {
-                sensor: usize::MAX,
-                kind: PointKind::SpecificForce,
-                body: 0,
-                p_BoS_B: Vector3::zeros(),
-                covariance: Matrix3::identity() * (ACCELERATION * ACCELERATION * share),
-                readings: (0..samples)
-                    .map(|k| PointReading {
-                        from: k,
-                        to: k,
-                        value: Vector3::zeros(),
-                    })
-                    .collect(),
-            }];
+            let o = &mut with.segment.observations;
+            let sigma = ACCELERATION * share.sqrt();
+            o.sensors
+                .push(tried(SensorKind::Accelerometer, samples, sigma));
             add(
                 format!(
                     "add an accelerometer of {ACCELERATION:.0e} m/s2 at the origin of the base, as fast as the gyro"
@@ -505,8 +486,8 @@ impl<'a> Ground<'a> {
         let seen = trial.sight == Sight::Translation;
         let o = &trial.segment.observations;
         let unknown = HeadColumns {
-            attitude: trial.noise.attitude != Matrix3::zeros()
-                && o.attitude.iter().any(Option::is_some),
+            attitude: o.reads(SensorKind::Attitude)
+                && !o.of_kind(SensorKind::Attitude).any(SensorRecord::is_exact),
             position: false,
             linear: seen,
             angular: !trial.known_momentum,
@@ -613,14 +594,26 @@ fn known_rows(solved: &Solved, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
         .collect()
 }
 
-/// A segment at a few of its times, gyro and attitude (and velocity where any translation is seen) at each, and
-/// how many there are of those at hand.
-fn thinned(segment: &Segment, sight: Sight) -> Option<(Segment, f64)> {
+/// A sensor at the base's origin with a sample at every grid time; its values are not looked at.
+fn tried(kind: SensorKind, samples: usize, sigma: f64) -> SensorRecord {
+    let covariance = Matrix3::identity() * (sigma * sigma);
+    SensorRecord::of_base(kind, covariance).at_every_time(vec![any_value(kind); samples])
+}
+
+fn any_value(kind: SensorKind) -> SensorValue {
+    match kind {
+        SensorKind::Attitude => SensorValue::Attitude(UnitQuaternion::identity()),
+        _ => SensorValue::Vector(Vector3::zeros()),
+    }
+}
+
+/// A segment at a few times of the gyro, every sensor of rate, attitude and velocity at each, and how many these are of
+/// those at hand.
+fn thinned(segment: &Segment, sight: Sight, noise: &Noise) -> Option<(Segment, f64)> {
     let o = &segment.observations;
     let first = o.time_s.first()?;
-    let all: Vec<usize> = (0..o.time_s.len())
-        .filter(|&k| o.rate[k].is_some() && o.time_s[k] - first <= SPAN)
-        .collect();
+    let times = o.rates().map(|(k, _)| k);
+    let all: Vec<usize> = times.filter(|&k| o.time_s[k] - first <= SPAN).collect();
     let stride = all.len().div_ceil(SAMPLES).max(1);
     let picked: Vec<usize> = all.iter().copied().step_by(stride).collect();
     if picked.len() < 4 {
@@ -635,27 +628,44 @@ fn thinned(segment: &Segment, sight: Sight) -> Option<(Segment, f64)> {
             .collect()
     };
     let samples = picked.len();
-    let posed = o.attitude.iter().any(Option::is_some);
+    let share = samples as f64 / all.len() as f64;
     let moving = sight == Sight::Translation;
+    let mut sensors: Vec<SensorRecord> = Vec::new();
+    for record in o.sensors.iter().filter(|r| !r.samples.is_empty()) {
+        let kept = match record.kind {
+            SensorKind::Gyro | SensorKind::Attitude => true,
+            SensorKind::Velocity => moving,
+            _ => false,
+        };
+        if kept {
+            let mut few = SensorRecord {
+                samples: Vec::new(),
+                ..record.clone()
+            };
+            // Fewer samples stand for all of them.
+            few.covariance *= share;
+            sensors.push(few.at_every_time(vec![any_value(record.kind); samples]));
+        }
+    }
+    if moving && sensors.iter().all(|r| r.kind != SensorKind::Velocity) {
+        // Made of positions.
+        sensors.push(SensorRecord {
+            covariance: noise.velocity * share,
+            ..tried(SensorKind::Velocity, samples, VELOCITY)
+        });
+    }
     let observations = Observations {
         time_s: picked.iter().map(|&k| o.time_s[k]).collect(),
-        rate: vec![Some(Vector3::zeros()); samples],
-        attitude: vec![posed.then(UnitQuaternion::identity); samples],
-        velocity: vec![moving.then(Vector3::zeros); samples],
-        position: vec![None; samples],
-        velocity_arm_B: o.velocity_arm_B,
-        position_arm_B: o.position_arm_B,
+        sensors,
         orbit: picked
             .iter()
             .filter_map(|&k| o.orbit.get(k).copied())
             .collect(),
-        points: Vec::new(),
         joint_position: rows(&o.joint_position, dof),
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
         ..Observations::default()
     };
-    let share = samples as f64 / all.len() as f64;
     let segment = Segment {
         label: String::new(),
         observations,

@@ -15,7 +15,7 @@ pub(crate) fn twist(
     x: &[f64],
     tree: &Tree,
     spin_inertia: &[f64],
-    segment: &Segment,
+    (segment, gyro_sensor): (&Segment, Option<usize>),
     start: (Vector3, Vector3),
 ) -> Vec<ChannelFit> {
     if !segment.firings.is_empty() {
@@ -24,12 +24,11 @@ pub(crate) fn twist(
     let s = &segment.samples;
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
     let bodies = parameters.bodies(x);
+    let gyro = parameters.sensor_errors(x, gyro_sensor);
     let mut spin = spin_inertia.to_vec();
-    let mut bias = Vector3::zeros();
     for (unknown, value) in parameters.unknowns.iter().zip(x) {
         match unknown.kind {
             UnknownKind::SpinInertia(k) => spin[k] = *value,
-            UnknownKind::GyroBias(k) => bias[k] = *value,
             _ => {}
         }
     }
@@ -59,14 +58,14 @@ pub(crate) fn twist(
         ) else {
             return Vec::new();
         };
-        rate += (s.w_NB_B[k] - bias - twist.w).norm_squared();
+        rate += (s.w_NB_B[k] - gyro.bias - twist.w).norm_squared();
         if let Some(t) = &s.translation {
             velocity += (s.R_NB[k].inverse() * t.v_NBo_N[k] - twist.v).norm_squared();
         }
     }
     let count = 3.0 * s.time_s.len().max(1) as f64;
-    let channel = |name, unit, square: f64| ChannelFit {
-        name,
+    let channel = |name: &str, unit, square: f64| ChannelFit {
+        name: name.to_owned(),
         unit,
         rms: (square / count).sqrt(),
         chi2_per_number: None,

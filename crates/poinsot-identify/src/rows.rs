@@ -5,8 +5,8 @@ use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind};
 use crate::segment::{Noise, Segment};
 use nalgebra::Cholesky;
 use poinsot_dynamics::{
-    Kinematics, Tree, composite, momentum, momentum_regressor, shift_to_body, wheel_momentum,
-    wheel_regressor,
+    Kinematics, SensorError, Tree, composite, momentum, momentum_regressor, shift_to_body,
+    wheel_momentum, wheel_regressor,
 };
 use poinsot_model::MomentumKnowledge;
 use poinsot_spatial::{InertialParameters, Matrix3, Matrix6, Vector3, Vector6, skew};
@@ -152,7 +152,10 @@ impl<'a> Rows<'a> {
                     let (l, h) = shift_to_body(&s.R_NB[k], &p, &j.linear, &j.angular);
                     stack(&-l, &-h)
                 }
-                UnknownKind::GyroBias(axis) => {
+                UnknownKind::Sensor {
+                    sensor,
+                    error: SensorError::Bias(axis),
+                } if Some(*sensor) == setting.noise.gyro_sensor => {
                     // The measured rate is too large by the bias: Y(w - b) pi = Y(w) pi - H_w b.
                     let h = bias_map.get_or_insert_with(|| {
                         composite(&setting.parameters.nominal, &self.kinematics).locked_inertia()
@@ -297,7 +300,10 @@ impl<'a> Rows<'a> {
                     let about_cm = j.angular + j.per_mass_centre * given.p_BoBcm_B;
                     stack(&zero, &-(inverse * about_cm))
                 }
-                UnknownKind::GyroBias(axis) => {
+                UnknownKind::Sensor {
+                    sensor,
+                    error: SensorError::Bias(axis),
+                } if Some(*sensor) == setting.noise.gyro_sensor => {
                     let h = given.I_BBcm_B.column(*axis).into_owned();
                     stack(&zero, &-h)
                 }

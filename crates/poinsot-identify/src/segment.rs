@@ -1,6 +1,6 @@
 //! One stretch of telemetry, aligned on the gyro's times: what the linear rung needs.
 
-use crate::point_sensor::PointReadings;
+use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of one segment at common times. All arrays have one entry per time unless said otherwise.
@@ -44,31 +44,101 @@ pub struct Firing {
     pub force: f64,
 }
 
+/// One measured value, SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SensorValue {
+    /// Three components: of a rate or a specific force in the axes of the sensor's body, of all else in N.
+    Vector(Vector3),
+    /// Attitude of the sensor's body in N.
+    Attitude(UnitQuaternion),
+}
+
+/// One sample of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorSample {
+    /// Grid time at which the interval of an increment begins; `to` for every other sensor.
+    pub from: usize,
+    /// Grid time of the sample.
+    pub to: usize,
+    /// Value.
+    pub value: SensorValue,
+}
+
+impl SensorSample {
+    /// A value at one grid time.
+    pub fn new(at: usize, value: SensorValue) -> Self {
+        Self {
+            from: at,
+            to: at,
+            value,
+        }
+    }
+}
+
+/// One sensor in one segment, at its own times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorRecord {
+    /// Name in results: the word of the kind, `<kind>.<sensor>` where several sensors share the kind.
+    pub name: String,
+    /// Index of the sensor in the model; `None` for columns of no declared sensor.
+    pub sensor: Option<usize>,
+    /// What it measures.
+    pub kind: SensorKind,
+    /// Index of the body that carries it.
+    pub body: usize,
+    /// Place from the body's origin, in the body, m. Positions are from the place of the base origin at the first sample.
+    pub p_BoS_B: Vector3,
+    /// Covariance of one sample, SI squared, in the axes of the value (of an attitude: of the body). Zero: taken as exact.
+    pub covariance: Matrix3,
+    /// Correlation time of the noise, s; zero where it is white.
+    pub correlation_s: f64,
+    /// Samples in the order of `to`.
+    pub samples: Vec<SensorSample>,
+}
+
+impl SensorRecord {
+    /// The only sensor of its kind, at the origin of the base, with white noise and no samples.
+    pub fn of_base(kind: SensorKind, covariance: Matrix3) -> Self {
+        Self {
+            name: kind.word().to_owned(),
+            sensor: None,
+            kind,
+            body: 0,
+            p_BoS_B: Vector3::zeros(),
+            covariance,
+            correlation_s: 0.0,
+            samples: Vec::new(),
+        }
+    }
+
+    /// The same sensor with one value at every grid time from the first on.
+    pub fn at_every_time(mut self, values: impl IntoIterator<Item = SensorValue>) -> Self {
+        let samples = values.into_iter().enumerate();
+        self.samples = samples
+            .map(|(k, value)| SensorSample::new(k, value))
+            .collect();
+        self
+    }
+
+    /// Whether it is taken as exact: its first sample is the start, and no sample is compared.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.covariance == Matrix3::zeros()
+    }
+}
+
 /// What every sensor really read, each at its own times, on one grid: what maximum likelihood needs.
 ///
 /// The grid holds the times of all sensors and the edges of all firings. Joints and wheels are inputs and
-/// have a value at every time; the other arrays hold `None` where that sensor has no sample.
+/// have a value at every time.
 #[derive(Debug, Clone, Default)]
 pub struct Observations {
     /// Grid, s, strictly increasing.
     pub time_s: Vec<f64>,
-    /// Angular velocity of the base in B, rad/s.
-    pub rate: Vec<Option<Vector3>>,
-    /// Attitude of the base, R_NB.
-    pub attitude: Vec<Option<UnitQuaternion>>,
-    /// Velocity of the sensor point in N, m/s.
-    pub velocity: Vec<Option<Vector3>>,
-    /// Position of the sensor point in N, m, from the place of the base origin at the first sample.
-    pub position: Vec<Option<Vector3>>,
-    /// Place of the velocity sensor from the base origin, in B, m.
-    pub velocity_arm_B: Vector3,
-    /// Place of the position sensor from the base origin, in B, m.
-    pub position_arm_B: Vector3,
+    /// Sensors, any number of any kind. Their order decides nothing but the order of the results.
+    pub sensors: Vec<SensorRecord>,
     /// Position and velocity of the reference orbit from the attracting body, in N, m and m/s, at every time;
     /// empty without gravity gradient.
     pub orbit: Vec<(Vector3, Vector3)>,
-    /// Accelerometers and velocity increments.
-    pub points: Vec<PointReadings>,
     /// Joint positions, rad or m; one row of `dof` per time.
     pub joint_position: Vec<f64>,
     /// Joint rates, rad/s or m/s; one row of `dof` per time.
@@ -90,21 +160,69 @@ pub struct Observations {
 }
 
 impl Observations {
-    /// Whether there are two times or more and every list has an entry for each.
+    /// Whether there are two times or more, inputs at each, and no sample beyond them.
     pub(crate) fn is_whole(&self, dof: usize, wheels: usize) -> bool {
         let n = self.time_s.len();
+        let samples = |r: &SensorRecord| {
+            let ordered = r.samples.windows(2).all(|w| w[0].to < w[1].to);
+            ordered && r.samples.iter().all(|s| s.from <= s.to && s.to < n)
+        };
         n >= 2
-            && [
-                self.rate.len(),
-                self.attitude.len(),
-                self.velocity.len(),
-                self.position.len(),
-            ]
-            .iter()
-            .all(|len| *len == n)
+            && self.sensors.iter().all(samples)
             && self.joint_position.len() == n * dof
             && self.joint_rate.len() == n * dof
             && self.wheel_speed.len() == n * wheels
+    }
+
+    /// Sensors of a kind that have samples.
+    pub(crate) fn of_kind(&self, kind: SensorKind) -> impl Iterator<Item = &SensorRecord> {
+        let all = self.sensors.iter();
+        all.filter(move |r| r.kind == kind && !r.samples.is_empty())
+    }
+
+    /// Whether any sensor of a kind has a sample.
+    pub(crate) fn reads(&self, kind: SensorKind) -> bool {
+        self.of_kind(kind).next().is_some()
+    }
+
+    /// Whether any sensor reads at a point what the motion of the inputs does there at once.
+    pub(crate) fn reads_points(&self) -> bool {
+        self.reads(SensorKind::Accelerometer) || self.reads(SensorKind::VelocityIncrement)
+    }
+
+    /// Whether position or velocity of any point in N is measured.
+    pub(crate) fn reads_translation(&self) -> bool {
+        self.reads(SensorKind::Position) || self.reads(SensorKind::Velocity)
+    }
+
+    /// The gyro of the base that tells most of its rate: samples over variance.
+    pub fn best_gyro(&self) -> Option<&SensorRecord> {
+        let weight = |r: &SensorRecord| r.samples.len() as f64 / r.covariance.trace();
+        let base = self.of_kind(SensorKind::Gyro).filter(|r| r.body == 0);
+        base.max_by(|a, b| {
+            let order = weight(a).total_cmp(&weight(b));
+            order.then_with(|| b.name.cmp(&a.name))
+        })
+    }
+
+    /// Grid times and attitudes of the base: of the tracker there that has most samples.
+    pub(crate) fn attitudes(&self) -> impl Iterator<Item = (usize, UnitQuaternion)> {
+        let base = self.of_kind(SensorKind::Attitude).filter(|r| r.body == 0);
+        let most = base.max_by_key(|r| r.samples.len());
+        let samples = most.into_iter().flat_map(|r| &r.samples);
+        samples.filter_map(|s| match s.value {
+            SensorValue::Attitude(R) => Some((s.to, R)),
+            SensorValue::Vector(_) => None,
+        })
+    }
+
+    /// Grid times and body rates that [`Self::best_gyro`] measured, rad/s.
+    pub fn rates(&self) -> impl Iterator<Item = (usize, Vector3)> {
+        let samples = self.best_gyro().into_iter().flat_map(|r| &r.samples);
+        samples.filter_map(|s| match s.value {
+            SensorValue::Vector(w) => Some((s.to, w)),
+            SensorValue::Attitude(_) => None,
+        })
     }
 }
 
@@ -160,10 +278,12 @@ pub struct Segment {
     pub accelerations: Option<Accelerations>,
 }
 
-/// Declared noise of the measurements that enter the rows, one sample each, and the part of it that
-/// is really seen in the data (0 for a noise-free file).
+/// Declared noise of what enters the linear rows ([`Samples`]) and of the inputs, one sample each, and the part of it
+/// that is really seen in the data (0 for a noise-free file).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
+    /// Index in the model of the gyro from which the rates of [`Samples`] come.
+    pub gyro_sensor: Option<usize>,
     /// Gyro covariance in B, rad2/s2.
     pub gyro: Matrix3,
     /// Attitude covariance as a small rotation in B, rad2; zero where taken as exact.
@@ -178,8 +298,6 @@ pub struct Noise {
     pub joint_rate: Vec<f64>,
     /// Variance of each wheel speed, rad2/s2.
     pub wheel_speed: Vec<f64>,
-    /// Correlation time of the noise of gyro, attitude, velocity and position, s; zero where it is white.
-    pub correlation_s: [f64; 4],
     /// Seen over declared variance of the gyro.
     pub seen_gyro: f64,
     /// Seen over declared variance of the velocity.

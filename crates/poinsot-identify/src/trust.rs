@@ -101,7 +101,7 @@ fn suspect(solved: &Solved, shown: bool) -> Option<String> {
 /// A sensor whose residual is larger than its declared noise allows.
 #[derive(Debug, Clone, PartialEq)]
 struct Sensor {
-    name: &'static str,
+    name: String,
     /// Segment, where it shows in that one alone.
     segment: Option<String>,
     /// All levels together.
@@ -114,7 +114,7 @@ struct Sensor {
 
 impl Sensor {
     /// The levels of one sensor, judged; `None` where none is too large.
-    fn judged(name: &'static str, levels: &[Octave], chance: f64) -> Option<Self> {
+    fn judged(name: &str, levels: &[Octave], chance: f64) -> Option<Self> {
         let whole = levels.iter().fold(Octave::default(), |a, b| a.plus(b));
         let too_large = |o: &&Octave| o.per_number() > 1.0 + NEGLIGIBLE && o.chance(1.0) < chance;
         let coloured = levels.iter().any(|o| o.chance(whole.per_number()) < chance);
@@ -124,7 +124,7 @@ impl Sensor {
         let worst = all.filter(too_large).max_by(larger);
         let worst = worst.or_else(|| levels.iter().filter(too_large).max_by(larger))?;
         Some(Self {
-            name,
+            name: name.to_owned(),
             segment: None,
             worst: *worst,
             coloured,
@@ -143,7 +143,7 @@ impl Sensor {
             None => String::new(),
         };
         let (whole, worst) = (self.whole.per_number(), self.worst.per_number());
-        let name = self.name;
+        let name = &self.name;
         match self.coloured && worst > whole {
             true => format!(
                 "the residual of the {name}{place} is correlated in time, {:.1} times as large over {} readings as its declared noise allows",
@@ -160,30 +160,25 @@ impl Sensor {
 
 /// Sensors that are too large: in all segments together, else in one of them.
 fn sensors(fit: &[SegmentFit]) -> Vec<Sensor> {
-    let mut names: Vec<&'static str> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for channel in fit.iter().flat_map(|s| &s.channels) {
-        if !channel.octaves.is_empty() && !names.contains(&channel.name) {
-            names.push(channel.name);
+        if !channel.octaves.is_empty() && !names.contains(&channel.name.as_str()) {
+            names.push(&channel.name);
         }
     }
-    let of = |name: &'static str| {
-        fit.iter().flat_map(move |s| {
-            let own = s.channels.iter().filter(move |c| c.name == name);
-            own.map(move |c| (&s.label, &c.octaves))
-        })
-    };
     let tests: usize = names
         .iter()
-        .flat_map(|name| of(name))
+        .flat_map(|name| octaves_of(fit, name))
         .map(|(_, levels)| 2 * (levels.len() + 1))
         .sum();
     let chance = FALSE_ALARM / tests.max(1) as f64;
     names
         .iter()
         .filter_map(|name| {
-            let together = of(name).fold(Vec::new(), |sum, (_, levels)| added(sum, levels));
+            let together =
+                octaves_of(fit, name).fold(Vec::new(), |sum, (_, levels)| added(sum, levels));
             let mut found = Sensor::judged(name, &together, chance);
-            for (label, levels) in of(name) {
+            for (label, levels) in octaves_of(fit, name) {
                 let alone = Sensor::judged(name, levels, chance);
                 let Some(mut alone) = alone.filter(|_| fit.len() > 1) else {
                     continue;
@@ -198,6 +193,17 @@ fn sensors(fit: &[SegmentFit]) -> Vec<Sensor> {
             found
         })
         .collect()
+}
+
+/// Labels of the segments and octaves of one sensor.
+fn octaves_of<'a>(
+    fit: &'a [SegmentFit],
+    name: &'a str,
+) -> impl Iterator<Item = (&'a String, &'a Vec<Octave>)> {
+    fit.iter().flat_map(move |s| {
+        let own = s.channels.iter().filter(move |c| c.name == name);
+        own.map(move |c| (&s.label, &c.octaves))
+    })
 }
 
 /// Level by level.
@@ -220,7 +226,7 @@ mod tests {
 
     fn fit(channels: &[(&'static str, Vec<Vector3>)]) -> SegmentFit {
         let channel = |(name, white): &(&'static str, Vec<Vector3>)| ChannelFit {
-            name,
+            name: (*name).to_owned(),
             unit: "",
             rms: 0.0,
             chi2_per_number: None,
@@ -253,7 +259,7 @@ mod tests {
         let bad = white(20, 1).iter().map(|w| 10.0 * w).collect();
         let found = sensors(&[fit(&[("gyro", white(5000, 2)), ("attitude", bad)])]);
         assert_eq!(found.len(), 1);
-        assert_eq!((found[0].name, found[0].coloured), ("attitude", false));
+        assert_eq!((&*found[0].name, found[0].coloured), ("attitude", false));
         let factor = found[0].worst.per_number().sqrt();
         assert!((7.0..13.0).contains(&factor), "{factor}");
     }

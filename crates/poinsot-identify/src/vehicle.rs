@@ -295,3 +295,36 @@ impl<'a> Running<'a> {
         &self.now
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prop_one_sweep_finds_the_firings_of_every_interval() {
+        let firing = |k: usize| {
+            let start_s = (k * 37 % 101) as f64 * 0.1;
+            Firing {
+                thruster: k,
+                start_s,
+                end_s: start_s + 0.05 * (1 + k % 40) as f64,
+                force: f64::from(u8::from(k % 5 != 0)),
+            }
+        };
+        let firings: Vec<Firing> = (0..200).map(firing).collect();
+        let mut running = Running::new(&firings);
+        for k in 0..300 {
+            let middle = 0.04 * k as f64;
+            let mut found: Vec<usize> = running
+                .between(middle, middle)
+                .iter()
+                .map(|f| f.thruster)
+                .collect();
+            found.sort_unstable();
+            let scanned = firings
+                .iter()
+                .filter(|f| f.start_s <= middle && middle < f.end_s && f.force != 0.0);
+            assert_eq!(found, scanned.map(|f| f.thruster).collect::<Vec<_>>());
+        }
+    }
+}

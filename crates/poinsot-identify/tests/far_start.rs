@@ -5,9 +5,10 @@ mod two_bodies;
 
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Estimate, Noise, Observations, Problem, Samples, Segment, Status, maximum_likelihood,
+    Estimate, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue, Status,
+    maximum_likelihood,
 };
-use poinsot_model::{EstimateSet, Model, parse_model};
+use poinsot_model::{EstimateSet, Model, SensorKind, parse_model};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use two_bodies::{VEHICLE, tumble};
 
@@ -20,14 +21,14 @@ fn scatter(k: usize) -> f64 {
 }
 
 /// Rate and attitude of a tumbling bus, each with noise of 1e-5.
-fn record(model: &Model, tree: &Tree) -> Segment {
+fn record(model: &Model) -> Segment {
     let times: Vec<f64> = (0..ROWS).map(|k| 0.02 * k as f64).collect();
     let mut samples = Samples {
         time_s: times.clone(),
         ..Samples::default()
     };
     let error = |k: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(3 * k + i));
-    tumble(model, tree, 0, &times, |s| {
+    tumble(model, 0, &times, |s| {
         let k = samples.R_NB.len();
         let turn = UnitQuaternion::from_scaled_axis(error(k + ROWS));
         samples.R_NB.push(s.R_NB * turn);
@@ -35,12 +36,18 @@ fn record(model: &Model, tree: &Tree) -> Segment {
         samples.joint_position.extend(&s.q);
         samples.joint_rate.extend(&s.rates);
     });
+    let vectors = |kind, values: &[Vector3]| {
+        SensorRecord::of_base(kind, Matrix3::identity() * 1.0e-10)
+            .at_every_time(values.iter().map(|x| SensorValue::Vector(*x)))
+    };
+    let attitudes = samples.R_NB.iter().map(|R| SensorValue::Attitude(*R));
+    let attitude = SensorRecord::of_base(SensorKind::Attitude, Matrix3::identity() * 1.0e-10);
     let observations = Observations {
         time_s: times,
-        rate: samples.w_NB_B.iter().copied().map(Some).collect(),
-        attitude: samples.R_NB.iter().copied().map(Some).collect(),
-        velocity: vec![None; ROWS],
-        position: vec![None; ROWS],
+        sensors: vec![
+            vectors(SensorKind::Gyro, &samples.w_NB_B),
+            attitude.at_every_time(attitudes),
+        ],
         joint_position: samples.joint_position.clone(),
         joint_rate: samples.joint_rate.clone(),
         ..Observations::default()
@@ -56,6 +63,7 @@ fn record(model: &Model, tree: &Tree) -> Segment {
 fn solved(model: &Model, tree: &Tree, segment: &Segment) -> Estimate {
     let one = Matrix3::identity() * 1.0e-10;
     let noise = Noise {
+        gyro_sensor: None,
         gyro: one,
         attitude: one,
         velocity: one,
@@ -63,7 +71,6 @@ fn solved(model: &Model, tree: &Tree, segment: &Segment) -> Estimate {
         joint_position: vec![0.0],
         joint_rate: vec![0.0],
         wheel_speed: Vec::new(),
-        correlation_s: [0.0; 4],
         seen_gyro: 1.0,
         seen_velocity: 1.0,
         seen_joint_rate: 0.0,
@@ -83,7 +90,7 @@ fn prop_a_far_start_ends_where_a_near_one_does() {
     let mut near = parse_model(VEHICLE, "vehicle.toml").unwrap();
     near.bodies[0].estimate = EstimateSet::default();
     let tree = Tree::new(&near);
-    let segment = record(&near, &tree);
+    let segment = record(&near);
     let expected = solved(&near, &tree, &segment);
     assert_eq!(expected.status, Status::Converged);
     let mut far = near.clone();

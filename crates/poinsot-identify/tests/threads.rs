@@ -5,10 +5,10 @@ mod two_bodies;
 
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Estimate, Noise, Number, Observations, Problem, Samples, Segment, Translation, linear,
-    maximum_likelihood,
+    Estimate, Noise, Number, Observations, Problem, Samples, Segment, SensorRecord, SensorValue,
+    Translation, linear, maximum_likelihood,
 };
-use poinsot_model::{Model, parse_model};
+use poinsot_model::{Model, SensorKind, parse_model};
 use poinsot_spatial::{Matrix3, Vector3};
 use two_bodies::{VEHICLE, tumble};
 
@@ -18,14 +18,14 @@ fn scatter(k: usize) -> f64 {
 }
 
 /// A tumbling segment with errors of the size of the declared noise.
-fn segment(model: &Model, tree: &Tree, at: usize, rows: usize) -> Segment {
+fn segment(model: &Model, at: usize, rows: usize) -> Segment {
     let times: Vec<f64> = (0..rows).map(|k| 0.02 * k as f64).collect();
     let mut samples = Samples {
         time_s: times.clone(),
         ..Samples::default()
     };
     let mut motion = Translation::default();
-    tumble(model, tree, at, &times, |s| {
+    tumble(model, at, &times, |s| {
         let k = 10 * (samples.R_NB.len() + rows * at);
         let error = |from: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(k + from + i));
         samples.R_NB.push(s.R_NB);
@@ -35,12 +35,20 @@ fn segment(model: &Model, tree: &Tree, at: usize, rows: usize) -> Segment {
         samples.joint_position.extend(&s.q);
         samples.joint_rate.extend(&s.rates);
     });
+    let vectors = |kind, values: &[Vector3]| {
+        SensorRecord::of_base(kind, Matrix3::identity() * 1.0e-10)
+            .at_every_time(values.iter().map(|x| SensorValue::Vector(*x)))
+    };
+    let attitudes = samples.R_NB.iter().map(|R| SensorValue::Attitude(*R));
+    let attitude = SensorRecord::of_base(SensorKind::Attitude, Matrix3::identity() * 1.0e-10);
     let observations = Observations {
         time_s: times,
-        rate: samples.w_NB_B.iter().copied().map(Some).collect(),
-        attitude: samples.R_NB.iter().copied().map(Some).collect(),
-        velocity: motion.v_NBo_N.iter().copied().map(Some).collect(),
-        position: motion.p_NoBo_N.iter().copied().map(Some).collect(),
+        sensors: vec![
+            vectors(SensorKind::Gyro, &samples.w_NB_B),
+            attitude.at_every_time(attitudes),
+            vectors(SensorKind::Velocity, &motion.v_NBo_N),
+            vectors(SensorKind::Position, &motion.p_NoBo_N),
+        ],
         joint_position: samples.joint_position.clone(),
         joint_rate: samples.joint_rate.clone(),
         ..Observations::default()
@@ -89,10 +97,11 @@ fn exact_the_same_bits_on_1_2_3_and_8_threads() {
     let segments: Vec<Segment> = [2600, 1100, 300]
         .into_iter()
         .enumerate()
-        .map(|(at, rows)| segment(&model, &tree, at, rows))
+        .map(|(at, rows)| segment(&model, at, rows))
         .collect();
     let one = Matrix3::identity() * 1.0e-10;
     let noise = Noise {
+        gyro_sensor: None,
         gyro: one,
         attitude: one,
         velocity: one,
@@ -100,7 +109,6 @@ fn exact_the_same_bits_on_1_2_3_and_8_threads() {
         joint_position: vec![0.0],
         joint_rate: vec![0.0],
         wheel_speed: Vec::new(),
-        correlation_s: [0.0; 4],
         seen_gyro: 1.0,
         seen_velocity: 1.0,
         seen_joint_rate: 0.0,

@@ -180,15 +180,9 @@ fn check_sensor(
     });
     let correlation_s = file.correlation_s.and_then(|time| {
         let here = key.at("correlation_s");
-        let coloured = [
-            SensorKind::Gyro,
-            SensorKind::Attitude,
-            SensorKind::Velocity,
-            SensorKind::Position,
-        ];
-        if !coloured.contains(&kind) {
+        if kind.is_scalar() {
             let problem = format!("a {} has no coloured noise", kind.word());
-            let remedy = "leave it out; gyro, attitude, velocity and position can have it";
+            let remedy = "leave it out; sensors of three axes can have it";
             findings.refuse("E0106", &here, problem, remedy);
             return None;
         }

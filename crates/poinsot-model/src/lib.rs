@@ -19,6 +19,7 @@ mod describe_telemetry;
 mod document;
 mod file;
 mod finding;
+mod kinematic;
 mod number;
 mod read;
 mod schema;

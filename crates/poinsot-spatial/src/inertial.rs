@@ -1,6 +1,8 @@
 //! The ten inertial parameters of a rigid body: the one place that fixes their order, point and axes.
 
 use crate::{Matrix3, Vector3};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField;
 use nalgebra::{Matrix4, SymmetricEigen};
 
 /// Names of the ten barycentric parameters in the order of [`InertialParameters::to_array`]:
@@ -150,7 +152,7 @@ impl MassProperties {
     pub fn principal(&self) -> ([f64; 3], Matrix3) {
         let eigen = SymmetricEigen::new(self.I_BBcm_B);
         let mut order = [0, 1, 2];
-        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        order.sort_unstable_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let moments = order.map(|k| eigen.eigenvalues[k]);
         let mut axes =
             Matrix3::from_columns(&order.map(|k| eigen.eigenvectors.column(k).into_owned()));

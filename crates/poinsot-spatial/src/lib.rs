@@ -3,6 +3,7 @@
 //! Names follow Drake's monogram notation, written out in `NOTATION.md`: `p_BoBcm_B` is the position
 //! of `Bcm` from `Bo` in the axes of B, `R_NB` takes components in B to components in N. Everything is
 //! SI. Twists and wrenches are six-vectors with the **linear part first**.
+#![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_snake_case)]
 
 mod inertial;

@@ -25,21 +25,18 @@ pub(crate) enum ByteFault {
 
 /// Opens a regular file.
 pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
     if is_standard_input(path) {
         let spooled = standard_input().and_then(|file| Ok((file.metadata()?, file)));
-        let (metadata, file) = spooled.map_err(|source| TelemetryError::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source,
-        })?;
+        let (metadata, file) = spooled.map_err(io)?;
         return Ok((file, metadata));
     }
     poinsot_files::open(path).map_err(|error| match error {
-        InputError::System(source) | InputError::Missing(source) => TelemetryError::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source,
-        },
+        InputError::System(source) | InputError::Missing(source) => io(source),
         _ => TelemetryError::Format {
             place: Place::file(path),
             why: "not a regular file; give a .csv or .parquet file".into(),
@@ -172,6 +169,7 @@ impl<R: Read> Read for TextBytes<R> {
 }
 
 /// SHA-256 of a whole file, hexadecimal.
+#[cfg(feature = "parquet")]
 pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];

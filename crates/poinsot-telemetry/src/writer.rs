@@ -17,7 +17,7 @@ use std::sync::Arc;
 ///
 /// One column `time_s` with the union of all times, one column per channel, an empty cell or null where a channel
 /// has no sample. CSV numbers are the shortest that read back to the same double. The file appears under its
-/// name only when it is complete and on disk.
+/// name only when it is complete and on disk; its folder is made where it is missing.
 ///
 /// # Errors
 /// [`TelemetryError::Write`] for channels of one name, values that are not finite, or times that do not increase;

@@ -220,13 +220,10 @@ fn fits(problem: &Problem, tables: &[Table]) -> Option<bool> {
 /// Mean square of the body rates over that of their noise, per number.
 fn rates_over_noise(problem: &Problem) -> Option<f64> {
     let weight = problem.noise.gyro.try_inverse()?;
-    let rates = || {
-        problem
-            .segments
-            .iter()
-            .flat_map(|s| s.observations.rate.iter().flatten())
-    };
-    let sum: f64 = rates().map(|w| (w.transpose() * weight * w)[(0, 0)]).sum();
+    let rates = || problem.segments.iter().flat_map(|s| s.observations.rates());
+    let sum: f64 = rates()
+        .map(|(_, w)| (w.transpose() * weight * w)[(0, 0)])
+        .sum();
     Some(sum / (3.0 * rates().count().max(1) as f64))
 }
 

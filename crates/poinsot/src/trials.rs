@@ -92,7 +92,7 @@ pub struct Answer {
     /// Chi-square per degree of freedom, mean over the segments.
     pub chi2_per_dof: f64,
     /// Chi-square per number of each kind of sensor, mean over the segments.
-    pub channels: Vec<(&'static str, f64)>,
+    pub channels: Vec<(String, f64)>,
     /// Every number that the trial determined and whose truth is known.
     pub numbers: Vec<TrialNumber>,
     /// Normalised squared error of all determined mass properties together, and how many they are.
@@ -265,12 +265,12 @@ impl Study {
             })
             .collect();
         let segments = estimate.fit.len().max(1) as f64;
-        let mut channels: Vec<(&'static str, f64)> = Vec::new();
+        let mut channels: Vec<(String, f64)> = Vec::new();
         for channel in estimate.fit.iter().flat_map(|f| &f.channels) {
             let share = channel.chi2_per_number.unwrap_or(f64::NAN) / segments;
             match channels.iter_mut().find(|(name, _)| *name == channel.name) {
                 Some((_, sum)) => *sum += share,
-                None => channels.push((channel.name, share)),
+                None => channels.push((channel.name.clone(), share)),
             }
         }
         Answer {
@@ -301,8 +301,10 @@ impl Study {
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
             let turned = match sensor.kind {
-                SensorKind::Gyro | SensorKind::Accelerometer => sensor.R_BS,
-                SensorKind::VelocityIncrement => nalgebra::Matrix3::identity(),
+                SensorKind::Gyro | SensorKind::Accelerometer | SensorKind::Attitude => sensor.R_BS,
+                SensorKind::VelocityIncrement | SensorKind::Velocity | SensorKind::Position => {
+                    nalgebra::Matrix3::identity()
+                }
                 SensorKind::JointPosition => {
                     let joints = sensor.of.iter().filter_map(|j| self.model.joints.get(*j));
                     for (joint, bias) in joints.zip(bias) {
@@ -341,10 +343,12 @@ fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mu
     let mut exact = vec![0.0; at.len()];
     let mut reading = Vec::with_capacity(at.len());
     for k in 0..samples {
+        let first = at.iter().flatten().next();
+        let time_s = first.map_or(0.0, |&c| table.channels[c].time_s[k]);
         for (x, channel) in exact.iter_mut().zip(&at) {
             *x = channel.map_or(0.0, |c| table.channels[c].values[k]);
         }
-        instrument.disturb(&exact, &mut reading);
+        instrument.disturb(time_s, &exact, &mut reading);
         for (x, channel) in reading.iter().zip(&at) {
             if let Some(c) = channel {
                 table.channels[*c].values[k] = *x;

@@ -431,7 +431,9 @@ fn regress_threads_are_at_most_the_cores() {
 #[test]
 fn regress_little_memory_is_an_error_of_the_environment() {
     let mut codes = Vec::new();
-    for mib in (20..64).step_by(4) {
+    let program = std::fs::metadata(env!("CARGO_BIN_EXE_poinsot")).unwrap();
+    let program = program.len() >> 20;
+    for mib in (program..program + 32).step_by(3) {
         let folder = tempfile::tempdir().unwrap();
         let script = format!("ulimit -v {}; exec \"$@\"", mib << 10);
         let done = Command::new("sh")

@@ -3,7 +3,8 @@
 use super::types::FaultKind;
 use crate::information::Experiment;
 use crate::likelihood::Sight;
-use crate::parameters::{Unknown, UnknownKind, axis_name};
+use crate::parameters::{ErrorGroup, Unknown, UnknownKind, axis_name};
+use crate::problem::Problem;
 use crate::segment::InputErrors;
 use poinsot_model::{JointKind, Model, SensorKind};
 
@@ -61,58 +62,82 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     list
 }
 
-fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
-    let model = experiment.problem.model;
-    let name = |kind: SensorKind, otherwise: &'static str| {
-        let own = model.sensors_of(kind).next();
-        own.map_or(otherwise.to_owned(), |s| s.name.clone())
-    };
-    let gyro = name(SensorKind::Gyro, "gyro");
-    let tracker = name(SensorKind::Attitude, "attitude");
-    let new = |name: &str, fault, unknowns| Candidate {
-        name: name.to_owned(),
-        fault,
-        unknowns,
-    };
-    vec![
-        new(
-            "a bias of the gyro",
-            FaultKind::GyroBias,
-            triple(UnknownKind::GyroBias, &format!("{gyro}.bias"), "rad/s"),
-        ),
-        new(
-            "a scale error of the gyro",
-            FaultKind::GyroScale,
-            triple(UnknownKind::GyroScale, &format!("{gyro}.scale"), "1"),
-        ),
-        new(
-            "a misalignment of the gyro",
-            FaultKind::GyroMisalignment,
-            triple(
-                UnknownKind::GyroMisalignment,
-                &format!("{gyro}.misalignment"),
-                "rad",
-            ),
-        ),
-        new(
-            "a lag of the gyro",
-            FaultKind::Lag,
-            vec![unknown(UnknownKind::GyroLag, format!("{gyro}.lag"), "s")],
-        ),
-        new(
-            "a lag of the attitude",
-            FaultKind::Lag,
-            vec![unknown(
-                UnknownKind::AttitudeLag,
-                format!("{tracker}.lag"),
-                "s",
-            )],
-        ),
-    ]
+/// Sensors of the model that have samples in any segment, with their names in results.
+pub(super) fn sensors_read(problem: &Problem) -> Vec<(usize, String)> {
+    let mut list: Vec<(usize, String)> = Vec::new();
+    let segments = problem.segments.iter();
+    for record in segments.flat_map(|s| &s.observations.sensors) {
+        let known = |sensor: usize| list.iter().any(|s| s.0 == sensor);
+        if let Some(sensor) = record.sensor.filter(|s| !known(*s))
+            && !record.samples.is_empty()
+            && !record.is_exact()
+        {
+            list.push((sensor, record.name.clone()));
+        }
+    }
+    list
 }
 
-/// Lags of what is not gyro or attitude: position and velocity of the base, and the readings of joints and wheels
-/// that drive the motion, sensor by sensor where sensors are declared.
+/// Every error of every sensor that is read. A bias, scale or turn of the only sensor of the pose, or of a velocity, is
+/// the choice of a frame, or what another sensor of the same motion is said to have.
+fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
+    let model = experiment.problem.model;
+    let read = sensors_read(experiment.problem);
+    let kind = |sensor: usize| model.sensors[sensor].kind;
+    let mut list = Vec::new();
+    for (sensor, name) in &read {
+        let own = kind(*sensor);
+        if experiment.sight == Sight::Rotation
+            && matches!(own, SensorKind::Position | SensorKind::Velocity)
+        {
+            continue;
+        }
+        let framed = matches!(
+            own,
+            SensorKind::Attitude | SensorKind::Position | SensorKind::Velocity
+        );
+        let alone = read.iter().filter(|(s, _)| kind(*s) == own).count() == 1;
+        for group in ErrorGroup::of(own) {
+            if framed && alone && group.key != "lag" {
+                continue;
+            }
+            let errors = group.errors.iter().map(|(error, what)| {
+                let kind = UnknownKind::Sensor {
+                    sensor: *sensor,
+                    error: *error,
+                };
+                let name = format!("{}.{what}", model.sensors[*sensor].name);
+                unknown(kind, name, group.unit(own))
+            });
+            let word = if group.key == "scale" {
+                "scale error"
+            } else {
+                group.key
+            };
+            list.push(Candidate {
+                name: format!("a {word} of the {}", name.replace('_', " ")),
+                fault: fault_of(own, group),
+                unknowns: errors.collect(),
+            });
+        }
+    }
+    list
+}
+
+fn fault_of(kind: SensorKind, group: &ErrorGroup) -> FaultKind {
+    match (group.key, kind) {
+        ("bias", SensorKind::Gyro) => FaultKind::GyroBias,
+        ("bias", _) => FaultKind::SensorBias,
+        ("scale", SensorKind::Gyro) => FaultKind::GyroScale,
+        ("scale", _) => FaultKind::SensorScale,
+        ("misalignment", SensorKind::Gyro) => FaultKind::GyroMisalignment,
+        ("misalignment", _) => FaultKind::SensorMisalignment,
+        ("nonorthogonality", _) => FaultKind::Nonorthogonality,
+        _ => FaultKind::Lag,
+    }
+}
+
+/// Lags of the readings of joints, wheels and thrusters that drive the motion, sensor by sensor where sensors are declared.
 fn of_late_readings(experiment: &Experiment) -> Vec<Candidate> {
     let (model, tree) = (experiment.problem.model, experiment.problem.tree);
     let late = |what: &str, owner: &str, kind| Candidate {
@@ -121,15 +146,6 @@ fn of_late_readings(experiment: &Experiment) -> Vec<Candidate> {
         unknowns: vec![unknown(kind, format!("{owner}.lag"), "s")],
     };
     let mut list = Vec::new();
-    if experiment.sight != Sight::Rotation {
-        for (kind, lag) in [
-            (SensorKind::Velocity, UnknownKind::VelocityLag),
-            (SensorKind::Position, UnknownKind::PositionLag),
-        ] {
-            let own = model.sensors_of(kind).find(|s| s.body == 0);
-            list.push(late(kind.word(), own.map_or(kind.word(), |s| &s.name), lag));
-        }
-    }
     let joints = readers(model, SensorKind::JointPosition, model.joints.len());
     for (owner, of) in joints {
         let coordinates = (0..tree.dof())

@@ -13,21 +13,21 @@ const MEDIAN: f64 = 2.366;
 /// Lags of the whiteness test.
 const LAGS: usize = 10;
 
-/// One entry per kind of sensor, all segments together.
+/// One entry per sensor, all segments together.
 pub(super) fn channels(fitted: &Fitted) -> Vec<ChannelDiagnosis> {
-    let mut names: Vec<&'static str> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for channel in fitted.evaluated.iter().flat_map(|e| &e.channels) {
-        if !names.contains(&channel.name) {
-            names.push(channel.name);
+        if !names.contains(&channel.name.as_str()) {
+            names.push(&channel.name);
         }
     }
     names
         .into_iter()
-        .map(|name| of_kind(name, fitted))
+        .map(|name| of_sensor(name, fitted))
         .collect()
 }
 
-fn of_kind(name: &'static str, fitted: &Fitted) -> ChannelDiagnosis {
+fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
     let own = || {
         let all = fitted.evaluated.iter().flat_map(|e| &e.channels);
         all.filter(move |c| c.name == name)
@@ -43,7 +43,7 @@ fn of_kind(name: &'static str, fitted: &Fitted) -> ChannelDiagnosis {
     let whiteness: Vec<f64> = own().filter_map(|c| whiteness(&c.white)).collect();
     let least = whiteness.iter().copied().reduce(f64::min);
     ChannelDiagnosis {
-        name,
+        name: name.to_owned(),
         readings,
         chi2_per_number: mean,
         typical_chi2_per_number: typical,

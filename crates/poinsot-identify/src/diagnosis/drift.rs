@@ -1,10 +1,12 @@
 //! Does the total momentum drift? Does one sensor read later than another?
 
-use super::candidates::Candidate;
+use super::candidates::{Candidate, sensors_read};
 use super::projected::{Projected, Score};
 use super::types::{MomentumDrift, SensorLag};
 use crate::information::Experiment;
 use crate::parameters::UnknownKind;
+use poinsot_dynamics::SensorError;
+use poinsot_model::SensorKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// Sigma of a lag before the data, s: it decides what no data can, such as a lag common to all sensors.
@@ -62,31 +64,18 @@ pub(super) fn lags(
     per_number: f64,
 ) -> Vec<SensorLag> {
     let model = experiment.problem.model;
-    let kinds = [
-        (
-            UnknownKind::GyroLag,
-            "gyro",
-            experiment
-                .problem
-                .segments
-                .iter()
-                .any(|s| s.observations.rate.iter().any(Option::is_some)),
-        ),
-        (
-            UnknownKind::AttitudeLag,
-            "attitude",
-            experiment
-                .problem
-                .segments
-                .iter()
-                .any(|s| s.observations.attitude.iter().any(Option::is_some)),
-        ),
-    ];
     let mut names: Vec<String> = Vec::new();
     let mut group = Vec::new();
-    for (kind, name, present) in kinds {
-        if let (true, Some(at)) = (present, indices(candidates, |k| *k == kind).first()) {
-            names.push(name.to_owned());
+    for (sensor, name) in sensors_read(experiment.problem) {
+        if ![SensorKind::Gyro, SensorKind::Attitude].contains(&model.sensors[sensor].kind) {
+            continue;
+        }
+        let lag = UnknownKind::Sensor {
+            sensor,
+            error: SensorError::Lag,
+        };
+        if let Some(at) = indices(candidates, |k| *k == lag).first() {
+            names.push(name);
             group.push(*at);
         }
     }

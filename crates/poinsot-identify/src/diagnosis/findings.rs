@@ -77,9 +77,12 @@ fn finding(fault: FaultKind, text: String) -> Finding {
 /// What would take a suspect into the model, or out of the data; begins with a separator.
 fn advice(suspect: &Suspect) -> &'static str {
     match suspect.fault {
-        FaultKind::GyroBias => "; write bias = \"estimate\" for it",
-        FaultKind::GyroScale => "; write scale = \"estimate\" for it",
-        FaultKind::GyroMisalignment => "; write misalignment = \"estimate\" for it",
+        FaultKind::GyroBias | FaultKind::SensorBias => "; write bias = \"estimate\" for it",
+        FaultKind::GyroScale | FaultKind::SensorScale => "; write scale = \"estimate\" for it",
+        FaultKind::GyroMisalignment | FaultKind::SensorMisalignment => {
+            "; write misalignment = \"estimate\" for it"
+        }
+        FaultKind::Nonorthogonality => "; write nonorthogonality = \"estimate\" for it",
         FaultKind::Lag => "; correct its times, or write lag = \"estimate\" for it",
         FaultKind::WheelSign => "; turn the axis round, or the sign of the column",
         FaultKind::WheelScale => "; write estimate = true for it",

@@ -14,16 +14,12 @@ const PERIODOGRAM: usize = 4096;
 pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<SpectralLine> {
     let mut found = Vec::new();
     for (segment, one) in experiment.problem.segments.iter().zip(&fitted.evaluated) {
-        let Some(gyro) = one.channels.iter().find(|c| c.name == "gyro") else {
+        let o = &segment.observations;
+        let best = o.best_gyro().map(|r| &r.name);
+        let Some(gyro) = one.channels.iter().find(|c| Some(&c.name) == best) else {
             continue;
         };
-        let times: Vec<f64> = segment
-            .observations
-            .time_s
-            .iter()
-            .zip(&segment.observations.rate)
-            .filter_map(|(t, w)| w.map(|_| *t))
-            .collect();
+        let times: Vec<f64> = o.rates().map(|(k, _)| o.time_s[k]).collect();
         if let Some((frequency, share)) = strongest_line(&times, &gyro.white) {
             found.push(SpectralLine {
                 segment: segment.label.clone(),

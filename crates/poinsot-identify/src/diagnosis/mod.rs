@@ -110,10 +110,12 @@ fn turn_between_readings(experiment: &Experiment) -> f64 {
     let (mut turn, mut intervals) = (0.0, 0);
     for segment in experiment.problem.segments {
         let o = &segment.observations;
-        for (t, w) in o.time_s.windows(2).zip(&o.rate) {
-            turn += w.map_or(0.0, |w| w.norm() * (t[1] - t[0]));
-            intervals += 1;
-        }
+        let t = &o.time_s;
+        let steps = o
+            .rates()
+            .filter_map(|(k, w)| Some((w, t.get(k + 1)? - t[k])));
+        turn += steps.map(|(w, h)| w.norm() * h).sum::<f64>();
+        intervals += t.len().saturating_sub(1);
     }
     turn / intervals.max(1) as f64
 }

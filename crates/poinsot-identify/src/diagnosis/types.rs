@@ -15,7 +15,7 @@ pub struct Diagnostics {
     /// How far the mass properties would move if wheels ran otherwise between their readings than is taken, smoothly for
     /// straight or straight for smoothly, sigmas; zero without wheels.
     pub shift_between_readings: f64,
-    /// One entry per kind of sensor, all segments together.
+    /// One entry per sensor, all segments together.
     pub channels: Vec<ChannelDiagnosis>,
     /// Drift of the total momentum that would fit best on top of the answer: all segments, then each.
     pub drift: Vec<MomentumDrift>,
@@ -29,11 +29,11 @@ pub struct Diagnostics {
     pub findings: Vec<Finding>,
 }
 
-/// The residual of one kind of sensor.
+/// The residual of one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelDiagnosis {
-    /// Kind: gyro, attitude, velocity, position.
-    pub name: &'static str,
+    /// As in [`crate::ChannelFit`].
+    pub name: String,
     /// Readings (of three numbers).
     pub readings: usize,
     /// Mean square of the whitened residual; 1 where the declared noise is right.
@@ -128,6 +128,14 @@ pub enum FaultKind {
     GyroScale,
     /// Misalignment of the gyro.
     GyroMisalignment,
+    /// Bias of another sensor.
+    SensorBias,
+    /// Scale error of another sensor.
+    SensorScale,
+    /// Misalignment of another sensor.
+    SensorMisalignment,
+    /// Axes of a sensor that are not square to each other.
+    Nonorthogonality,
     /// One sensor reads later than the others.
     Lag,
     /// A joint stands elsewhere than it reads.
@@ -165,6 +173,10 @@ impl FaultKind {
             Self::GyroBias => "gyro_bias",
             Self::GyroScale => "gyro_scale",
             Self::GyroMisalignment => "gyro_misalignment",
+            Self::SensorBias => "sensor_bias",
+            Self::SensorScale => "sensor_scale",
+            Self::SensorMisalignment => "sensor_misalignment",
+            Self::Nonorthogonality => "nonorthogonality",
             Self::Lag => "lag",
             Self::JointOffset => "joint_offset",
             Self::WheelSign => "wheel_sign",

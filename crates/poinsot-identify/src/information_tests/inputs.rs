@@ -2,16 +2,16 @@
 
 use super::{MODEL, finer, noise};
 use crate::information::Experiment;
-use crate::likelihood::{Head, HeadColumns, perfect, start};
+use crate::likelihood::{Head, HeadColumns, start};
 use crate::motion::Motion;
 use crate::parameters::{Equations, Parameters};
-use crate::point_sensor::PointKind;
 use crate::problem::Problem;
-use crate::segment::{InputErrors, Noise, Observations, Segment};
+use crate::segment::{InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue};
+use crate::sensors::perfect;
 use crate::vehicle::Vehicle;
 use nalgebra::{UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
-use poinsot_model::parse_model;
+use poinsot_model::{SensorKind, parse_model};
 
 /// How the problem is put.
 #[derive(Clone, Copy, Default)]
@@ -41,19 +41,21 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     noise.joint_position = vec![4.0e-4, 1.0e-4];
     noise.wheel_speed = vec![40.0];
     // Small sensor noise: then nearly all of the residual's covariance is that of the inputs.
-    noise.gyro *= 1.0e-3;
-    noise.attitude *= 1.0e-3;
-    noise.velocity *= 1.0e-3;
-    noise.position *= 1.0e-3;
+    let points = |r: &SensorRecord| {
+        matches!(
+            r.kind,
+            SensorKind::Accelerometer | SensorKind::VelocityIncrement
+        )
+    };
+    for record in &mut made.observations.sensors {
+        record.covariance *= if points(record) { 1.0e-1 } else { 1.0e-3 };
+    }
     if case.points {
         noise.joint_rate = vec![2.0e-4, 1.0e-4];
         noise.joint_position = vec![4.0e-5, 1.0e-5];
         noise.wheel_speed = vec![4.0];
-        for p in &mut made.observations.points {
-            p.covariance *= 1.0e-1;
-        }
     } else {
-        made.observations.points.clear();
+        made.observations.sensors.retain(|r| !points(r));
     }
     if case.derived {
         made.observations.derived_rates = vec![true, true];
@@ -95,16 +97,12 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let samples = segment.observations.time_s.len();
         let mut all = Vec::new();
         for k in 0..samples {
-            let twist = motion.velocity(&state, k).unwrap().0.twist;
-            let arm = segment.observations.velocity_arm_B;
-            let v = state.R_NB * (twist.v + twist.w.cross(&arm));
-            let p = state.p_NoBo_N + state.R_NB * segment.observations.position_arm_B;
             let instant = motion.velocity(&state, k).unwrap().0;
-            let points = segment.observations.points.iter();
-            let points: Vec<Vector3<f64>> = points
-                .map(|p| perfect(&mut motion, &state, &instant, p, k))
+            let sensors = segment.observations.sensors.iter();
+            let values: Vec<SensorValue> = sensors
+                .map(|r| perfect(r, &mut motion, (&state, k), &instant).0)
                 .collect();
-            all.push((state.R_NB, v, twist.w, p, points));
+            all.push(values);
             if k + 1 < samples {
                 state = motion.advance(&state, k).unwrap();
             }
@@ -126,23 +124,27 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         experiment.evaluate(&point, false).unwrap().remove(0)
     };
     // Close to the prediction: slopes of residuals in turning axes depend on the residual.
-    let mut before: Vec<Vector3<f64>> = Vec::new();
-    for (k, (R, v, w, p, points)) in predicted(&made, &head).into_iter().enumerate() {
+    let mut before: Vec<SensorValue> = Vec::new();
+    for (k, values) in predicted(&made, &head).into_iter().enumerate() {
         let error = Vector3::new((k as f64).sin(), (2.0 * k as f64).cos(), 0.5) * 1.0e-2;
-        let o = &mut made.observations;
-        o.attitude[k] = Some(R * UnitQuaternion::from_scaled_axis(error));
-        o.velocity[k] = o.velocity[k].map(|_| v + error);
-        o.rate[k] = Some(w + error);
-        o.position[k] = o.position[k].map(|_| p + error);
-        for (i, (p, value)) in o.points.iter_mut().zip(&points).enumerate() {
-            let value = match p.kind {
-                PointKind::SpecificForce => *value,
-                PointKind::VelocityIncrement => value - before.get(i).unwrap_or(value),
+        let sensors = made.observations.sensors.iter_mut().zip(&values);
+        for (i, (record, value)) in sensors.enumerate() {
+            let larger = if points(record) { 3.0 } else { 1.0 };
+            let here = record.samples.iter_mut().find(|s| s.to == k);
+            let Some(here) = here else { continue };
+            here.value = match (*value, before.get(i)) {
+                (SensorValue::Attitude(R), _) => {
+                    SensorValue::Attitude(R * UnitQuaternion::from_scaled_axis(error))
+                }
+                (SensorValue::Vector(x), Some(SensorValue::Vector(was)))
+                    if record.kind == SensorKind::VelocityIncrement =>
+                {
+                    SensorValue::Vector(x - was + error * larger)
+                }
+                (SensorValue::Vector(x), _) => SensorValue::Vector(x + error * larger),
             };
-            let here = p.readings.iter_mut().find(|r| r.to == k);
-            here.into_iter().for_each(|r| r.value = value + error * 3.0);
         }
-        before = points;
+        before = values;
     }
     // Residuals in units of the sensors' noise: C = 1 + G E G^T.
     let white = |segment: &Segment| -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! A segment followed on one thread and compared on another against the same on one.
 
-use super::{MODEL, finer, noise};
+use super::{MODEL, colour, finer, noise};
 use crate::information::Experiment;
 use crate::likelihood::{Evaluated, Setting, evaluate};
 use crate::parameters::{Equations, Parameters};
@@ -27,9 +27,9 @@ fn exact_two_threads_give_the_bits_of_one() {
     let mut noise = noise(&tree);
     noise.joint_position = vec![1.0e-6, 2.0e-6];
     noise.wheel_speed = vec![1.0e-2];
-    noise.correlation_s = [0.3, 0.0, 0.2, 0.5];
     for (translation, shift) in [(true, 0.0), (true, 1.0), (false, 1.0)] {
-        let segments = [finer(&model, &tree, translation, 50)];
+        let mut segments = [finer(&model, &tree, translation, 50)];
+        segments.iter_mut().for_each(colour);
         let problem = Problem {
             model: &model,
             tree: &tree,

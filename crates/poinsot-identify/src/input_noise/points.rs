@@ -1,10 +1,11 @@
 //! Errors of the inputs as instruments at points feel them: at several grid times together.
 
 use super::{Filter, Input, InputNoise};
-use crate::motion::{Instant, Motion, Point, State, matrix};
-use crate::point_sensor::{PointKind, PointReadings};
+use crate::motion::{Instant, Motion, Point, State};
 use crate::problem::Problem;
+use crate::segment::{Observations, SensorRecord};
 use crate::vehicle::slope_weights;
+use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
 /// Positions that make up a derived rate, and how far the outermost stands from an acceleration that leans on it.
@@ -17,28 +18,26 @@ pub(crate) fn approximate(problem: &Problem) -> Option<String> {
     let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
     let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
     let mut segments = problem.segments.iter().map(|s| &s.observations);
-    let between = segments.any(|o| o.between_readings && !o.points.is_empty());
+    let between = segments.any(|o| o.between_readings && o.reads_points());
     (noisy && between).then(|| {
         "accelerometers or velocity increments are read between the readings of joints or wheels, which are interpolated: what the noise of those adds to them is roughly right only, and sigmas that rest on it are; readings at the same times are exact"
             .to_owned()
     })
 }
 
-/// Instruments whose readings are changes of velocity.
-pub(super) fn increments(points: &[PointReadings]) -> usize {
-    points.iter().filter(|p| is_increment(p)).count()
-}
-
-pub(crate) fn is_increment(p: &PointReadings) -> bool {
-    p.kind == PointKind::VelocityIncrement
+/// Sensors whose readings are changes of velocity.
+pub(super) fn increments(sensors: &[SensorRecord]) -> usize {
+    let kinds = sensors.iter().map(|r| r.kind);
+    kinds
+        .filter(|k| *k == SensorKind::VelocityIncrement)
+        .count()
 }
 
 /// Grid times on each side whose errors show in a reading at a point.
-pub(super) fn reach(points: &[PointReadings], derived: &[bool]) -> usize {
-    let feels = points.iter().any(|p| !is_increment(p));
-    match (points.is_empty(), derived.contains(&true)) {
-        (false, true) => STENCIL - 1,
-        _ => usize::from(feels),
+pub(super) fn reach(o: &Observations, derived: &[bool]) -> usize {
+    match (o.reads_points(), derived.contains(&true)) {
+        (true, true) => STENCIL - 1,
+        _ => usize::from(o.reads(SensorKind::Accelerometer)),
     }
 }
 
@@ -169,41 +168,20 @@ impl InputNoise {
         slopes
     }
 
-    /// Change of the velocity of a point, in N, with every error in the filter's state.
-    pub fn velocity_slopes(
-        &self,
-        motion: &mut Motion,
-        (state, k): (&State, usize),
-        instant: &Instant,
-        point: &Point,
-    ) -> Vec<Vector3> {
-        if self.is_silent() {
-            return Vec::new();
-        }
-        let twist = &instant.twist;
-        let (velocity, r) = motion.point_velocity(twist, point);
-        let pairs = self.columns.iter().zip(&self.twists);
-        let mut slopes: Vec<Vector3> = pairs
-            .map(|(x, d)| {
-                let dphi: Vector3 = x.fixed_rows::<3>(0).into();
-                let (dv, dw): (Vector3, Vector3) =
-                    (d.fixed_rows::<3>(0).into(), d.fixed_rows::<3>(3).into());
-                dv + dw.cross(&r) + dphi.cross(&velocity)
+    /// What errors do to joints at once, at grid time k: place in the filter's state, joint, change of its position and
+    /// rate.
+    pub fn at_once(&self, k: usize) -> Vec<(usize, usize, f64, f64)> {
+        let inputs = self.inputs.iter().enumerate();
+        let mut all: Vec<_> = inputs
+            .filter_map(|(c, (input, _))| match *input {
+                Input::Joint(j) => Some((self.place(c, 0), j, 1.0, 0.0)),
+                Input::Rate(j) => Some((self.place(c, 0), j, 0.0, 1.0)),
+                Input::Wheel(_) => None,
             })
             .collect();
-        for (c, (input, _)) in self.inputs.iter().enumerate() {
-            let own = match *input {
-                Input::Joint(j) => motion.point_velocity_slope(twist, point, j),
-                Input::Rate(j) => motion.point_rate_slope(point, j),
-                Input::Wheel(_) => continue,
-            };
-            slopes[self.place(c, 0)] += own;
-        }
-        for (at, weight, joint) in self.derived_errors(k, k) {
-            slopes[at] += motion.point_rate_slope(point, joint) * weight;
-        }
-        let R = matrix(&state.R_NB);
-        slopes.iter().map(|d| R * d).collect()
+        let derived = self.derived_errors(k, k).into_iter();
+        all.extend(derived.map(|(at, weight, j)| (at, j, 0.0, weight)));
+        all
     }
 
     /// Keeps what a velocity errs by, until the increment that begins with it ends: in slot `which`.

@@ -1,9 +1,9 @@
 //! Pose and momentum at the start of a segment, and which of them are unknown.
 
 use crate::motion::{Column, State};
-use crate::segment::{Noise, Segment};
-use poinsot_model::MomentumKnowledge;
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use crate::segment::{Segment, SensorRecord};
+use poinsot_model::{MomentumKnowledge, SensorKind};
+use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,24 +27,17 @@ impl HeadColumns {
     /// What a segment leaves unknown: a pose that no sensor measures is the choice of the frame.
     ///
     /// One that is taken as exact is known, at its first sample.
-    pub fn of(
-        segment: &Segment,
-        momentum: &poinsot_model::Momentum,
-        noise: &Noise,
-        sight: Sight,
-    ) -> Self {
+    pub fn of(segment: &Segment, momentum: &poinsot_model::Momentum, sight: Sight) -> Self {
         let o = &segment.observations;
         let seen = sight == Sight::Translation;
-        let noisy = |covariance: &Matrix3| *covariance != Matrix3::zeros();
+        let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
             // Without any attitude, motion in N still says how the base stands in N.
-            attitude: if o.attitude.iter().any(Option::is_some) {
-                noisy(&noise.attitude)
-            } else {
-                seen && (o.velocity.iter().any(Option::is_some)
-                    || o.position.iter().any(Option::is_some))
+            attitude: match o.reads(SensorKind::Attitude) {
+                true => noisy(SensorKind::Attitude),
+                false => seen && o.reads_translation(),
             },
-            position: seen && noisy(&noise.position) && o.position.iter().any(Option::is_some),
+            position: seen && o.reads(SensorKind::Position) && noisy(SensorKind::Position),
             linear: seen && momentum.linear == MomentumKnowledge::Estimate,
             angular: momentum.angular == MomentumKnowledge::Estimate,
         }

@@ -18,6 +18,7 @@ use super::variation::Variation;
 use super::{Column, Motion, Ready, State, along};
 use crate::parameters::UnknownKind;
 use nalgebra::{DMatrix, DVector};
+use poinsot_dynamics::{Link, Motion as Joint};
 use poinsot_spatial::Vector3;
 use std::sync::Arc;
 
@@ -141,19 +142,48 @@ impl Motion<'_> {
     fn turns(&mut self) -> Option<Turns> {
         let w = self.ready.as_ref()?.instant.twist.w;
         self.along_axes(&w);
+        Some(Turns {
+            changes: self.axial_changes(),
+            axes: self.axes().collect(),
+        })
+    }
+
+    /// What unknowns do to `a . w_host` at the velocities in hand, the rate of the base held: tilts of the axis, and faults
+    /// of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and its body's rate w.
+    pub(super) fn axial_changes(&self) -> Vec<AxialChange> {
         let (v, kinematics) = (self.vehicle, &self.site.kinematics);
-        let tilts = v.kinds.iter().enumerate().filter_map(|(u, kind)| {
+        let tilts = v.kinds.iter().enumerate().filter_map(|(unknown, kind)| {
             let UnknownKind::WheelTilt(wheel, _) = *kind else {
                 return None;
             };
             let host = v.tree.rotors[wheel].body;
-            let tilt = kinematics.R[host] * v.tilt_slopes[u];
-            Some((u, wheel, tilt.dot(&kinematics.w[host])))
+            let tilt = kinematics.R[host] * v.tilt_slopes[unknown];
+            let turn = tilt.dot(&kinematics.w[host]);
+            Some(AxialChange {
+                unknown,
+                wheel,
+                turn,
+            })
         });
-        Some(Turns {
-            tilts: tilts.collect(),
-            axes: self.axes().collect(),
-        })
+        let mut all: Vec<AxialChange> = tilts.collect();
+        for change in &self.site.changes {
+            let Some((joint, dq, drate)) = change.joint else {
+                continue;
+            };
+            let turns = |link: &Link| link.motion == Joint::Revolute(joint);
+            let Some(at) = v.tree.links.iter().position(turns) else {
+                continue;
+            };
+            for (wheel, (rotor, a)) in v.tree.rotors.iter().zip(self.axes()).enumerate() {
+                let (e, _) = self.turned_by(rotor.body, joint);
+                all.push(AxialChange {
+                    unknown: change.unknown,
+                    wheel,
+                    turn: e.cross(&a).dot(&kinematics.w[at]) * dq + a.dot(&e) * drate,
+                });
+            }
+        }
+        all
     }
 
     /// Axes of the wheels at the inputs in hand, in B.
@@ -187,11 +217,17 @@ impl Motion<'_> {
     }
 }
 
+/// What an unknown does to a wheel's `a . w_host`, per unit of it, rad/s.
+pub(super) struct AxialChange {
+    pub unknown: usize,
+    pub wheel: usize,
+    pub turn: f64,
+}
+
 /// Axes of the wheels in B at one time.
 struct Turns {
     axes: Vec<Vector3>,
-    /// Unknowns that tilt a wheel, and what they change of `a . w_host`.
-    tilts: Vec<(usize, usize, f64)>,
+    changes: Vec<AxialChange>,
 }
 
 impl Turns {
@@ -200,8 +236,8 @@ impl Turns {
         let twist = variation.twist(column, unknown);
         let dw: Vector3 = twist.fixed_rows::<3>(3).into();
         let mut all: Vec<f64> = self.axes.iter().map(|a| a.dot(&dw)).collect();
-        for (_, wheel, change) in self.tilts.iter().filter(|t| unknown == Some(t.0)) {
-            all[*wheel] += change;
+        for own in self.changes.iter().filter(|c| unknown == Some(c.unknown)) {
+            all[own.wheel] += own.turn;
         }
         all
     }

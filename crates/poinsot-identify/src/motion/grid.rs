@@ -122,13 +122,9 @@ fn nutation(I: &Matrix3, h: &Vector3) -> f64 {
 /// not count. Where no rate is measured, that of the attitude; zero where neither is.
 fn measured_rate(o: &Observations) -> Vec<f64> {
     let n = o.time_s.len();
-    let mut known: Vec<(usize, f64)> = (0..n)
-        .filter_map(|k| Some((k, (*o.rate.get(k)?)?.norm())))
-        .collect();
+    let mut known: Vec<(usize, f64)> = o.rates().map(|(k, w)| (k, w.norm())).collect();
     if known.is_empty() {
-        let attitude: Vec<_> = (0..n)
-            .filter_map(|k| Some((k, (*o.attitude.get(k)?)?)))
-            .collect();
+        let attitude: Vec<_> = o.attitudes().collect();
         let turn = attitude.windows(2).map(|pair| {
             let [(a, from), (b, to)] = [pair[0], pair[1]];
             (b, from.angle_to(&to) / (o.time_s[b] - o.time_s[a]))

@@ -148,7 +148,7 @@ impl Motion<'_> {
 
     /// How a body turns with a joint position and how a point of it at the base's origin would move, in B; zero for
     /// bodies before the joint.
-    fn turned_by(&self, body: usize, joint: usize) -> (Vector3, Vector3) {
+    pub(super) fn turned_by(&self, body: usize, joint: usize) -> (Vector3, Vector3) {
         let links = &self.vehicle.tree.links;
         let mut at = body;
         while at != 0 {

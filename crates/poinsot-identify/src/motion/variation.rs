@@ -255,6 +255,12 @@ impl Motion<'_> {
             .collect();
         self.fault_slopes(instant);
         self.input_columns(instant, &mut twists);
+        if !self.site.free.is_empty() {
+            // The axial momentum is given: what of it is the host's turn takes off from the speed.
+            for change in self.axial_changes() {
+                twists[change.unknown] -= self.wheel_gain(instant, change.wheel) * change.turn;
+            }
+        }
 
         let map = self.map_at(state, instant);
         let R = matrix(&state.R_NB);
@@ -289,13 +295,9 @@ impl Motion<'_> {
         let own = match &v.kinds[unknown] {
             UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
             UnknownKind::WheelTilt(w, _) => {
-                let host = v.tree.rotors[*w].body;
-                let tilt = self.site.kinematics.R[host] * v.tilt_slopes[unknown];
-                let mut h = tilt * (v.spin[*w] * self.site.wheels[*w]);
-                if let Some((axis, _)) = self.site.free.get(*w) {
-                    // The axial momentum is given: what of it is the host's turn changes too.
-                    h -= axis * (v.spin[*w] * tilt.dot(&self.site.kinematics.w[host]));
-                }
+                let h = self.site.kinematics.R[v.tree.rotors[*w].body]
+                    * v.tilt_slopes[unknown]
+                    * (v.spin[*w] * self.site.wheels[*w]);
                 Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
             }
             kind if kind.is_nuisance() => return Vector6::zeros(),

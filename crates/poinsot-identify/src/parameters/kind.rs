@@ -1,6 +1,6 @@
 //! What an unknown can be.
 
-use crate::point_sensor::Fault;
+use poinsot_dynamics::SensorError;
 
 /// What an unknown is.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,24 +15,12 @@ pub enum UnknownKind {
     SpinInertia(usize),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
-    /// Component of the gyro bias, rad/s.
-    GyroBias(usize),
-    /// Relative scale error of a gyro axis.
-    GyroScale(usize),
-    /// Component of the small rotation between true and assumed gyro axes, rad.
-    GyroMisalignment(usize),
-    /// Turn of two gyro axes towards each other, rad: of the pair that leaves out this axis.
-    GyroShear(usize),
-    /// How late the gyro reads, s.
-    GyroLag,
-    /// How late the attitude reads, s.
-    AttitudeLag,
-    /// What may be wrong with another sensor of three axes: its index in the model, and the fault.
-    Instrument {
+    /// What may be wrong with a sensor of three axes.
+    Sensor {
         /// Index in the model's sensors.
         sensor: usize,
-        /// Fault.
-        fault: Fault,
+        /// Which error.
+        error: SensorError,
     },
     /// Component of a constant torque in body axes, N m.
     DisturbanceTorque(usize),
@@ -40,10 +28,6 @@ pub enum UnknownKind {
     InertialTorque(usize),
     /// Coefficient of the drag torque `-c |w| w` about a body axis, kg m2.
     DragTorque(usize),
-    /// How late the velocity reads, s.
-    VelocityLag,
-    /// How late the position reads, s.
-    PositionLag,
     /// Constant error of the reading of a joint coordinate, rad or m.
     JointOffset(usize),
     /// How late the readings of these joint coordinates are, s.
@@ -76,18 +60,10 @@ impl UnknownKind {
     pub fn is_nuisance(&self) -> bool {
         matches!(
             self,
-            Self::GyroBias(_)
-                | Self::GyroScale(_)
-                | Self::GyroMisalignment(_)
-                | Self::GyroShear(_)
-                | Self::GyroLag
-                | Self::AttitudeLag
-                | Self::Instrument { .. }
+            Self::Sensor { .. }
                 | Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
                 | Self::DragTorque(_)
-                | Self::VelocityLag
-                | Self::PositionLag
                 | Self::JointOffset(_)
                 | Self::JointLag(_)
                 | Self::WheelLag(_)

@@ -1,7 +1,7 @@
 //! Unknowns of sensors, actuators and surroundings, as the model declares them.
 
+use super::sensor_errors::ErrorGroup;
 use super::{AXES, Gust, Parameters, UnknownKind};
-use crate::point_sensor::Fault;
 use crate::segment::Segment;
 use poinsot_dynamics::Tree;
 use poinsot_model::{JointKind, Model, Nuisance, SensorKind};
@@ -9,11 +9,6 @@ use poinsot_model::{JointKind, Model, Nuisance, SensorKind};
 /// Stretch of time in which a random torque is one number, over its correlation time. Half of it was too coarse: where
 /// the stretches began moved the inertia of a thrown body by 2 %.
 const STRETCH: f64 = 0.2;
-/// Pairs of axes by the one that is left out.
-const PAIRS: [&str; 3] = ["yz", "xz", "xy"];
-
-/// Whether a fault of an instrument is declared, the fault of an axis, its name and unit.
-type Declared = (Nuisance, fn(usize) -> Fault, &'static str, &'static str);
 
 impl Parameters {
     pub(super) fn add_nuisances(&mut self, model: &Model, tree: &Tree) {
@@ -30,24 +25,7 @@ impl Parameters {
                 self.push(UnknownKind::ThrusterScale(k), name, "1", 0.0, 1.0);
             }
         }
-        if let Some(gyro) = model.sensors_of(SensorKind::Gyro).next() {
-            let name = gyro.name.as_str();
-            self.add_axes(gyro.bias, UnknownKind::GyroBias, name, "bias", "rad/s");
-            self.add_axes(gyro.scale, UnknownKind::GyroScale, name, "scale", "1");
-            let turned = UnknownKind::GyroMisalignment;
-            self.add_axes(gyro.misalignment, turned, name, "misalignment", "rad");
-            if gyro.nonorthogonality != Nuisance::Known {
-                for (k, pair) in PAIRS.iter().enumerate() {
-                    let name = format!("{name}.nonorthogonality_{pair}");
-                    self.push(UnknownKind::GyroShear(k), name, "rad", 0.0, 1.0);
-                }
-            }
-            self.add_lag(gyro.lag, UnknownKind::GyroLag, name);
-        }
-        if let Some(tracker) = model.sensors_of(SensorKind::Attitude).next() {
-            self.add_lag(tracker.lag, UnknownKind::AttitudeLag, &tracker.name);
-        }
-        self.add_instruments(model);
+        self.add_sensor_errors(model);
         self.add_input_faults(model, tree);
         let around = &model.environment;
         let torque = UnknownKind::DisturbanceTorque;
@@ -109,36 +87,26 @@ impl Parameters {
         }
     }
 
-    /// Faults of accelerometers and of velocity increments, as declared.
-    fn add_instruments(&mut self, model: &Model) {
+    /// Errors of every sensor of three axes, as declared.
+    fn add_sensor_errors(&mut self, model: &Model) {
         for (sensor, of) in model.sensors.iter().enumerate() {
-            let unit = match of.kind {
-                SensorKind::Accelerometer => "m/s2",
-                SensorKind::VelocityIncrement => "m/s",
-                _ => continue,
-            };
-            let triples: [Declared; 3] = [
-                (of.bias, Fault::Bias, "bias", unit),
-                (of.scale, Fault::Scale, "scale", "1"),
-                (of.misalignment, Fault::Misalignment, "misalignment", "rad"),
-            ];
-            for (declared, fault, what, unit) in triples {
-                if declared != Nuisance::Known {
-                    for (k, axis) in AXES.iter().enumerate() {
-                        let kind = UnknownKind::Instrument {
-                            sensor,
-                            fault: fault(k),
-                        };
-                        self.push(kind, format!("{}.{what}_{axis}", of.name), unit, 0.0, 1.0);
-                    }
+            for group in ErrorGroup::of(of.kind) {
+                if (group.declared)(of) == Nuisance::Known {
+                    continue;
+                }
+                for (error, name) in group.errors {
+                    let kind = UnknownKind::Sensor {
+                        sensor,
+                        error: *error,
+                    };
+                    let name = format!("{}.{name}", of.name);
+                    self.push(kind, name, group.unit(of.kind), 0.0, 1.0);
                 }
             }
-            let fault = Fault::Lag;
-            self.add_lag(of.lag, UnknownKind::Instrument { sensor, fault }, &of.name);
         }
     }
 
-    /// Offsets and lags of what drives the vehicle, lags of position and velocity, and tilts of wheels.
+    /// Offsets and lags of what drives the vehicle, and tilts of wheels.
     fn add_input_faults(&mut self, model: &Model, tree: &Tree) {
         for sensor in &model.sensors {
             let coordinates: Vec<usize> = (0..tree.dof())
@@ -164,14 +132,6 @@ impl Parameters {
                 _ => continue,
             };
             self.add_lag(sensor.lag, lag, &sensor.name);
-        }
-        for (kind, lag) in [
-            (SensorKind::Velocity, UnknownKind::VelocityLag),
-            (SensorKind::Position, UnknownKind::PositionLag),
-        ] {
-            if let Some(sensor) = model.sensors_of(kind).find(|s| s.body == 0) {
-                self.add_lag(sensor.lag, lag, &sensor.name);
-            }
         }
         for (k, wheel) in model.wheels.iter().enumerate() {
             if wheel.misalignment != Nuisance::Known {

@@ -55,7 +55,7 @@ pub(crate) struct SensorFile {
     pub scale: Option<NuisanceFile>,
     /// Small rotation of the sensor: "none" (default), "estimate", or { sigma_rad = x }.
     pub misalignment: Option<NuisanceFile>,
-    /// Small turn of one gyro axis towards another: "none" (default), "estimate", or { sigma_rad = x }. Gyros alone.
+    /// Small turn of one axis towards another: "none" (default), "estimate", or { sigma_rad = x }.
     pub nonorthogonality: Option<NuisanceFile>,
     /// Delay of the samples, s: "none" (default), "estimate", or { sigma_s = x }.
     pub lag: Option<NuisanceFile>,

@@ -72,9 +72,11 @@ fn unit_nothing_appears_under_the_name_when_writing_fails() {
         let error = write(&path, channels).unwrap_err();
         assert_eq!(folder.message(&error), message);
     }
-    let error = write(&folder.path("no/such/folder/a.csv"), &nan[..0]).unwrap_err();
+    // A file where its folder should be.
+    std::fs::write(folder.path("file"), "").unwrap();
+    let error = write(&folder.path("file/a.csv"), &nan[..0]).unwrap_err();
     assert!(matches!(error, TelemetryError::Io { .. }));
-    assert_eq!(std::fs::read_dir(folder.0.path()).unwrap().count(), 0);
+    assert_eq!(std::fs::read_dir(folder.0.path()).unwrap().count(), 1);
 }
 
 #[test]

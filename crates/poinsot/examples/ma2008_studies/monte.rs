@@ -4,10 +4,10 @@ use crate::setup::{Experiment, Run, readings};
 use nalgebra::DMatrix;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Estimate, Noise, Observations, Problem, Samples, Segment, Translation, linear,
-    maximum_likelihood,
+    Estimate, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue,
+    Translation, linear, maximum_likelihood,
 };
-use poinsot_model::{Model, MomentumKnowledge};
+use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_papers::ma2008::{Known, Raw, Reading, angular_rows, linear_rows, two_step};
 use poinsot_spatial::{MassProperties, Matrix3, Matrix6, Vector3, Vector6};
 use rand::SeedableRng;
@@ -123,7 +123,7 @@ pub fn quantile(trials: &[Errors], k: usize, q: f64) -> f64 {
 }
 
 /// A run as the linear rung takes it.
-pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
+pub fn segment(run: &Run, raws: &[Raw], noise: &Noise) -> Segment {
     Segment {
         label: "study".to_owned(),
         samples: Samples {
@@ -142,30 +142,37 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
         accelerations: None,
         observations: Observations {
             time_s: run.times.clone(),
-            rate: raws.iter().map(|r| Some(r.w_NB_B)).collect(),
-            attitude: raws.iter().map(|r| Some(r.R_NB)).collect(),
-            velocity: raws.iter().map(|r| Some(r.v_NBo_N)).collect(),
-            position: vec![None; raws.len()],
-            velocity_arm_B: Vector3::zeros(),
-            position_arm_B: Vector3::zeros(),
-            orbit: Vec::new(),
-            points: Vec::new(),
+            sensors: records(raws, noise),
             joint_position: raws.iter().flat_map(|r| r.q.clone()).collect(),
             joint_rate: raws.iter().flat_map(|r| r.rates.clone()).collect(),
-            wheel_speed: Vec::new(),
-            joint_errors: Vec::new(),
-            wheel_errors: Vec::new(),
-            derived_rates: Vec::new(),
-            between_readings: false,
-            smooth_wheel_speed: Vec::new(),
+            ..Observations::default()
         },
     }
+}
+
+/// Gyro, attitude and velocity of the base at every time.
+fn records(raws: &[Raw], noise: &Noise) -> Vec<SensorRecord> {
+    let of = |kind, covariance, value: fn(&Raw) -> SensorValue| {
+        SensorRecord::of_base(kind, covariance).at_every_time(raws.iter().map(value))
+    };
+    vec![
+        of(SensorKind::Gyro, noise.gyro, |r| {
+            SensorValue::Vector(r.w_NB_B)
+        }),
+        of(SensorKind::Attitude, noise.attitude, |r| {
+            SensorValue::Attitude(r.R_NB)
+        }),
+        of(SensorKind::Velocity, noise.velocity, |r| {
+            SensorValue::Vector(r.v_NBo_N)
+        }),
+    ]
 }
 
 /// Noise of the two velocities, all else exact.
 pub fn noise(sigma: Sigma, seen: f64) -> Noise {
     let square = |s: Vector3| Matrix3::from_diagonal(&s.component_mul(&s));
     Noise {
+        gyro_sensor: None,
         gyro: square(sigma.w),
         attitude: Matrix3::identity() * 1.0e-14,
         velocity: square(sigma.v),
@@ -173,7 +180,6 @@ pub fn noise(sigma: Sigma, seen: f64) -> Noise {
         joint_position: vec![0.0; 6],
         joint_rate: vec![0.0; 6],
         wheel_speed: Vec::new(),
-        correlation_s: [0.0; 4],
         seen_gyro: seen,
         seen_velocity: seen,
         seen_joint_rate: 0.0,
@@ -197,11 +203,12 @@ pub fn linear_answer(
         model.momentum.angular = MomentumKnowledge::Known(run.known.h_C_N);
     }
     let tree = Tree::new(&model);
+    let noise = noise(sigma, seen);
     let problem = Problem {
         model: &model,
         tree: &tree,
-        segments: &[segment(run, raws)],
-        noise: &noise(sigma, seen),
+        segments: &[segment(run, raws, &noise)],
+        noise: &noise,
         relative_accuracy: 1.0e6,
     };
     if likelihood {

@@ -29,7 +29,7 @@ pub(super) fn accelerations(
         return None;
     };
     let dw_NB_B = at_samples(&[x, y, z], &samples.time_s)?;
-    let linear = channels.vector(model, SensorKind::Accelerometer, "acc");
+    let linear = channels.vector(model, SensorKind::Accelerometer);
     let p_BoS_B = linear.as_ref().map_or_else(Vector3::zeros, |a| a.p_BoS_B);
     Some(Accelerations {
         dw_NB_B,

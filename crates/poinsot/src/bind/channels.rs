@@ -1,6 +1,7 @@
 //! Finding the channels of a sensor in a table.
 
-use super::{BindError, base_sensor};
+use super::BindError;
+use super::sensors::Leading;
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
@@ -10,6 +11,8 @@ use std::collections::BTreeSet;
 pub(super) struct Channels<'a> {
     pub table: &'a Table,
     pub label: &'a str,
+    /// The sensors from which aligned samples come.
+    pub leading: &'a Leading,
 }
 
 /// The three channels of a vector sensor, with where it sits. Tables are in body or inertial axes: columns of a
@@ -34,25 +37,24 @@ impl<'a> Channels<'a> {
             .or_else(|| self.table.sensor_channel("", name))
     }
 
-    /// The channels `<prefix>_x`, `_y`, `_z` of the base's sensor of this kind.
-    pub fn vector(
-        &self,
-        model: &Model,
-        kind: SensorKind,
-        prefix: &str,
-    ) -> Option<VectorChannels<'a>> {
-        let sensor = base_sensor(model, kind);
-        let name = sensor.map(|s| s.name.as_str());
-        let axis = |k: &str| self.find(name, &format!("{prefix}_{k}"));
+    /// The columns of the leading sensor of a kind: see [`Leading::columns`].
+    pub fn leading(&self, model: &Model, kind: SensorKind) -> Option<Vec<&'a Channel>> {
+        self.leading.columns(model, self.table, kind)
+    }
+
+    /// The same of a sensor with three axes.
+    pub fn vector(&self, model: &Model, kind: SensorKind) -> Option<VectorChannels<'a>> {
+        let sensor = self.leading.sensor(model, kind);
+        let axes: [&Channel; 3] = self.leading(model, kind)?.try_into().ok()?;
         Some(VectorChannels {
-            axes: [axis("x")?, axis("y")?, axis("z")?],
+            axes,
             p_BoS_B: sensor.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
         })
     }
 
     /// The gyro: the clock of the linear method.
     pub fn gyro(&self, model: &Model) -> Result<VectorChannels<'a>, BindError> {
-        let gyro = self.vector(model, SensorKind::Gyro, "omega");
+        let gyro = self.vector(model, SensorKind::Gyro);
         gyro.filter(|g| !g.time_s().is_empty())
             .ok_or_else(|| self.missing("omega_x omega_y omega_z", "every method starts from measured body rates; add a gyro, or map its columns in [telemetry.columns]"))
     }

@@ -1,22 +1,15 @@
 //! Which faults of which sensors can be unknown: anything else that is asked for is refused, not ignored.
 
 use super::BindError;
+use poinsot_identify::ErrorGroup;
 use poinsot_model::{Model, Nuisance, SensorKind};
 
 /// Faults that the fit knows, by kind of sensor.
-fn known(kind: SensorKind) -> &'static [&'static str] {
+fn known(kind: SensorKind) -> Vec<&'static str> {
     match kind {
-        SensorKind::Gyro => &["bias", "scale", "misalignment", "nonorthogonality", "lag"],
-        SensorKind::Accelerometer | SensorKind::VelocityIncrement => {
-            &["bias", "scale", "misalignment", "lag"]
-        }
-        SensorKind::JointPosition => &["bias", "lag"],
-        SensorKind::Attitude
-        | SensorKind::Position
-        | SensorKind::Velocity
-        | SensorKind::WheelSpeed
-        | SensorKind::Thrust => &["lag"],
-        SensorKind::JointRate => &[],
+        SensorKind::JointPosition => vec!["bias", "lag"],
+        SensorKind::WheelSpeed | SensorKind::Thrust => vec!["lag"],
+        kind => ErrorGroup::of(kind).iter().map(|g| g.key).collect(),
     }
 }
 
@@ -32,7 +25,20 @@ pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
             ("nonorthogonality", sensor.nonorthogonality),
             ("lag", sensor.lag),
         ] {
-            if declared == Nuisance::Known || known(kind).contains(&what) {
+            if declared == Nuisance::Known {
+                continue;
+            }
+            let moves = matches!(kind, SensorKind::Position | SensorKind::Velocity);
+            if moves && what == "bias" && model.sensors_of(kind).nth(1).is_none() {
+                return Err(BindError::Unsupported {
+                    what: format!(
+                        "sensor '{}': a bias of the only sensor of type {} cannot be told from where N is and how it drifts; take it out",
+                        sensor.name,
+                        kind.word()
+                    ),
+                });
+            }
+            if known(kind).contains(&what) {
                 continue;
             }
             let instead = match (kind, what) {
@@ -41,7 +47,7 @@ pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
                 _ => "",
             };
             let can = match known(kind) {
-                [] => "nothing".to_owned(),
+                none if none.is_empty() => "nothing".to_owned(),
                 list => list.join(", "),
             };
             return Err(BindError::Unsupported {

@@ -13,18 +13,19 @@ mod noise;
 mod observe;
 mod orbit;
 mod plausible;
-mod points;
+mod sensors;
 mod thrust;
 
 pub use acceleration::acceleration_channels;
 pub use channels::wanted_channels;
 pub use mounting::mountings;
-pub use noise::declared_noise;
 
+use noise::declared_noise;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_telemetry::{Table, as_read, rounded};
+use sensors::Leading;
 use std::collections::HashSet;
 
 /// Why telemetry and model do not fit together.
@@ -129,17 +130,18 @@ pub struct Bound {
 /// # Errors
 /// A channel or a noise that is needed is missing.
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
-    refuse_unsupported(model)?;
-    points::check_points(model, tables)?;
+    faults::check_faults(model)?;
     let mut repairs = Vec::new();
+    let leading = Leading::new(model, tables);
+    sensors::check_sensors(model, tables, &leading, &mut repairs)?;
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
     for table in tables {
-        let (pieces, lost) = bind_table(model, tree, table, &mut repairs)?;
+        let (pieces, lost) = bind_table(model, tree, (table, &leading), &mut repairs)?;
         dropped = dropped.max(lost);
         segments.extend(pieces);
     }
-    let noise = declared_noise(model, tree, tables, &mut repairs)?;
+    let noise = declared_noise(model, tree, (tables, &leading), &mut repairs)?;
     let mut told = HashSet::new();
     repairs.retain(|text| told.insert(text.clone()));
     Ok(Bound {
@@ -148,22 +150,6 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
         repairs,
         dropped,
     })
-}
-
-fn refuse_unsupported(model: &Model) -> Result<(), BindError> {
-    let elsewhere = model
-        .sensors
-        .iter()
-        .find(|s| s.body != 0 && !s.kind.is_scalar() && points::point_kind(s.kind).is_none());
-    if let Some(sensor) = elsewhere {
-        return Err(BindError::Unsupported {
-            what: format!(
-                "sensor '{}' sits on body '{}'; of links only accelerometers and velocity increments are used, all else is read on the base '{}'; move it or leave it out",
-                sensor.name, model.bodies[sensor.body].name, model.bodies[0].name
-            ),
-        });
-    }
-    faults::check_faults(model)
 }
 
 /// Name of a segment in messages: its files.
@@ -176,13 +162,14 @@ fn file_label(table: &Table) -> String {
 fn bind_table(
     model: &Model,
     tree: &Tree,
-    table: &Table,
+    (table, leading): (&Table, &Leading),
     repairs: &mut Vec<String>,
 ) -> Result<(Vec<Segment>, f64), BindError> {
     let label = file_label(table);
     let channels = channels::Channels {
         table,
         label: &label,
+        leading,
     };
     plausible::check(&channels)?;
     let gyro = channels.gyro(model)?;
@@ -196,6 +183,7 @@ fn bind_table(
         let own = channels::Channels {
             table,
             label: &label,
+            leading,
         };
         let (segment, found) = bind_piece(model, tree, &own, repairs)?;
         most = most.max(found);
@@ -279,8 +267,7 @@ fn bind_piece(
 /// # Errors
 /// Momentum, velocity or position are given in N while no attitude is measured.
 fn needs_attitude(model: &Model, channels: &channels::Channels) -> Result<(), BindError> {
-    let name = base_sensor(model, SensorKind::Attitude).map(|s| s.name.as_str());
-    if channels.find(name, "q_w").is_some() {
+    if channels.leading(model, SensorKind::Attitude).is_some() {
         return Ok(());
     }
     let fault = |what: String, remedy| BindError::NoAttitude {
@@ -300,15 +287,10 @@ fn needs_attitude(model: &Model, channels: &channels::Channels) -> Result<(), Bi
         }
     }
     for (kind, prefix) in [(SensorKind::Velocity, "v"), (SensorKind::Position, "r")] {
-        if channels.vector(model, kind, prefix).is_some() {
+        if channels.vector(model, kind).is_some() {
             let what = format!("{prefix}_x {prefix}_y {prefix}_z");
             return Err(fault(what, "take the sensor out of the model"));
         }
     }
     Ok(())
-}
-
-/// Sensors of one kind that sit on the base.
-fn base_sensor(model: &Model, kind: SensorKind) -> Option<&poinsot_model::Sensor> {
-    model.sensors_of(kind).find(|s| s.body == 0)
 }

@@ -131,11 +131,9 @@ fn attitude(
     rate: &[Option<Vector3<f64>>],
     repairs: &mut Vec<String>,
 ) -> Vec<Option<UnitQuaternion<f64>>> {
-    let sensor = super::base_sensor(model, SensorKind::Attitude);
-    let name = sensor.map(|s| s.name.as_str());
-    let part = |k: &str| channels.find(name, &format!("q_{k}"));
-    if let (Some(x), Some(y), Some(z), Some(w)) = (part("x"), part("y"), part("z"), part("w")) {
-        return resample_attitude([x, y, z, w], Some(gyro.axes), times, None)
+    let parts = channels.leading(model, SensorKind::Attitude);
+    if let Some(parts) = parts.and_then(|p| <[&Channel; 4]>::try_from(p).ok()) {
+        return resample_attitude(parts, Some(gyro.axes), times, None)
             .into_iter()
             .map(|q| {
                 q.map(|[x, y, z, w]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
@@ -185,8 +183,8 @@ fn translation(
     attitude: &[Option<UnitQuaternion<f64>>],
     repairs: &mut Vec<String>,
 ) -> Result<Option<Positions>, BindError> {
-    let velocity = channels.vector(model, SensorKind::Velocity, "v");
-    let position = channels.vector(model, SensorKind::Position, "r");
+    let velocity = channels.vector(model, SensorKind::Velocity);
+    let position = channels.vector(model, SensorKind::Position);
     let label = channels.label;
     if let Some(r) = &position {
         refuse_orbital(label, r)?;

@@ -1,6 +1,5 @@
 //! Which columns are in the axes of a sensor that is turned on its body.
 
-use super::base_sensor;
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::Mounting;
@@ -17,12 +16,13 @@ const KINDS: [(SensorKind, &str); 4] = [
 pub fn mountings(model: &Model) -> Vec<Mounting> {
     let of_kind = |&(kind, prefix): &(SensorKind, &'static str)| {
         let alone = model.sensors_of(kind).nth(1).is_none();
+        let first = model.sensors_of(kind).find(|s| s.body == 0);
         let turned = model
             .sensors_of(kind)
             .filter(|s| s.R_BS != Matrix3::identity());
         turned.map(move |sensor| Mounting {
             sensor: sensor.name.clone(),
-            unnamed: alone || base_sensor(model, kind) == Some(sensor),
+            unnamed: alone || first == Some(sensor),
             prefix,
             R_BS: [0, 1, 2].map(|i| [0, 1, 2].map(|j| sensor.R_BS[(i, j)])),
         })

@@ -1,11 +1,12 @@
 //! Declared noise of the sensors, and how much of it the data really show.
 
-use super::{BindError, base_sensor};
+use super::BindError;
+use super::sensors::Leading;
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::Matrix3;
-use poinsot_telemetry::{Table, noise_level};
+use poinsot_telemetry::{Channel, Table, median_step, noise_level};
 
 /// Sigma of a derivative, from the quartic through five samples, per sigma and time step of the samples.
 const DIFFERENCE: f64 = 0.95;
@@ -14,33 +15,37 @@ const DIFFERENCE: f64 = 0.95;
 ///
 /// # Errors
 /// The gyro or a velocity that is measured declares no noise.
-pub fn declared_noise(
+pub(super) fn declared_noise(
     model: &Model,
     tree: &Tree,
-    tables: &[Table],
+    (tables, leading): (&[Table], &Leading),
     repairs: &mut Vec<String>,
 ) -> Result<Noise, BindError> {
-    let has = |name: &str| {
-        tables
+    let columns = |kind| -> Vec<Vec<&Channel>> {
+        let own = tables
             .iter()
-            .any(|t| t.channels.iter().any(|c| c.name == name))
+            .filter_map(|t| leading.columns(model, t, kind));
+        own.collect()
     };
-    let gyro = vector(model, SensorKind::Gyro).ok_or(BindError::NoNoise {
+    let has = |kind| !columns(kind).is_empty();
+    let vector = |kind| vector(model, leading, kind);
+    let gyro = vector(SensorKind::Gyro).ok_or(BindError::NoNoise {
         kind: "gyro",
         key: "noise_rad_s",
     })?;
-    let position = vector(model, SensorKind::Position);
-    let velocity = velocity(model, tables, &has, position)?;
-    let mut exact = |value: Option<Matrix3>, channel: &str, what: &str| {
-        if value.is_none() && has(channel) {
+    let position = vector(SensorKind::Position);
+    let velocity = velocity(vector(SensorKind::Velocity), position, &columns)?;
+    let mut exact = |value: Option<Matrix3>, kind: SensorKind| {
+        if value.is_none() && has(kind) {
+            let what = kind.word();
             repairs.push(format!(
                 "{what} taken as exact: no sensor declares its noise"
             ));
         }
         value.unwrap_or_else(Matrix3::zeros)
     };
-    let attitude = exact(vector(model, SensorKind::Attitude), "q_w", "attitude");
-    let position = exact(position, "r_x", "position");
+    let attitude = exact(vector(SensorKind::Attitude), SensorKind::Attitude);
+    let position = exact(position, SensorKind::Position);
     let of_joints = |kind: SensorKind| -> Vec<f64> {
         tree.coordinates
             .iter()
@@ -48,6 +53,7 @@ pub fn declared_noise(
             .collect()
     };
     let mut noise = Noise {
+        gyro_sensor: leading.index(SensorKind::Gyro),
         gyro,
         attitude,
         velocity,
@@ -57,27 +63,20 @@ pub fn declared_noise(
         wheel_speed: (0..model.wheels.len())
             .map(|k| scalar(model, SensorKind::WheelSpeed, k))
             .collect(),
-        correlation_s: [
-            SensorKind::Gyro,
-            SensorKind::Attitude,
-            SensorKind::Velocity,
-            SensorKind::Position,
-        ]
-        .map(|kind| base_sensor(model, kind).map_or(0.0, |s| s.correlation_s)),
         seen_gyro: 0.0,
         seen_velocity: 0.0,
         seen_joint_rate: 0.0,
     };
     silence_given(model, tree, tables, &mut noise);
-    noise.seen_gyro = seen(tables, &["omega_x", "omega_y", "omega_z"], &gyro);
-    noise.seen_velocity = seen(tables, &["v_x", "v_y", "v_z"], &noise.velocity);
+    noise.seen_gyro = seen(&columns(SensorKind::Gyro), &gyro);
+    noise.seen_velocity = seen(&columns(SensorKind::Velocity), &noise.velocity);
     noise.seen_joint_rate = seen_rates(model, tree, tables, &noise.joint_rate);
     Ok(noise)
 }
 
-/// Covariance of a base sensor in body axes, quantisation included.
-fn vector(model: &Model, kind: SensorKind) -> Option<Matrix3> {
-    let sensor = base_sensor(model, kind)?;
+/// Covariance of a leading sensor in body axes, quantisation included.
+fn vector(model: &Model, leading: &Leading, kind: SensorKind) -> Option<Matrix3> {
+    let sensor = leading.sensor(model, kind)?;
     let covariance = covariance(sensor)?;
     Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
 }
@@ -98,28 +97,25 @@ fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {
         .map_or(0.0, |c| c[(0, 0)])
 }
 
-fn velocity(
-    model: &Model,
-    tables: &[Table],
-    has: &dyn Fn(&str) -> bool,
+fn velocity<'t>(
+    declared: Option<Matrix3>,
     position: Option<Matrix3>,
+    columns: &dyn Fn(SensorKind) -> Vec<Vec<&'t Channel>>,
 ) -> Result<Matrix3, BindError> {
-    if has("v_x") {
-        return vector(model, SensorKind::Velocity).ok_or(BindError::NoNoise {
+    if !columns(SensorKind::Velocity).is_empty() {
+        return declared.ok_or(BindError::NoNoise {
             kind: "velocity",
             key: "noise_m_s",
         });
     }
-    if has("r_x") {
+    let positions = columns(SensorKind::Position);
+    if !positions.is_empty() {
         let position = position.ok_or(BindError::NoNoise {
             kind: "position",
             key: "noise_m",
         })?;
-        let step = tables
-            .iter()
-            .filter_map(|t| t.channel("r_x"))
-            .filter_map(|c| poinsot_telemetry::median_step(&c.time_s))
-            .fold(f64::INFINITY, f64::min);
+        let steps = positions.iter().filter_map(|c| median_step(&c[0].time_s));
+        let step = steps.fold(f64::INFINITY, f64::min);
         return Ok(position * (DIFFERENCE / step).powi(2));
     }
     Ok(Matrix3::identity())
@@ -138,7 +134,7 @@ fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise
                 noise.joint_rate[k] = 0.0;
             }
             (Some(q), None) => {
-                let step = poinsot_telemetry::median_step(&q.time_s).unwrap_or(f64::INFINITY);
+                let step = median_step(&q.time_s).unwrap_or(f64::INFINITY);
                 noise.joint_rate[k] = noise.joint_position[k] * (DIFFERENCE / step).powi(2);
             }
             _ => {}
@@ -147,10 +143,10 @@ fn silence_given(model: &Model, tree: &Tree, tables: &[Table], noise: &mut Noise
 }
 
 /// Seen over declared variance, at most one: the largest over the axes and segments.
-fn seen(tables: &[Table], names: &[&str; 3], declared: &Matrix3) -> f64 {
+fn seen(tables: &[Vec<&Channel>], declared: &Matrix3) -> f64 {
     let mut worst: f64 = 0.0;
-    for (axis, name) in names.iter().enumerate() {
-        for channel in tables.iter().filter_map(|t| t.channel(name)) {
+    for columns in tables {
+        for (axis, channel) in columns.iter().enumerate() {
             if let Some(level) = noise_level(channel) {
                 worst = worst.max(level.sigma.powi(2) / declared[(axis, axis)]);
             }

@@ -4,8 +4,8 @@ use super::channels::{Channels, VectorChannels, joint_columns};
 use super::cut::input_channels;
 use super::input_errors::{between_readings, derived_rates, is_locked, joint_errors, wheel_errors};
 use super::orbit::orbit_at;
-use super::points::point_channels;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use super::sensors::{SAME, SensorColumns, sensor_columns};
+use nalgebra::Vector3;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::{Model, SensorKind};
@@ -13,9 +13,6 @@ use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
 
 /// Samples each side of the polynomial that gives a wheel's slope.
 const HALF_WIDTH: usize = 2;
-
-/// Times closer than this are one time, s.
-pub(super) const SAME: f64 = 1.0e-9;
 
 /// Readings of all sensors between the first and the last aligned sample.
 ///
@@ -28,22 +25,15 @@ pub(super) fn observe(
     samples: &Samples,
     firings: &[Firing],
 ) -> Observations {
-    let gyro = channels.vector(model, SensorKind::Gyro, "omega");
-    let velocity = channels.vector(model, SensorKind::Velocity, "v");
-    let position = channels.vector(model, SensorKind::Position, "r");
-    let attitude = attitude_channels(model, channels);
-    let points = point_channels(model, channels);
+    let sensors = sensor_columns(model, channels.table);
     let (from, to) = match (samples.time_s.first(), samples.time_s.last()) {
         (Some(a), Some(b)) => (*a, *b),
         _ => return Observations::default(),
     };
     let driven = clocks(&input_channels(model, tree, channels));
-    let mut time_s: Vec<f64> = [&gyro, &velocity, &position]
-        .into_iter()
-        .flatten()
-        .flat_map(|c| c.time_s().iter().copied())
-        .chain(attitude.iter().flat_map(|a| a[0].time_s.iter().copied()))
-        .chain(points.iter().flat_map(|p| p.times()))
+    let mut time_s: Vec<f64> = sensors
+        .iter()
+        .flat_map(|s| s.times())
         .chain(firings.iter().flat_map(|f| [f.start_s, f.end_s]))
         .chain(driven.into_iter().flatten().copied())
         .filter(|t| *t >= from && *t <= to)
@@ -68,32 +58,16 @@ pub(super) fn observe(
             .collect()
     };
     let dof = tree.dof();
-    let origin = first_position(&position, samples);
+    let origin = match channels.vector(model, SensorKind::Position) {
+        Some(position) => first_position(&position, samples),
+        None => first_value(&sensors),
+    };
     Observations {
-        rate: gyro
-            .as_ref()
-            .map(|g| own(&g.axes, &time_s))
-            .unwrap_or_else(|| vec![None; time_s.len()]),
-        attitude: attitude
-            .map(|a| attitudes(&a, &time_s))
-            .unwrap_or_else(|| vec![None; time_s.len()]),
-        velocity: velocity
-            .as_ref()
-            .map(|v| own(&v.axes, &time_s))
-            .unwrap_or_else(|| vec![None; time_s.len()]),
-        position: position
-            .as_ref()
-            .map(|r| {
-                own(&r.axes, &time_s)
-                    .into_iter()
-                    .map(|p| p.map(|p| p - origin))
-                    .collect()
-            })
-            .unwrap_or_else(|| vec![None; time_s.len()]),
-        velocity_arm_B: velocity.as_ref().map_or_else(Vector3::zeros, |v| v.p_BoS_B),
-        position_arm_B: position.as_ref().map_or_else(Vector3::zeros, |r| r.p_BoS_B),
+        sensors: sensors
+            .iter()
+            .map(|s| s.record(model, &time_s, &origin))
+            .collect(),
         orbit,
-        points: points.iter().map(|p| p.readings(model, &time_s)).collect(),
         joint_position: rows(0, dof),
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),
@@ -118,12 +92,20 @@ fn clocks<'a>(channels: &[&'a Channel]) -> Vec<&'a [f64]> {
 }
 
 /// Place of the base origin at the first sample, as the position sensor saw it.
-fn first_position(position: &Option<VectorChannels>, samples: &Samples) -> Vector3<f64> {
-    let (Some(r), Some(t), Some(R)) = (position, samples.time_s.first(), samples.R_NB.first())
-    else {
+fn first_position(r: &VectorChannels, samples: &Samples) -> Vector3<f64> {
+    let (Some(t), Some(R)) = (samples.time_s.first(), samples.R_NB.first()) else {
         return Vector3::zeros();
     };
     own_or_between(&r.axes, *t).map_or_else(Vector3::zeros, |p| p - R * r.p_BoS_B)
+}
+
+/// The first position that any sensor measured: near enough where none is on the base.
+fn first_value(sensors: &[SensorColumns]) -> Vector3<f64> {
+    let position = sensors.iter().find(|s| s.kind == SensorKind::Position);
+    let at = |s: &SensorColumns, k: usize| s.parts[k].values.first().copied().unwrap_or(0.0);
+    position.map_or_else(Vector3::zeros, |s| {
+        Vector3::new(at(s, 0), at(s, 1), at(s, 2))
+    })
 }
 
 fn own_or_between(axes: &[&Channel; 3], t: f64) -> Option<Vector3<f64>> {
@@ -143,31 +125,6 @@ fn own_values(channel: &Channel, grid: &[f64]) -> Vec<Option<f64>> {
                 Some(x) if (x - t).abs() <= SAME => channel.values.get(at).copied(),
                 _ => None,
             }
-        })
-        .collect()
-}
-
-fn own(axes: &[&Channel; 3], grid: &[f64]) -> Vec<Option<Vector3<f64>>> {
-    let [x, y, z] = axes.map(|c| own_values(c, grid));
-    x.into_iter()
-        .zip(y)
-        .zip(z)
-        .map(|((x, y), z)| Some(Vector3::new(x?, y?, z?)))
-        .collect()
-}
-
-fn attitude_channels<'a>(model: &Model, channels: &Channels<'a>) -> Option<[&'a Channel; 4]> {
-    let name = super::base_sensor(model, SensorKind::Attitude).map(|s| s.name.as_str());
-    let part = |k: &str| channels.find(name, &format!("q_{k}"));
-    Some([part("x")?, part("y")?, part("z")?, part("w")?])
-}
-
-fn attitudes(parts: &[&Channel; 4], grid: &[f64]) -> Vec<Option<UnitQuaternion<f64>>> {
-    let [x, y, z, w] = parts.map(|c| own_values(c, grid));
-    (0..grid.len())
-        .map(|k| {
-            let q = Quaternion::new(w[k]?, x[k]?, y[k]?, z[k]?);
-            Some(UnitQuaternion::from_quaternion(q))
         })
         .collect()
 }

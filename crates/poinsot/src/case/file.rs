@@ -199,4 +199,12 @@ pub(crate) struct SensorOutputFile {
     pub bias_m_s: Option<Spanned<Vec<f64>>>,
     pub bias_m_s2: Option<Spanned<Vec<f64>>>,
     pub bias_N: Option<Spanned<Vec<f64>>>,
+    /// Relative error of each axis.
+    pub scale: Option<Spanned<[f64; 3]>>,
+    /// Small rotation between true and assumed axes, rad.
+    pub misalignment_rad: Option<Spanned<[f64; 3]>>,
+    /// Turn of two axes towards each other, yz, xz, xy, rad.
+    pub nonorthogonality_rad: Option<Spanned<[f64; 3]>>,
+    /// How late the sensor reads, s.
+    pub lag_s: Option<Spanned<f64>>,
 }

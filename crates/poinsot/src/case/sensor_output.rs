@@ -1,8 +1,10 @@
-//! Own rate and bias of the sensors in a case.
+//! Own rate and errors of the sensors in a case.
 
 use super::fault::did_you_mean;
 use super::file::{OutputFile, SensorOutputFile};
 use super::planner::Planner;
+use poinsot_dynamics::SensorError;
+use poinsot_identify::ErrorGroup;
 use poinsot_model::{JointKind, Model, Sensor, SensorKind};
 use toml::Spanned;
 
@@ -13,6 +15,8 @@ pub struct SensorOutput {
     pub every: usize,
     /// Bias in the sensor's axes, where the case gives one; else drawn or zero.
     pub bias: Option<Vec<f64>>,
+    /// Scale, misalignment, nonorthogonality and lag, in the sensor's axes.
+    pub errors: Vec<(SensorError, f64)>,
 }
 
 /// One per sensor of the model.
@@ -21,7 +25,8 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
     let mut outputs = vec![
         SensorOutput {
             every: 1,
-            bias: None
+            bias: None,
+            errors: Vec::new(),
         };
         model.sensors.len()
     ];
@@ -70,8 +75,62 @@ pub(super) fn sensor_outputs(planner: &mut Planner, output: &OutputFile) -> Vec<
             }
         }
         outputs[*k].bias = bias(planner, table, &model.sensors[*k], &key);
+        outputs[*k].errors = errors(planner, table, &model.sensors[*k], &key);
     }
     outputs
+}
+
+/// Errors that a sensor of this kind can have; others are refused.
+fn errors(
+    planner: &mut Planner,
+    table: &SensorOutputFile,
+    sensor: &Sensor,
+    key: &str,
+) -> Vec<(SensorError, f64)> {
+    let three = |value: &Option<Spanned<[f64; 3]>>| {
+        let value = value.as_ref();
+        value.map(|v| (v.span(), v.get_ref().to_vec()))
+    };
+    let lag = table.lag_s.as_ref().map(|v| (v.span(), vec![*v.get_ref()]));
+    let given = [
+        ("scale", "scale", three(&table.scale)),
+        (
+            "misalignment",
+            "misalignment_rad",
+            three(&table.misalignment_rad),
+        ),
+        (
+            "nonorthogonality",
+            "nonorthogonality_rad",
+            three(&table.nonorthogonality_rad),
+        ),
+        ("lag", "lag_s", lag),
+    ];
+    let mut found = Vec::new();
+    for (what, name, value) in given {
+        let Some((span, numbers)) = value else {
+            continue;
+        };
+        let here = format!("{key}.{name}");
+        let group = ErrorGroup::of(sensor.kind).iter().find(|g| g.key == what);
+        match group {
+            None => planner.refuse(
+                "E0507",
+                &here,
+                span,
+                format!("a sensor of type {} has no such error", sensor.kind.word()),
+                "take it out",
+            ),
+            Some(_) if !numbers.iter().all(|x| x.is_finite()) => {
+                planner.refuse("E0505", &here, span, "not finite", "write finite numbers");
+            }
+            Some(group) => {
+                let errors = group.errors.iter().map(|e| e.0);
+                found.extend(errors.zip(numbers));
+            }
+        }
+    }
+    found
 }
 
 fn bias(

@@ -30,8 +30,8 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0305",
         "The model has something that this method does not use.",
-        "A gyro on a link, or gravity with the linear method.",
-        "Move the sensor to the base or leave it out.",
+        "Sensors on links alone, or columns that name no sensor where several are declared.",
+        "Add a sensor on the base, name the columns `<sensor>.<column>`, or leave the sensor out.",
     ),
     (
         "E0306",

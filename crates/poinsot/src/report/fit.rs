@@ -108,8 +108,13 @@ fn thinned(c: &Channel) -> String {
     }
 }
 
-fn quantity(name: &str) -> &str {
-    match name {
+/// Kind of the sensor `<kind>` or `<kind>.<name>`.
+fn kind(name: &str) -> &str {
+    name.split('.').next().unwrap_or(name)
+}
+
+fn quantity(name: &str) -> String {
+    let quantity = match kind(name) {
         "gyro" => "angular velocity, body axes",
         "attitude" => "attitude quaternion, body to inertial",
         "velocity" => "velocity of the sensor point, inertial axes",
@@ -117,11 +122,15 @@ fn quantity(name: &str) -> &str {
         "accelerometer" => "specific force at the sensor point, axes of its body",
         "velocity_increment" => "velocity increments of the sensor point, inertial axes",
         other => other,
+    };
+    match name.split_once('.') {
+        Some((_, sensor)) => format!("{quantity}, {sensor}"),
+        None => quantity.to_owned(),
     }
 }
 
 fn symbol(name: &str) -> &str {
-    match name {
+    match kind(name) {
         "gyro" => "omega",
         "attitude" => "q",
         "velocity" => "v",
@@ -141,7 +150,7 @@ fn curves(c: &Channel, group: &str) -> Plot {
         }
     }
     Plot {
-        title: quantity(&c.name).to_owned(),
+        title: quantity(&c.name),
         x: Axis::new("time", "s"),
         y: Axis::new(symbol(&c.name), &c.unit),
         series,
@@ -161,11 +170,11 @@ fn residuals(c: &Channel, group: &str) -> Plot {
         .map(|(k, row)| Series::new(axes.get(k).unwrap_or(&""), Mark::Dots, k, &c.time_s, row))
         .collect();
     Plot {
-        title: match c.name.as_str() {
-            "attitude" => {
-                "attitude residual: small rotation from predicted to measured, body axes".to_owned()
+        title: match (kind(&c.name), c.name.as_str()) {
+            ("attitude", name) => {
+                format!("{name} residual: small rotation from predicted to measured, body axes")
             }
-            name => format!("{name} residual: measured less predicted"),
+            (_, name) => format!("{name} residual: measured less predicted"),
         },
         x: Axis::new("time", "s"),
         y: Axis::new("residual", &c.residual_unit),

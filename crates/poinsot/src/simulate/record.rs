@@ -2,7 +2,9 @@
 
 use super::{every, stream};
 use crate::case::Scenario;
-use poinsot_dynamics::{ForceProfile, Instrument, JointDrive, MotionSample, Tree, vector_reading};
+use poinsot_dynamics::{
+    ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, vector_reading,
+};
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, classify};
@@ -46,7 +48,11 @@ impl Recorder {
         let mut groups = Vec::new();
         for (i, sensor) in model.sensors.iter().enumerate() {
             let bias = scenario.sensors.get(i).and_then(|s| s.bias.as_deref());
-            let instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
+            let mut instrument = Instrument::new(sensor, tree, seed, stream(trial, i), bias);
+            let given = scenario.sensors.get(i).map_or(&[][..], |s| &s.errors);
+            for (error, value) in given {
+                instrument.set_error(*error, *value);
+            }
             let reader = Reader::Sensor(Box::new(instrument));
             let names = names(model, sensor.kind, &sensor.of);
             let every = every(scenario, i);
@@ -111,6 +117,15 @@ impl Recorder {
         }
     }
 
+    /// An error other than the bias that a sensor had, in its axes.
+    pub fn error(&self, sensor: usize, error: SensorError) -> f64 {
+        let of = |g: &&Group| g.sensor.as_ref().is_some_and(|(i, _)| *i == sensor);
+        match self.groups.iter().find(of).map(|g| &g.reader) {
+            Some(Reader::Sensor(instrument)) => instrument.error(error),
+            _ => 0.0,
+        }
+    }
+
     /// The table; where two sensors read one channel both carry their name.
     pub fn table(self, scenario: &Scenario) -> Table {
         let mut readers: HashMap<&str, usize> = HashMap::new();
@@ -122,14 +137,21 @@ impl Recorder {
             .into_iter()
             .map(|(k, v)| (k.to_owned(), v))
             .collect();
-        let mut bases: HashMap<(usize, usize), Arc<[f64]>> = HashMap::new();
+        let mut bases: HashMap<(usize, usize, u64), Arc<[f64]>> = HashMap::new();
         let mut channels = Vec::new();
         for group in self.groups {
             let (first, every) = (group.first.unwrap_or(0), group.every);
-            let base = bases.entry((first, every)).or_insert_with(|| {
-                let times = scenario.times.iter().skip(first).step_by(every);
-                times.copied().collect()
-            });
+            // A late sensor writes what it read when it is late.
+            let lag_s = match &group.reader {
+                Reader::Sensor(instrument) => instrument.lag_s(),
+                _ => 0.0,
+            };
+            let base = bases
+                .entry((first, every, lag_s.to_bits()))
+                .or_insert_with(|| {
+                    let times = scenario.times.iter().skip(first).step_by(every);
+                    times.map(|t| t + lag_s).collect()
+                });
             for (name, values) in group.names.into_iter().zip(group.values) {
                 let count = readers.get(&name).copied().unwrap_or(0);
                 let exact = group.sensor.is_none();

@@ -4,6 +4,7 @@ use super::record::Recorder;
 use super::{every, stream};
 use crate::case::{Case, Scenario, unit_suffix};
 use poinsot_dynamics::{MotionSample, composite};
+use poinsot_identify::ErrorGroup;
 use poinsot_model::{JointKind, Model};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
 use serde_json::{Map, Value, json};
@@ -166,6 +167,23 @@ fn noise(
         json!(case.rate_hz / every(scenario, i) as f64),
     );
     out.insert(format!("bias_{unit}"), json!(bias));
+    for group in ErrorGroup::of(sensor.kind)
+        .iter()
+        .filter(|g| g.key != "bias")
+    {
+        let errors = group.errors.iter();
+        let values: Vec<f64> = errors.map(|e| recorder.error(i, e.0)).collect();
+        // As in the case that gave it.
+        let key = match group.unit(sensor.kind) {
+            "1" => group.key.to_owned(),
+            unit => format!("{}_{unit}", group.key),
+        };
+        match values.as_slice() {
+            values if values.iter().all(|x| *x == 0.0) => {}
+            [one] => drop(out.insert(key, json!(one))),
+            all => drop(out.insert(key, json!(all))),
+        }
+    }
     let covariance = sensor.noise_covariance.map(|c| {
         if sensor.kind.is_scalar() {
             return json!(c[(0, 0)]);

@@ -241,7 +241,7 @@ mod tests {
                     status: Status::Converged,
                     iterations: 2 + number as usize % 2,
                     chi2_per_dof: 1.0 + 0.1 * wave,
-                    channels: vec![("gyro", 1.0 - 0.1 * wave)],
+                    channels: vec![("gyro".to_owned(), 1.0 - 0.1 * wave)],
                     numbers: vec![TrialNumber {
                         name: "base.mass".to_owned(),
                         error: wave,

@@ -304,7 +304,7 @@ fn of_segment(
     let channels = fit.channels.iter().zip(worst);
     channels
         .filter_map(|(channel, worst)| {
-            let mut one = of_curves(curves(channel.name)?);
+            let mut one = of_curves(curves(&channel.name)?);
             if many {
                 one.name = format!("{} of {}", channel.name, fit.label);
             }
@@ -333,7 +333,7 @@ fn of_curves(curves: &PredictedChannel) -> Compared {
     };
     let negative = |row: &Vec<f64>| row.iter().map(|x| -x).collect();
     Compared::new(
-        curves.name,
+        &curves.name,
         curves.residual_unit,
         curves.time_s.clone(),
         (

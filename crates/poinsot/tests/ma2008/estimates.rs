@@ -146,6 +146,36 @@ fn prop_what_motion_does_not_show_is_open() {
     );
 }
 
+/// Linear momentum known and angular not, and the reverse: option 1 of one step, option 2 of the other.
+#[test]
+fn exact_mixed_momentum_gives_the_truth() {
+    let mut e = Experiment::new(1, [0.0, 1.0, 5.0]).with_base(unsymmetric());
+    e.velocity = [0.02, -0.01, 0.005];
+    let Run { raws, known, .. } = e.run();
+    for linear in [true, false] {
+        let mut model = e.model.clone();
+        match linear {
+            true => model.momentum.linear = MomentumKnowledge::Known(known.p_C_N),
+            false => model.momentum.angular = MomentumKnowledge::Known(known.h_C_N),
+        }
+        let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
+        assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings);
+        let base = &answer.bodies[0];
+        assert!((base.mass.value.unwrap() - 1000.0).abs() < 1.0e-8);
+        for (n, at) in base.inertia.iter().zip(poinsot_identify::TENSOR) {
+            assert!((n.value.unwrap() - unsymmetric().I_BBcm_B[at]).abs() < 1.0e-8);
+        }
+        let m = &answer.momentum[0];
+        for k in 0..3 {
+            let (p, h) = (m.linear[k], m.angular[k]);
+            assert!((p.value.unwrap() - known.p_C_N[k]).abs() < 1.0e-8);
+            assert!((h.value.unwrap() - known.h_C_N[k]).abs() < 1.0e-8);
+            let known = poinsot_identify::Source::Known;
+            assert_eq!((p.source == known, h.source == known), (linear, !linear));
+        }
+    }
+}
+
 #[test]
 fn prop_momentum_in_the_wrong_frame_is_rejected() {
     let mut e = Experiment::new(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
@@ -247,6 +277,7 @@ fn segment(raws: &[ma2008::Raw]) -> Segment {
 fn noise(seen: f64) -> Noise {
     let one = Matrix3::identity();
     Noise {
+        gyro_sensor: None,
         gyro: one * RATE.powi(2),
         attitude: one * ATTITUDE.powi(2),
         velocity: one * VELOCITY.powi(2),
@@ -254,7 +285,6 @@ fn noise(seen: f64) -> Noise {
         joint_position: vec![0.0; 6],
         joint_rate: vec![JOINT_RATE.powi(2); 6],
         wheel_speed: Vec::new(),
-        correlation_s: [0.0; 4],
         seen_gyro: seen,
         seen_velocity: seen,
         seen_joint_rate: seen,

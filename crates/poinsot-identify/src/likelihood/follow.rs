@@ -1,0 +1,206 @@
+//! One sensor along a segment: its samples against what a perfect one reads, its errors and the colour of its noise.
+
+use super::colour::Colour;
+use super::rate_noise::RateNoise;
+use super::{ChannelResidual, Compare};
+use crate::motion::{Instant, Motion, State};
+use crate::parameters::{Parameters, UnknownKind, reading_unit};
+use crate::segment::{SensorRecord, SensorSample, SensorValue};
+use crate::sensors::{Predicted, predict};
+use poinsot_dynamics::{SensorError, SensorErrors};
+use poinsot_model::SensorKind;
+use poinsot_spatial::Vector3;
+
+/// A sensor of the segment in the course of an evaluation.
+pub(super) struct Follower {
+    pub errors: SensorErrors,
+    /// Whether its lag is unknown.
+    pub late: bool,
+    /// Index of the next sample.
+    next: usize,
+    /// Grid time and prediction where the increment in hand began.
+    began: Option<(usize, Predicted)>,
+    /// Place of an increment among those of the segment.
+    increment: usize,
+    colour: Colour,
+    pub channel: ChannelResidual,
+    /// The errors that are unknown: column, error.
+    unknown: Vec<(usize, SensorError)>,
+}
+
+impl Follower {
+    /// One for each sensor of a segment; `head` columns stand before those of the unknowns.
+    pub fn all(
+        records: &[SensorRecord],
+        parameters: &Parameters,
+        x: &[f64],
+        head: usize,
+    ) -> Vec<Self> {
+        let mut increments = 0;
+        let one = |record: &SensorRecord| {
+            let columns = parameters.unknowns.iter().enumerate();
+            let unknown: Vec<(usize, SensorError)> = columns
+                .filter_map(|(u, unknown)| match unknown.kind {
+                    UnknownKind::Sensor { sensor, error } if Some(sensor) == record.sensor => {
+                        Some((head + u, error))
+                    }
+                    _ => None,
+                })
+                .collect();
+            let increment = increments;
+            increments += usize::from(record.kind == SensorKind::VelocityIncrement);
+            Self {
+                errors: parameters.sensor_errors(x, record.sensor),
+                late: unknown.iter().any(|u| u.1 == SensorError::Lag),
+                next: 0,
+                began: None,
+                increment,
+                colour: Colour::new(record.correlation_s),
+                channel: ChannelResidual {
+                    name: record.name.clone(),
+                    unit: reading_unit(record.kind),
+                    ..ChannelResidual::default()
+                },
+                unknown,
+            }
+        };
+        records.iter().map(one).collect()
+    }
+
+    /// Whether the sensor has a sample, or an increment that begins, at grid time k.
+    pub fn is_due(&self, record: &SensorRecord, k: usize) -> bool {
+        let mut next = record.samples.iter().skip(self.next).take(2);
+        next.any(|s| s.to == k || s.from == k)
+    }
+}
+
+/// A prediction beside its sample: what is new in it.
+struct Difference {
+    residual: Vector3,
+    /// Sensitivities.
+    columns: Vec<Vector3>,
+    /// Over the errors of the inputs.
+    errors: Vec<Vector3>,
+    /// Over the rates of the joints.
+    gains: Vec<Vector3>,
+}
+
+impl Compare<'_> {
+    /// Rows of one sensor at grid time k, where it is due.
+    pub(super) fn follow(
+        &mut self,
+        i: usize,
+        motion: &mut Motion,
+        (state, k): (&State, usize),
+        instant: &Instant,
+        joint_rates: &mut RateNoise,
+    ) {
+        let record = &self.segment.observations.sensors[i];
+        if !self.followers[i].is_due(record, k) {
+            return;
+        }
+        let next = record.samples.get(self.followers[i].next);
+        let here = next.filter(|s| s.to == k).copied();
+        self.followers[i].next += usize::from(here.is_some());
+        let Some(mut now) = predict(record, motion, (state, k), instant, &self.inputs) else {
+            return;
+        };
+        if record.kind != SensorKind::VelocityIncrement {
+            if let Some(sample) = here {
+                let own = self.ideal.rate(i, &self.segment.observations.time_s, k);
+                let rate = now.rate.unwrap_or(own);
+                self.compare(i, &sample, now, &rate, joint_rates);
+            }
+            return;
+        }
+        let which = self.followers[i].increment;
+        let began = self.followers[i].began.take();
+        let errors = std::mem::take(&mut now.errors);
+        if let (Some(sample), Some((from, before))) = (here, &began)
+            && sample.from == *from
+        {
+            let t = &self.segment.observations.time_s;
+            let rate = self.ideal.rate(i, t, k) - self.ideal.rate(i, t, *from);
+            let columns = now.columns.iter().zip(&before.columns);
+            let increment = Predicted {
+                value: SensorValue::Vector(now.vector() - before.vector()),
+                rate: None,
+                columns: columns.map(|(b, a)| b - a).collect(),
+                errors: self.inputs.less_kept(which, errors.clone()),
+                gains: Vec::new(),
+            };
+            self.compare(i, &sample, increment, &rate, joint_rates);
+        }
+        self.inputs.keep(which, &errors);
+        self.followers[i].began = Some((k, now));
+    }
+
+    /// Three rows: measured against predicted.
+    fn compare(
+        &mut self,
+        i: usize,
+        sample: &SensorSample,
+        predicted: Predicted,
+        rate: &Vector3,
+        joint_rates: &mut RateNoise,
+    ) {
+        let record = &self.segment.observations.sensors[i];
+        let follower = &self.followers[i];
+        let mut new = difference(follower, sample, predicted, rate);
+        let residual = new.residual;
+        let mut rows = match self.qr {
+            Some(_) => std::mem::take(&mut new.columns),
+            None => Vec::new(),
+        };
+        rows.push(residual);
+        self.coloured(i, sample.to, &mut rows, &mut new.errors);
+        let sensor = &record.covariance;
+        let common = joint_rates.take(&new.gains, sensor, &mut rows, &mut new.errors);
+        if let Some(white) = self.take(&new.errors, &(sensor + common), sensor, rows) {
+            self.note(i, &residual, white);
+        }
+    }
+
+    /// Takes off what the sample before says of coloured noise. The white noise that joint rates add is taken as new at
+    /// every sample.
+    fn coloured(&mut self, i: usize, k: usize, rows: &mut [Vector3], slopes: &mut [Vector3]) {
+        let follower = &mut self.followers[i];
+        if follower.colour.is_white() {
+            return;
+        }
+        let t = self.segment.observations.time_s[k];
+        let mut block: Vec<Vector3> = rows.iter().chain(slopes.iter()).copied().collect();
+        let log_det = follower.colour.take(t, &mut block);
+        follower.channel.log_det += 3.0 * log_det;
+        for (row, new) in rows.iter_mut().chain(slopes).zip(block) {
+            *row = new;
+        }
+    }
+}
+
+fn difference(
+    follower: &Follower,
+    sample: &SensorSample,
+    predicted: Predicted,
+    rate: &Vector3,
+) -> Difference {
+    let errors = &follower.errors;
+    let (x, residual) = (
+        predicted.vector(),
+        predicted.residual(&sample.value, errors, rate),
+    );
+    let changed =
+        |all: &[Vector3]| -> Vec<Vector3> { all.iter().map(|d| errors.change(d)).collect() };
+    let mut columns: Vec<Vector3> = changed(&predicted.columns);
+    if !columns.is_empty() {
+        for (column, error) in &follower.unknown {
+            columns[*column] += errors.slope(*error, &x, rate);
+        }
+    }
+    Difference {
+        residual,
+        columns,
+        errors: changed(&predicted.errors),
+        gains: changed(&predicted.gains),
+    }
+}

@@ -1,0 +1,99 @@
+//! A point of a body at an instant: where it is, how it moves, and what the joints before it do to that.
+
+use super::{Column, Motion};
+use poinsot_dynamics::{Motion as Joint, Twist};
+use poinsot_spatial::{Matrix3, Vector3, Vector6};
+
+/// A point P fixed in body i, seen from the base; all in base axes.
+pub(crate) struct Place {
+    /// `R_BBi`.
+    pub R: Matrix3,
+    /// `p_BoP_B`, m.
+    pub r: Vector3,
+    /// `v_NP_B`, m/s.
+    pub v: Vector3,
+    /// `w_NBi_B`, rad/s.
+    pub w: Vector3,
+    /// The joints between base and body.
+    pub joints: Vec<JointEffect>,
+}
+
+/// Slopes of a place over one joint, the base twist held.
+pub(crate) struct JointEffect {
+    /// Joint coordinate.
+    pub joint: usize,
+    /// Turn of the body and shift of the point over the joint's position; also `w` and `v` over its rate.
+    pub turn: Vector3,
+    pub shift: Vector3,
+    /// `w` and `v` over the joint's position.
+    pub w: Vector3,
+    pub v: Vector3,
+}
+
+impl Motion<'_> {
+    /// A point of a body at the instant of the last [`Motion::velocity`].
+    pub fn place(&mut self, twist: &Twist, (body, p): (usize, &Vector3)) -> Place {
+        if body == 0 {
+            return Place {
+                R: Matrix3::identity(),
+                r: *p,
+                v: twist.v + twist.w.cross(p),
+                w: twist.w,
+                joints: Vec::new(),
+            };
+        }
+        let (tree, site) = (self.vehicle.tree, &mut self.site);
+        let placed = &mut site.kinematics;
+        placed.set_velocities(tree, &twist.v, &twist.w, &site.rates);
+        let arm = placed.R[body] * p;
+        let mut place = Place {
+            R: placed.R[body],
+            r: placed.p[body] + arm,
+            v: placed.v[body] + placed.w[body].cross(&arm),
+            w: placed.w[body],
+            joints: Vec::new(),
+        };
+        let mut at = body;
+        while at != 0 {
+            let link = &tree.links[at];
+            let axis = link.axis_B(&placed.R[at]);
+            let w = placed.w[at];
+            // All beyond the joint turns or shifts as one; what moves relative to the joint's own body turns with it.
+            let arm = place.r - placed.p[at];
+            let effect = match link.motion {
+                Joint::Revolute(joint) => Some(JointEffect {
+                    joint,
+                    turn: axis,
+                    shift: axis.cross(&arm),
+                    w: axis.cross(&(place.w - w)),
+                    v: w.cross(&axis.cross(&arm))
+                        + axis.cross(&(place.v - placed.v[at] - w.cross(&arm))),
+                }),
+                Joint::Prismatic(joint) => Some(JointEffect {
+                    joint,
+                    turn: Vector3::zeros(),
+                    shift: axis,
+                    w: Vector3::zeros(),
+                    v: w.cross(&axis),
+                }),
+                Joint::Fixed | Joint::Free => None,
+            };
+            place.joints.extend(effect);
+            at = link.parent;
+        }
+        place
+    }
+
+    /// Change of state and base twist with every sensitivity column, at the instant of the last [`Motion::velocity`].
+    pub fn sensitivities(&self) -> impl Iterator<Item = (&Column, &Vector6)> {
+        self.columns.iter().zip(&self.twist_columns)
+    }
+
+    /// What unknowns do to joints at the instant in hand: sensitivity column, joint, change of its position and rate.
+    pub fn joint_changes(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> {
+        self.site.changes.iter().filter_map(|change| {
+            let (joint, dq, drate) = change.joint?;
+            Some((self.head + change.unknown, joint, dq, drate))
+        })
+    }
+}

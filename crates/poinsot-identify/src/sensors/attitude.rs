@@ -1,0 +1,27 @@
+//! Attitude of a body in N: a star tracker. Its changes are small turns in the body's axes.
+
+use super::{Seen, Slopes, joints};
+use crate::motion::{Place, State};
+use crate::segment::SensorValue;
+use nalgebra::{Rotation3, UnitQuaternion};
+use poinsot_spatial::{Matrix3, Vector3};
+
+pub(super) fn see(place: &Place, state: &State, body: usize) -> Seen {
+    let to_body = place.R.transpose();
+    let R_NBi = match body {
+        0 => state.R_NB,
+        _ => {
+            let turn = Rotation3::from_matrix_unchecked(place.R);
+            state.R_NB * UnitQuaternion::from_rotation_matrix(&turn)
+        }
+    };
+    let zero = Matrix3::zeros();
+    Seen {
+        value: SensorValue::Attitude(R_NBi),
+        rate: Some(to_body * place.w),
+        slopes: Slopes {
+            joints: joints(place, |j| (to_body * j.turn, Vector3::zeros())),
+            ..Slopes::new([&to_body, &zero], [&zero, &zero])
+        },
+    }
+}

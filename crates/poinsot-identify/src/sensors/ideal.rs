@@ -1,0 +1,62 @@
+//! What a lag needs: what a perfect sensor reads before and after.
+
+use super::{perfect, vector};
+use crate::motion::{Motion, State};
+use crate::segment::Segment;
+use crate::vehicle::{Vehicle, parabola_slope};
+use poinsot_model::SensorKind;
+use poinsot_spatial::Vector3;
+
+/// What perfect sensors read at all grid times, one series a sensor of the segment; empty where nobody asks.
+#[derive(Default)]
+pub(crate) struct Ideal {
+    series: Vec<Vec<Vector3>>,
+}
+
+/// Whether the instant alone tells how fast the reading of a kind changes.
+fn knows_rate(kind: SensorKind) -> bool {
+    matches!(kind, SensorKind::Attitude | SensorKind::Position)
+}
+
+impl Ideal {
+    /// Follows the motion for the sensors wanted, one entry a sensor of the segment. `None` where the vehicle cannot move.
+    pub fn new(
+        vehicle: &Vehicle,
+        (index, segment): (usize, &Segment),
+        start: &State,
+        wanted: &[bool],
+    ) -> Option<Self> {
+        let o = &segment.observations;
+        let asked = |(w, r): (&bool, &crate::segment::SensorRecord)| *w && !knows_rate(r.kind);
+        let wanted: Vec<bool> = wanted.iter().zip(&o.sensors).map(asked).collect();
+        let mut series = vec![Vec::new(); o.sensors.len()];
+        if !wanted.contains(&true) {
+            return Some(Self { series });
+        }
+        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, index);
+        let samples = o.time_s.len();
+        let mut state = *start;
+        for k in 0..samples {
+            let (instant, _) = motion.velocity(&state, k)?;
+            let all = o.sensors.iter().zip(&mut series).zip(&wanted);
+            for ((record, series), _) in all.filter(|(_, w)| **w) {
+                let (value, _) = perfect(record, &mut motion, (&state, k), &instant);
+                series.push(vector(&value));
+            }
+            if k + 1 < samples {
+                state = motion.advance(&state, k)?;
+            }
+        }
+        Some(Self { series })
+    }
+
+    /// Slope over time of a sensor's series at grid time k; zero where there is none.
+    pub fn rate(&self, sensor: usize, t: &[f64], k: usize) -> Vector3 {
+        match self.series.get(sensor) {
+            Some(series) if series.len() >= 2 && series.len() == t.len() => {
+                Vector3::from_fn(|axis, _| parabola_slope(t, |i| series[i][axis], k))
+            }
+            _ => Vector3::zeros(),
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! What sensors read: one file a kind, one interface.
+//!
+//! A kind says what a perfect sensor reads at an instant, and how that changes with pose, base twist and joints
+//! ([`Seen`]: `h`, `H_x`, `H_u`). [`predict`] makes of it the change with every unknown and with every error of the
+//! inputs. What may be wrong with a sensor (`H_theta`) comes on top, by one law for all: [`SensorErrors`].
+
+mod accelerometer;
+mod attitude;
+mod gyro;
+mod ideal;
+mod position;
+mod velocity;
+
+pub(crate) use ideal::Ideal;
+
+use crate::input_noise::InputNoise;
+use crate::motion::{Column, Instant, Motion, Place, State, matrix, small_turn};
+use crate::segment::{SensorRecord, SensorValue};
+use nalgebra::SMatrix;
+use poinsot_dynamics::SensorErrors;
+use poinsot_model::SensorKind;
+use poinsot_spatial::{Matrix3, Vector3, Vector6};
+
+/// What a perfect sensor reads at an instant.
+pub(crate) struct Seen {
+    pub value: SensorValue,
+    /// How fast it changes, where the instant alone tells.
+    pub rate: Option<Vector3>,
+    pub slopes: Slopes,
+}
+
+/// Slopes of a reading; of an attitude, of the small turn in the axes of the sensor's body.
+#[derive(Default)]
+pub(crate) struct Slopes {
+    /// Over `[dphi_B, dp_N]` of the base.
+    pub pose: SMatrix<f64, 3, 6>,
+    /// Over `[dv_NBo_B, dw_NB_B]`.
+    pub twist: SMatrix<f64, 3, 6>,
+    /// Over joints, all else held: joint, slope over its position, slope over its rate.
+    pub joints: Vec<(usize, Vector3, Vector3)>,
+}
+
+impl Slopes {
+    fn new(pose: [&Matrix3; 2], twist: [&Matrix3; 2]) -> Self {
+        let side_by_side = |[a, b]: [&Matrix3; 2]| {
+            let mut both = SMatrix::<f64, 3, 6>::zeros();
+            both.fixed_view_mut::<3, 3>(0, 0).copy_from(a);
+            both.fixed_view_mut::<3, 3>(0, 3).copy_from(b);
+            both
+        };
+        Self {
+            pose: side_by_side(pose),
+            twist: side_by_side(twist),
+            joints: Vec::new(),
+        }
+    }
+
+    /// Change of the reading with a change of state and base twist.
+    fn along(&self, column: &Column, twist: &Vector6) -> Vector3 {
+        self.pose * column.fixed_rows::<6>(0) + self.twist * twist
+    }
+}
+
+/// What a perfect sensor reads at a grid time, and what moves it.
+pub(crate) struct Predicted {
+    pub value: SensorValue,
+    /// How fast it changes, where the instant alone tells.
+    pub rate: Option<Vector3>,
+    /// Change with every sensitivity column.
+    pub columns: Vec<Vector3>,
+    /// Change with every error in the state of the inputs' filter.
+    pub errors: Vec<Vector3>,
+    /// Change with the rate of every joint, where the filter does not know the errors of rates.
+    pub gains: Vec<Vector3>,
+}
+
+impl Predicted {
+    /// The value that the law of errors acts on: an attitude's errors are turns from the true one.
+    pub fn vector(&self) -> Vector3 {
+        vector(&self.value)
+    }
+
+    /// Measured less predicted by a sensor with these errors.
+    pub fn residual(
+        &self,
+        measured: &SensorValue,
+        errors: &SensorErrors,
+        rate: &Vector3,
+    ) -> Vector3 {
+        let x = self.vector();
+        gap(&self.value, measured) - (errors.reading(&x, rate) - x)
+    }
+}
+
+/// The value that the law of errors acts on.
+pub(crate) fn vector(value: &SensorValue) -> Vector3 {
+    match value {
+        SensorValue::Vector(x) => *x,
+        SensorValue::Attitude(_) => Vector3::zeros(),
+    }
+}
+
+/// Measured less true; of attitudes the small turn from the true one, in its axes.
+pub(crate) fn gap(truth: &SensorValue, measured: &SensorValue) -> Vector3 {
+    match (truth, measured) {
+        (SensorValue::Vector(x), SensorValue::Vector(y)) => y - x,
+        (SensorValue::Attitude(R), SensorValue::Attitude(S)) => small_turn(R, S),
+        // A record of mixed values has no meaning.
+        _ => Vector3::from_element(f64::NAN),
+    }
+}
+
+/// What a perfect sensor of the pose or its rate reads; an increment's sensor the velocity. `None` for an accelerometer,
+/// whose reading is no function of pose, twist and joints.
+fn see(
+    record: &SensorRecord,
+    motion: &mut Motion,
+    state: &State,
+    instant: &Instant,
+) -> Option<Seen> {
+    let place = motion.place(&instant.twist, (record.body, &record.p_BoS_B));
+    let R_NB = matrix(&state.R_NB);
+    match record.kind {
+        SensorKind::Gyro => Some(gyro::see(&place)),
+        SensorKind::Attitude => Some(attitude::see(&place, state, record.body)),
+        SensorKind::Position => Some(position::see(&place, state, &R_NB)),
+        SensorKind::Velocity | SensorKind::VelocityIncrement => Some(velocity::see(&place, &R_NB)),
+        _ => None,
+    }
+}
+
+/// Value that a perfect sensor reads at grid time k, and its rate where the instant alone tells.
+pub(crate) fn perfect(
+    record: &SensorRecord,
+    motion: &mut Motion,
+    (state, k): (&State, usize),
+    instant: &Instant,
+) -> (SensorValue, Option<Vector3>) {
+    match see(record, motion, state, instant) {
+        Some(seen) => (seen.value, seen.rate),
+        None => {
+            let force = accelerometer::value(record, motion, (state, k), instant);
+            (SensorValue::Vector(force), None)
+        }
+    }
+}
+
+/// What a perfect sensor reads at grid time k with all that moves it; `None` where nobody can say.
+pub(crate) fn predict(
+    record: &SensorRecord,
+    motion: &mut Motion,
+    (state, k): (&State, usize),
+    instant: &Instant,
+    inputs: &InputNoise,
+) -> Option<Predicted> {
+    let Some(Seen {
+        value,
+        rate,
+        slopes,
+    }) = see(record, motion, state, instant)
+    else {
+        return accelerometer::predict(record, motion, (state, k), instant, inputs);
+    };
+    let along = |(column, twist): (&Column, &Vector6)| slopes.along(column, twist);
+    let mut columns: Vec<Vector3> = motion.sensitivities().map(along).collect();
+    let mut errors: Vec<Vector3> = inputs
+        .columns
+        .iter()
+        .zip(&inputs.twists)
+        .map(along)
+        .collect();
+    let gains = inputs.rate_gain.iter().map(|gain| slopes.twist * gain);
+    let mut gains: Vec<Vector3> = gains.collect();
+    if !slopes.joints.is_empty() {
+        let of = |joint: usize| slopes.joints.iter().find(|s| s.0 == joint);
+        if !columns.is_empty() {
+            for (column, joint, dq, drate) in motion.joint_changes() {
+                if let Some((_, position, rate)) = of(joint) {
+                    columns[column] += position * dq + rate * drate;
+                }
+            }
+        }
+        for (at, joint, dq, drate) in inputs.at_once(k) {
+            if let Some((_, position, rate)) = of(joint) {
+                errors[at] += position * dq + rate * drate;
+            }
+        }
+        for (joint, _, rate) in &slopes.joints {
+            if let Some(gain) = gains.get_mut(*joint) {
+                *gain += rate;
+            }
+        }
+    }
+    Some(Predicted {
+        value,
+        rate,
+        columns,
+        errors,
+        gains,
+    })
+}
+
+/// `[a]x` applied from the right: `M [a]x`.
+fn times_skew(M: &Matrix3, a: &Vector3) -> Matrix3 {
+    M * poinsot_spatial::skew(a)
+}
+
+/// The joints' part of slopes.
+fn joints(
+    place: &Place,
+    of: impl Fn(&crate::motion::JointEffect) -> (Vector3, Vector3),
+) -> Vec<(usize, Vector3, Vector3)> {
+    let all = place.joints.iter().map(|joint| {
+        let (position, rate) = of(joint);
+        (joint.joint, position, rate)
+    });
+    all.collect()
+}

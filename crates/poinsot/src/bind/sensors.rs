@@ -1,0 +1,425 @@
+//! Sensors of three axes: which columns are whose, and their samples on the grid. Any number of a kind, on any body.
+
+use super::BindError;
+use super::noise::covariance;
+use crate::simulate::names;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use poinsot_identify::{ErrorGroup, SensorRecord, SensorSample, SensorValue};
+use poinsot_model::{Model, Nuisance, Sensor, SensorKind};
+use poinsot_telemetry::{Channel, Table, full_name, median_step};
+
+/// Times closer than this are one time, s.
+pub(super) const SAME: f64 = 1.0e-9;
+
+/// Longest interval of an increment, over the usual one; beyond it the sample before is missing.
+const WHOLE_INTERVAL: f64 = 1.5;
+
+/// Kinds in the order of the results.
+const KINDS: [SensorKind; 6] = [
+    SensorKind::Gyro,
+    SensorKind::Attitude,
+    SensorKind::Velocity,
+    SensorKind::Position,
+    SensorKind::Accelerometer,
+    SensorKind::VelocityIncrement,
+];
+
+/// The columns of one sensor in one table.
+pub(super) struct SensorColumns<'a> {
+    /// Index in the model; `None` for an attitude that no sensor declares.
+    pub sensor: Option<usize>,
+    pub kind: SensorKind,
+    /// Three axes, or the four numbers of a quaternion.
+    pub parts: Vec<&'a Channel>,
+}
+
+/// The columns of a sensor; those without a sensor's name belong to the only sensor of its kind that has none of its own.
+pub(super) fn columns_of<'a>(
+    model: &Model,
+    table: &'a Table,
+    sensor: usize,
+) -> Option<SensorColumns<'a>> {
+    let of = &model.sensors[sensor];
+    let own = named(model, table, of.kind, &of.name);
+    let parts = match own {
+        Some(parts) => parts,
+        None => {
+            let mut nameless = without_own(model, table, of.kind);
+            match (nameless.next(), nameless.next()) {
+                (Some(only), None) if only == sensor => named(model, table, of.kind, "")?,
+                _ => return None,
+            }
+        }
+    };
+    Some(SensorColumns {
+        sensor: Some(sensor),
+        kind: of.kind,
+        parts,
+    })
+}
+
+fn named<'a>(
+    model: &Model,
+    table: &'a Table,
+    kind: SensorKind,
+    sensor: &str,
+) -> Option<Vec<&'a Channel>> {
+    let names = names_of(model, kind);
+    let find = |name: &String| table.sensor_channel(sensor, name);
+    names.iter().map(find).collect()
+}
+
+/// Columns of a kind of three axes, without a sensor's name.
+fn names_of(model: &Model, kind: SensorKind) -> Vec<String> {
+    names(model, kind, &[])
+}
+
+/// Sensors of a kind that have no columns of their own name.
+fn without_own<'a>(
+    model: &'a Model,
+    table: &'a Table,
+    kind: SensorKind,
+) -> impl Iterator<Item = usize> + 'a {
+    let all = model.sensors.iter().enumerate();
+    let own = all.filter(move |(_, s)| s.kind == kind);
+    own.filter(move |(_, s)| named(model, table, kind, &s.name).is_none())
+        .map(|(k, _)| k)
+}
+
+/// Every sensor that a table has columns of, in an order that their declaration does not change.
+pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorColumns<'a>> {
+    let mut all = Vec::new();
+    for kind in KINDS {
+        let mut own: Vec<SensorColumns> = (0..model.sensors.len())
+            .filter(|k| model.sensors[*k].kind == kind)
+            .filter_map(|k| columns_of(model, table, k))
+            .filter(|c| !c.parts[0].time_s.is_empty())
+            .collect();
+        let name = |c: &SensorColumns| c.sensor.map(|k| model.sensors[k].name.as_str());
+        own.sort_by(|a, b| name(a).cmp(&name(b)));
+        if own.is_empty() && kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none()
+        {
+            let parts = named(model, table, kind, "");
+            own.extend(parts.map(|parts| SensorColumns {
+                sensor: None,
+                kind,
+                parts,
+            }));
+        }
+        all.append(&mut own);
+    }
+    all
+}
+
+impl SensorColumns<'_> {
+    /// Times of the samples and of the beginnings of their intervals, s.
+    pub fn times(&self) -> Vec<f64> {
+        let own = self.parts[0].time_s.iter().copied();
+        match self.kind {
+            SensorKind::VelocityIncrement => own.chain(self.starts()).collect(),
+            _ => own.collect(),
+        }
+    }
+
+    /// Where the interval of each sample begins: at the sample before, or one step back where that is missing.
+    fn starts(&self) -> Vec<f64> {
+        let t = &self.parts[0].time_s;
+        let step = median_step(t).unwrap_or_default();
+        (0..t.len())
+            .map(|i| {
+                let before = i.checked_sub(1).map(|b| t[b]);
+                before
+                    .filter(|b| t[i] - b <= WHOLE_INTERVAL * step)
+                    .unwrap_or(t[i] - step)
+            })
+            .collect()
+    }
+
+    /// The samples whose times lie on the grid; positions from `origin`.
+    pub fn record(&self, model: &Model, grid: &[f64], origin: &Vector3<f64>) -> SensorRecord {
+        let at = |t: f64| {
+            let k = grid.partition_point(|g| *g < t - SAME);
+            grid.get(k).filter(|g| (*g - t).abs() <= SAME).map(|_| k)
+        };
+        let starts = match self.kind {
+            SensorKind::VelocityIncrement => self.starts(),
+            _ => Vec::new(),
+        };
+        let samples = self.parts[0].time_s.iter().enumerate();
+        let samples = samples.filter_map(|(i, t)| {
+            Some(SensorSample {
+                from: at(starts.get(i).copied().unwrap_or(*t))?,
+                to: at(*t)?,
+                value: self.value(i, origin)?,
+            })
+        });
+        let declared = self.sensor.map(|k| &model.sensors[k]);
+        let noise = declared.and_then(covariance).unwrap_or_default();
+        SensorRecord {
+            sensor: self.sensor,
+            body: declared.map_or(0, |s| s.body),
+            p_BoS_B: declared.map_or_else(Vector3::zeros, |s| s.p_BoS_B),
+            correlation_s: declared.map_or(0.0, |s| s.correlation_s),
+            samples: samples.collect(),
+            name: declared.map_or_else(|| self.kind.word().to_owned(), |s| label(model, s)),
+            // Sensors that report in body axes err in their own.
+            ..SensorRecord::of_base(
+                self.kind,
+                match (declared, self.kind) {
+                    (
+                        Some(s),
+                        SensorKind::Gyro | SensorKind::Attitude | SensorKind::Accelerometer,
+                    ) => s.R_BS * noise * s.R_BS.transpose(),
+                    _ => noise,
+                },
+            )
+        }
+    }
+
+    fn value(&self, i: usize, origin: &Vector3<f64>) -> Option<SensorValue> {
+        let part = |k: usize| self.parts.get(k)?.values.get(i).copied();
+        let (x, y, z) = (part(0)?, part(1)?, part(2)?);
+        Some(match self.kind {
+            SensorKind::Attitude => {
+                let q = Quaternion::new(part(3)?, x, y, z);
+                SensorValue::Attitude(UnitQuaternion::from_quaternion(q))
+            }
+            SensorKind::Position => SensorValue::Vector(Vector3::new(x, y, z) - origin),
+            _ => SensorValue::Vector(Vector3::new(x, y, z)),
+        })
+    }
+}
+
+/// Name of a sensor in results: the word of its kind, with its own name where it shares the kind.
+fn label(model: &Model, sensor: &Sensor) -> String {
+    match model.sensors_of(sensor.kind).nth(1) {
+        None => sensor.kind.word().to_owned(),
+        Some(_) => format!("{}.{}", sensor.kind.word(), sensor.name),
+    }
+}
+
+/// The sensors of the base from which the aligned samples of the linear method come: one of each kind.
+pub(super) struct Leading {
+    of: Vec<(SensorKind, usize)>,
+}
+
+impl Leading {
+    /// Of each kind the sensor that is read in most tables, and of those the one that tells most: samples over variance.
+    pub fn new(model: &Model, tables: &[Table]) -> Self {
+        let worth = |k: usize| {
+            let lengths = tables.iter().filter_map(|t| columns_of(model, t, k));
+            let lengths: Vec<usize> = lengths.map(|c| c.parts[0].time_s.len()).collect();
+            let variance = covariance(&model.sensors[k]).map_or(0.0, |c| c.trace());
+            let samples = lengths.iter().sum::<usize>() as f64;
+            (lengths.len(), samples / variance)
+        };
+        let best = |kind: SensorKind| {
+            let all = model.sensors.iter().enumerate();
+            let own = all.filter(|(_, s)| s.kind == kind && s.body == 0);
+            own.map(|(k, s)| (k, worth(k), &s.name)).max_by(|a, b| {
+                let order = a.1.0.cmp(&b.1.0).then(a.1.1.total_cmp(&b.1.1));
+                order.then_with(|| b.2.cmp(a.2))
+            })
+        };
+        let of = KINDS
+            .iter()
+            .filter_map(|kind| Some((*kind, best(*kind)?.0)));
+        Self { of: of.collect() }
+    }
+
+    /// Index in the model.
+    pub fn index(&self, kind: SensorKind) -> Option<usize> {
+        self.of.iter().find(|l| l.0 == kind).map(|l| l.1)
+    }
+
+    /// Its columns, or those of none where the model declares no such sensor.
+    pub fn columns<'a>(
+        &self,
+        model: &Model,
+        table: &'a Table,
+        kind: SensorKind,
+    ) -> Option<Vec<&'a Channel>> {
+        match self.index(kind) {
+            Some(sensor) => columns_of(model, table, sensor).map(|c| c.parts),
+            None if model.sensors_of(kind).next().is_none() => named(model, table, kind, ""),
+            None => None,
+        }
+    }
+
+    pub fn sensor<'m>(&self, model: &'m Model, kind: SensorKind) -> Option<&'m Sensor> {
+        self.index(kind).map(|k| &model.sensors[k])
+    }
+}
+
+/// Says which sensors are not used and which columns belong to none, and with which sensors the fit starts.
+///
+/// # Errors
+/// Columns that name no sensor where several could have written them; columns of a sensor whose noise is not declared;
+/// an error asked of a sensor without columns.
+pub(super) fn check_sensors(
+    model: &Model,
+    tables: &[Table],
+    leading: &Leading,
+    repairs: &mut Vec<String>,
+) -> Result<(), BindError> {
+    for table in tables {
+        let label = super::file_label(table);
+        for kind in KINDS {
+            refuse_ambiguous(model, table, kind)?;
+        }
+        unread(model, table, &label, repairs);
+        ownerless(model, table, &label, repairs);
+    }
+    let read = |s: &Sensor| {
+        let at = model
+            .sensors
+            .iter()
+            .position(|other| std::ptr::eq(s, other));
+        let mut tables = tables.iter();
+        at.is_some_and(|k| tables.any(|t| columns_of(model, t, k).is_some()))
+    };
+    refuse_links_alone(model, &read)?;
+    for kind in KINDS {
+        let all: Vec<&Sensor> = model.sensors_of(kind).collect();
+        let with_columns: Vec<&&Sensor> = all.iter().filter(|s| read(s)).collect();
+        for sensor in &with_columns {
+            refuse_noiseless(sensor, with_columns.len())?;
+        }
+        // Without any gyro its columns are what is missing: that is said elsewhere.
+        let needed = kind != SensorKind::Gyro || !with_columns.is_empty();
+        if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
+            return Err(BindError::Unsupported {
+                what: format!(
+                    "sensor '{}': an unknown of it is asked for, and no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
+                    sensor.name,
+                    names_of(model, kind).join(" ")
+                ),
+            });
+        }
+        let base = with_columns.iter().filter(|s| s.body == 0).count();
+        if base > 1
+            && let Some(first) = leading.sensor(model, kind)
+        {
+            repairs.push(format!(
+                "{base} sensors of type {} on the base: the linear start uses '{}', maximum likelihood uses all",
+                kind.word(),
+                first.name
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<(), BindError> {
+    let nameless: Vec<&str> = without_own(model, table, kind)
+        .map(|k| model.sensors[k].name.as_str())
+        .collect();
+    if nameless.len() < 2 || named(model, table, kind, "").is_none() {
+        return Ok(());
+    }
+    let names = names_of(model, kind);
+    Err(BindError::Unsupported {
+        what: format!(
+            "columns '{}' name no sensor, and {} sensors of type {} have no columns of their own ({}); write '{}' and so on, or take a sensor out",
+            names.join(" "),
+            nameless.len(),
+            kind.word(),
+            nameless.join(", "),
+            full_name(nameless[0], &names[0])
+        ),
+    })
+}
+
+/// What the fit starts from is measured on the base: rate, attitude, and position or velocity where there is any.
+fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
+    let groups: [&[SensorKind]; 3] = [
+        &[SensorKind::Gyro],
+        &[SensorKind::Attitude],
+        &[SensorKind::Velocity, SensorKind::Position],
+    ];
+    for kinds in groups {
+        let own = || {
+            let all = model.sensors.iter();
+            all.filter(|s| kinds.contains(&s.kind) && read(s))
+        };
+        if let (Some(sensor), false) = (own().next(), own().any(|s| s.body == 0)) {
+            let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
+            return Err(BindError::Unsupported {
+                what: format!(
+                    "sensor '{}' sits on body '{}', and no {} is read on the base '{}', from which the fit starts; add one there, or take this one out",
+                    sensor.name,
+                    model.bodies[sensor.body].name,
+                    words.join(" or "),
+                    model.bodies[0].name
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A declared sensor without columns is not used.
+fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
+    for (k, sensor) in model.sensors.iter().enumerate() {
+        if KINDS.contains(&sensor.kind) && columns_of(model, table, k).is_none() {
+            repairs.push(format!(
+                "{label}: no columns '{}' of the {} '{}': the sensor is not used",
+                names_of(model, sensor.kind).join(" "),
+                sensor.kind.word().replace('_', " "),
+                sensor.name
+            ));
+        }
+    }
+}
+
+/// Columns that name a sensor which the model lacks, or none where every sensor has its own, are not used.
+fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
+    for kind in KINDS {
+        let first = &names_of(model, kind)[0];
+        for channel in table.channels.iter().filter(|c| c.name == *first) {
+            let declared = model.sensors_of(kind).any(|s| s.name == channel.sensor);
+            let shared = channel.sensor.is_empty()
+                && (without_own(model, table, kind).next().is_some()
+                    || kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none());
+            if !declared && !shared {
+                repairs.push(format!(
+                    "{label}: column '{}' and its companions belong to no {} of the model: not used; declare [[sensor]] type = \"{}\", name = \"{}\"",
+                    full_name(&channel.sensor, &channel.name),
+                    kind.word().replace('_', " "),
+                    kind.word(),
+                    channel.sensor
+                ));
+            }
+        }
+    }
+}
+
+/// Attitude and position of the only sensor may be taken as exact; anything else is worth nothing without its noise.
+fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
+    if covariance(sensor).is_some() {
+        return Ok(());
+    }
+    let (kind, key) = match sensor.kind {
+        SensorKind::Accelerometer => ("accelerometer", "noise_m_s2"),
+        SensorKind::VelocityIncrement => ("velocity_increment", "noise_m_s"),
+        _ if of_its_kind < 2 => return Ok(()),
+        kind => {
+            return Err(BindError::Unsupported {
+                what: format!(
+                    "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are not known; declare its noise",
+                    sensor.name,
+                    kind.word()
+                ),
+            });
+        }
+    };
+    Err(BindError::NoNoise { kind, key })
+}
+
+/// Whether anything of a sensor is declared unknown.
+fn asks(sensor: &Sensor) -> bool {
+    let groups = ErrorGroup::of(sensor.kind).iter();
+    groups
+        .into_iter()
+        .any(|g| (g.declared)(sensor) != Nuisance::Known)
+}
