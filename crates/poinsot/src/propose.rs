@@ -29,8 +29,6 @@ pub fn proposed_map(paths: &[impl AsRef<Path>]) -> Option<String> {
 }
 
 fn proposed(path: &Path) -> Option<String> {
-    // A pipe would be waited for.
-    std::fs::metadata(path).ok().filter(|m| m.is_file())?;
     let mut bytes = Vec::new();
     let (file, _) = poinsot_files::open(path).ok()?;
     file.take(BYTES).read_to_end(&mut bytes).ok()?;
