@@ -148,7 +148,8 @@ fn unit_short_and_ragged_arrays_are_errors_with_a_code() {
             Err(error) => error.to_string(),
         }
     };
-    let all: [(&str, &dyn Fn(&mut Segment, &mut Noise)); 9] = [
+    type Spoil<'a> = &'a dyn Fn(&mut Segment, &mut Noise);
+    let all: [(&str, Spoil); 9] = [
         ("E0411", &|s, _| s.samples.w_NB_B.truncate(3)),
         ("E0411", &|s, _| s.samples.R_NB.clear()),
         ("E0411", &|s, _| s.samples.wheel_speed.truncate(7)),

@@ -13,7 +13,7 @@ fn examples() -> PathBuf {
 
 /// The first slews of the shipped record.
 fn record() -> Table {
-    let model = read_model(&examples().join("model.toml")).unwrap();
+    let model = read_model(examples().join("model.toml")).unwrap();
     let options = read_options(&model, &model.telemetry, false, false);
     let mut table = read(
         &[examples().join("multiaxis/telemetry_noisy.csv")],
@@ -57,9 +57,12 @@ fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> Stri
     }
 }
 
+/// Puts a fault into a table.
+type Plant = fn(&mut Table);
+
 #[test]
 fn prop_a_fault_found_in_a_file_is_found_in_memory() {
-    let faults: [(&str, fn(&mut Table)); 5] = [
+    let faults: [(&str, Plant); 5] = [
         ("none", |_| ()),
         ("wheels in rpm", |t| {
             scale(t, "wheel", 30.0 / std::f64::consts::PI)
@@ -70,7 +73,7 @@ fn prop_a_fault_found_in_a_file_is_found_in_memory() {
         ("a gyro axis that sticks", |t| stick(t, "omega_x")),
         ("a rate of 1e9", |t| t.channels[0].values[3] = 1.0e9),
     ];
-    let model = read_model(&examples().join("model.toml")).unwrap();
+    let model = read_model(examples().join("model.toml")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (name, plant) in faults {
         let mut table = record();
@@ -80,7 +83,7 @@ fn prop_a_fault_found_in_a_file_is_found_in_memory() {
         let request = IdentifyRequest::new(examples().join("model.toml"), [&path]);
         let from_file = told(identify(&request), &path.display().to_string());
         let options = read_options(&model, &model.telemetry, false, false);
-        let from_memory = match read(&[path.clone()], &options) {
+        let from_memory = match read(std::slice::from_ref(&path), &options) {
             Ok(mut table) => {
                 table.sources.clear();
                 told(
@@ -96,7 +99,7 @@ fn prop_a_fault_found_in_a_file_is_found_in_memory() {
 
 #[test]
 fn regress_one_record_twice_in_memory_is_refused() {
-    let model = read_model(&examples().join("model.toml")).unwrap();
+    let model = read_model(examples().join("model.toml")).unwrap();
     let tables = [(); 2].map(|()| Table {
         sources: Vec::new(),
         ..record()

@@ -302,7 +302,8 @@ fn exact_simulate_writes_every_sensor_with_its_errors() {
 fn regress_a_sensor_without_data_and_data_without_sensor_are_said() {
     let both = model(&[COARSE, FINE, STAR]);
     let table = written(&both);
-    let said = |model: &Model, table: &Table| bound(model, &[table.clone()]).map(|b| b.repairs);
+    let said =
+        |model: &Model, table: &Table| bound(model, std::slice::from_ref(table)).map(|b| b.repairs);
     let mut without = table.clone();
     without.channels.retain(|c| c.sensor != "coarse");
     let found = said(&both, &without).unwrap().join("\n");
