@@ -130,6 +130,24 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, InputError> {
     })
 }
 
+/// All of standard input in a file without a name: it is read once and can be looked at several times.
+///
+/// # Errors
+/// Standard input cannot be read, or the disk is full.
+pub fn standard_input() -> std::io::Result<File> {
+    static SPOOLED: std::sync::OnceLock<File> = std::sync::OnceLock::new();
+    let mut file = match SPOOLED.get() {
+        Some(file) => file.try_clone()?,
+        None => {
+            let mut file = tempfile::tempfile()?;
+            std::io::copy(&mut std::io::stdin().lock(), &mut file)?;
+            SPOOLED.get_or_init(|| file).try_clone()?
+        }
+    };
+    std::io::Seek::rewind(&mut file)?;
+    Ok(file)
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {

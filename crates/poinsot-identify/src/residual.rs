@@ -27,9 +27,8 @@ pub(crate) fn twist(
     let gyro = parameters.sensor_errors(x, gyro_sensor);
     let mut spin = spin_inertia.to_vec();
     for (unknown, value) in parameters.unknowns.iter().zip(x) {
-        match unknown.kind {
-            UnknownKind::SpinInertia(k) => spin[k] = *value,
-            _ => {}
+        if let UnknownKind::SpinInertia(k) = unknown.kind {
+            spin[k] = *value;
         }
     }
     let mut kinematics = Kinematics::new(tree);

@@ -308,7 +308,7 @@ mod tests {
                 thruster: k,
                 start_s,
                 end_s: start_s + 0.05 * (1 + k % 40) as f64,
-                force: f64::from(u8::from(k % 5 != 0)),
+                force: f64::from(u8::from(!k.is_multiple_of(5))),
             }
         };
         let firings: Vec<Firing> = (0..200).map(firing).collect();

@@ -2,8 +2,8 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
-use crate::packing::{is_standard_input, standard_input};
-use poinsot_files::InputError;
+use crate::packing::is_standard_input;
+use poinsot_files::{InputError, standard_input};
 use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
 use std::io::{self, Read};

@@ -108,7 +108,7 @@ fn attitude(
     form: AttitudeForm,
     sense: Sense,
 ) -> Result<Vec<Vec<f64>>, TelemetryError> {
-    let mut out = vec![Vec::with_capacity(rows.len()); 4];
+    let mut out = vec![Vec::new(); 4];
     for (k, line) in rows.iter().enumerate() {
         let q = match form {
             AttitudeForm::Matrix => match row::<9>(parts, k) {
@@ -187,7 +187,7 @@ fn inertial(
             plan.time_column
         ),
     })?;
-    let mut out = vec![Vec::with_capacity(columns.time_s.len()); 3];
+    let mut out = vec![Vec::new(); 3];
     for (k, time) in columns.time_s.iter().enumerate() {
         let cells = row::<3>(parts, k).map_or([f64::NAN; 3], |[x, y, z]| {
             let (sin, cos) = origin.earth_rotation(*time).sin_cos();

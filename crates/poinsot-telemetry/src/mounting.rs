@@ -101,8 +101,11 @@ fn turn(channels: &mut [Channel], places: &[usize], mounting: &Mounting) {
     }
 }
 
+/// Times, and at each of them one value per channel.
+type Rows = (Arc<[f64]>, Vec<Vec<f64>>);
+
 /// The times at which every channel has a sample, and the samples.
-fn complete_rows(channels: &[Channel], places: &[usize]) -> Option<(Arc<[f64]>, Vec<Vec<f64>>)> {
+fn complete_rows(channels: &[Channel], places: &[usize]) -> Option<Rows> {
     let all: Option<Vec<&Channel>> = places.iter().map(|k| channels.get(*k)).collect();
     let all = all?;
     let first = all.first()?;

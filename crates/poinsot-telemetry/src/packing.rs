@@ -5,7 +5,6 @@ use crate::error::Place;
 use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::Path;
-use std::sync::OnceLock;
 
 /// How the bytes of a file are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,19 +78,4 @@ pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
 /// Whether a path stands for standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     path.as_os_str() == "-"
-}
-
-/// All of standard input, on disk: it is read once and looked at several times.
-pub(crate) fn standard_input() -> io::Result<File> {
-    static SPOOLED: OnceLock<File> = OnceLock::new();
-    let mut file = match SPOOLED.get() {
-        Some(file) => file.try_clone()?,
-        None => {
-            let mut file = tempfile::tempfile()?;
-            io::copy(&mut io::stdin().lock(), &mut file)?;
-            SPOOLED.get_or_init(|| file).try_clone()?
-        }
-    };
-    file.rewind()?;
-    Ok(file)
 }

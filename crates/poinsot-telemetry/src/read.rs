@@ -2,13 +2,14 @@
 
 use crate::columns::Columns;
 use crate::error::Place;
-use crate::packing::{is_standard_input, standard_input, unpacked_name};
+use crate::packing::{is_standard_input, unpacked_name};
 use crate::plan::Plan;
 use crate::size::{Limit, Rows};
 use crate::{
     Mounting, Origin, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
     check_conventions, csv_reader, mount, parquet_reader, plan, time_base,
 };
+use poinsot_files::standard_input;
 use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -29,10 +29,8 @@ pub fn proposed_map(paths: &[impl AsRef<Path>]) -> Option<String> {
 }
 
 fn proposed(path: &Path) -> Option<String> {
-    // A pipe would be waited for.
-    std::fs::metadata(path).ok().filter(|m| m.is_file())?;
     let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).ok()?;
+    let (file, _) = poinsot_files::open(path).ok()?;
     file.take(BYTES).read_to_end(&mut bytes).ok()?;
     let text = String::from_utf8_lossy(&bytes);
     if bytes.contains(&0) {
@@ -221,7 +219,7 @@ impl Head {
                 let plain = |h: &String| h.to_lowercase().replace(['_', ' '], "") == *name;
                 self.header.iter().find(|h| plain(h))
             };
-            let found: Option<Vec<&String>> = names.iter().map(|n| find(n)).collect();
+            let found: Option<Vec<&String>> = names.iter().map(find).collect();
             let Some(found) = found else { continue };
             if found.iter().all(|name| classify(name).is_some()) {
                 return;

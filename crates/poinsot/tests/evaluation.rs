@@ -5,9 +5,10 @@ mod nutation;
 
 use nutation::{Cell, bus, study, study_of};
 use poinsot::bind::bind;
-use poinsot_dynamics::Tree;
+use poinsot_dynamics::{SensorKind, Tree};
 use poinsot_identify::{
-    Evaluator, Firing, Noise, Observations, Problem, Samples, Segment, maximum_likelihood,
+    Evaluator, Firing, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue,
+    maximum_likelihood,
 };
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -222,6 +223,7 @@ fn stat_thrust_that_changes_every_sample_costs_time_linear_in_the_samples() {
         wheel_speed: Vec::new(),
         ..noise
     };
+    let covariance = model.sensors[0].noise_covariance.unwrap();
     for samples in [4_000, 8_000, 16_000, 32_000, 64_000] {
         let time_s: Vec<f64> = (0..samples).map(|k| 0.1 * k as f64).collect();
         let rate = Vector3::new(0.01, 0.02, 0.03);
@@ -240,10 +242,10 @@ fn stat_thrust_that_changes_every_sample_costs_time_linear_in_the_samples() {
                 ..Samples::default()
             },
             observations: Observations {
-                rate: vec![Some(rate); samples],
-                attitude: vec![None; samples],
-                velocity: vec![None; samples],
-                position: vec![None; samples],
+                sensors: vec![
+                    SensorRecord::of_base(SensorKind::Gyro, covariance)
+                        .at_every_time(vec![SensorValue::Vector(rate); samples]),
+                ],
                 time_s,
                 ..Observations::default()
             },
