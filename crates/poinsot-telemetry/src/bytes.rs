@@ -169,7 +169,6 @@ impl<R: Read> Read for TextBytes<R> {
 }
 
 /// SHA-256 of a whole file, hexadecimal.
-#[cfg(feature = "parquet")]
 pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];
