@@ -259,7 +259,9 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
         })
     };
     let mut seen: Vec<&Source> = Vec::new();
-    for source in tables.iter().flat_map(|t| &t.sources) {
+    // A source without a hash is no file.
+    let files = tables.iter().flat_map(|t| &t.sources);
+    for source in files.filter(|s| !s.sha256.is_empty()) {
         if let Some(first) = seen.iter().find(|s| s.sha256 == source.sha256) {
             return twice(&source.path, &format!("{} (equal SHA-256)", first.path));
         }
