@@ -424,6 +424,9 @@ pub struct Units {
     /// Print as JSON, with the factors to SI.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Arguments of `completions`.

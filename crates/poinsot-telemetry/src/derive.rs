@@ -146,9 +146,9 @@ fn from_matrix(cells: &[f64; 9]) -> Result<UnitQuaternion<f64>, String> {
             rounded(R.determinant(), 3)
         ));
     }
-    Ok(UnitQuaternion::from_rotation_matrix(
-        &Rotation3::from_matrix_eps(&R, 1e-15, 20, Rotation3::identity()),
-    ))
+    // Orthonormal to a rounding of its digits: the quaternion made unit is the nearest turn to first order.
+    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R));
+    Ok(UnitQuaternion::new_normalize(q.into_inner()))
 }
 
 /// Turns one after the other, each about the axis as the turns before it left it.

@@ -35,12 +35,23 @@ fn problem<'a>(record: &'a (Model, Tree, Vec<Segment>, Noise)) -> Problem<'a> {
     }
 }
 
+/// Gauss and Newton's steps from the nominal numbers.
+fn fitted(evaluator: &Evaluator) -> Vec<f64> {
+    let mut x = evaluator.nominal();
+    for _ in 0..8 {
+        let here = evaluator.at(&x).unwrap();
+        let step = here.covariance.unwrap() * (here.jacobian.transpose() * here.residuals);
+        x.iter_mut().zip(step.iter()).for_each(|(x, d)| *x -= d);
+    }
+    x
+}
+
 #[test]
 fn exact_jacobian_is_the_slope_of_the_residuals_and_of_the_likelihood() {
     let record = record();
     let evaluator = Evaluator::new(&problem(&record)).unwrap();
-    let mut x = evaluator.nominal();
-    // Away from the start, by an attitude's noise: slopes hold to first order in the residual of an attitude.
+    // Close to the fit: slopes of an attitude hold to first order in its residual.
+    let mut x = fitted(&evaluator);
     x[0] += 3.0e-5;
     x[1] -= 2.0e-5;
     let here = evaluator.at(&x).unwrap();
@@ -68,12 +79,7 @@ fn exact_gauss_and_newton_on_an_evaluation_end_where_the_fit_does() {
     let record = record();
     let problem = problem(&record);
     let evaluator = Evaluator::new(&problem).unwrap();
-    let mut x = evaluator.nominal();
-    for _ in 0..8 {
-        let here = evaluator.at(&x).unwrap();
-        let step = here.covariance.unwrap() * (here.jacobian.transpose() * here.residuals);
-        x.iter_mut().zip(step.iter()).for_each(|(x, d)| *x -= d);
-    }
+    let x = fitted(&evaluator);
     let here = evaluator.at(&x).unwrap();
     let covariance = here.covariance.as_ref().unwrap();
     let estimate = maximum_likelihood(&problem).unwrap();

@@ -22,6 +22,9 @@ pub fn run(arguments: &Units) -> Outcome {
         print_json(&serde_json::json!({ "schema": "poinsot.units/1", "units": all }));
         return Ok(0);
     }
+    if arguments.quiet {
+        return Ok(0);
+    }
     let mut dimensions: Vec<Dimension> = Vec::new();
     for unit in units() {
         if !dimensions.contains(&unit.dimension) {

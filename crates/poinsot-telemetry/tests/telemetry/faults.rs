@@ -257,11 +257,11 @@ fn unit_maps_that_cannot_be_followed() {
         ),
         (
             map("omega_x", "gyro_wx", "deg"),
-            "E0212 map of channel 'omega_x': unit 'deg' does not measure it; give a unit that converts to rad/s",
+            "E0212 map of channel 'omega_x': unit 'deg' does not measure it; give a unit that converts to rad/s: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s",
         ),
         (
             map("omega_x", "gyro_wx", "dgs/s"),
-            "E0211 map of channel 'omega_x': unit 'dgs/s' is not known; did you mean 'deg/s'?",
+            "E0211 map of channel 'omega_x': unit 'dgs/s' is not known; did you mean 'deg/s'? Use one of: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s",
         ),
         (
             map("omega", "gyro_wx", "deg/s"),
@@ -303,7 +303,7 @@ fn unit_files_that_are_none() {
     let error = read(&[path], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0202 run.xlsx: the kind of file is not known from its name; give a .csv or .parquet file"
+        "E0202 run.xlsx: the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
     );
 }
 

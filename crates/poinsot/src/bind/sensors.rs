@@ -31,6 +31,10 @@ pub(super) struct SensorColumns<'a> {
     pub kind: SensorKind,
     /// Three axes, or the four numbers of a quaternion.
     pub parts: Vec<&'a Channel>,
+    /// Times at which every part has a sample, s.
+    time_s: Vec<f64>,
+    /// Index of the sample in each part, at these times.
+    at: Vec<[usize; 4]>,
 }
 
 /// The columns of a sensor; those without a sensor's name belong to the only sensor of its kind that has none of its own.
@@ -51,11 +55,7 @@ pub(super) fn columns_of<'a>(
             }
         }
     };
-    Some(SensorColumns {
-        sensor: Some(sensor),
-        kind: of.kind,
-        parts,
-    })
+    Some(SensorColumns::new(Some(sensor), of.kind, parts))
 }
 
 fn named<'a>(
@@ -93,28 +93,52 @@ pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorC
         let mut own: Vec<SensorColumns> = (0..model.sensors.len())
             .filter(|k| model.sensors[*k].kind == kind)
             .filter_map(|k| columns_of(model, table, k))
-            .filter(|c| !c.parts[0].time_s.is_empty())
+            .filter(|c| !c.time_s.is_empty())
             .collect();
         let name = |c: &SensorColumns| c.sensor.map(|k| model.sensors[k].name.as_str());
         own.sort_by(|a, b| name(a).cmp(&name(b)));
         if own.is_empty() && kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none()
         {
             let parts = named(model, table, kind, "");
-            own.extend(parts.map(|parts| SensorColumns {
-                sensor: None,
-                kind,
-                parts,
-            }));
+            own.extend(parts.map(|parts| SensorColumns::new(None, kind, parts)));
         }
         all.append(&mut own);
     }
     all
 }
 
-impl SensorColumns<'_> {
+impl<'a> SensorColumns<'a> {
+    /// A cell without a sample in one part leaves out the whole sample.
+    fn new(sensor: Option<usize>, kind: SensorKind, parts: Vec<&'a Channel>) -> Self {
+        let (mut time_s, mut at) = (Vec::new(), Vec::new());
+        let mut next = [0; 4];
+        let times = parts.first().map_or(&[][..], |first| &first.time_s);
+        for (i, t) in times.iter().enumerate() {
+            next[0] = i;
+            let complete = parts.iter().zip(&mut next).skip(1).all(|(part, next)| {
+                let behind = |k: &usize| part.time_s.get(*k).is_some_and(|x| *x < t - SAME);
+                while behind(next) {
+                    *next += 1;
+                }
+                part.time_s.get(*next).is_some_and(|x| *x <= t + SAME)
+            });
+            if complete {
+                time_s.push(*t);
+                at.push(next);
+            }
+        }
+        Self {
+            sensor,
+            kind,
+            parts,
+            time_s,
+            at,
+        }
+    }
+
     /// Times of the samples and of the beginnings of their intervals, s.
     pub fn times(&self) -> Vec<f64> {
-        let own = self.parts[0].time_s.iter().copied();
+        let own = self.time_s.iter().copied();
         match self.kind {
             SensorKind::VelocityIncrement => own.chain(self.starts()).collect(),
             _ => own.collect(),
@@ -123,7 +147,7 @@ impl SensorColumns<'_> {
 
     /// Where the interval of each sample begins: at the sample before, or one step back where that is missing.
     fn starts(&self) -> Vec<f64> {
-        let t = &self.parts[0].time_s;
+        let t = &self.time_s;
         let step = median_step(t).unwrap_or_default();
         (0..t.len())
             .map(|i| {
@@ -145,7 +169,7 @@ impl SensorColumns<'_> {
             SensorKind::VelocityIncrement => self.starts(),
             _ => Vec::new(),
         };
-        let samples = self.parts[0].time_s.iter().enumerate();
+        let samples = self.time_s.iter().enumerate();
         let samples = samples.filter_map(|(i, t)| {
             Some(SensorSample {
                 from: at(starts.get(i).copied().unwrap_or(*t))?,
@@ -177,7 +201,8 @@ impl SensorColumns<'_> {
     }
 
     fn value(&self, i: usize, origin: &Vector3<f64>) -> Option<SensorValue> {
-        let part = |k: usize| self.parts.get(k)?.values.get(i).copied();
+        let at = self.at.get(i)?;
+        let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)?).copied();
         let (x, y, z) = (part(0)?, part(1)?, part(2)?);
         Some(match self.kind {
             SensorKind::Attitude => {
@@ -208,7 +233,7 @@ impl Leading {
     pub fn new(model: &Model, tables: &[Table]) -> Self {
         let worth = |k: usize| {
             let lengths = tables.iter().filter_map(|t| columns_of(model, t, k));
-            let lengths: Vec<usize> = lengths.map(|c| c.parts[0].time_s.len()).collect();
+            let lengths: Vec<usize> = lengths.map(|c| c.time_s.len()).collect();
             let variance = covariance(&model.sensors[k]).map_or(0.0, |c| c.trace());
             let samples = lengths.iter().sum::<usize>() as f64;
             (lengths.len(), samples / variance)
