@@ -33,7 +33,7 @@ pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
 /// The same as one file of an answer: `name` is its path below the folder of `stage`.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_staged(
     stage: &mut Stage,
     name: &Path,
