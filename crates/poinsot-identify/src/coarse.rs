@@ -6,7 +6,6 @@
 use crate::fit::is_close;
 use crate::information::{Experiment, Point};
 use crate::levenberg_marquardt::{LeastSquares, levenberg_marquardt};
-use crate::parameters::UnknownKind;
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Observations, Samples, Segment};
 
@@ -22,11 +21,6 @@ const ITERATIONS: usize = 60;
 /// Where a fit of a few readings from a far point ends; `None` where the point is close, or the record too short or of a
 /// kind that cannot be thinned.
 pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
-    let mut unknowns = experiment.parameters.unknowns.iter();
-    if unknowns.any(|u| matches!(u.kind, UnknownKind::RandomTorque(_))) {
-        // Its spans count grid times.
-        return None;
-    }
     let whole = experiment.problem.segments;
     let segments = whole.iter().map(thinned).collect::<Option<Vec<_>>>()?;
     let times =
@@ -70,7 +64,6 @@ fn thinned(segment: &Segment) -> Option<Segment> {
         joint_position: rows(&o.joint_position, dof),
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
-        smooth_wheel_speed: Vec::new(),
         joint_errors: o.joint_errors.iter().map(|e| errors(e, &kept)).collect(),
         wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &kept)).collect(),
         // Rates were made on the finer grid and keep what they are.
@@ -83,6 +76,7 @@ fn thinned(segment: &Segment) -> Option<Segment> {
         observations,
         firings: segment.firings.clone(),
         accelerations: None,
+        tachometers: Vec::new(),
     })
 }
 

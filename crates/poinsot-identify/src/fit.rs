@@ -290,6 +290,25 @@ impl Local {
         self.spectrum.decrease(&self.shared.rhs(), 0.0).sqrt()
     }
 
+    /// Everything that the evidence asks.
+    pub fn all(&self) -> (&[Evaluated], &Shared, &Spectrum) {
+        (&self.evaluated, &self.shared, &self.spectrum)
+    }
+
+    pub fn spectrum(&self) -> &Spectrum {
+        &self.spectrum
+    }
+
+    /// The full step of nuisances and mass properties.
+    pub fn full_step(&self) -> Vec<f64> {
+        let step = self.spectrum.damped(&self.shared.rhs(), 0.0);
+        let natural = &self.spectrum.natural;
+        let mass: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
+        let mut all = self.shared.nuisances_for(&mass);
+        all.extend(mass);
+        all
+    }
+
     /// Whether a step in natural units leads out of the physical bodies.
     fn leaves(&self, x: &[f64], step: &[f64]) -> bool {
         let bodies = self.bodies.as_ref();
@@ -299,6 +318,16 @@ impl Local {
     /// What a step of the mass properties takes with it.
     fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
         (&self.evaluated, &self.shared, &self.spectrum.natural)
+    }
+}
+
+impl Fitted {
+    /// Adds `d d^T` to the covariance, of a change `d` of nuisances and mass properties.
+    pub fn widen(&mut self, experiment: &Experiment, change: &[f64]) {
+        let shared = self.shared.widened(change);
+        if let Ok(spectrum) = experiment.spectrum(&shared, &self.evaluated) {
+            (self.shared, self.spectrum) = (shared, spectrum);
+        }
     }
 }
 
@@ -350,7 +379,9 @@ impl Experiment<'_> {
     fn covariance_moves(&self) -> f64 {
         let noise = self.problem.noise;
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
-        match inputs.into_iter().flatten().any(|v| *v > 0.0) {
+        let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
+        let torque = self.problem.model.environment.random_torque.is_some();
+        match noisy || torque || !self.wheels.is_empty() {
             true => COVARIANCE,
             false => 0.0,
         }

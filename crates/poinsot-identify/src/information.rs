@@ -16,6 +16,7 @@ use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
 use crate::spectrum::{NotFinite, Spectrum};
 use crate::vehicle::Vehicle;
+use crate::wheel_process::WheelProcess;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
@@ -39,6 +40,8 @@ pub(crate) struct Experiment<'a> {
     pub coordinates: Coordinates,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// The wheels as processes, one entry a segment; empty where their speeds are given.
+    pub wheels: &'a [WheelProcess],
     /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
     curves: Arc<OnceLock<Vec<InputCurves>>>,
 }
@@ -76,6 +79,7 @@ impl<'a> Experiment<'a> {
             loss: Loss::Gaussian,
             coordinates: Coordinates::default(),
             wheels_smooth: false,
+            wheels: &[],
             curves: Arc::default(),
         }
     }
@@ -92,6 +96,7 @@ impl<'a> Experiment<'a> {
             loss: self.loss,
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
+            wheels: self.wheels,
             curves: Arc::clone(&self.curves),
         }
     }
@@ -100,6 +105,7 @@ impl<'a> Experiment<'a> {
     pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
         Experiment {
             problem,
+            wheels: &[],
             curves: Arc::default(),
             ..self.with_parameters(self.parameters)
         }
@@ -115,6 +121,8 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
+            random_torque: self.problem.model.environment.random_torque,
+            wheels: self.wheels,
             curves: self.curves(),
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1

@@ -7,7 +7,7 @@ use crate::information::{Experiment, Point};
 use crate::linear::linear;
 use crate::loss::Loss;
 use crate::maximum_likelihood::maximum_likelihood;
-use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
+use crate::parameters::{Equations, Parameters};
 use crate::point_sensor::{PointKind, PointReading, PointReadings};
 use crate::problem::Problem;
 use crate::segment::{Firing, Noise, Observations, Samples, Segment, Translation};
@@ -243,13 +243,13 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
             wheel_speed: (0..samples * model.wheels.len())
                 .map(|k| 20.0 + 15.0 * h * k as f64)
                 .collect(),
-            smooth_wheel_speed: Vec::new(),
             joint_errors: Vec::new(),
             wheel_errors: Vec::new(),
             derived_rates: Vec::new(),
             between_readings: false,
         },
         accelerations: None,
+        tachometers: Vec::new(),
         firings: vec![Firing {
             thruster: 0,
             start_s: 0.4,
@@ -289,18 +289,7 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
         noise: &noise,
         relative_accuracy: 1.0,
     };
-    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
-    parameters.unknowns.push(Unknown {
-        kind: UnknownKind::RandomTorque(Gust {
-            segment: 0,
-            span: (2, 4),
-            axis: 1,
-        }),
-        name: "gust".to_owned(),
-        unit: "N m",
-        nominal: 0.0,
-        natural: 1.0,
-    });
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.loss = loss;
     let mut point = experiment.nominal_point();

@@ -19,15 +19,22 @@
 //! own. Where there is one, the filter's state holds the errors of a window of grid times, those ahead included, and the
 //! errors of joint rates with them. A velocity increment leans on two instants: what erred at its beginning is kept
 //! until it ends.
+//!
+//! Two processes stand in the state beside the errors. A random torque about the mass centre drives the momentum
+//! ([`random_torque`]). A wheel whose torque changes between its samples deviates from the speed that drives the
+//! prediction by `d' = torque`, and its tachometer is a sensor of that deviation ([`crate::wheel_process`]).
 
 mod points;
+mod random_torque;
 
 pub(crate) use points::{approximate, is_increment};
 
 use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
 use crate::segment::{InputErrors, Noise, Segment};
+use crate::wheel_process::{WheelPath, WheelProcess};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::JointSlopes;
+use poinsot_model::RandomTorque;
 use poinsot_spatial::{Vector3, Vector6};
 
 /// An input whose readings err.
@@ -39,6 +46,19 @@ enum Input {
     Rate(usize),
 }
 
+/// What drives the vehicle and is a process of its own.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Processes<'a> {
+    pub random_torque: Option<RandomTorque>,
+    /// The wheels of the segment, where their speed between samples is uncertain.
+    pub wheels: Option<&'a WheelProcess>,
+}
+
+/// A wheel in the state: deviations of its speed, its acceleration and the trend of that, and the error of its rounded
+/// sample.
+const PER_WHEEL: usize = 4;
+const ROUNDING: usize = 3;
+
 /// The equation of motion around the prediction at one grid time.
 struct Slopes {
     /// Upper half of `A`: the pose's.
@@ -49,15 +69,21 @@ struct Slopes {
     drive: Vec<Vector6>,
     /// Lower halves of `A` and `D` in the interval that begins here, where anything pushes.
     push: Option<(Matrix6x12, Vec<Vector6>)>,
+    /// Both halves of `D` per wheel that is a process.
+    wheels: Vec<Column>,
 }
 
 /// The filter along one segment.
 #[derive(Default)]
-pub(crate) struct InputNoise {
+pub(crate) struct InputNoise<'a> {
+    processes: Processes<'a>,
+    step: Option<random_torque::Step>,
     inputs: Vec<(Input, f64)>,
     memory: Vec<InputErrors>,
     /// Components of `s` that inputs can reach.
     active: Vec<usize>,
+    /// Number of these and of the components of the processes, which follow them.
+    lead: usize,
     /// Grid times on each side of the one in hand whose errors are held.
     reach: usize,
     /// Joints whose rate is made of their positions.
@@ -75,9 +101,14 @@ pub(crate) struct InputNoise {
     filter: Filter,
 }
 
-impl InputNoise {
+impl<'a> InputNoise<'a> {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
-    pub fn new(noise: &Noise, segment: &Segment, forced: bool, followed: usize) -> Self {
+    pub fn new(
+        (noise, processes): (&Noise, Processes<'a>),
+        segment: &Segment,
+        forced: bool,
+        followed: usize,
+    ) -> Self {
         let o = &segment.observations;
         let increments = points::increments(&o.points);
         let translation = o.velocity.iter().any(Option::is_some)
@@ -90,7 +121,9 @@ impl InputNoise {
             Vec::new()
         };
         let joints = noise.joint_position.iter().enumerate();
-        let wheels = noise.wheel_speed.iter().enumerate();
+        // As processes their samples are measured, not given.
+        let driven = processes.wheels.is_none();
+        let wheels = noise.wheel_speed.iter().enumerate().filter(|_| driven);
         let rates = noise.joint_rate.iter().enumerate().filter(|(k, _)| {
             let still = matches!(
                 o.joint_errors.get(*k),
@@ -109,7 +142,9 @@ impl InputNoise {
                 memory.push(errors);
             }
         }
-        let active = match (inputs.is_empty(), translation, forced) {
+        let torque = processes.random_torque.is_some();
+        let silent = inputs.is_empty() && driven && !torque;
+        let active = match (silent, translation, forced || torque) {
             (true, _, _) => Vec::new(),
             (_, false, false) => (0..3).collect(),
             (_, false, true) => (0..3).chain(9..12).collect(),
@@ -120,9 +155,14 @@ impl InputNoise {
             true => 0,
             false => points::reach(&o.points, &derived),
         };
-        let size = active.len() + (2 * reach + 1) * inputs.len() + 3 * increments;
-        let size = if inputs.is_empty() { 0 } else { size };
+        let wheels = processes.wheels.map_or(0, |w| PER_WHEEL * w.paths.len());
+        let lead = active.len() + 3 * usize::from(torque) + wheels;
+        let size = lead + (2 * reach + 1) * inputs.len() + 3 * increments;
+        let size = if silent { 0 } else { size };
         Self {
+            processes,
+            step: None,
+            lead,
             reach,
             tracks_rates,
             derived,
@@ -145,7 +185,22 @@ impl InputNoise {
 
     /// Whether there is nothing to do: no input errs.
     pub fn is_silent(&self) -> bool {
-        self.inputs.is_empty()
+        self.filter.size == 0
+    }
+
+    /// Place of the random torque in the filter's state.
+    fn torque_at(&self) -> Option<usize> {
+        let torque = self.processes.random_torque.as_ref();
+        torque.map(|_| self.active.len())
+    }
+
+    /// Wheels that are processes, each with its place in the filter's state.
+    fn wheels(&self) -> impl Iterator<Item = (usize, &'a WheelPath)> + use<'a> {
+        let torque = self.processes.random_torque.is_some();
+        let from = self.active.len() + 3 * usize::from(torque);
+        let paths = self.processes.wheels.map_or(&[][..], |w| &w.paths);
+        let places = (0..paths.len()).map(move |w| from + PER_WHEEL * w);
+        places.zip(paths)
     }
 
     /// Whether the filter knows the noise of joint rates, so that rows need not.
@@ -156,7 +211,7 @@ impl InputNoise {
     /// Place in the filter's state of an input's error, so many grid times after the one in hand.
     fn place(&self, input: usize, after: isize) -> usize {
         let block = self.reach.saturating_add_signed(after);
-        self.active.len() + block * self.inputs.len() + input
+        self.lead + block * self.inputs.len() + input
     }
 
     /// Carries the filter to grid time k, where the motion has just given its velocity.
@@ -186,6 +241,9 @@ impl InputNoise {
             let at = self.place(c, 0);
             self.columns[at] = column;
             self.twists[at] += map.fixed_view::<6, 6>(0, 0) * at_once;
+        }
+        for (w, (at, _)) in self.wheels().enumerate() {
+            self.twists[at] = motion.wheel_gain(instant, w);
         }
         self.add_derived_rates(k);
         self.before = Some(now);
@@ -238,7 +296,21 @@ impl InputNoise {
         }
         let push = (self.active.len() > 6 || self.active.contains(&9))
             .then(|| self.push_slopes(motion, state, instant, map, k));
+        let wheel = |(w, _): (usize, _)| {
+            let twist = motion.wheel_gain(instant, w);
+            let mut column = Column::zeros();
+            column
+                .fixed_rows_mut::<6>(0)
+                .copy_from(&pose_change(&R, &twist));
+            if push.is_some() {
+                let dw = twist.fixed_rows::<3>(3).into();
+                let dh = R * motion.drag_change(state, instant, &dw);
+                column.fixed_rows_mut::<3>(9).copy_from(&dh);
+            }
+            column
+        };
         Slopes {
+            wheels: self.wheels().enumerate().map(wheel).collect(),
             pose,
             at_once,
             drive,
@@ -275,6 +347,16 @@ impl InputNoise {
 
     /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
     fn begin(&mut self, now: &Slopes) {
+        if let (Some(at), Some(torque)) = (self.torque_at(), &self.processes.random_torque) {
+            let variance = torque.sigma_N_m * torque.sigma_N_m;
+            (0..3).for_each(|axis| self.filter.add(at + axis, variance));
+        }
+        for (at, path) in self.wheels() {
+            for (i, (mean, variance)) in path.start.iter().enumerate() {
+                self.filter.add(at + i, *variance);
+                self.filter.expect(at + i, *mean);
+            }
+        }
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             let mut vector = vec![0.0; self.filter.size];
             for (x, &row) in vector.iter_mut().zip(&self.active) {
@@ -297,7 +379,7 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
-        let n = self.active.len();
+        let n = self.lead;
         let (size, ahead) = (self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;
         let push = before.push.as_ref();
@@ -316,7 +398,9 @@ impl InputNoise {
                 upper[i * size + j] = own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
             }
         }
-        let mut fresh = Vec::with_capacity(self.inputs.len() * n);
+        let torque = self.torque_rows(&A, h, &mut upper);
+        self.wheel_rows([before, now], (h, k), &mut upper);
+        let mut fresh = Vec::with_capacity(self.inputs.len() * self.active.len());
         for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let ends = [before, now].map(|s| {
@@ -338,7 +422,8 @@ impl InputNoise {
             }
         }
         if ahead {
-            return self.shift(&upper, k);
+            self.shift(&upper, k);
+            return self.renew(&torque, k);
         }
         // What began an increment stays.
         faded.resize(size - n, 1.0);
@@ -348,11 +433,91 @@ impl InputNoise {
             let new = variance * (1.0 - a * a);
             if new > 0.0 {
                 vector.fill(0.0);
-                vector[..n].copy_from_slice(&fresh[c * n..(c + 1) * n]);
+                let reached = self.active.len();
+                vector[..reached].copy_from_slice(&fresh[c * reached..(c + 1) * reached]);
                 vector[n + c] = 1.0;
                 self.filter.add_outer(&vector, new);
             }
         }
+        self.renew(&torque, k);
+    }
+
+    /// Fills the columns of the random torque, and gives what comes anew, one vector each.
+    fn torque_rows(
+        &mut self,
+        A: &impl Fn(usize, usize) -> f64,
+        h: f64,
+        upper: &mut [f64],
+    ) -> Vec<Vec<f64>> {
+        let (Some(at), Some(torque)) = (self.torque_at(), &self.processes.random_torque) else {
+            return Vec::new();
+        };
+        let size = self.filter.size;
+        let step = self.step.filter(|s| s.lasts(h));
+        let step = step.unwrap_or_else(|| random_torque::Step::new(torque, h));
+        self.step = Some(step);
+        let mut fresh = Vec::with_capacity(9);
+        for axis in 0..3 {
+            // Torque, momentum and its integral in the state: the integral turns the base.
+            let spread = |x: &nalgebra::Vector3<f64>| {
+                let mut vector = vec![0.0; size];
+                for (i, &row) in self.active.iter().enumerate() {
+                    let own = if row == 9 + axis { x[1] } else { 0.0 };
+                    vector[i] = own + A(row, 9 + axis) * x[2];
+                }
+                vector[at + axis] = x[0];
+                vector
+            };
+            let kept = spread(&step.kept);
+            for (i, x) in kept.iter().enumerate().take(self.lead) {
+                upper[i * size + at + axis] = *x;
+            }
+            fresh.extend((0..3).map(|c| spread(&step.fresh.column(c).into())));
+        }
+        fresh
+    }
+
+    /// Fills the columns of the wheels: a deviation runs straight on, and drives by the trapezium.
+    fn wheel_rows(&self, ends: [&Slopes; 2], (h, k): (f64, usize), upper: &mut [f64]) {
+        let size = self.filter.size;
+        for (w, (at, path)) in self.wheels().enumerate() {
+            let [first, last] = ends.map(|s| s.wheels[w] * (0.5 * h));
+            for (i, &row) in self.active.iter().enumerate() {
+                upper[i * size + at] = first[row] + last[row];
+                upper[i * size + at + 1] = last[row] * h;
+            }
+            (0..PER_WHEEL).for_each(|i| upper[(at + i) * size + at + i] = 1.0);
+            upper[at * size + at + 1] = h;
+            upper[(at + 1) * size + at + 2] = path.jumps[k].lasted;
+        }
+    }
+
+    /// What the processes bring anew at grid time k.
+    fn renew(&mut self, torque: &[Vec<f64>], k: usize) {
+        torque.iter().for_each(|v| self.filter.add_outer(v, 1.0));
+        for (at, path) in self.wheels() {
+            for (i, (mean, variance)) in path.jumps[k].fresh.iter().enumerate() {
+                self.filter.add(at + 1 + i, *variance);
+                self.filter.expect(at + 1 + i, *mean);
+            }
+            if let Some(sample) = path.samples[k].filter(|_| path.rounding > 0.0) {
+                let a = sample.memory;
+                self.filter
+                    .fade(at + ROUNDING, a, path.rounding * (1.0 - a * a));
+            }
+        }
+    }
+
+    /// Tachometer samples at grid time k: slopes over the state, measured less used speed, and variance of its white noise.
+    pub fn tachometers(&self, k: usize) -> Vec<(Vec<SVector<f64, 1>>, f64, f64)> {
+        let one = |(at, path): (usize, &WheelPath)| {
+            let sample = path.samples[k]?;
+            let mut slopes = vec![SVector::zeros(); self.filter.size];
+            slopes[at][0] = 1.0;
+            slopes[at + ROUNDING][0] = f64::from(u8::from(path.rounding > 0.0));
+            Some((slopes, sample.residual, path.noise))
+        };
+        self.wheels().filter_map(one).collect()
     }
 
     /// Correlation of the errors so far with readings, one row per error.
@@ -409,6 +574,30 @@ impl Filter {
                     .zip(vector)
                     .for_each(|(p, b)| *p += a * b * variance);
             }
+        }
+    }
+
+    /// More variance of one component.
+    fn add(&mut self, at: usize, variance: f64) {
+        self.covariance[at * self.size + at] += variance;
+    }
+
+    /// The residual's sequence begins with this much of a component more.
+    fn expect(&mut self, at: usize, mean: f64) {
+        let last = self.means.len().saturating_sub(self.size);
+        self.means[last + at] += mean;
+    }
+
+    /// One component becomes `a` times itself and something new.
+    fn fade(&mut self, at: usize, a: f64, fresh: f64) {
+        let size = self.size;
+        for i in 0..size {
+            self.covariance[at * size + i] *= a;
+            self.covariance[i * size + at] *= a;
+        }
+        self.covariance[at * size + at] += fresh;
+        for mean in self.means.chunks_exact_mut(size) {
+            mean[at] *= a;
         }
     }
 

@@ -8,6 +8,7 @@ mod answer;
 mod answer_body;
 mod answer_covariance;
 mod answer_momentum;
+mod between_samples;
 mod block_qr;
 mod bound;
 mod coarse;
@@ -43,6 +44,7 @@ mod prior;
 mod problem;
 mod quantity;
 mod refine;
+mod refined_grid;
 mod remedies;
 mod residual;
 mod rows;
@@ -53,6 +55,7 @@ mod solved;
 mod spectrum;
 mod trust;
 mod vehicle;
+mod wheel_process;
 mod words;
 
 pub use block_qr::{BlockQr, Triangle};
@@ -73,7 +76,7 @@ pub use held_back::{HeldBack, held_back};
 pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
-pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
+pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
@@ -86,6 +89,7 @@ pub use prediction::{
 pub use problem::{Problem, ProblemError};
 pub use refine::{Refined, refine, solve_triangle};
 pub use segment::{
-    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Translation,
+    Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Tachometer,
+    Translation,
 };
 pub use spectrum::{NotFinite, Spectrum};

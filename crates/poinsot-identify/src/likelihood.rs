@@ -15,17 +15,18 @@ pub(crate) use point_rows::perfect;
 
 use crate::block_qr::{BlockQr, Triangle};
 use crate::input_curves::InputCurves;
-use crate::input_noise::InputNoise;
+use crate::input_noise::{InputNoise, Processes};
 use crate::loss::Loss;
 use crate::motion::{Motion, State};
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
 use crate::vehicle::{Vehicle, tilted};
+use crate::wheel_process::WheelProcess;
 use colour::Colour;
 use ideal::Ideal;
 use nalgebra::{Cholesky, SMatrix, SVector};
 use poinsot_dynamics::Tree;
-use poinsot_model::Thruster;
+use poinsot_model::{RandomTorque, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use point_rows::PointCompare;
 use side_by_side::compare_all;
@@ -40,6 +41,10 @@ pub(crate) struct Setting<'a> {
     pub loss: Loss,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// Random torque of the surroundings, where one is declared.
+    pub random_torque: Option<RandomTorque>,
+    /// The wheels as processes, one entry a segment; empty where their speeds are given.
+    pub wheels: &'a [WheelProcess],
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
     /// Whether a second thread may follow the motion while this one compares.
@@ -97,14 +102,19 @@ pub(crate) fn evaluate(
     } else {
         Vec::new()
     };
-    let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count(), index);
+    let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
-    compare.inputs = InputNoise::new(setting.noise, segment, forced, compare.followed());
+    let processes = Processes {
+        random_torque: setting.random_torque,
+        wheels: setting.wheels.get(index),
+    };
+    let noise = (setting.noise, processes);
+    compare.inputs = InputNoise::new(noise, segment, forced, compare.followed());
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }
-    compare.ideal = Ideal::new(&vehicle, segment, &state, index)?;
+    compare.ideal = Ideal::new(&vehicle, segment, &state)?;
     compare.points.predict(&vehicle, segment, &state)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
@@ -124,7 +134,9 @@ struct Compare<'a> {
     qr: Option<BlockQr>,
     rows: usize,
     channels: Vec<ChannelResidual>,
-    inputs: InputNoise,
+    inputs: InputNoise<'a>,
+    /// Square of the whitened samples of the tachometers, where the wheels are processes.
+    tachometers: f64,
     /// Colour of gyro, attitude, velocity and position.
     colours: [Colour; 4],
     /// Variance of each joint's rate in this segment.
@@ -176,6 +188,7 @@ impl<'a> Compare<'a> {
                 channel("velocity_increment", "m/s"),
             ],
             inputs: InputNoise::default(),
+            tachometers: 0.0,
             colours: setting.noise.correlation_s.map(Colour::new),
             joint_rate: joint_rate_noise(setting.noise, segment),
             log_det: 0.0,
@@ -206,6 +219,7 @@ impl<'a> Compare<'a> {
         let twists = twists.to_vec();
         if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
             self.inputs.reach(motion, state, &instant, k);
+            self.tachometer_rows(k);
         }
         if measured {
             self.twist_rows(motion, state, &instant, &twists, k);
@@ -215,6 +229,20 @@ impl<'a> Compare<'a> {
             self.point_rows(motion, state, &instant, k);
         }
         Some(())
+    }
+
+    /// Samples of wheels that are processes: no unknown enters before the filter.
+    fn tachometer_rows(&mut self, k: usize) {
+        for (slopes, residual, variance) in self.inputs.tachometers(k) {
+            let mut rows = vec![SVector::<f64, 1>::zeros(); self.followed()];
+            if let Some(last) = rows.last_mut() {
+                last[0] = residual;
+            }
+            let noise = SMatrix::<f64, 1, 1>::new(variance);
+            if let Some(white) = self.take(&slopes, &noise, &noise, rows) {
+                self.tachometers += white[0] * white[0];
+            }
+        }
     }
 
     /// Takes off what the reading of this channel before says of coloured noise, in rows `at` to `at + 2`. The
@@ -331,7 +359,7 @@ impl<'a> Compare<'a> {
 
     fn finish(self) -> Option<Evaluated> {
         let loss = self.setting.loss;
-        let (mut chi2, mut cost) = (0.0, self.log_det);
+        let (mut chi2, mut cost) = (0.0, self.log_det + self.tachometers);
         for white in self.channels.iter().flat_map(|c| &c.white) {
             let square = white.norm_squared();
             chi2 += loss.weight(square) * square;

@@ -268,6 +268,7 @@ fn conclude(
         diagnostics: None,
         assumptions: Vec::new(),
         wheels_smooth: false,
+        driven: None,
         regressor_noise: block_noise,
     };
     solved.settle();

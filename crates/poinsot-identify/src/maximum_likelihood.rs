@@ -6,6 +6,7 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
+use crate::between_samples::{EXACT, choose, is_sampled_elsewhere};
 use crate::conflict::{self, conflict};
 use crate::coordinates::FitOptions;
 use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
@@ -26,9 +27,6 @@ use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use crate::spectrum::Spectrum;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::Vector3;
-
-/// Sigmas by which an answer may hang on how wheels run between their readings.
-pub const LEANS: f64 = 1.0;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -72,27 +70,31 @@ pub(crate) fn solve(
         }
         Err(other) => return Err(other),
     };
-    let mut parameters = parameters;
-    parameters.add_random_torque(problem.model, problem.segments);
-    let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;
     experiment.coordinates = options.coordinates;
     let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
-    let mut shift = 0.0;
+    let mut driven = None;
+    let mut ambiguous = None;
     if !problem.model.wheels.is_empty() {
-        let between = between_readings(&mut experiment, linear.as_ref(), fitted);
-        fitted = between.fitted;
-        shift = between.shift;
-        assumptions.push(
-            match experiment.wheels_smooth {
-                true => "wheel speeds taken as smooth between readings",
-                false => "wheel torques taken as held between readings",
-            }
-            .to_owned(),
-        );
+        let (found, shift) = between_samples(&mut experiment, linear.as_ref(), fitted);
+        fitted = found;
+        let asked = shift > EXACT || is_sampled_elsewhere(problem);
+        let chosen = asked.then(|| choose(&experiment, &fitted, !experiment.wheels_smooth));
+        if let Some(chosen) = chosen.flatten() {
+            assumptions.push(chosen.driven.torque.words());
+            ambiguous = chosen.other;
+            fitted = chosen.fitted;
+            driven = Some(chosen.driven);
+        } else {
+            assumptions.push(given(experiment.wheels_smooth).to_owned());
+        }
     }
+    let own = driven.as_ref().map(|d| d.problem(problem));
+    let processes = driven.as_ref().zip(own.as_ref());
+    let processes = processes.map(|(d, own)| d.experiment(&experiment, own));
+    let experiment = processes.as_ref().unwrap_or(&experiment);
     let explained = match &linear {
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
@@ -100,9 +102,9 @@ pub(crate) fn solve(
     let mut found = if options.undiagnosed {
         Diagnostics::default()
     } else {
-        diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted))
+        diagnose(experiment, &fitted, fitted_numbers(experiment, &fitted))
     };
-    let (conflict, freed) = conflict(&experiment, &fitted, !options.undiagnosed);
+    let (conflict, freed) = conflict(experiment, &fitted, !options.undiagnosed);
     if let Some(conflict) = &conflict {
         if let Some(freed) = freed {
             (found.suspects, found.findings) = (freed.suspects, freed.findings);
@@ -111,105 +113,59 @@ pub(crate) fn solve(
         found.findings.insert(0, conflict::finding(conflict));
     }
     let at = fitted.at.clone();
-    let mut solved = conclude(&experiment, fitted, explained, found);
+    let mut solved = conclude(experiment, fitted, explained, found);
     solved.conflict = conflict;
     solved.assumptions = assumptions;
     if let Some(warning) = crate::input_noise::approximate(problem) {
         solved.warnings.push(warning);
     }
     solved.wheels_smooth = experiment.wheels_smooth;
-    if shift > LEANS {
-        // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
-        let mut segments = problem.segments.iter();
-        let seldom = segments.any(|s| s.observations.between_readings);
-        solved.leans = seldom.then_some("how wheels run between their readings");
-        let warning = leaning(shift, experiment.wheels_smooth, seldom);
-        solved.warnings.extend(warning);
+    if let Some((shift, torque)) = &ambiguous {
+        solved.leans = Some("what the wheels did between their samples");
+        solved.warnings.push(format!(
+            "the samples allow more than one torque of the wheels between them: with the {} the estimate moves by {shift:.1} sigma. The difference is added to sigma; sample the wheels more often",
+            torque.words()
+        ));
     }
     if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
         solved.leans = Some("what drove the vehicle beyond the readings");
         solved.warnings.push(warning);
     }
-    if let Some(found) = &mut solved.diagnostics {
-        found.shift_between_readings = shift;
-    }
+    drop(processes);
+    solved.driven = driven;
     Ok((solved, at))
 }
 
-/// What is said where the answer hangs on how wheels run between their readings. Smooth speeds that the data prefer err by
-/// far less than the two ways differ, if the wheels are read as often as all else.
-fn leaning(shift: f64, smooth: bool, distrusted: bool) -> Option<String> {
-    let (taken, other) = match smooth {
-        true => ("wheel speeds are taken as smooth", "straight"),
-        false => ("wheel torques are taken as held", "smooth"),
-    };
-    let consequence = match (distrusted, smooth) {
-        (true, _) => {
-            "the wheels are read more seldom than other sensors, so it hangs on what nobody read and the covariance is not trustworthy"
-        }
-        (false, false) => "it stands and falls with torques that change at the readings alone",
-        (false, true) => return None,
-    };
-    Some(format!(
-        "{taken} between readings; with {other} wheel speeds the answer would move by {shift:.1} sigma: {consequence}; read the wheels more often"
-    ))
+/// What is assumed where wheel speeds are given between their samples.
+fn given(smooth: bool) -> &'static str {
+    match smooth {
+        true => "wheel speed smooth between samples",
+        false => "wheel torque constant between samples (zero-order hold)",
+    }
 }
 
-/// The better of two ways in which wheels may run between readings.
-struct Between {
-    fitted: Fitted,
-    /// How far the other way would move the mass properties, sigmas.
-    shift: f64,
-}
-
-/// Between readings a wheel may run straight (torque held) or smoothly: the data decide. How far the answer leans on what
-/// was decided tells whether the wheels are read often enough for what they do.
-fn between_readings(experiment: &mut Experiment, linear: Option<&Solved>, held: Fitted) -> Between {
+/// Between samples a given wheel speed is straight (torque constant) or smooth: the better fit, and how far the other
+/// would move the mass properties, sigmas.
+fn between_samples(
+    experiment: &mut Experiment,
+    linear: Option<&Solved>,
+    held: Fitted,
+) -> (Fitted, f64) {
     let cost = experiment.cost_of(&held);
     experiment.wheels_smooth = true;
-    let (smooth, shift) = smoother(experiment, linear, &held, cost);
-    match smooth {
-        Some(fitted) => {
+    match smoother(experiment, linear, &held, cost) {
+        (Some(fitted), _) => {
             experiment.wheels_smooth = false;
             let other = experiment.linearise(&fitted.at);
             experiment.wheels_smooth = true;
             let shift = other.map_or(0.0, |here| here.rows.mass_shift());
-            let shift = shift.max(seldom_shift(experiment, &fitted));
-            Between { fitted, shift }
+            (fitted, shift)
         }
-        None => {
+        (None, shift) => {
             experiment.wheels_smooth = false;
-            let shift = shift.max(seldom_shift(experiment, &held));
-            Between {
-                fitted: held,
-                shift,
-            }
+            (held, shift)
         }
     }
-}
-
-/// How far an answer would move if wheels that are read more seldom than other sensors ran smoothly between their readings,
-/// and not straight as the grid has them.
-fn seldom_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
-    let mut segments = experiment.problem.segments.iter();
-    if !fitted.settled || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
-        return 0.0;
-    }
-    let mut segments = experiment.problem.segments.to_vec();
-    for segment in &mut segments {
-        let o = &mut segment.observations;
-        if o.smooth_wheel_speed.len() == o.wheel_speed.len() {
-            o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
-        }
-    }
-    let problem = Problem {
-        segments: &segments,
-        ..*experiment.problem
-    };
-    let mut other = experiment.with_problem(&problem);
-    other.wheels_smooth = true;
-    let here = other.linearise(&fitted.at);
-    here.map_or(0.0, |here| here.rows.mass_shift())
 }
 
 /// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one
@@ -244,15 +200,6 @@ pub(crate) fn proportional(problem: &Problem) -> bool {
     let known_wheel = model.wheels.iter().any(|w| !w.estimate);
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     !known_body && !known_wheel && !fires
-}
-
-/// A linear solution with the unknowns that only the fit has, at their nominal values.
-fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
-    let known = solved.x.len();
-    let further = parameters.unknowns[known..].iter().map(|u| u.nominal);
-    solved.x.extend(further);
-    solved.parameters = parameters.clone();
-    solved
 }
 
 /// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
@@ -374,6 +321,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
+        driven: None,
         leans: None,
         regressor_noise: Vec::new(),
         reduced: Vec::new(),

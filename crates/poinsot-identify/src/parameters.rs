@@ -4,7 +4,7 @@
 mod kind;
 mod nuisances;
 
-pub use kind::{Gust, UnknownKind};
+pub use kind::UnknownKind;
 
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, Model};

@@ -99,7 +99,13 @@ pub fn maximum_likelihood_predicted(
     let (solved, at) = solve(problem, options.into())?;
     let mut experiment = Experiment::new(problem, &solved.parameters);
     experiment.wheels_smooth = solved.wheels_smooth;
-    let predictions = predict(&experiment, &at, points);
+    let predictions = match &solved.driven {
+        Some(driven) => {
+            let own = driven.problem(problem);
+            predict(&driven.experiment(&experiment, &own), &at, points)
+        }
+        None => predict(&experiment, &at, points),
+    };
     Ok((answer::write_with_remedies(problem, &solved), predictions))
 }
 
@@ -199,7 +205,7 @@ fn segment(
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(at);
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
-    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
+    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
     let mut curves = PointCurves::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();

@@ -531,6 +531,8 @@ impl<'a> Ground<'a> {
             noise: &trial.noise,
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
+            random_torque: self.problem.model.environment.random_torque,
+            wheels: &[],
             curves: &curves,
             split: false,
         };

@@ -75,9 +75,6 @@ pub struct Observations {
     pub joint_rate: Vec<f64>,
     /// Wheel speeds relative to their hosts, rad/s; one row of `wheels` per time.
     pub wheel_speed: Vec<f64>,
-    /// Wheel speeds as a smooth curve through their readings has them, where some are not read at every time; empty
-    /// otherwise. `wheel_speed` then runs straight between readings.
-    pub smooth_wheel_speed: Vec<f64>,
     /// How the errors of each joint's position hang together; independent where the list is shorter.
     pub joint_errors: Vec<InputErrors>,
     /// The same for each wheel's speed.
@@ -158,6 +155,19 @@ pub struct Segment {
     pub firings: Vec<Firing>,
     /// Accelerations, where they are measured.
     pub accelerations: Option<Accelerations>,
+    /// Samples of every wheel's speed at their own times; without them wheel speeds are given, as in the observations.
+    pub tachometers: Vec<Tachometer>,
+}
+
+/// Samples of one wheel's speed.
+#[derive(Debug, Clone, Default)]
+pub struct Tachometer {
+    /// Times, s, strictly increasing.
+    pub time_s: Vec<f64>,
+    /// Speed relative to the host, rad/s.
+    pub speed: Vec<f64>,
+    /// How their errors hang together, from sample to sample.
+    pub errors: InputErrors,
 }
 
 /// Declared noise of the measurements that enter the rows, one sample each, and the part of it that

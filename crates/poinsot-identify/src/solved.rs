@@ -1,5 +1,6 @@
 //! The triangle of the shared unknowns, and a solved problem before it is put into words.
 
+use crate::between_samples::Driven;
 use crate::block_qr::{BlockQr, Triangle};
 use crate::conflict::Conflict;
 use crate::estimate::SegmentFit;
@@ -58,6 +59,44 @@ impl Shared {
     pub fn nuisance_lengths(&self) -> Vec<f64> {
         let length = |j: usize| (0..=j).map(|i| self.r[(i, j)].powi(2)).sum::<f64>().sqrt();
         (0..self.nuisances).map(length).collect()
+    }
+
+    /// Length in sigmas of a change of nuisances and mass properties.
+    pub fn length(&self, change: &[f64]) -> f64 {
+        let rows = self.seen(change);
+        rows.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    fn seen(&self, change: &[f64]) -> Vec<f64> {
+        let n = self.nuisances + self.mass;
+        let row = |i: usize| (i..n).map(|j| self.r[(i, j)] * change[j]).sum();
+        (0..n).map(row).collect()
+    }
+
+    /// The same answer with a covariance that is larger by `d d^T`, of a change `d` of nuisances and mass properties:
+    /// `R -> (1 - b v v^T) R` with `v = R d`, which takes `v v^T / (1 + v^2)` off the unit matrix.
+    pub fn widened(&self, change: &[f64]) -> Self {
+        let n = self.nuisances + self.mass;
+        let v = self.seen(change);
+        let square: f64 = v.iter().map(|x| x * x).sum();
+        if square == 0.0 || !square.is_finite() {
+            return Self {
+                r: self.r.clone(),
+                ..*self
+            };
+        }
+        let b = (1.0 - 1.0 / (1.0 + square).sqrt()) / square;
+        let along = |j: usize| (0..n).map(|i| v[i] * self.r[(i, j)]).sum::<f64>();
+        let along: Vec<f64> = (0..=n).map(along).collect();
+        let mut more = BlockQr::new(n + 1);
+        more.push(self.r.nrows(), |i, j| match v.get(i) {
+            Some(v) => self.r[(i, j)] - b * v * along[j],
+            None => self.r[(i, j)],
+        });
+        Self {
+            r: more.finish().r,
+            ..*self
+        }
     }
 
     /// How much a step of nuisances and mass properties lowers the square of the right-hand side.
@@ -224,6 +263,8 @@ pub(crate) struct Solved {
     pub warnings: Vec<String>,
     /// Whether wheel speeds were taken as smooth between readings.
     pub wheels_smooth: bool,
+    /// The problem with its wheels as processes, where the fit took them so.
+    pub driven: Option<Driven>,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
     /// Bodies that the data press against the edge of what positive mass can have.

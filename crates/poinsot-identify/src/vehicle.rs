@@ -1,7 +1,7 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
 use crate::input_curves::InputCurves;
-use crate::parameters::{Gust, Parameters, UnknownKind};
+use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
@@ -39,8 +39,6 @@ pub(crate) struct Vehicle<'a> {
     pub tilt_slopes: Vec<Vector3>,
     /// Thrusters that act late: the unknown, which thrusters, by how much, s.
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
-    /// Random torques.
-    pub gusts: Vec<(Gust, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
 }
@@ -89,15 +87,6 @@ impl<'a> Vehicle<'a> {
             drag,
             wheels_smooth: false,
             noisy_joints: Vec::new(),
-            gusts: parameters
-                .unknowns
-                .iter()
-                .zip(x)
-                .filter_map(|(u, value)| match u.kind {
-                    UnknownKind::RandomTorque(gust) => Some((gust, *value)),
-                    _ => None,
-                })
-                .collect(),
             input_faults: parameters
                 .unknowns
                 .iter()

@@ -7,8 +7,8 @@ use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, LEANS, Loss, Number, Prediction, Problem, Status,
-    linear_predicted, maximum_likelihood_predicted, predicted_by, tensor_name,
+    Coordinates, Estimate, FitOptions, Loss, Number, Prediction, Problem, Status, linear_predicted,
+    maximum_likelihood_predicted, predicted_by, tensor_name,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
@@ -158,9 +158,6 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         findings.push(finding);
     }
     let mut identified = identify_tables(model, tables, request)?;
-    if reading.every > 1 {
-        distrust_thinned(&mut identified.estimate, reading.every);
-    }
     let label = identified.inputs.iter().flatten().map(|s| s.path.as_str());
     let label = label.collect::<Vec<_>>().join(",");
     for f in &findings {
@@ -191,20 +188,6 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
         seen.push(source);
     }
     Ok(())
-}
-
-/// Where rows were left out on purpose, wheels are known to have done something between those that were taken.
-fn distrust_thinned(estimate: &mut Estimate, every: usize) {
-    let found = estimate.diagnostics.as_ref();
-    let shift = found.map_or(0.0, |d| d.shift_between_readings);
-    if shift > LEANS {
-        estimate.doubt(format!(
-            "it hangs by {shift:.1} sigma on what the wheels did between the rows taken"
-        ));
-        estimate.warnings.push(format!(
-            "--every {every} leaves out what the wheels did between the rows taken, and the answer hangs on it ({shift:.1} sigma): the covariance is not trustworthy; take more rows"
-        ));
-    }
 }
 
 fn table_label(table: &Table) -> String {

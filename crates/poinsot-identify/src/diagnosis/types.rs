@@ -12,9 +12,6 @@ pub struct Diagnostics {
     pub deviance: f64,
     /// How far chi-square lies above its expectation, in its own standard deviations.
     pub excess_sigmas: f64,
-    /// How far the mass properties would move if wheels ran otherwise between their readings than is taken, smoothly for
-    /// straight or straight for smoothly, sigmas; zero without wheels.
-    pub shift_between_readings: f64,
     /// One entry per kind of sensor, all segments together.
     pub channels: Vec<ChannelDiagnosis>,
     /// Drift of the total momentum that would fit best on top of the answer: all segments, then each.

@@ -60,7 +60,7 @@ fn rate_weights(t: &[f64], k: usize) -> Vec<(usize, f64)> {
     (first..first + width).map(|i| (i, weight(i))).collect()
 }
 
-impl InputNoise {
+impl InputNoise<'_> {
     /// Moves the window one grid time on, to k: `upper` holds the rows of `s`.
     pub(super) fn shift(&mut self, upper: &[f64], k: usize) {
         let (size, inputs) = (self.filter.size, self.inputs.len());
@@ -71,7 +71,7 @@ impl InputNoise {
         let mut rows: Vec<Vec<(usize, f64)>> = upper.chunks_exact(size).map(sparse).collect();
         let errors = 2 * self.reach * inputs;
         rows.extend((0..errors).map(|_| Vec::new()));
-        let from = self.active.len();
+        let from = self.lead;
         for (i, row) in rows.iter_mut().enumerate().skip(from) {
             row.push((i + inputs, 1.0));
         }
@@ -151,6 +151,13 @@ impl InputNoise {
                 }
             }
         }
+        if let Some(at) = self.torque_at() {
+            (0..3).for_each(|axis| slopes[at + axis] += around.outside_torque(axis));
+        }
+        for (w, (at, _)) in self.wheels().enumerate() {
+            slopes[at] += around.wheel_speed(w);
+            slopes[at + 1] += around.wheel_acceleration(w);
+        }
         if self.derived.contains(&true) {
             let of = |joint: usize| match self.derived[joint] {
                 true => (around.joint_rate(joint), around.joint_acceleration(joint)),
@@ -226,7 +233,7 @@ impl InputNoise {
     }
 
     fn kept(&self, which: usize) -> usize {
-        self.active.len() + (2 * self.reach + 1) * self.inputs.len() + 3 * which
+        self.lead + (2 * self.reach + 1) * self.inputs.len() + 3 * which
     }
 }
 

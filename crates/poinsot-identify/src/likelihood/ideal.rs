@@ -18,7 +18,7 @@ pub(super) struct Ideal {
 
 impl Ideal {
     /// Empty where no lag is unknown; `None` where the vehicle cannot move.
-    pub fn new(vehicle: &Vehicle, segment: &Segment, start: &State, index: usize) -> Option<Self> {
+    pub fn new(vehicle: &Vehicle, segment: &Segment, start: &State) -> Option<Self> {
         let late = |k: &UnknownKind| {
             matches!(
                 k,
@@ -33,7 +33,7 @@ impl Ideal {
             return Some(ideal);
         }
         let o = &segment.observations;
-        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, index);
+        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
         let samples = o.time_s.len();
         let mut state = *start;
         for k in 0..samples {

@@ -63,7 +63,7 @@ impl PointCompare {
         if self.all.iter().all(|one| !one.late) {
             return Some(());
         }
-        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, 0);
+        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
         let samples = segment.observations.time_s.len();
         let mut state = *start;
         for k in 0..samples {

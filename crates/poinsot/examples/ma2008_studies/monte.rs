@@ -140,6 +140,7 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
         },
         firings: Vec::new(),
         accelerations: None,
+        tachometers: Vec::new(),
         observations: Observations {
             time_s: run.times.clone(),
             rate: raws.iter().map(|r| Some(r.w_NB_B)).collect(),
@@ -157,7 +158,6 @@ pub fn segment(run: &Run, raws: &[Raw]) -> Segment {
             wheel_errors: Vec::new(),
             derived_rates: Vec::new(),
             between_readings: false,
-            smooth_wheel_speed: Vec::new(),
         },
     }
 }

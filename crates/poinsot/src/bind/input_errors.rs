@@ -7,7 +7,7 @@
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;
-use poinsot_identify::InputErrors;
+use poinsot_identify::{InputErrors, Tachometer};
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
@@ -43,6 +43,19 @@ pub(super) fn wheel_errors(model: &Model, channels: &Channels, grid: &[f64]) -> 
         channels
             .find(None, &format!("{}_rad_s", wheel.name))
             .map_or(InputErrors::None, |c| errors(c, sensor, grid))
+    };
+    model.wheels.iter().enumerate().map(of).collect()
+}
+
+/// Samples of every wheel's speed.
+pub(super) fn tachometers(model: &Model, channels: &Channels) -> Vec<Tachometer> {
+    let of = |(at, wheel): (usize, &poinsot_model::Wheel)| {
+        let channel = channels.find(None, &format!("{}_rad_s", wheel.name));
+        channel.map_or_else(Tachometer::default, |c| Tachometer {
+            time_s: c.time_s.to_vec(),
+            speed: c.values.clone(),
+            errors: errors(c, sensor(model, SensorKind::WheelSpeed, at), &c.time_s),
+        })
     };
     model.wheels.iter().enumerate().map(of).collect()
 }

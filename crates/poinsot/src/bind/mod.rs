@@ -270,6 +270,7 @@ fn bind_piece(
         observations,
         firings,
         accelerations,
+        tachometers: input_errors::tachometers(model, channels),
     };
     Ok((Some(segment), complete.len()))
 }

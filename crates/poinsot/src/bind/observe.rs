@@ -9,10 +9,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Firing, Observations, Samples};
 use poinsot_model::{Model, SensorKind};
-use poinsot_telemetry::{Channel, differentiate, resample, resample_hermite};
-
-/// Samples each side of the polynomial that gives a wheel's slope.
-const HALF_WIDTH: usize = 2;
+use poinsot_telemetry::{Channel, resample, resample_hermite};
 
 /// Times closer than this are one time, s.
 pub(super) const SAME: f64 = 1.0e-9;
@@ -97,7 +94,6 @@ pub(super) fn observe(
         joint_position: rows(0, dof),
         joint_rate: rows(dof, 2 * dof),
         wheel_speed: rows(2 * dof, inputs.len()),
-        smooth_wheel_speed: smooth_wheels(model, channels, &time_s),
         joint_errors: joint_errors(model, tree, channels, &time_s),
         wheel_errors: wheel_errors(model, channels, &time_s),
         derived_rates: derived_rates(model, tree, channels, &time_s),
@@ -170,25 +166,6 @@ fn attitudes(parts: &[&Channel; 4], grid: &[f64]) -> Vec<Option<UnitQuaternion<f
             Some(UnitQuaternion::from_quaternion(q))
         })
         .collect()
-}
-
-/// Wheel speeds on a smooth curve through their readings; empty where all are read at every grid time.
-fn smooth_wheels(model: &Model, channels: &Channels, grid: &[f64]) -> Vec<f64> {
-    let wheels = model.wheels.iter();
-    let wheels = wheels.filter_map(|w| channels.find(None, &format!("{}_rad_s", w.name)));
-    let wheels: Vec<&Channel> = wheels.collect();
-    if wheels
-        .iter()
-        .all(|c| own_values(c, grid).iter().all(Option::is_some))
-    {
-        return Vec::new();
-    }
-    let columns: Vec<Vec<Option<f64>>> = wheels
-        .iter()
-        .map(|c| resample_hermite(c, &differentiate(c, HALF_WIDTH, None), grid, None))
-        .collect();
-    let row = |k: usize| columns.iter().map(move |c| c[k].unwrap_or(0.0));
-    (0..grid.len()).flat_map(row).collect()
 }
 
 /// Joint positions, joint rates, wheel speeds at the grid's times, one column each.
