@@ -97,21 +97,13 @@ impl Example {
     /// The program refuses the question.
     pub fn answer(&self) -> Result<Value, BookError> {
         let examples = root().join("examples");
-        let identified = identify(&IdentifyRequest {
-            model: examples.join(self.model),
-            segments: self
-                .telemetry
-                .iter()
-                .map(|t| vec![examples.join(t)])
-                .collect(),
-            map: None,
-            method: self.method.to_owned(),
-            variant: None,
-            relative_accuracy: 1.0,
-            coordinates: Default::default(),
-            strict: false,
-            recover: false,
-        })
+        let identified = identify(
+            &IdentifyRequest::new(
+                examples.join(self.model),
+                self.telemetry.iter().map(|t| examples.join(t)),
+            )
+            .by(self.method),
+        )
         .map_err(|source| BookError::Example {
             example: self.name.to_owned(),
             source: Box::new(source),

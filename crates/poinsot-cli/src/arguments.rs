@@ -52,6 +52,11 @@ pub enum Verb {
     /// declared noise. 1: beyond them, or the motion depends on what the estimate leaves open. 2: bad usage, model,
     /// case or telemetry. 3: disk or permission.
     Validate(Validate),
+    /// Compare answers of one vehicle: before and after refuelling, two nights, two methods.
+    ///
+    /// Exit code 0: they agree. 1: they differ, share telemetry, or one of them is not to be relied on. 2: invalid
+    /// arguments or files.
+    Compare(Compare),
     /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
@@ -66,8 +71,8 @@ pub enum Verb {
     Export(Export),
     /// Say what an error code means, its usual cause and what to do; all codes without one.
     Explain(Explain),
-    /// Print the JSON Schema of the model file.
-    Schema,
+    /// Print the JSON Schema of a file format.
+    Schema(Schema),
     /// Print the completions of a shell, to be read by it at its start.
     Completions(Completions),
     /// Write the manual pages, one per command.
@@ -323,6 +328,28 @@ pub struct Validate {
     /// Read the whole rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Folders of identify --out, or their estimate.json; two or more. Telemetry of different answers must be different.
+    #[arg(value_name = "ANSWER", required = true)]
+    pub answers: Vec<PathBuf>,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+pub struct Schema {
+    /// Format: model, estimate or comparison.
+    #[arg(value_name = "NAME", default_value = "model")]
+    pub name: String,
 }
 
 /// Arguments of `report`.

@@ -2,7 +2,7 @@
 
 use crate::small_problem::SmallProblem;
 use arbitrary::Unstructured;
-use poinsot::{Identified, IdentifyRequest, estimate_document, estimate_json, identify_tables};
+use poinsot::{Identified, Question, estimate_document, estimate_json, identify_tables};
 use poinsot_model::parse_model;
 
 /// A small vehicle with a short record, both arbitrary. Whatever comes out, every number has a sigma, and both are
@@ -14,16 +14,9 @@ pub fn identify(bytes: &[u8]) {
     let Ok(model) = parse_model(&problem.model, "fuzzed.toml") else {
         return;
     };
-    let request = IdentifyRequest {
-        model: "fuzzed.toml".into(),
-        segments: Vec::new(),
-        map: None,
-        method: problem.method.to_owned(),
+    let request = Question {
         variant: problem.variant.map(str::to_owned),
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
+        ..Question::by(problem.method)
     };
     match identify_tables(model, vec![problem.table], &request) {
         Ok(identified) => check(&identified),

@@ -10,7 +10,7 @@ mod xu_arm;
 
 use faer::Mat;
 use poinsot_dynamics::{Kinematics, Tree, momentum_regressor};
-use poinsot_identify::{BlockQr, Triangle};
+use poinsot_solve::{BlockQr, Triangle};
 use rayon::prelude::*;
 use std::time::Instant;
 use xu_arm::{COLUMNS, Stream};

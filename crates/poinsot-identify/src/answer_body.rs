@@ -4,10 +4,10 @@ use crate::estimate::{BodyEstimate, Number, Principal, Source};
 use crate::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
 use crate::solved::Solved;
-use crate::spectrum::Spectrum;
 use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_model::EstimateSet;
+use poinsot_solve::Spectrum;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
 
 /// How far the unknowns are moved along open directions, in natural units, to see what follows.

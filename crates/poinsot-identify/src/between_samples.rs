@@ -8,11 +8,11 @@
 use crate::deviance::{deviance, deviance_at};
 use crate::fit::{Fitted, ITERATIONS, Local, fit_on};
 use crate::information::{Experiment, Point};
-use crate::levenberg_marquardt::{LeastSquares, Linearised};
 use crate::problem::Problem;
 use crate::refined_grid::refined;
 use crate::segment::{Segment, Tachometer};
 use crate::wheel_process::{Track, WheelProcess};
+use poinsot_solve::{LeastSquares, Linearised};
 
 /// Shift of the answer, sigmas, below which wheel speeds count as exact between their samples.
 pub(crate) const EXACT: f64 = 0.05;
@@ -117,6 +117,8 @@ pub(crate) struct Chosen {
     pub fitted: Fitted,
     /// Largest shift of the answer to another possible hypothesis, sigmas, and that hypothesis; none where all agree.
     pub other: Option<(f64, Torque)>,
+    /// Changes of nuisances and mass properties to the possible hypotheses that differ.
+    pub changes: Vec<Vec<f64>>,
 }
 
 /// Whether every segment has tachometers.
@@ -177,7 +179,7 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
         best = sharpened(experiment, &searched, best, &fast.at);
     }
     let own = best.driven.problem(problem);
-    let (mut fitted, evidence) = {
+    let (fitted, evidence) = {
         let here = best.driven.experiment(experiment, &own);
         let from = here.linearise(&fast.at)?;
         let fitted = fit_on(&here, fast.at.clone(), from, ITERATIONS)?;
@@ -185,6 +187,7 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
         (fitted, evidence)
     };
     let mut other: Option<(f64, Torque)> = None;
+    let mut changes = Vec::new();
     let rivals: Vec<Driven> = tried
         .filter(|t| t.evidence <= evidence + POSSIBLE)
         .map(|t| t.driven)
@@ -197,8 +200,7 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
         if found.evidence > evidence + POSSIBLE || shift < DIFFERENT {
             continue;
         }
-        let here = best.driven.experiment(experiment, &own);
-        fitted.widen(&here, &found.step);
+        changes.push(found.step);
         if other.as_ref().is_none_or(|o| o.0 < shift) {
             other = Some((shift, found.driven.torque));
         }
@@ -207,6 +209,7 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
         driven: best.driven,
         fitted,
         other,
+        changes,
     })
 }
 

@@ -5,9 +5,9 @@
 
 use crate::fit::is_close;
 use crate::information::{Experiment, Point};
-use crate::levenberg_marquardt::{LeastSquares, levenberg_marquardt};
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Observations, Samples, Segment};
+use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Readings of each sensor in a segment of which none is left out.
 const FEW: usize = 128;

@@ -7,9 +7,9 @@
 
 use crate::loss::Loss;
 use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind};
-use crate::semidefinite::{Block, shortest};
-use crate::spectrum::Spectrum;
 use nalgebra::{Matrix4, SymmetricEigen};
+use poinsot_solve::Spectrum;
+use poinsot_solve::semidefinite::{Block, shortest};
 use poinsot_spatial::{MassProperties, Matrix3, pseudo_inertia};
 
 /// In which space the fit steps.

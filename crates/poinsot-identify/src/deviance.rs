@@ -8,7 +8,7 @@ use crate::information::{Experiment, Point};
 use crate::likelihood::Evaluated;
 use crate::prior;
 use crate::solved::Shared;
-use crate::spectrum::Spectrum;
+use poinsot_solve::Spectrum;
 use poinsot_spatial::Matrix3;
 
 /// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and

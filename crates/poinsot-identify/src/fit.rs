@@ -8,14 +8,12 @@
 use crate::coarse::approach;
 use crate::coordinates::{Coordinates, PhysicalBodies};
 use crate::information::{Experiment, Point};
-use crate::levenberg_marquardt::{
-    End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt,
-};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use crate::solved::{Shared, Solved, head};
-use crate::spectrum::Spectrum;
 use nalgebra::UnitQuaternion;
+use poinsot_solve::Spectrum;
+use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 use poinsot_spatial::Vector3;
 
 /// Most iterations.
@@ -277,9 +275,9 @@ pub(crate) struct Fitted {
 
 /// All segments at a point, the triangle of the shared unknowns, and its spectrum.
 pub(crate) struct Local {
-    evaluated: Vec<Evaluated>,
-    shared: Shared,
-    spectrum: Spectrum,
+    pub evaluated: Vec<Evaluated>,
+    pub shared: Shared,
+    pub spectrum: Spectrum,
     /// The bodies that the steps keep physical.
     bodies: Option<PhysicalBodies>,
 }

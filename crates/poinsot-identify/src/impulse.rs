@@ -3,6 +3,7 @@
 use crate::parameters::Equations;
 use crate::problem::Problem;
 use crate::segment::{Firing, Segment};
+use crate::vehicle::Running;
 use nalgebra::Unit;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{Nuisance, Thruster};
@@ -66,6 +67,7 @@ pub fn integrate(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -> Impu
     };
     let mut sums = vec![Impulse::ZERO; 1 + scaled.len()];
     let mut kinematics = Kinematics::new(tree);
+    let mut running = Running::new(&segment.firings);
     for k in 0..samples {
         out.total.push(sums[0]);
         for (list, sum) in out.scaled.iter_mut().zip(&sums[1..]) {
@@ -74,7 +76,11 @@ pub fn integrate(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -> Impu
         if k + 1 == samples {
             break;
         }
-        for firing in active(&segment.firings, segment, k) {
+        let (from, to) = (segment.samples.time_s[k], segment.samples.time_s[k + 1]);
+        for firing in running.between(from, to) {
+            if firing.start_s >= to {
+                continue;
+            }
             let step = one_interval(tree, thrusters, segment, k, firing, &mut kinematics);
             sums[0].add(&step);
             if let Some(at) = scaled.iter().position(|&s| s == firing.thruster) {
@@ -127,18 +133,6 @@ pub(crate) fn adds_up(problem: &Problem) -> bool {
         square > 0.0
             && (too_much(square * position, angular) || too_much(square * attitude, linear))
     })
-}
-
-/// Firings that overlap the interval after sample k.
-fn active<'a>(
-    firings: &'a [Firing],
-    segment: &'a Segment,
-    k: usize,
-) -> impl Iterator<Item = &'a Firing> {
-    let (from, to) = (segment.samples.time_s[k], segment.samples.time_s[k + 1]);
-    firings
-        .iter()
-        .filter(move |f| f.force != 0.0 && f.start_s < to && f.end_s > from)
 }
 
 fn one_interval(

@@ -4,22 +4,24 @@
 //! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
 //! estimator: this module knows none.
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::coordinates::Coordinates;
 use crate::input_curves::InputCurves;
 use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
+use crate::motion::Grid;
 use crate::parameters::Parameters;
 use crate::prior;
 use crate::problem::Problem;
+use crate::propagation::Fineness;
 use crate::segment::Segment;
 use crate::solved::{Shared, Solved};
-use crate::spectrum::{NotFinite, Spectrum};
 use crate::vehicle::Vehicle;
 use crate::wheel_process::WheelProcess;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
+use poinsot_solve::{BlockQr, Triangle};
+use poinsot_solve::{NotFinite, Spectrum};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -42,6 +44,12 @@ pub(crate) struct Experiment<'a> {
     pub wheels_smooth: bool,
     /// The wheels as processes, one entry a segment; empty where their speeds are given.
     pub wheels: &'a [WheelProcess],
+    /// How finely the motion is propagated.
+    pub fineness: Fineness,
+    /// Whether evaluations keep every whitened row.
+    pub keep_rows: bool,
+    /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
+    grids: Arc<OnceLock<Vec<Grid>>>,
     /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
     curves: Arc<OnceLock<Vec<InputCurves>>>,
 }
@@ -80,6 +88,9 @@ impl<'a> Experiment<'a> {
             coordinates: Coordinates::default(),
             wheels_smooth: false,
             wheels: &[],
+            fineness: Fineness::default(),
+            keep_rows: false,
+            grids: Arc::default(),
             curves: Arc::default(),
         }
     }
@@ -97,6 +108,9 @@ impl<'a> Experiment<'a> {
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
             wheels: self.wheels,
+            fineness: self.fineness,
+            keep_rows: self.keep_rows,
+            grids: Arc::clone(&self.grids),
             curves: Arc::clone(&self.curves),
         }
     }
@@ -107,6 +121,7 @@ impl<'a> Experiment<'a> {
             problem,
             wheels: &[],
             curves: Arc::default(),
+            grids: Arc::default(),
             ..self.with_parameters(self.parameters)
         }
     }
@@ -124,11 +139,45 @@ impl<'a> Experiment<'a> {
             random_torque: self.problem.model.environment.random_torque,
             wheels: self.wheels,
             curves: self.curves(),
+            grids: self.grids(),
+            factor: self.fineness.factor,
+            bends: self.bends(),
+            keep_rows: self.keep_rows,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
                 && rayon::current_thread_index().is_none()
                 && rayon::current_num_threads() > 1,
         }
+    }
+
+    /// The grids of all segments.
+    fn grids(&self) -> &[Grid] {
+        self.grids.get_or_init(|| {
+            let x = self.parameters.nominal_vector();
+            let tree = self.problem.tree;
+            let vehicle = Vehicle::new(
+                tree,
+                &self.thrusters,
+                self.parameters,
+                &self.nominal_spin,
+                &x,
+            );
+            let segments = self.problem.segments.iter();
+            segments
+                .map(|s| Grid::new(&vehicle, &s.observations))
+                .collect()
+        })
+    }
+
+    /// Whether wheel speeds bend within an interval.
+    pub fn bends(&self) -> bool {
+        let long = || self.grids().iter().any(|g| g.bends);
+        self.may_bend() && (self.fineness.bends || long())
+    }
+
+    /// Whether they can: where they run smoothly they are curves already.
+    pub fn may_bend(&self) -> bool {
+        !self.problem.model.wheels.is_empty() && !self.wheels_smooth
     }
 
     /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.

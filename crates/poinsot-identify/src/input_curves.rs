@@ -2,7 +2,7 @@
 
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Observations, Segment};
-use crate::smooth_curve::{Reading, SmoothCurve};
+use poinsot_solve::smooth_curve::{Reading, SmoothCurve};
 use poinsot_spatial::Vector3;
 
 /// Variance of what counts as exact beside what is noisy, over the latter.

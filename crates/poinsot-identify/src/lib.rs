@@ -9,7 +9,6 @@ mod answer_body;
 mod answer_covariance;
 mod answer_momentum;
 mod between_samples;
-mod block_qr;
 mod bound;
 mod coarse;
 mod combination;
@@ -18,8 +17,8 @@ mod conflict;
 mod coordinates;
 mod deviance;
 mod diagnosis;
-mod double_double;
 mod estimate;
+mod evaluation;
 mod fit;
 mod held_back;
 mod impulse;
@@ -28,8 +27,6 @@ mod information;
 mod information_tests;
 mod input_curves;
 mod input_noise;
-mod lanes;
-mod levenberg_marquardt;
 mod likelihood;
 mod linear;
 mod loss;
@@ -42,23 +39,19 @@ mod point_sensor;
 mod prediction;
 mod prior;
 mod problem;
+mod propagation;
 mod quantity;
-mod refine;
 mod refined_grid;
 mod remedies;
 mod residual;
 mod rows;
 mod segment;
-mod semidefinite;
-mod smooth_curve;
 mod solved;
-mod spectrum;
 mod trust;
 mod vehicle;
 mod wheel_process;
 mod words;
 
-pub use block_qr::{BlockQr, Triangle};
 pub use bound::cramer_rao;
 pub use combination::{Combination, Combinations, split};
 pub use completion::{CompletedVehicle, Completion, CompletionError, complete};
@@ -67,13 +60,12 @@ pub use diagnosis::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
     Suspect,
 };
-pub use double_double::DoubleDouble;
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MomentumEstimate,
-    NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MethodReport,
+    MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
+pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
-pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};
@@ -81,15 +73,14 @@ pub use octaves::Octave;
 pub use parameters::{
     Equations, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name, tensor_name,
 };
+pub use poinsot_solve::{NotFinite, Spectrum};
 pub use point_sensor::{Fault, PointKind, PointReading, PointReadings};
 pub use prediction::{
     HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
     maximum_likelihood_predicted, predicted_by,
 };
 pub use problem::{Problem, ProblemError};
-pub use refine::{Refined, refine, solve_triangle};
 pub use segment::{
     Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, Tachometer,
     Translation,
 };
-pub use spectrum::{NotFinite, Spectrum};

@@ -13,20 +13,20 @@ pub(crate) use head::{Head, HeadColumns, Sight, start};
 pub(crate) use ideal::translation_lag;
 pub(crate) use point_rows::perfect;
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::input_curves::InputCurves;
 use crate::input_noise::{InputNoise, Processes};
 use crate::loss::Loss;
-use crate::motion::{Motion, State};
+use crate::motion::{Grid, Motion, State};
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
-use crate::vehicle::{Vehicle, tilted};
+use crate::vehicle::{Steps, Vehicle, tilted};
 use crate::wheel_process::WheelProcess;
 use colour::Colour;
 use ideal::Ideal;
 use nalgebra::{Cholesky, SMatrix, SVector};
 use poinsot_dynamics::Tree;
 use poinsot_model::{RandomTorque, Thruster};
+use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use point_rows::PointCompare;
 use side_by_side::compare_all;
@@ -47,8 +47,25 @@ pub(crate) struct Setting<'a> {
     pub wheels: &'a [WheelProcess],
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
+    /// Integration steps, one grid per segment, how many steps for each, and whether wheel speeds bend within an interval.
+    pub grids: &'a [Grid],
+    pub factor: u32,
+    pub bends: bool,
+    /// Whether every whitened row is kept beside the triangle.
+    pub keep_rows: bool,
     /// Whether a second thread may follow the motion while this one compares.
     pub split: bool,
+}
+
+impl Setting<'_> {
+    /// How finely a segment is propagated.
+    pub fn steps(&self, segment: usize) -> Steps<'_> {
+        Steps {
+            grid: self.grids.get(segment),
+            factor: self.factor,
+            bends: self.bends,
+        }
+    }
 }
 
 /// One kind of sensor in one segment: whitened residuals, three axes a sample.
@@ -71,6 +88,37 @@ pub(crate) struct Evaluated {
     pub cost: f64,
     pub rows: usize,
     pub channels: Vec<ChannelResidual>,
+    pub kept: KeptRows,
+}
+
+/// Whitened rows, where they are kept.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KeptRows {
+    pub rows: Vec<KeptRow>,
+    /// Rows of the last measurements, with `ln det` of the noise of each three, until their sensor is known.
+    fresh: Vec<(Vec<f64>, f64)>,
+}
+
+impl KeptRows {
+    /// Those of one kind of sensor; of the priors of the start.
+    pub fn of(&self, channel: Option<&'static str>) -> impl Iterator<Item = &KeptRow> {
+        self.rows.iter().filter(move |r| r.channel == channel)
+    }
+}
+
+/// Three numbers of one measurement.
+#[derive(Debug, Clone)]
+pub(crate) struct KeptRow {
+    /// Kind of sensor; `None` for a prior of the start.
+    pub channel: Option<&'static str>,
+    /// Grid time.
+    pub at: usize,
+    pub raw: Vector3,
+    pub white: Vector3,
+    /// Logarithm of the determinant of its noise.
+    pub log_det: f64,
+    /// Slopes of the prediction, then the residual; all whitened.
+    pub rows: Vec<Vec<f64>>,
 }
 
 /// Propagates one segment and compares with every sensor. `None` where the parameters are not those of a
@@ -93,6 +141,7 @@ pub(crate) fn evaluate(
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(index);
+    vehicle.steps = setting.steps(index);
     let joints = setting.noise.joint_position.iter();
     let rates = &setting.noise.joint_rate;
     vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
@@ -147,6 +196,9 @@ struct Compare<'a> {
     translation_lag: [f64; 2],
     ideal: Ideal,
     points: PointCompare,
+    kept: KeptRows,
+    /// Grid time in hand.
+    now: usize,
 }
 
 const GYRO: usize = 0;
@@ -195,6 +247,8 @@ impl<'a> Compare<'a> {
             translation_lag: translation_lag(setting.parameters, x),
             ideal: Ideal::default(),
             points: PointCompare::new(setting.parameters, segment, x),
+            kept: KeptRows::default(),
+            now: 0,
         }
     }
 
@@ -207,6 +261,7 @@ impl<'a> Compare<'a> {
     }
 
     fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
+        self.now = k;
         let o = &self.segment.observations;
         let measured = o.rate[k].is_some() || o.velocity[k].is_some();
         let posed = o.attitude[k].is_some() || o.position[k].is_some();
@@ -331,6 +386,14 @@ impl<'a> Compare<'a> {
         if let Some(qr) = &mut self.qr {
             qr.push(M, |i, j| rows[j][i]);
         }
+        if self.setting.keep_rows {
+            let of_three = |i: usize| {
+                let own = 3 * (i / 3)..3 * (i / 3) + 3;
+                own.map(|j| 2.0 * alone[(j, j)].ln()).sum::<f64>()
+            };
+            let row = |i: usize| rows.iter().map(|r| r[i]).collect();
+            self.kept.fresh = (0..M).map(|i| (row(i), of_three(i))).collect();
+        }
         Some(white)
     }
 
@@ -348,6 +411,21 @@ impl<'a> Compare<'a> {
                 _ => 0.0,
             });
         }
+        if self.setting.keep_rows {
+            let row = |i: usize| {
+                let mut row = vec![0.0; last + 1];
+                (row[i], row[last]) = (1.0 / sigma, residual[i]);
+                row
+            };
+            self.kept.rows.push(KeptRow {
+                channel: None,
+                at: 0,
+                raw: residual * sigma,
+                white: residual,
+                log_det: 0.0,
+                rows: (0..3).map(row).collect(),
+            });
+        }
     }
 
     fn note(&mut self, channel: usize, residual: &Vector3, white: Vector3) {
@@ -355,6 +433,18 @@ impl<'a> Compare<'a> {
         c.square += residual.norm_squared();
         c.white.push(white);
         self.rows += 3;
+        let fresh = &mut self.kept.fresh;
+        if fresh.len() >= 3 {
+            let log_det = fresh[0].1;
+            self.kept.rows.push(KeptRow {
+                channel: Some(c.name),
+                at: self.now,
+                raw: *residual,
+                white,
+                log_det,
+                rows: fresh.drain(..3).map(|(row, _)| row).collect(),
+            });
+        }
     }
 
     fn finish(self) -> Option<Evaluated> {
@@ -370,6 +460,7 @@ impl<'a> Compare<'a> {
             chi2,
             cost,
             rows: self.rows,
+            kept: self.kept,
             channels: self
                 .channels
                 .into_iter()

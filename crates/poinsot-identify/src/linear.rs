@@ -6,7 +6,6 @@
 //! generalised least squares), so the triangular factor is the square root of the information.
 
 use crate::answer;
-use crate::block_qr::{BlockQr, Triangle};
 use crate::estimate::{Estimate, SegmentFit};
 use crate::fit::fit;
 use crate::impulse;
@@ -18,9 +17,10 @@ use crate::residual;
 use crate::rows::{RowSetting, Rows, StartMomentum};
 use crate::segment::Segment;
 use crate::solved::{Reduced, Shared, Solved, StartOfSegment, VectorQuantity, head};
-use crate::spectrum::Spectrum;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::MomentumKnowledge;
+use poinsot_solve::Spectrum;
+use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Vector3, skew};
 use rayon::prelude::*;
 

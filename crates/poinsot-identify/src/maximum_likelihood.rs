@@ -14,7 +14,6 @@ use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
 use crate::information::{Experiment, Point};
 use crate::input_curves::beyond_the_readings;
-use crate::levenberg_marquardt::LeastSquares;
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -23,9 +22,11 @@ use crate::parameters::{
     Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
 };
 use crate::problem::{Problem, ProblemError};
+use crate::propagation::within_steps;
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
-use crate::spectrum::Spectrum;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
+use poinsot_solve::LeastSquares;
+use poinsot_solve::Spectrum;
 use poinsot_spatial::Vector3;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
@@ -77,6 +78,7 @@ pub(crate) fn solve(
     let mut assumptions = Vec::new();
     let mut driven = None;
     let mut ambiguous = None;
+    let mut changes = Vec::new();
     if !problem.model.wheels.is_empty() {
         let (found, shift) = between_samples(&mut experiment, linear.as_ref(), fitted);
         fitted = found;
@@ -85,15 +87,26 @@ pub(crate) fn solve(
         if let Some(chosen) = chosen.flatten() {
             assumptions.push(chosen.driven.torque.words());
             ambiguous = chosen.other;
+            changes = chosen.changes;
             fitted = chosen.fitted;
             driven = Some(chosen.driven);
         } else {
             assumptions.push(given(experiment.wheels_smooth).to_owned());
         }
     }
+    let mut step_error = None;
+    if driven.is_none() {
+        (fitted, step_error) = within_steps(&mut experiment, fitted, ITERATIONS);
+    }
     let own = driven.as_ref().map(|d| d.problem(problem));
     let processes = driven.as_ref().zip(own.as_ref());
-    let processes = processes.map(|(d, own)| d.experiment(&experiment, own));
+    let mut processes = processes.map(|(d, own)| d.experiment(&experiment, own));
+    if let Some(processes) = &mut processes {
+        (fitted, step_error) = within_steps(processes, fitted, ITERATIONS);
+        for change in &changes {
+            fitted.widen(processes, change);
+        }
+    }
     let experiment = processes.as_ref().unwrap_or(&experiment);
     let explained = match &linear {
         Some(solved) => solved.explained,
@@ -130,6 +143,10 @@ pub(crate) fn solve(
     if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
         solved.leans = Some("what drove the vehicle beyond the readings");
         solved.warnings.push(warning);
+    }
+    if let Some(error) = step_error {
+        solved.leans = Some("the steps of the integration");
+        solved.warnings.push(error.words());
     }
     drop(processes);
     solved.driven = driven;

@@ -8,20 +8,26 @@
 
 mod acceleration;
 mod advance;
+mod chord;
+mod grid;
 mod input_slopes;
 mod inputs;
 mod surroundings;
 mod variation;
 
 pub(crate) use acceleration::Point;
+pub(crate) use grid::Grid;
 pub(crate) use variation::{Matrix6x12, pose_change};
 
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval};
+use chord::{Chord, ColumnChord};
+use grid::{TURN, gyration};
 use inputs::InputChange;
 use nalgebra::SVector;
 use poinsot_dynamics::{JointSlopes, Kinematics, Tree, Twist, composite, momentum, wheel_momentum};
-use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parallel_axis};
+use std::borrow::Cow;
 use std::sync::Arc;
 use variation::Variation;
 
@@ -49,6 +55,8 @@ struct Site {
     /// Position of the reference orbit, in N, m; where a gravity gradient acts.
     orbit_N: Vector3,
     kinematics: Kinematics,
+    /// Axis of each wheel in B, and its speed if the base did not turn, where wheels run along a chord; empty elsewhere.
+    free: Vec<(Vector3, f64)>,
     /// `None` where the parameters have no positive mass or inertia.
     locked: Option<Locked>,
 }
@@ -59,6 +67,9 @@ struct Locked {
     mass: f64,
     c: Vector3,
     I_SScm_B: Matrix3,
+    /// What turns with the base: without the axial inertia of wheels that run along a chord.
+    turning_B: Matrix3,
+    /// With that inertia.
     inverse_inertia: Matrix6,
     /// Linear momentum of joints, and angular momentum of joints and wheels about the mass centre.
     l_joints: Vector3,
@@ -87,6 +98,13 @@ pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
     /// Integration steps that may still be made.
     steps_left: f64,
+    /// Integration steps in the interval after each grid time.
+    grid: Cow<'a, [u32]>,
+    /// How wheels run in the interval in hand, where not straight.
+    chord: Option<Chord>,
+    column_chord: Option<ColumnChord>,
+    /// Radius of gyration, m.
+    gyration: f64,
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
@@ -120,7 +138,7 @@ fn steps_allowed(o: &Observations) -> f64 {
     // Between the samples of a slow gyro the turn is that of the gap.
     let seen = o.rate.iter().flatten().count().max(1) as f64;
     let share = o.time_s.len() as f64 / seen;
-    1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / 0.02
+    1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / TURN
 }
 
 /// Velocity at an instant with what is needed of it.
@@ -152,6 +170,7 @@ impl Site {
             joint_slopes: JointSlopes::default(),
             orbit_N: Vector3::zeros(),
             kinematics: Kinematics::new(tree),
+            free: Vec::new(),
             locked: None,
         }
     }
@@ -167,7 +186,15 @@ impl<'a> Motion<'a> {
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
+        let grid = match vehicle.steps.grid {
+            Some(grid) => Cow::Borrowed(grid.steps.as_slice()),
+            None => Cow::Owned(Grid::new(vehicle, o).steps),
+        };
         Self {
+            grid,
+            chord: None,
+            column_chord: None,
+            gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
             site: Site::new(tree),
             middle: Site::new(tree),
             still: Kinematics::new(tree),
@@ -272,16 +299,28 @@ impl<'a> Motion<'a> {
         site.kinematics
             .set_velocities(v.tree, &zero, &zero, &site.rates);
         let joints = momentum(&v.bodies, &site.kinematics);
-        let wheels = wheel_momentum(v.tree, &site.kinematics, &v.spin, &site.wheels);
         let whole = composite(&v.bodies, &site.kinematics);
+        let mut turning = whole;
+        site.free.clear();
+        if let Some(chord) = self.chord.as_ref().filter(|_| at > 0.0 && at < 1.0) {
+            for (j, (rotor, spin)) in v.tree.rotors.iter().zip(&v.spin).enumerate() {
+                let axis = site.kinematics.R[rotor.body] * rotor.axis_B;
+                // The base is still: its host turns with the joints alone.
+                site.wheels[j] += chord.at(j, at) - axis.dot(&site.kinematics.w[rotor.body]);
+                site.free.push((axis, site.wheels[j]));
+                turning.I_SBo_B -= Matrix3::identity() * *spin - parallel_axis(*spin, &axis);
+            }
+        }
+        let wheels = wheel_momentum(v.tree, &site.kinematics, &v.spin, &site.wheels);
         let c = whole.p_BoScm_B();
         let l_joints: Vector3 = joints.fixed_rows::<3>(0).into();
-        site.locked = whole
+        site.locked = turning
             .inverse_locked_inertia()
             .map(|inverse_inertia| Locked {
                 mass: whole.mass,
                 c,
                 I_SScm_B: whole.I_SScm_B(),
+                turning_B: turning.I_SScm_B(),
                 inverse_inertia,
                 l_joints,
                 h_joints: joints.fixed_rows::<3>(3) + wheels - c.cross(&l_joints),
@@ -299,7 +338,7 @@ impl<'a> Motion<'a> {
         let h_turn = h_cm - locked.h_joints;
         let w = inverse * h_turn;
         // Refined once: what the inverse is off by would add up over a record, and show what no data can.
-        let w = w + inverse * (h_turn - locked.I_SScm_B * w);
+        let w = w + inverse * (h_turn - locked.turning_B * w);
         let v = (l - locked.l_joints) / locked.mass - w.cross(&locked.c);
         Some(Instant {
             twist: Twist { v, w },
@@ -354,6 +393,11 @@ struct Force {
     F_B: Vector3,
     per_scale_B: Vector3,
     arm_B: Vector3,
+}
+
+/// Rate that an angular momentum along a direction gives, linear momentum held.
+fn along(inverse_inertia: &Matrix6, direction: &Vector3) -> Vector3 {
+    inverse_inertia.fixed_view::<3, 3>(3, 3) * direction
 }
 
 /// `[a]x` of a small rotation between two attitudes, body axes of the first.

@@ -204,6 +204,7 @@ fn segment(
     );
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(at);
+    vehicle.steps = setting.steps(at);
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);

@@ -2,9 +2,9 @@
 
 use crate::parameters::{Equations, Parameters, ParametersError};
 use crate::segment::{Noise, Segment};
-use crate::spectrum::NotFinite;
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
+use poinsot_solve::NotFinite;
 
 /// The question: which numbers of this vehicle follow from these segments?
 #[derive(Clone, Copy)]

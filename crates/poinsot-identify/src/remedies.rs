@@ -5,7 +5,6 @@
 //! direction counts as closed where it lies in what is then identified. Nothing is simulated: information needs
 //! the predicted motion and the noise, and no readings.
 
-use crate::block_qr::BlockQr;
 use crate::estimate::OpenCombination;
 use crate::information::Experiment;
 use crate::input_curves::InputCurves;
@@ -17,9 +16,10 @@ use crate::problem::Problem;
 use crate::quantity::TenParameters;
 use crate::segment::{Firing, Noise, Observations, Segment};
 use crate::solved::{Shared, Solved};
-use crate::spectrum::Spectrum;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::{EstimateSet, Thruster};
+use poinsot_solve::BlockQr;
+use poinsot_solve::Spectrum;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at
@@ -534,6 +534,10 @@ impl<'a> Ground<'a> {
             random_torque: self.problem.model.environment.random_torque,
             wheels: &[],
             curves: &curves,
+            grids: &[],
+            factor: 1,
+            bends: false,
+            keep_rows: false,
             split: false,
         };
         let evaluated = evaluate(

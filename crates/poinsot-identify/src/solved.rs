@@ -1,16 +1,16 @@
 //! The triangle of the shared unknowns, and a solved problem before it is put into words.
 
 use crate::between_samples::Driven;
-use crate::block_qr::{BlockQr, Triangle};
 use crate::conflict::Conflict;
 use crate::estimate::SegmentFit;
 use crate::fit::Held;
 use crate::parameters::Parameters;
 use crate::rows::StartMomentum;
-use crate::spectrum::Spectrum;
 use faer::Mat;
 use nalgebra::DMatrix;
 use poinsot_model::MomentumKnowledge;
+use poinsot_solve::Spectrum;
+use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.

@@ -1,8 +1,9 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
 use crate::input_curves::InputCurves;
+use crate::motion::Grid;
 use crate::parameters::{Parameters, UnknownKind};
-use crate::segment::{Observations, Segment};
+use crate::segment::{Firing, Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};
@@ -29,6 +30,8 @@ pub(crate) struct Vehicle<'a> {
     pub drag: Vector3,
     /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
     pub wheels_smooth: bool,
+    /// How finely its motion is propagated.
+    pub steps: Steps<'a>,
     /// Whether each joint's readings are noisy; empty where all are exact.
     pub noisy_joints: Vec<bool>,
     /// Unknowns that change what joints and wheels do.
@@ -41,6 +44,27 @@ pub(crate) struct Vehicle<'a> {
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
+}
+
+/// How finely a segment is propagated.
+#[derive(Clone, Copy)]
+pub(crate) struct Steps<'a> {
+    /// Steps in each interval; `None`: those that the vehicle itself asks for.
+    pub grid: Option<&'a Grid>,
+    /// Steps for each of them.
+    pub factor: u32,
+    /// Whether wheel speeds bend within an interval, their axial momentum straight.
+    pub bends: bool,
+}
+
+impl Default for Steps<'_> {
+    fn default() -> Self {
+        Self {
+            grid: None,
+            factor: 1,
+            bends: false,
+        }
+    }
 }
 
 /// An unknown fault of the readings of joints or wheels.
@@ -86,6 +110,7 @@ impl<'a> Vehicle<'a> {
             torque_N,
             drag,
             wheels_smooth: false,
+            steps: Steps::default(),
             noisy_joints: Vec::new(),
             input_faults: parameters
                 .unknowns
@@ -221,18 +246,41 @@ pub(crate) fn slope_weights(t: &[f64], i: usize) -> Vec<(usize, f64)> {
 /// Thrusters that fire in the interval after each grid time (the grid holds all edges of firings).
 pub(crate) fn thrust_by_interval(segment: &Segment) -> Vec<Vec<(usize, f64)>> {
     let t = &segment.observations.time_s;
+    let mut running = Running::new(&segment.firings);
     (0..t.len())
         .map(|k| {
             let Some(end) = t.get(k + 1) else {
                 return Vec::new();
             };
             let middle = 0.5 * (t[k] + end);
-            segment
-                .firings
-                .iter()
-                .filter(|f| f.start_s <= middle && middle < f.end_s && f.force != 0.0)
-                .map(|f| (f.thruster, f.force))
-                .collect()
+            let firings = running.between(middle, middle);
+            firings.iter().map(|f| (f.thruster, f.force)).collect()
         })
         .collect()
+}
+
+/// Firings over intervals that follow each other: sorted once, each is begun and ended once.
+pub(crate) struct Running<'a> {
+    waiting: std::iter::Peekable<std::vec::IntoIter<&'a Firing>>,
+    now: Vec<&'a Firing>,
+}
+
+impl<'a> Running<'a> {
+    pub fn new(firings: &'a [Firing]) -> Self {
+        let mut sorted: Vec<&Firing> = firings.iter().filter(|f| f.force != 0.0).collect();
+        sorted.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+        Self {
+            waiting: sorted.into_iter().peekable(),
+            now: Vec::new(),
+        }
+    }
+
+    /// Those that start at `last` at the latest and end after `first`; neither time may fall from call to call.
+    pub fn between(&mut self, first: f64, last: f64) -> &[&'a Firing] {
+        while let Some(next) = self.waiting.next_if(|f| f.start_s <= last) {
+            self.now.push(next);
+        }
+        self.now.retain(|f| f.end_s > first);
+        &self.now
+    }
 }

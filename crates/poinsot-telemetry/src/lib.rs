@@ -23,6 +23,7 @@ mod noise;
 mod number;
 mod parquet_bytes;
 mod parquet_dictionaries;
+mod parquet_pages;
 mod parquet_reader;
 mod plan;
 mod quaternion;

@@ -8,6 +8,7 @@ use crate::error::Place;
 use crate::number::Cell;
 use crate::parquet_bytes::ParquetBytes;
 use crate::parquet_dictionaries;
+use crate::parquet_pages::{self, Checksums};
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
 use crate::size::Rows;
@@ -34,11 +35,12 @@ const BATCH: usize = 8192;
 pub(crate) fn read(
     path: &Path,
     options: &ReadOptions,
+    repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let (file, before) = open(path)?;
     let decoded = catch_unwind(AssertUnwindSafe(|| {
-        decode(path, file, before.len(), options, full)
+        decode(path, file, before.len(), options, repairs, full)
     }));
     let (plan, columns, sha256) = decoded
         .unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))?;
@@ -58,6 +60,7 @@ fn decode(
     file: File,
     bytes: u64,
     options: &ReadOptions,
+    repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let io = |source| TelemetryError::Io {
@@ -93,9 +96,13 @@ fn decode(
     if let Some(why) = excess.map_err(|e| refused(path, e))? {
         return Err(refused(path, why));
     }
+    let sums = whole.try_clone().map_err(io)?;
+    let sums = parquet_pages::compare(sums, builder.metadata(), &mask).map_err(io)?;
+    let sound = sound_rows(path, &sums, declared, options.recover, repairs)?;
     let reader = builder
         .with_projection(mask)
         .with_batch_size(BATCH)
+        .with_limit(usize::try_from(sound).unwrap_or(usize::MAX))
         .build()
         .map_err(|e| refused(path, e))?;
     let mut columns = Columns::with_channels(plan.channels.len());
@@ -106,16 +113,54 @@ fn decode(
         let full = full.as_deref_mut();
         selection.check(path, &plan, &mut columns, rows, full)?;
     }
-    if columns.rows_read as u64 != declared {
+    if columns.rows_read as u64 != sound {
         return Err(refused(
             path,
             format!(
-                "the footer declares {declared} rows, the columns hold {}",
+                "the footer declares {sound} rows, the columns hold {}",
                 columns.rows_read
             ),
         ));
     }
     Ok((plan, columns, sha256))
+}
+
+/// Rows before the first page whose checksum fails: all, unless `recover` allows fewer.
+fn sound_rows(
+    path: &Path,
+    sums: &Checksums,
+    declared: u64,
+    recover: bool,
+    repairs: &mut Vec<String>,
+) -> Result<u64, TelemetryError> {
+    let name = path.display();
+    if let Some(bad) = &sums.bad {
+        let place = Place::cell(path, bad.row + 1, &bad.column);
+        if !recover || bad.row == 0 {
+            let more = match bad.row {
+                0 => "no row before it is left",
+                _ => "the rows before it can be kept by --recover",
+            };
+            return Err(TelemetryError::Parquet {
+                place,
+                why: format!(
+                    "the page that holds this row does not match its checksum: its bytes were changed; {more}"
+                ),
+            });
+        }
+        repairs.push(format!(
+            "{place}: {} rows from here on dropped: a page does not match its checksum",
+            declared.saturating_sub(bad.row)
+        ));
+        return Ok(bad.row.min(declared));
+    }
+    if sums.compared > 0 {
+        let (compared, pages) = (sums.compared, sums.pages);
+        repairs.push(format!(
+            "{name}: checksums of {compared} of {pages} pages compared"
+        ));
+    }
+    Ok(declared)
 }
 
 /// Rows declared by the footer, after its sizes were compared with the file's.

@@ -255,7 +255,7 @@ fn decode(
         .and_then(|e| e.to_str())
         .map(str::to_lowercase);
     let (plan, columns, sha256) = match extension.as_deref() {
-        Some("parquet" | "pq") => parquet_reader::read(path, options, full)?,
+        Some("parquet" | "pq") => parquet_reader::read(path, options, repairs, full)?,
         Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs, full)?,
         _ => {
             return Err(TelemetryError::Format {

@@ -10,7 +10,7 @@
 use poinsot::case::{Case, read_case};
 use poinsot::simulate::{SimulateError, simulate_case};
 use poinsot::trials::Study;
-use poinsot::{IdentifyRequest, identify_tables};
+use poinsot::{Question, identify_tables};
 use poinsot_identify::Status;
 use poinsot_model::{Model, read_model};
 use rayon::prelude::*;
@@ -142,17 +142,7 @@ fn run(
 ) -> Result<Count, Box<dyn Error>> {
     let model = read_model(folder().join("rigid_bus.toml"))?;
     let study = Study::of_case(case, truth, model.clone())?;
-    let request = IdentifyRequest {
-        model: PathBuf::new(),
-        segments: Vec::new(),
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    };
+    let request = Question::default();
     let answers: Result<Vec<_>, _> = (0..trials)
         .into_par_iter()
         .map(|trial| identify_tables(model.clone(), study.draw(trial).0, &request))

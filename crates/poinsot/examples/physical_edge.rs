@@ -12,7 +12,7 @@
 #[path = "../tests/vehicle/mod.rs"]
 mod vehicle;
 
-use poinsot::{Coordinates, IdentifyRequest, identify_tables};
+use poinsot::{Coordinates, Question, identify_tables};
 use poinsot_identify::{Estimate, Status, TENSOR};
 use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -117,7 +117,7 @@ fn row(name: &str, truth: &Model, word: &str, seeds: std::ops::Range<u64>) {
 
 fn trial(model: &Model, table: &Table, I: &Matrix3) -> Trial {
     let ask = |coordinates| -> Estimate {
-        let request = IdentifyRequest {
+        let request = Question {
             coordinates,
             ..request("auto")
         };

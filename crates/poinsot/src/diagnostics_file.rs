@@ -1,152 +1,71 @@
 //! The evidence for and against the fit: in the result file, in the terminal, on the page.
 
+use poinsot_formats::{
+    ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile,
+    ValueFile, finite,
+};
 use poinsot_identify::{Diagnostics, MomentumDrift};
 use poinsot_report::{Section, Table, significant};
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Probability below which a drift or a lag is worth a word.
 const SIGNIFICANT: f64 = 1.0e-4;
 
-/// `diagnostics` of `estimate.json`. What nothing determines is null.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(crate) struct DiagnosticsFile {
-    chi2: Option<f64>,
-    dof: usize,
-    deviance: Option<f64>,
-    excess_sigmas: Option<f64>,
-    channels: BTreeMap<String, ChannelFile>,
-    momentum_drift: Vec<DriftFile>,
-    lags: Vec<LagFile>,
-    suspects: Vec<SuspectFile>,
-    lines: Vec<LineFile>,
-    findings: Vec<FindingFile>,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct ChannelFile {
-    readings: usize,
-    chi2_per_number: Option<f64>,
-    typical_chi2_per_number: Option<f64>,
-    outliers: usize,
-    outlier_share: f64,
-    whiteness_p: Option<f64>,
-}
-
-/// `segment` is null for all segments together.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[allow(non_snake_case)]
-struct DriftFile {
-    segment: Option<String>,
-    torque_N_m: [Option<f64>; 3],
-    torque_sigma_N_m: [Option<f64>; 3],
-    force_N: Option<[Option<f64>; 3]>,
-    force_sigma_N: Option<[Option<f64>; 3]>,
-    p: Option<f64>,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct LagFile {
-    between: [String; 2],
-    lag_s: f64,
-    sigma_s: f64,
-    p: Option<f64>,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct SuspectFile {
-    fault: String,
-    name: String,
-    decrease_of_chi2: Option<f64>,
-    explains: f64,
-    values: Vec<ValueFile>,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct ValueFile {
-    name: String,
-    value: Option<f64>,
-    unit: String,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct LineFile {
-    segment: String,
-    frequency_hz: f64,
-    share: f64,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct FindingFile {
-    fault: String,
-    text: String,
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
-}
-
-impl DiagnosticsFile {
-    pub fn new(d: &Diagnostics) -> Self {
-        Self {
-            chi2: finite(d.chi2),
-            dof: d.dof,
-            deviance: finite(d.deviance),
-            excess_sigmas: finite(d.excess_sigmas),
-            channels: d.channels.iter().map(channel).collect(),
-            momentum_drift: d.drift.iter().map(drift).collect(),
-            lags: d.lags.iter().map(lag).collect(),
-            suspects: d.suspects.iter().map(suspect).collect(),
-            lines: d.lines.iter().map(line).collect(),
-            findings: d.findings.iter().map(finding).collect(),
-        }
+/// The tests of the residuals as in the result file.
+pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
+    DiagnosticsFile {
+        chi2: finite(d.chi2),
+        dof: d.dof,
+        deviance: finite(d.deviance),
+        excess_sigmas: finite(d.excess_sigmas),
+        channels: d.channels.iter().map(channel).collect(),
+        momentum_drift: d.drift.iter().map(drift).collect(),
+        lags: d.lags.iter().map(lag).collect(),
+        suspects: d.suspects.iter().map(suspect).collect(),
+        lines: d.lines.iter().map(line).collect(),
+        findings: d.findings.iter().map(finding).collect(),
     }
+}
 
-    /// One row a question: what was tested, what came out, what it means.
-    pub fn rows(&self) -> Vec<[String; 3]> {
-        let mut rows = vec![self.chi_square()];
-        rows.extend(self.channels.iter().map(|(name, c)| residual(name, c)));
-        let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
-        let drifts = self.momentum_drift.iter();
-        rows.extend(
-            drifts
-                .filter(|d| d.segment.is_none() || small(d.p))
-                .map(drift_row),
-        );
-        rows.extend(self.lags.iter().map(lag_row));
-        rows.extend(self.suspects.iter().take(3).map(|s| {
-            let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
-            let result = format!("would lower chi-square by {fall:.0}");
-            [s.name.clone(), result, s.fault.replace('_', " ")]
-        }));
-        rows.extend(self.lines.iter().map(|l| {
-            let result = format!(
-                "{:.3} Hz, {:.0} % of the power",
-                l.frequency_hz,
-                100.0 * l.share
-            );
-            [
-                format!("line in {}", l.segment),
-                result,
-                "not rigid".to_owned(),
-            ]
-        }));
-        rows
-    }
-
-    fn chi_square(&self) -> [String; 3] {
-        let verdict = match self.excess_sigmas {
-            Some(x) if x > 6.0 => "larger than declared",
-            Some(x) if x < -6.0 => "smaller than declared",
-            _ => "as declared",
-        };
+/// One row a question: what was tested, what came out, what it means.
+pub(crate) fn rows(d: &DiagnosticsFile) -> Vec<[String; 3]> {
+    let mut rows = vec![chi_square(d)];
+    rows.extend(d.channels.iter().map(|(name, c)| residual(name, c)));
+    let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
+    let drifts = d.momentum_drift.iter();
+    rows.extend(
+        drifts
+            .filter(|d| d.segment.is_none() || small(d.p))
+            .map(drift_row),
+    );
+    rows.extend(d.lags.iter().map(lag_row));
+    rows.extend(d.suspects.iter().take(3).map(|s| {
+        let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
+        let result = format!("would lower chi-square by {fall:.0}");
+        [s.name.clone(), result, s.fault.replace('_', " ")]
+    }));
+    rows.extend(d.lines.iter().map(|l| {
         let result = format!(
-            "{:.0} for {} expected",
-            self.chi2.unwrap_or(f64::NAN),
-            self.dof
+            "{:.3} Hz, {:.0} % of the power",
+            l.frequency_hz,
+            100.0 * l.share
         );
-        ["chi-square".to_owned(), result, verdict.to_owned()]
-    }
+        [
+            format!("line in {}", l.segment),
+            result,
+            "not rigid".to_owned(),
+        ]
+    }));
+    rows
+}
+
+fn chi_square(d: &DiagnosticsFile) -> [String; 3] {
+    let verdict = match d.excess_sigmas {
+        Some(x) if x > 6.0 => "larger than declared",
+        Some(x) if x < -6.0 => "smaller than declared",
+        _ => "as declared",
+    };
+    let result = format!("{:.0} for {} expected", d.chi2.unwrap_or(f64::NAN), d.dof);
+    ["chi-square".to_owned(), result, verdict.to_owned()]
 }
 
 fn channel(c: &poinsot_identify::ChannelDiagnosis) -> (String, ChannelFile) {
@@ -277,7 +196,7 @@ fn lag_row(l: &LagFile) -> [String; 3] {
 /// The same for the terminal.
 pub(crate) fn diagnostics_section(d: &Diagnostics) -> Section {
     let mut table = Table::new(&["", "found", "verdict"]);
-    for row in DiagnosticsFile::new(d).rows() {
+    for row in rows(&diagnostics_file(d)) {
         table.push(row.to_vec());
     }
     Section::table("diagnostics", table)

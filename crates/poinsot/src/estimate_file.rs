@@ -1,189 +1,228 @@
-//! The result file, `poinsot.estimate/1`.
+//! From an answer to the result file, `poinsot.estimate/1`.
 
-use crate::diagnostics_file::DiagnosticsFile;
+use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
-use poinsot_identify::{
-    BodyEstimate, Estimate, Identifiability, MomentumEstimate, Number, axis_name, tensor_name,
+use poinsot_formats::{
+    BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, Elements,
+    EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile, NumberFile,
+    PrincipalFile, ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, TensorFile,
+    UndeterminedFile, VectorFile, finite,
 };
-use serde_json::{Map, Value, json};
-
-/// Order of the inertia entries in the file.
-const INERTIA_ORDER: [usize; 6] = [0, 2, 5, 1, 3, 4];
+use poinsot_identify::{
+    BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, SegmentFit,
+    axis_name, tensor_name,
+};
+use poinsot_model::JointKind;
+use poinsot_telemetry::checks::Finding;
 
 /// The answer as the machine-readable result.
-pub fn estimate_json(identified: &Identified) -> Value {
+pub fn estimate_file(identified: &Identified) -> EstimateFile {
     let e = &identified.estimate;
-    let inputs: Vec<Value> = identified
-        .inputs
-        .iter()
-        .enumerate()
-        .flat_map(|(segment, files)| files.iter().map(move |f| (segment, f)))
-        .map(|(segment, f)| {
-            json!({ "path": f.path, "sha256": f.sha256, "segment": segment, "time_s": f.time_s, "rows": f.rows })
-        })
-        .collect();
-    let bodies: Map<String, Value> = e.bodies.iter().map(|b| (b.name.clone(), body(b))).collect();
-    json!({
-        "schema": "poinsot.estimate/1",
-        "poinsot": env!("CARGO_PKG_VERSION"),
-        "method": e.method,
-        "variant": e.variant,
-        "status": e.status.name(),
-        "iterations": e.iterations,
-        "model": identified.model.name,
-        "inputs": inputs,
-        "bodies": bodies,
-        "covariance": { "names": e.covariance_names, "units": e.covariance_units, "matrix": e.covariance },
-        "system": system(identified),
-        "momentum": e.momentum.iter().map(momentum).collect::<Vec<_>>(),
-        "nuisance": nuisance(e),
-        "identifiability": identifiability(&e.identifiability),
-        "fit": e.fit.iter().map(|f| json!({
-            "segment": f.label,
-            "samples": f.samples,
-            "chi2_per_dof": f.chi2_per_dof,
-            "channels": f.channels.iter().map(|c| (c.name.to_owned(), json!({
-                "rms": c.rms,
-                "unit": c.unit,
-                "chi2_per_number": c.chi2_per_number,
-                "whiteness_p": c.whiteness_p,
-            }))).collect::<Map<String, Value>>(),
-        })).collect::<Vec<_>>(),
-        "diagnostics": e.diagnostics.as_ref().map(DiagnosticsFile::new),
-        "covariance_trustworthy": e.covariance_trustworthy,
-        "doubts": e.doubts,
-        "method_report": e.method_report.as_ref().map(|r| json!({
-            "note": r.note,
-            "numbers": r.numbers.iter().map(|n| json!({
-                "name": n.name,
-                "unit": n.unit,
-                "value": n.number.value,
-                "sigma": n.number.sigma,
-                "nominal": n.number.nominal,
-            })).collect::<Vec<_>>(),
-        })),
-        "telemetry_checks": identified.findings,
-        "repairs": identified.repairs,
-        "ignored_columns": identified.ignored,
-        "warnings": e.warnings,
-    })
-}
-
-fn body(b: &BodyEstimate) -> Value {
-    json!({
-        "mass_kg": number(&b.mass),
-        "com_m": vector(&b.com),
-        "inertia_kg_m2": tensor(&b.inertia),
-        "principal": b.principal.as_ref().map(|p| json!({
-            "moments_kg_m2": p.moments,
-            "axes_xyzw": p.axes_xyzw,
-        })),
-        "barycentric": {
-            "m_kg": number(&b.barycentric[0]),
-            "mc_kg_m": vector(&[b.barycentric[1], b.barycentric[2], b.barycentric[3]]),
-            "I_BBo_kg_m2": tensor(&std::array::from_fn(|k| b.barycentric[4 + k])),
+    EstimateFile {
+        schema: ESTIMATE.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        method: e.method.clone(),
+        variant: e.variant.clone(),
+        status: e.status.name().to_owned(),
+        iterations: e.iterations,
+        model: identified.model.name.clone(),
+        inputs: inputs(identified),
+        bodies: e.bodies.iter().map(|b| (b.name.clone(), body(b))).collect(),
+        covariance: CovarianceFile {
+            names: e.covariance_names.clone(),
+            units: e.covariance_units.iter().map(|u| (*u).to_owned()).collect(),
+            matrix: e.covariance.iter().map(|row| finite_list(row)).collect(),
         },
-        "physically_consistent": b.physically_consistent,
-    })
-}
-
-fn number(n: &Number) -> Value {
-    json!({ "value": n.value, "sigma": n.sigma, "nominal": n.nominal, "source": n.source.name() })
-}
-
-fn vector(v: &[Number; 3]) -> Value {
-    json!({
-        "value": v.map(|n| n.value),
-        "sigma": v.map(|n| n.sigma),
-        "nominal": v.map(|n| n.nominal),
-        "source": v.map(|n| n.source.name()),
-    })
-}
-
-fn tensor(t: &[Number; 6]) -> Value {
-    let entries = |pick: &dyn Fn(&Number) -> Value| -> Value {
-        INERTIA_ORDER
-            .iter()
-            .map(|&k| (tensor_name(k).to_owned(), pick(&t[k])))
-            .collect::<Map<String, Value>>()
-            .into()
-    };
-    json!({
-        "value": entries(&|n| json!(n.value)),
-        "sigma": entries(&|n| json!(n.sigma)),
-        "nominal": entries(&|n| json!(n.nominal)),
-        "source": entries(&|n| json!(n.source.name())),
-    })
-}
-
-fn system(identified: &Identified) -> Vec<Value> {
-    let Some((whole, position)) = &identified.estimate.system else {
-        return Vec::new();
-    };
-    let joints: Map<String, Value> = identified
-        .model
-        .joints
-        .iter()
-        .filter(|j| j.kind != poinsot_model::JointKind::Fixed)
-        .zip(position)
-        .map(|(j, q)| {
-            let unit = match j.kind {
-                poinsot_model::JointKind::Prismatic => "m",
-                _ => "rad",
-            };
-            (format!("{}_{unit}", j.name), json!(q))
-        })
-        .collect();
-    let mut value = body(whole);
-    if let Value::Object(map) = &mut value {
-        map.insert("joint_positions".to_owned(), joints.into());
+        system: system(identified),
+        momentum: e.momentum.iter().map(momentum).collect(),
+        nuisance: nuisance(e),
+        identifiability: identifiability(&e.identifiability),
+        fit: e.fit.iter().map(segment_fit).collect(),
+        diagnostics: e.diagnostics.as_ref().map(diagnostics_file),
+        covariance_trustworthy: e.covariance_trustworthy,
+        doubts: e.doubts.clone(),
+        method_report: e.method_report.as_ref().map(method_report),
+        telemetry_checks: identified.findings.iter().map(check).collect(),
+        repairs: identified.repairs.clone(),
+        ignored_columns: identified.ignored.clone(),
+        warnings: e.warnings.clone(),
     }
-    vec![value]
 }
 
-fn momentum(m: &MomentumEstimate) -> Value {
-    json!({ "linear_N_s": vector(&m.linear), "angular_N_m_s": vector(&m.angular) })
+/// The same as JSON.
+pub fn estimate_json(identified: &Identified) -> serde_json::Value {
+    serde_json::json!(estimate_file(identified))
 }
 
-fn nuisance(e: &Estimate) -> Map<String, Value> {
-    e.nuisance
-        .iter()
-        .map(|n| {
-            let unit = match n.unit {
-                "1" => String::new(),
-                unit => format!("_{}", unit.replace(['/', ' '], "_")),
-            };
-            (format!("{}{unit}", n.name), number(&n.number))
+fn inputs(identified: &Identified) -> Vec<InputFile> {
+    let segments = identified.inputs.iter().enumerate();
+    segments
+        .flat_map(|(segment, files)| files.iter().map(move |f| (segment, f)))
+        .map(|(segment, f)| InputFile {
+            path: f.path.clone(),
+            sha256: f.sha256.clone(),
+            segment,
+            time_s: f.time_s,
+            rows: f.rows,
         })
         .collect()
 }
 
-/// What the data determine and leave open, as in the result file.
-pub(crate) fn identifiability(i: &Identifiability) -> Value {
-    let coefficients = |list: &[(String, f64)]| -> Map<String, Value> {
-        list.iter()
-            .map(|(name, c)| (name.clone(), json!(c)))
-            .collect()
+fn finite_list(list: &[f64]) -> Vec<Option<f64>> {
+    list.iter().copied().map(finite).collect()
+}
+
+fn body(b: &BodyEstimate) -> BodyFile {
+    let [m, x, y, z, ..] = &b.barycentric;
+    BodyFile {
+        mass_kg: number(&b.mass),
+        com_m: VectorFile::of(b.com.each_ref().map(number)),
+        inertia_kg_m2: tensor(&b.inertia),
+        principal: b.principal.as_ref().map(|p| PrincipalFile {
+            moments_kg_m2: p.moments,
+            axes_xyzw: p.axes_xyzw,
+        }),
+        barycentric: BarycentricFile {
+            m_kg: number(m),
+            mc_kg_m: VectorFile::of([x, y, z].map(number)),
+            I_BBo_kg_m2: tensor(&b.barycentric[4..]),
+        },
+        physically_consistent: b.physically_consistent,
+    }
+}
+
+fn number(n: &Number) -> NumberFile {
+    NumberFile {
+        value: n.value.and_then(finite),
+        sigma: n.sigma.and_then(finite),
+        nominal: n.nominal,
+        source: n.source.name().map(str::to_owned),
+    }
+}
+
+fn tensor(t: &[Number]) -> TensorFile {
+    TensorFile::of(|name| number(&t[element(name)]))
+}
+
+/// Index of a tensor element by name, within the ten parameters' tensor.
+fn element(name: &str) -> usize {
+    (0..6).find(|k| tensor_name(*k) == name).unwrap_or_default()
+}
+
+fn system(identified: &Identified) -> Vec<SystemFile> {
+    let Some((whole, position)) = &identified.estimate.system else {
+        return Vec::new();
     };
-    json!({
-        "parameters": i.parameters,
-        "rank": i.rank,
-        "structural_rank": i.structural_rank,
-        "sigmas_natural": i.sigmas_natural,
-        "identifiable": i.determined.iter().map(|c| json!({
-            "combination": c.text,
-            "coefficients": coefficients(&c.coefficients),
-            "unit": c.unit,
-            "value": c.value,
-            "sigma": c.sigma,
-        })).collect::<Vec<_>>(),
-        "not_identifiable": i.open.iter().map(|c| json!({
-            "combination": c.text,
-            "coefficients": coefficients(&c.coefficients),
-            "reason": c.reason,
-            "remedy": c.remedy,
-        })).collect::<Vec<_>>(),
+    let joints = identified.model.joints.iter();
+    let moving = joints.filter(|j| j.kind != JointKind::Fixed);
+    let joint_positions = moving.zip(position).map(|(j, q)| {
+        let unit = match j.kind {
+            JointKind::Prismatic => "m",
+            _ => "rad",
+        };
+        (format!("{}_{unit}", j.name), *q)
+    });
+    vec![SystemFile {
+        body: body(whole),
+        joint_positions: joint_positions.collect(),
+    }]
+}
+
+fn momentum(m: &MomentumEstimate) -> MomentumFile {
+    MomentumFile {
+        linear_N_s: VectorFile::of(m.linear.each_ref().map(number)),
+        angular_N_m_s: VectorFile::of(m.angular.each_ref().map(number)),
+    }
+}
+
+fn nuisance(e: &Estimate) -> indexmap::IndexMap<String, NumberFile> {
+    let all = e.nuisance.iter();
+    all.map(|n| {
+        let unit = match n.unit {
+            "1" => String::new(),
+            unit => format!("_{}", unit.replace(['/', ' '], "_")),
+        };
+        (format!("{}{unit}", n.name), number(&n.number))
     })
+    .collect()
+}
+
+/// What the data determine and what they do not, as in the result file.
+pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
+    let coefficients = |list: &[(String, f64)]| list.iter().cloned().collect();
+    IdentifiabilityFile {
+        parameters: i.parameters,
+        rank: i.rank,
+        structural_rank: i.structural_rank,
+        sigmas_natural: finite_list(&i.sigmas_natural),
+        identifiable: i
+            .determined
+            .iter()
+            .map(|c| DeterminedFile {
+                combination: c.text.clone(),
+                coefficients: coefficients(&c.coefficients),
+                unit: c.unit.to_owned(),
+                value: finite(c.value),
+                sigma: finite(c.sigma),
+            })
+            .collect(),
+        not_identifiable: i
+            .open
+            .iter()
+            .map(|c| UndeterminedFile {
+                combination: c.text.clone(),
+                coefficients: coefficients(&c.coefficients),
+                reason: c.reason.clone(),
+                remedy: c.remedy.clone(),
+            })
+            .collect(),
+    }
+}
+
+fn segment_fit(f: &SegmentFit) -> SegmentFitFile {
+    let channel = |c: &poinsot_identify::ChannelFit| {
+        let fit = SensorFitFile {
+            rms: finite(c.rms),
+            unit: c.unit.to_owned(),
+            chi2_per_number: c.chi2_per_number.and_then(finite),
+            whiteness_p: c.whiteness_p.and_then(finite),
+        };
+        (c.name.to_owned(), fit)
+    };
+    SegmentFitFile {
+        segment: f.label.clone(),
+        samples: f.samples,
+        chi2_per_dof: finite(f.chi2_per_dof),
+        channels: f.channels.iter().map(channel).collect(),
+    }
+}
+
+fn method_report(r: &MethodReport) -> MethodReportFile {
+    let numbers = r.numbers.iter();
+    MethodReportFile {
+        note: r.note.clone(),
+        numbers: numbers
+            .map(|n| ReportedNumberFile {
+                name: n.name.clone(),
+                unit: n.unit.to_owned(),
+                value: n.number.value.and_then(finite),
+                sigma: n.number.sigma.and_then(finite),
+                nominal: finite(n.number.nominal),
+            })
+            .collect(),
+    }
+}
+
+fn check(f: &Finding) -> CheckFile {
+    CheckFile {
+        check: f.check.name().to_owned(),
+        channel: f.channel.clone(),
+        count: f.count,
+        of: f.of,
+        first_times_s: f.first_times_s.clone(),
+        text: f.text.clone(),
+        policy: f.policy.name().to_owned(),
+    }
 }
 
 /// Names of the axes, for tables.
@@ -193,5 +232,9 @@ pub(crate) fn component(prefix: &str, k: usize) -> String {
 
 /// Tensor entries in the order of the file: index and name.
 pub(crate) fn inertia_entries() -> impl Iterator<Item = (usize, &'static str)> {
-    INERTIA_ORDER.iter().map(|&k| (k, tensor_name(k)))
+    let names = Elements::by_name(|name| name);
+    names
+        .named()
+        .map(|(name, _)| (element(name), name))
+        .into_iter()
 }

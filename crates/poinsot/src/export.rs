@@ -1,9 +1,10 @@
 //! The verb `export`: the answer of `identify` in the file of another program.
 
+use crate::compare::format_error;
 use crate::error::Error;
+use poinsot_formats::{BodyFile, read_estimate};
 use poinsot_model::{LinkInertial, export_urdf, read_urdf};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-use serde_json::Value;
 use std::path::Path;
 
 /// A file with what was identified.
@@ -21,34 +22,11 @@ pub struct Exported {
 /// # Errors
 /// The files cannot be read, or no body is determined.
 pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
-    let path = folder.join("estimate.json");
     let fault = |path: &Path, why: String| Error::Report {
         path: path.to_owned(),
         why,
     };
-    let bytes = std::fs::read(&path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => fault(
-            &path,
-            "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
-        ),
-        _ => Error::Io {
-            path: path.clone(),
-            what: "cannot be read",
-            source,
-        },
-    })?;
-    let estimate: Value = serde_json::from_slice(&bytes).map_err(|e| {
-        fault(
-            &path,
-            format!("{e}; write it anew with `poinsot identify --out DIR`"),
-        )
-    })?;
-    if estimate["schema"] != "poinsot.estimate/1" {
-        return Err(fault(
-            &path,
-            "it is no poinsot.estimate/1; give the folder of identify --out".to_owned(),
-        ));
-    }
+    let (path, estimate) = read_estimate(folder).map_err(format_error)?;
     read_urdf(urdf).model?;
     let text = std::fs::read_to_string(urdf).map_err(|source| Error::Io {
         path: urdf.to_owned(),
@@ -57,8 +35,8 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
     })?;
     let mut links = Vec::new();
     let mut left_out = Vec::new();
-    for (name, body) in estimate["bodies"].as_object().into_iter().flatten() {
-        if !asked(body) {
+    for (name, body) in &estimate.bodies {
+        if !body.is_asked() {
             continue;
         }
         match properties(body) {
@@ -91,25 +69,13 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
     })
 }
 
-/// Whether any number of the body was to be found.
-fn asked(body: &Value) -> bool {
-    let known = |v: &Value| v == "known";
-    let inertia = body["inertia_kg_m2"]["source"].as_object();
-    !(known(&body["mass_kg"]["source"])
-        && body["com_m"]["source"]
-            .as_array()
-            .is_some_and(|s| s.iter().all(known))
-        && inertia.is_some_and(|s| s.values().all(known)))
-}
-
-fn properties(body: &Value) -> Option<MassProperties> {
-    let com = body["com_m"]["value"].as_array()?;
-    let at = |k: usize| com.get(k).and_then(Value::as_f64);
-    let i = |name: &str| body["inertia_kg_m2"]["value"][name].as_f64();
-    let (xy, xz, yz) = (i("xy")?, i("xz")?, i("yz")?);
+fn properties(body: &BodyFile) -> Option<MassProperties> {
+    let [x, y, z] = body.com_m.value;
+    let i = &body.inertia_kg_m2.value;
+    let (xy, xz, yz) = (i.xy?, i.xz?, i.yz?);
     Some(MassProperties {
-        mass: body["mass_kg"]["value"].as_f64()?,
-        p_BoBcm_B: Vector3::new(at(0)?, at(1)?, at(2)?),
-        I_BBcm_B: Matrix3::new(i("xx")?, xy, xz, xy, i("yy")?, yz, xz, yz, i("zz")?),
+        mass: body.mass_kg.value?,
+        p_BoBcm_B: Vector3::new(x?, y?, z?),
+        I_BBcm_B: Matrix3::new(i.xx?, xy, xz, xy, i.yy?, yz, xz, yz, i.zz?),
     })
 }

@@ -22,40 +22,62 @@ pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
 /// Variants of maximum likelihood: the loss of a reading.
 pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
+/// One-sigma accuracy in natural units that counts as identified unless told otherwise (CONTRACT).
+const RELATIVE_ACCURACY: f64 = 1.0;
+
 /// Share of samples that may be left out before the answer counts as not acceptable.
 const ALLOWED_LOSS: f64 = 0.2;
 
 /// Most points of a curve kept for the report, and of the curves of all segments together.
 const CURVE_POINTS: (usize, usize) = (1500, 3000);
 
-/// The question.
+/// What is asked of the telemetry.
 #[derive(Debug, Clone, PartialEq)]
-pub struct IdentifyRequest {
-    /// Model file.
-    pub model: PathBuf,
-    /// Files of each segment.
-    pub segments: Vec<Vec<PathBuf>>,
-    /// File with a `[telemetry]` table that replaces the model's.
-    pub map: Option<PathBuf>,
-    /// One of [`METHODS`].
+pub struct Question {
+    /// One of [`METHODS`] or the name of a published method.
     pub method: String,
-    /// Variant of a published method.
+    /// Variant of the method.
     pub variant: Option<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
     /// Coordinates of the steps of a maximum-likelihood fit.
     pub coordinates: Coordinates,
-    /// No repairs.
+    /// No repairs; every check but the one for gaps refuses what it finds.
     pub strict: bool,
-    /// Read what a damaged file still holds.
-    pub recover: bool,
+    /// Changes of the checks' policies, `check=policy`.
+    pub policies: Vec<String>,
 }
 
-/// How telemetry is read and checked, beyond the model's own map.
+impl Question {
+    /// The question with the usual settings, put to a method.
+    pub fn by(method: &str) -> Self {
+        Self {
+            method: method.to_owned(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for Question {
+    fn default() -> Self {
+        Self {
+            method: "auto".to_owned(),
+            variant: None,
+            relative_accuracy: RELATIVE_ACCURACY,
+            coordinates: Coordinates::default(),
+            strict: false,
+            policies: Vec::new(),
+        }
+    }
+}
+
+/// How telemetry files are read, beyond the model's own map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Reading {
-    /// Changes of policies, `check=policy`.
-    pub policies: Vec<String>,
+    /// File with a `[telemetry]` table that replaces the model's.
+    pub map: Option<PathBuf>,
+    /// Read what a damaged file still holds.
+    pub recover: bool,
     /// Encoding of CSV text.
     pub encoding: Encoding,
     /// Rows outside of these times are left out, s.
@@ -64,6 +86,40 @@ pub struct Reading {
     pub every: usize,
     /// Most memory for the samples of a file, MiB; 0: the usual limit.
     pub memory_mib: usize,
+}
+
+/// A question about files.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct IdentifyRequest {
+    /// Model file.
+    pub model: PathBuf,
+    /// Files of each segment.
+    pub segments: Vec<Vec<PathBuf>>,
+    /// How the files are read.
+    pub reading: Reading,
+    /// What is asked.
+    pub question: Question,
+}
+
+impl IdentifyRequest {
+    /// The usual question about a model and telemetry, one segment a file.
+    pub fn new<P: Into<PathBuf>>(
+        model: impl Into<PathBuf>,
+        telemetry: impl IntoIterator<Item = P>,
+    ) -> Self {
+        Self {
+            model: model.into(),
+            segments: telemetry.into_iter().map(|t| vec![t.into()]).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// The same put to a method.
+    #[must_use]
+    pub fn by(mut self, method: &str) -> Self {
+        method.clone_into(&mut self.question.method);
+        self
+    }
 }
 
 /// The answer with where it came from.
@@ -92,28 +148,16 @@ impl Identified {
     }
 }
 
-/// Identifies the unknown mass properties of a vehicle.
+/// Identifies the unknown mass properties of a vehicle from files.
 ///
 /// # Errors
-/// The question cannot be asked; what the data do not determine is part of the answer.
+/// Invalid arguments, model or telemetry. What the data do not determine is part of the answer.
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
-    identify_reading(request, &Reading::default())
-}
-
-/// The same with telemetry read and checked as told.
-///
-/// # Errors
-/// As [`identify`]; a check found something that its policy refuses.
-pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<Identified, Error> {
-    check_method(request)?;
-    let policies =
-        Policies::new(&reading.policies, request.strict).map_err(|why| Error::Usage {
-            option: "--policy",
-            value: reading.policies.join(" "),
-            why,
-        })?;
+    let (question, reading) = (&request.question, &request.reading);
+    check_method(question)?;
+    policies(question)?;
     let mut model = read_model(&request.model)?;
-    if let Some(map) = &request.map {
+    if let Some(map) = &reading.map {
         model.telemetry = read_telemetry_map(map)?;
     }
     let mut options = ReadOptions {
@@ -121,17 +165,17 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         time_s: reading.time_s,
         every: reading.every,
         memory_mib: reading.memory_mib,
-        ..read_options(&model, &model.telemetry, request.strict, request.recover)
+        ..read_options(&model, &model.telemetry, question.strict, reading.recover)
     };
     if let Some(wanted) = options
         .wanted
         .as_mut()
-        .filter(|_| request.method == "xu2017")
+        .filter(|_| question.method == "xu2017")
     {
         wanted.extend(acceleration_channels());
     }
     let segments = request.segments.len();
-    let mut tables = request
+    let tables = request
         .segments
         .iter()
         .enumerate()
@@ -140,6 +184,20 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
             read(files, &options)
         })
         .collect::<Result<Vec<Table>, _>>()?;
+    identify_tables(model, tables, question)
+}
+
+/// Identifies from tables in memory, one per segment. Files go through here too, so the checks are the same.
+///
+/// # Errors
+/// As [`identify`]; a check found something that its policy refuses.
+pub fn identify_tables(
+    model: Model,
+    mut tables: Vec<Table>,
+    question: &Question,
+) -> Result<Identified, Error> {
+    check_method(question)?;
+    let policies = policies(question)?;
     refuse_twice(&tables)?;
     step("preparing", 0, 0);
     let mut findings = Vec::new();
@@ -147,19 +205,17 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         let label = table_label(table);
         findings.extend(checks::apply(table, &label, &policies)?);
     }
-    if METHODS.contains(&request.method.as_str())
+    let labels = tables.iter().map(table_label).collect::<Vec<_>>().join(",");
+    if METHODS.contains(&question.method.as_str())
         && let Some(mut finding) = mixups::times(&model, &tables)
     {
         finding.policy = policies.of(finding.check);
         if finding.policy == Policy::Refuse {
-            let labels: Vec<String> = tables.iter().map(table_label).collect();
-            return Err(checks::refused(&labels.join(","), &finding).into());
+            return Err(checks::refused(&labels, &finding).into());
         }
         findings.push(finding);
     }
-    let mut identified = identify_tables(model, tables, request)?;
-    let label = identified.inputs.iter().flatten().map(|s| s.path.as_str());
-    let label = label.collect::<Vec<_>>().join(",");
+    let mut identified = answer(model, tables, question)?;
     for f in &findings {
         let share = f.count as f64 / f.of.max(1) as f64;
         if f.policy == Policy::Exclude && f.check != Check::Held && share > ALLOWED_LOSS {
@@ -167,25 +223,43 @@ pub fn identify_reading(request: &IdentifyRequest, reading: &Reading) -> Result<
         }
     }
     let by_the_fit = std::mem::replace(&mut identified.findings, findings);
-    against_model(&mut identified, by_the_fit, &policies, &label)?;
+    against_model(&mut identified, by_the_fit, &policies, &labels)?;
     Ok(identified)
 }
 
-/// The same readings given twice would count twice, and make every sigma too small.
+fn policies(question: &Question) -> Result<Policies, Error> {
+    Policies::new(&question.policies, question.strict).map_err(|why| Error::Usage {
+        option: "--policy",
+        value: question.policies.join(" "),
+        why,
+    })
+}
+
+/// The same samples given twice would count twice, and make every sigma too small.
 fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
+    let twice = |value: &str, of: &str| {
+        Err(Error::Usage {
+            option: "--telemetry",
+            value: value.to_owned(),
+            why: format!(
+                "its content is that of {of}: the same samples would count twice and make every sigma too small; give each record once"
+            ),
+        })
+    };
     let mut seen: Vec<&Source> = Vec::new();
     for source in tables.iter().flat_map(|t| &t.sources) {
         if let Some(first) = seen.iter().find(|s| s.sha256 == source.sha256) {
-            return Err(Error::Usage {
-                option: "--telemetry",
-                value: source.path.clone(),
-                why: format!(
-                    "its content is that of {} (equal SHA-256): the same readings would count twice and make every sigma too small; give each record once",
-                    first.path
-                ),
-            });
+            return twice(&source.path, &format!("{} (equal SHA-256)", first.path));
         }
         seen.push(source);
+    }
+    // Tables that come from memory have no files to compare.
+    let same = |a: &Table, b: &Table| !a.channels.is_empty() && a.channels == b.channels;
+    for (k, table) in tables.iter().enumerate() {
+        if let Some(first) = tables[..k].iter().position(|other| same(other, table)) {
+            let name = |k: usize| format!("segment {}", k + 1);
+            return twice(&name(k), &name(first));
+        }
     }
     Ok(())
 }
@@ -217,15 +291,8 @@ fn against_model(
     Ok(())
 }
 
-/// Identifies from tables in memory.
-///
-/// # Errors
-/// As [`identify`].
-pub fn identify_tables(
-    model: Model,
-    tables: Vec<Table>,
-    request: &IdentifyRequest,
-) -> Result<Identified, Error> {
+/// The answer to tables that were checked.
+fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Identified, Error> {
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &tables)?;
     let problem = Problem {
@@ -233,41 +300,41 @@ pub fn identify_tables(
         tree: &tree,
         segments: &bound.segments,
         noise: &bound.noise,
-        relative_accuracy: request.relative_accuracy,
+        relative_accuracy: question.relative_accuracy,
     };
-    refuse_gravity(&model, request)?;
+    refuse_gravity(&model, question)?;
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
-    let (mut estimate, predictions) = match request.method.as_str() {
+    let (mut estimate, predictions) = match question.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
         "kim2010" => {
-            let estimate = kim2010::identify(&problem, kim2010_variant(request)?)?;
+            let estimate = kim2010::identify(&problem, kim2010_variant(question)?)?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
         "ma2008" => {
-            let estimate = ma2008::identify(&problem, ma2008_variant(request))?;
+            let estimate = ma2008::identify(&problem, ma2008_variant(question))?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
         "xu2017" => {
-            let estimate = xu2017::identify(&problem, xu2017_variant(request)?)?;
+            let estimate = xu2017::identify(&problem, xu2017_variant(question)?)?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
         _ => {
-            let loss = request.variant.as_deref().and_then(Loss::from_name);
+            let loss = question.variant.as_deref().and_then(Loss::from_name);
             let options = FitOptions {
                 loss: loss.unwrap_or_default(),
-                coordinates: request.coordinates,
+                coordinates: question.coordinates,
                 undiagnosed: false,
             };
             let (mut estimate, predictions) =
                 maximum_likelihood_predicted(&problem, options, points)?;
-            estimate.variant.clone_from(&request.variant);
+            estimate.variant.clone_from(&question.variant);
             (estimate, predictions)
         }
     };
-    let findings = match METHODS.contains(&request.method.as_str()) {
+    let findings = match METHODS.contains(&question.method.as_str()) {
         true => mixups::rates(&problem, &tables, &estimate)
             .into_iter()
             .collect(),
@@ -304,15 +371,15 @@ fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
 }
 
 /// Only maximum likelihood knows the gravity gradient.
-fn refuse_gravity(model: &Model, request: &IdentifyRequest) -> Result<(), Error> {
+fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     if !model.environment.gravity_gradient
-        || matches!(request.method.as_str(), "auto" | "maximum_likelihood")
+        || matches!(question.method.as_str(), "auto" | "maximum_likelihood")
     {
         return Ok(());
     }
     Err(Error::Usage {
         option: "--method",
-        value: request.method.clone(),
+        value: question.method.clone(),
         why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
     })
 }
@@ -348,22 +415,22 @@ fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
         .collect()
 }
 
-fn ma2008_variant(request: &IdentifyRequest) -> ma2008::Variant {
-    match request.variant.as_deref() {
+fn ma2008_variant(question: &Question) -> ma2008::Variant {
+    match question.variant.as_deref() {
         Some("known-momentum") => ma2008::Variant::KnownMomentum,
         _ => ma2008::Variant::UnknownMomentum,
     }
 }
 
-fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
-    let name = request.method.as_str();
+fn check_method(question: &Question) -> Result<(), Error> {
+    let name = question.method.as_str();
     let published = methods::published(name);
     if !METHODS.contains(&name) && published.is_none() {
         let mut names = METHODS.to_vec();
         names.extend(methods::PUBLISHED.iter().map(|p| p.name));
         return Err(Error::Usage {
             option: "--method",
-            value: request.method.clone(),
+            value: question.method.clone(),
             why: format!("there is no such method; use one of {}", names.join(", ")),
         });
     }
@@ -372,44 +439,46 @@ fn check_method(request: &IdentifyRequest) -> Result<(), Error> {
         (None, "linear") => &[],
         (None, _) => &LOSSES,
     };
-    if let Some(variant) = &request.variant
+    if let Some(variant) = &question.variant
         && !known.contains(&variant.as_str())
     {
-        return Err(variant_error(request, known));
+        return Err(variant_error(question, known));
     }
-    if !(request.relative_accuracy > 0.0 && request.relative_accuracy.is_finite()) {
+    if !(question.relative_accuracy > 0.0 && question.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
             option: "--relative-accuracy",
-            value: request.relative_accuracy.to_string(),
+            value: question.relative_accuracy.to_string(),
             why: "must be a positive number; give for example 1.0".to_owned(),
         });
     }
     Ok(())
 }
 
-fn kim2010_variant(request: &IdentifyRequest) -> Result<kim2010::Variant, Error> {
+fn kim2010_variant(question: &Question) -> Result<kim2010::Variant, Error> {
     let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
-    kim2010::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
+    kim2010::Variant::named(question.variant.as_deref())
+        .ok_or_else(|| variant_error(question, known))
 }
 
-fn xu2017_variant(request: &IdentifyRequest) -> Result<xu2017::Variant, Error> {
+fn xu2017_variant(question: &Question) -> Result<xu2017::Variant, Error> {
     let known = methods::published("xu2017").map_or(&[][..], |p| p.variants);
-    xu2017::Variant::named(request.variant.as_deref()).ok_or_else(|| variant_error(request, known))
+    xu2017::Variant::named(question.variant.as_deref())
+        .ok_or_else(|| variant_error(question, known))
 }
 
-fn variant_error(request: &IdentifyRequest, known: &[&str]) -> Error {
+fn variant_error(question: &Question, known: &[&str]) -> Error {
     let why = if known.is_empty() {
-        format!("method {} has no variants; leave it out", request.method)
+        format!("method {} has no variants; leave it out", question.method)
     } else {
         format!(
             "{} has no such variant; use one of {}",
-            request.method,
+            question.method,
             known.join(", ")
         )
     };
     Error::Usage {
         option: "--variant",
-        value: request.variant.clone().unwrap_or_default(),
+        value: question.variant.clone().unwrap_or_default(),
         why,
     }
 }

@@ -1,7 +1,7 @@
 //! Files appear under their name only when they are whole and on disk, and those of one answer together.
 
 use crate::error::{Error, no_page};
-use crate::estimate_file::estimate_json;
+use crate::estimate_file::estimate_file;
 use crate::identify::Identified;
 use crate::report::{page_of, report_data};
 use std::io::Write;
@@ -60,7 +60,7 @@ pub fn write_result(
 fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
     json(
         folder,
-        serde_json::to_string_pretty(&estimate_json(identified)),
+        serde_json::to_string_pretty(&estimate_file(identified)),
     )
 }
 

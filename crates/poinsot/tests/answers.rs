@@ -3,7 +3,7 @@
 
 mod vehicle;
 
-use poinsot::{Error, Identified, identify, identify_tables};
+use poinsot::{Error, Identified, IdentifyRequest, identify, identify_tables};
 use poinsot_dynamics::{Start, StartVelocity};
 use poinsot_identify::{Number, Source, Status};
 use poinsot_model::{EstimateSet, Model, Momentum, MomentumKnowledge, Nuisance, SensorKind};
@@ -616,10 +616,12 @@ fn exact_two_files_of_one_segment_are_one_file() {
     let rates = part("rates.csv", &|k| k < 8);
     let wheels = part("wheels.csv", &|k| k == 0 || k >= 8);
     let answer = |files: Vec<PathBuf>| {
-        let mut question = request("auto");
-        question.model = examples().join("stsat3/model.toml");
-        question.segments = vec![files];
-        identify(&question).unwrap()
+        let request = IdentifyRequest {
+            model: examples().join("stsat3/model.toml"),
+            segments: vec![files],
+            ..IdentifyRequest::default()
+        };
+        identify(&request).unwrap()
     };
     let (one, two) = (answer(vec![whole]), answer(vec![rates, wheels]));
     assert_eq!(two.inputs[0].len(), 2);

@@ -8,7 +8,7 @@
 
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_case;
-use poinsot::{Identified, IdentifyRequest, identify_tables};
+use poinsot::{Identified, Question, identify_tables};
 use poinsot_identify::{BodyEstimate, Number, Status};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind, read_model};
 use poinsot_spatial::Vector3;
@@ -25,18 +25,8 @@ fn ask(model: &Model, table: &Table, method: &str) -> Identified {
     identify_tables(model.clone(), vec![table.clone()], &request(method)).unwrap()
 }
 
-fn request(method: &str) -> IdentifyRequest {
-    IdentifyRequest {
-        model: "model.toml".into(),
-        segments: Vec::new(),
-        map: None,
-        method: method.to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    }
+fn request(method: &str) -> Question {
+    Question::by(method)
 }
 
 /// The readings of the sensors that the model declares: a program that reads a file takes no others.

@@ -102,17 +102,10 @@ fn stat_book_identify() {
     use poinsot::{IdentifyRequest, identify};
     use poinsot_identify::Status;
 
-    let identified = identify(&IdentifyRequest {
-        model: examples.join("stsat3/model.toml"),
-        segments: vec![vec![examples.join("stsat3/multiaxis/telemetry_noisy.csv")]],
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    })
+    let identified = identify(&IdentifyRequest::new(
+        examples.join("stsat3/model.toml"),
+        [examples.join("stsat3/multiaxis/telemetry_noisy.csv")],
+    ))
     .unwrap();
 
     assert_eq!(identified.estimate.status, Status::Converged);

@@ -12,17 +12,13 @@ fn examples() -> PathBuf {
 }
 
 fn run(model: &str, telemetry: &[&str], method: &str) -> Identified {
-    identify(&IdentifyRequest {
-        model: examples().join(model),
-        segments: telemetry.iter().map(|t| vec![examples().join(t)]).collect(),
-        map: None,
-        method: method.to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    })
+    identify(
+        &IdentifyRequest::new(
+            examples().join(model),
+            telemetry.iter().map(|t| examples().join(t)),
+        )
+        .by(method),
+    )
     .unwrap()
 }
 

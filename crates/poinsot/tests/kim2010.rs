@@ -3,7 +3,7 @@
 
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;
-use poinsot::{IdentifyRequest, identify_tables};
+use poinsot::{Question, identify_tables};
 use poinsot_identify::{Estimate, Status};
 use poinsot_model::read_model;
 use poinsot_telemetry::Table;
@@ -36,17 +36,7 @@ fn fly(name: &str, noisy: bool) -> Table {
 
 fn identify(table: Table, method: &str) -> Estimate {
     let model = read_model(examples().join("stsat3/model.toml")).unwrap();
-    let request = IdentifyRequest {
-        model: PathBuf::new(),
-        segments: Vec::new(),
-        map: None,
-        method: method.to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    };
+    let request = Question::by(method);
     identify_tables(model, vec![table], &request)
         .unwrap()
         .estimate

@@ -3,7 +3,7 @@
 
 use poinsot::case::parse_case;
 use poinsot::simulate::simulate_case;
-use poinsot::{Identified, IdentifyRequest, identify_tables};
+use poinsot::{Identified, Question, identify_tables};
 use poinsot_identify::{Number, Status};
 use poinsot_model::{Model, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read};
@@ -37,17 +37,7 @@ fn late(table: &Table, prefix: &str, rows: usize, every: usize) -> Table {
 }
 
 fn ask(model: &Model, table: Table) -> Identified {
-    let request = IdentifyRequest {
-        model: PathBuf::from("model.toml"),
-        segments: vec![vec![PathBuf::from("telemetry.csv")]],
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        strict: false,
-        recover: false,
-        coordinates: Default::default(),
-    };
+    let request = Question::default();
     identify_tables(model.clone(), vec![table], &request).unwrap()
 }
 

@@ -1,7 +1,7 @@
 //! Records without attitude whose columns or times are not what they are called.
 #![allow(clippy::unwrap_used)]
 
-use poinsot::{IdentifyRequest, identify, identify_tables};
+use poinsot::{Error, Identified, IdentifyRequest, Question, identify, identify_tables};
 use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read, write};
 use std::path::{Path, PathBuf};
@@ -26,18 +26,8 @@ fn gyro_and_wheels() -> Table {
     table
 }
 
-fn request() -> IdentifyRequest {
-    IdentifyRequest {
-        model: examples().join("model.toml"),
-        segments: vec![vec![PathBuf::from("telemetry.parquet")]],
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        strict: false,
-        recover: false,
-        coordinates: Default::default(),
-    }
+fn refusal(answer: Result<Identified, Error>) -> String {
+    answer.map_or_else(|e| e.to_string(), |_| "answered".to_owned())
 }
 
 fn rename(table: &mut Table, from: &str, to: &str) {
@@ -52,10 +42,9 @@ fn stat_exchanged_gyro_axes_are_named_as_such() {
     rename(&mut table, "omega_x", "held");
     rename(&mut table, "omega_y", "omega_x");
     rename(&mut table, "held", "omega_y");
-    let found = identify_tables(model(), vec![table], &request()).unwrap();
-    let said: Vec<&str> = found.findings.iter().map(|f| f.text.as_str()).collect();
+    let said = refusal(identify_tables(model(), vec![table], &Question::default()));
     let right = "the data contradict the model, and fit it as body rates whose x, y, z stand in the columns omega_y, omega_x, omega_z";
-    assert_eq!(said, [right]);
+    assert!(said.contains(right), "{said}");
 }
 
 /// A model that no reading of the rates makes right: nothing is said of their unit.
@@ -64,7 +53,7 @@ fn stat_a_wrong_wheel_axis_is_not_called_a_unit() {
     let mut model = model();
     let tilt = nalgebra::Vector3::new(0.8, 0.6, 0.0);
     model.wheels[0].axis_B = tilt;
-    let found = identify_tables(model, vec![gyro_and_wheels()], &request()).unwrap();
+    let found = identify_tables(model, vec![gyro_and_wheels()], &Question::default()).unwrap();
     let said: Vec<&str> = found.findings.iter().map(|f| f.text.as_str()).collect();
     assert!(said.is_empty(), "{said:?}");
 }
@@ -79,12 +68,8 @@ fn stat_times_in_milliseconds_are_refused_before_the_fit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("telemetry.parquet");
     write(&path, &table.channels).unwrap();
-    let mut request = request();
-    request.segments = vec![vec![path]];
-    let error = match identify(&request) {
-        Err(error) => error.to_string(),
-        Ok(_) => unreachable!("times in ms were taken as seconds"),
-    };
+    let request = IdentifyRequest::new(examples().join("model.toml"), [path]);
+    let error = refusal(identify(&request));
     assert!(error.contains("E0220"), "{error}");
     assert!(error.contains("times in ms that are read as s"), "{error}");
 }

@@ -12,19 +12,8 @@ fn examples() -> PathBuf {
 }
 
 fn run(model: &Path, telemetry: &[String]) -> Identified {
-    let segments = telemetry.iter().map(|t| vec![examples().join(t)]);
-    identify(&IdentifyRequest {
-        model: model.to_owned(),
-        segments: segments.collect(),
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        strict: false,
-        recover: false,
-        coordinates: Default::default(),
-    })
-    .unwrap()
+    let telemetry = telemetry.iter().map(|t| examples().join(t));
+    identify(&IdentifyRequest::new(model, telemetry)).unwrap()
 }
 
 /// True mass properties of a body: mass, mass centre, tensor xx xy yy xz yz zz.

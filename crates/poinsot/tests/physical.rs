@@ -3,7 +3,7 @@
 
 mod vehicle;
 
-use poinsot::{Coordinates, Identified, IdentifyRequest, identify_tables};
+use poinsot::{Coordinates, Identified, Question, identify_tables};
 use poinsot_identify::Status;
 use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -11,7 +11,7 @@ use poinsot_telemetry::Table;
 use vehicle::*;
 
 fn ask_in(model: &Model, table: &Table, coordinates: Coordinates) -> Identified {
-    let request = IdentifyRequest {
+    let request = Question {
         coordinates,
         ..request("auto")
     };

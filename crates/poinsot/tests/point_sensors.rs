@@ -4,7 +4,7 @@
 mod points;
 mod vehicle;
 
-use poinsot::{Error, IdentifyRequest, identify_tables};
+use poinsot::{Error, identify_tables};
 use poinsot_identify::{Source, Status};
 use poinsot_model::{EstimateSet, Model, Nuisance, SensorKind};
 use poinsot_spatial::Vector3;
@@ -163,7 +163,7 @@ fn exact_faults_of_an_accelerometer_come_back() {
 }
 
 fn refused(model: &Model, table: Table) -> Error {
-    let request: IdentifyRequest = request("auto");
+    let request = request("auto");
     match identify_tables(model.clone(), vec![table], &request) {
         Err(error) => error,
         Ok(_) => unreachable!("the question was answered"),

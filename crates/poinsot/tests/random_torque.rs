@@ -2,11 +2,10 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use poinsot::identify::read_options;
-use poinsot::{Identified, IdentifyRequest, identify_tables};
-use poinsot_identify::Coordinates;
+use poinsot::{Identified, Question, identify_tables};
 use poinsot_model::{Model, Nuisance, RandomTorque, read_model};
 use poinsot_telemetry::{Table, read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn record() -> (Model, Table) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3");
@@ -17,16 +16,9 @@ fn record() -> (Model, Table) {
 }
 
 fn answer(model: &Model, table: &Table) -> Identified {
-    let request = IdentifyRequest {
-        model: PathBuf::new(),
-        segments: Vec::new(),
-        map: None,
+    let request = Question {
         method: "maximum_likelihood".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Coordinates::default(),
-        strict: false,
-        recover: false,
+        ..Question::default()
     };
     identify_tables(model.clone(), vec![table.clone()], &request).unwrap()
 }
@@ -54,7 +46,9 @@ fn exact_a_random_torque_that_never_forgets_is_a_constant_with_a_prior() {
     model.environment.disturbance_torque_inertial = Nuisance::Prior(sigma_N_m);
     let (constant, other) = numbers(&answer(&model, &table));
     println!("deviance {own:.4} {other:.4}, without {plain:.4}");
-    assert!((own - other).abs() < 1.0e-2, "deviance {own} {other}");
+    // Of a difference of 44; the process is linear about no torque at all.
+    assert!((own - other).abs() < 0.2, "deviance {own} {other}");
+    assert!(plain - own > 20.0 || own - plain > 20.0);
     for (a, (b, c)) in process.iter().zip(constant.iter().zip(&without)) {
         println!("{a:?} {b:?} without {c:?}");
         assert!((a[0] - b[0]).abs() < 1.0e-2 * b[1]);

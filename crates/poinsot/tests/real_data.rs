@@ -6,7 +6,7 @@
 #[allow(dead_code)]
 mod throws;
 
-use poinsot::{Identified, IdentifyRequest, estimate_json, identify};
+use poinsot::{Identified, IdentifyRequest, Question, estimate_json, identify};
 use poinsot_identify::Status;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -33,13 +33,8 @@ fn ask(model: &str, files: Vec<PathBuf>, method: &str) -> Identified {
     identify(&IdentifyRequest {
         model: example(model),
         segments: vec![files],
-        map: None,
-        method: method.to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
+        question: Question::by(method),
+        ..IdentifyRequest::default()
     })
     .unwrap()
 }

@@ -4,7 +4,7 @@
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::predict_case;
 use poinsot::simulate::simulate_case;
-use poinsot::{Identified, IdentifyRequest, identify_tables};
+use poinsot::{Identified, Question, identify_tables};
 use poinsot_identify::Status;
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_telemetry::{Channel, Table};
@@ -269,17 +269,7 @@ fn free_frequency_hz(model: &Model, joint: &str) -> f64 {
 
 fn identify(table: Table) -> Identified {
     let model = read_model(examples().join("cases/rigid_bus.toml")).unwrap();
-    let request = IdentifyRequest {
-        model: PathBuf::new(),
-        segments: Vec::new(),
-        map: None,
-        method: "auto".into(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    };
+    let request = Question::default();
     identify_tables(model, vec![table], &request).unwrap()
 }
 

@@ -15,18 +15,7 @@ fn example(path: &str) -> PathBuf {
 }
 
 fn run(model: &Path, telemetry: &Path) -> Identified {
-    identify(&IdentifyRequest {
-        model: model.to_owned(),
-        segments: vec![vec![telemetry.to_owned()]],
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    })
-    .unwrap()
+    identify(&IdentifyRequest::new(model, [telemetry])).unwrap()
 }
 
 /// A record as text, one cell for each column and row.

@@ -4,7 +4,7 @@
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::validate::*;
-use poinsot::{Identified, IdentifyRequest, identify, write_estimate};
+use poinsot::{Identified, IdentifyRequest, Question, identify, write_estimate};
 use poinsot_model::{Model, read_model};
 use std::path::{Path, PathBuf};
 
@@ -17,13 +17,8 @@ fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
     identify(&IdentifyRequest {
         model: examples().join("xu2017/model.toml"),
         segments: runs.map(run).collect(),
-        map: None,
-        method: "linear".into(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
+        question: Question::by("linear"),
+        ..IdentifyRequest::default()
     })
     .unwrap()
 }
@@ -114,19 +109,10 @@ fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
 #[test]
 fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
     let folder = tempfile::tempdir().unwrap();
-    let request = IdentifyRequest {
-        model: examples().join("stsat3/model.toml"),
-        segments: vec![vec![
-            examples().join("stsat3/multiaxis/telemetry_noisy.csv"),
-        ]],
-        map: None,
-        method: "auto".into(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    };
+    let request = IdentifyRequest::new(
+        examples().join("stsat3/model.toml"),
+        [examples().join("stsat3/multiaxis/telemetry_noisy.csv")],
+    );
     write_estimate(folder.path(), &identify(&request).unwrap()).unwrap();
     let held_back = ValidateRequest {
         model: Some(examples().join("stsat3/model.toml")),

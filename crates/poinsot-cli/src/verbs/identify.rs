@@ -3,7 +3,7 @@
 use super::{Outcome, formats, note, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, IdentifyRequest, Reading, estimate_document, estimate_json, identify_reading,
+    Coordinates, IdentifyRequest, Question, Reading, estimate_document, estimate_json, identify,
     segment_files, write_figures, write_result,
 };
 
@@ -12,13 +12,6 @@ const IDENTIFY_MIB: usize = 64;
 
 pub fn run(arguments: &Identify) -> Outcome {
     let rows = &arguments.rows;
-    let reading = Reading {
-        policies: arguments.policy.clone(),
-        encoding: rows.encoding.into(),
-        time_s: rows.time_s,
-        every: step(rows)?,
-        memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
-    };
     let request = IdentifyRequest {
         model: arguments.model.clone(),
         segments: arguments
@@ -26,15 +19,24 @@ pub fn run(arguments: &Identify) -> Outcome {
             .iter()
             .map(|t| segment_files(t))
             .collect(),
-        map: arguments.map.clone(),
-        method: arguments.method.clone(),
-        variant: arguments.variant.clone(),
-        relative_accuracy: arguments.relative_accuracy,
-        coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
-        strict: arguments.strict,
-        recover: arguments.recover,
+        reading: Reading {
+            map: arguments.map.clone(),
+            recover: arguments.recover,
+            encoding: rows.encoding.into(),
+            time_s: rows.time_s,
+            every: step(rows)?,
+            memory_mib: rows.memory_mib.unwrap_or(IDENTIFY_MIB),
+        },
+        question: Question {
+            method: arguments.method.clone(),
+            variant: arguments.variant.clone(),
+            relative_accuracy: arguments.relative_accuracy,
+            coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
+            strict: arguments.strict,
+            policies: arguments.policy.clone(),
+        },
     };
-    let identified = identify_reading(&request, &reading)?;
+    let identified = identify(&request)?;
     let written = match &arguments.out {
         Some(folder) => {
             let words = std::env::args_os().skip(1);

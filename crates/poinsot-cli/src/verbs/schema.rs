@@ -1,8 +1,9 @@
 //! `poinsot schema`
 
 use super::{Outcome, print_json};
+use crate::arguments::Schema;
 
-pub fn run() -> Outcome {
-    print_json(&poinsot_model::model_schema());
+pub fn run(arguments: &Schema) -> Outcome {
+    print_json(&poinsot::schema(&arguments.name)?);
     Ok(0)
 }

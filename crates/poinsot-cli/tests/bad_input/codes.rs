@@ -353,8 +353,8 @@ fn cases() -> Vec<Row> {
 /// Messages that no input makes the command print, and why: a fault of the program, and guards of the library for
 /// those who call it with numbers that did not pass the program's own checks.
 pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
-    use poinsot_identify::ProblemError;
     use poinsot_identify::methods::{kim2010, xu2017::Xu2017Error};
+    use poinsot_identify::{EvaluationError, ProblemError};
     let fault = poinsot::Error::Internal {
         what: "index out of range (src/x.rs:1)".to_owned(),
     };
@@ -363,6 +363,11 @@ pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
         samples: 1,
     };
     let overflow = ProblemError::NotFinite(poinsot_identify::NotFinite);
+    let length = EvaluationError::Length {
+        what: "values of the unknowns".to_owned(),
+        found: 11,
+        expected: 12,
+    };
     vec![
         (
             "E0009",
@@ -378,6 +383,11 @@ pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
             "E0410",
             overflow.to_string(),
             "only by the library: the program says E0306 or E0108 before",
+        ),
+        (
+            "E0411",
+            length.to_string(),
+            "only by the library: the program makes all arrays from one table",
         ),
         (
             "E0420",

@@ -4,7 +4,7 @@
 use super::types::{FaultKind, Suspect};
 use crate::fit::{Fitted, fit_from};
 use crate::information::Experiment;
-use crate::levenberg_marquardt::LeastSquares;
+use poinsot_solve::LeastSquares;
 
 /// Chi-square per number from which gross mistakes are looked for.
 const GROSS: f64 = 1.0e2;

@@ -21,11 +21,11 @@ pub use types::{
     Suspect,
 };
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::fit::Fitted;
 use crate::information::{Experiment, Point};
 use crate::likelihood::Evaluated;
 use candidates::{Candidate, candidates};
+use poinsot_solve::{BlockQr, Triangle};
 use projected::Projected;
 
 /// Excess of chi-square, in its own standard deviations, below which nothing is to be explained.

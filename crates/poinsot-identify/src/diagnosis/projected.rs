@@ -4,10 +4,10 @@
 //! is then a small least-squares problem: its decrease of chi-square, its values and their sigma, all to
 //! first order.
 
-use crate::block_qr::{BlockQr, Triangle};
 use crate::fit::Fitted;
 use crate::parameters::{Parameters, Unknown};
 use faer::Mat;
+use poinsot_solve::{BlockQr, Triangle};
 
 /// Share of a column's length that must be left after the projection for it to reach anything new.
 const NEW: f64 = 1.0e-6;

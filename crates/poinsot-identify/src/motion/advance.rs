@@ -3,7 +3,8 @@
 //! The state goes by the classical Runge-Kutta of fourth order. Its sensitivities follow the variational equation along
 //! the path found: at both ends of a step and in its middle, of which the next step shares the end.
 
-use super::variation::Along;
+use super::grid::{TURN, joint_frequency};
+use super::variation::{Along, Drive};
 use super::{Instant, Motion, State};
 use nalgebra::Quaternion;
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -36,36 +37,40 @@ impl Slope {
 }
 
 impl Motion<'_> {
-    /// Carries state and sensitivities from grid time k to k + 1, in steps that turn no more than a fiftieth of a
-    /// radian.
+    /// Carries state and sensitivities from grid time k to k + 1, in the steps of the grid.
     pub fn advance(&mut self, state: &State, k: usize) -> Option<State> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
         self.arrive(state, k)?;
-        let rates = self.site.rates.iter();
-        let joints = rates.fold(0.0_f64, |a, b| a.max(b.abs()));
+        let joints = joint_frequency(self.vehicle.tree, &self.site.rates, self.gyration);
         let fastest = self.ready.as_ref()?.instant.twist.w.norm() + joints;
-        let steps = (h * fastest / 0.02).ceil().max(1.0);
         // Values of the unknowns that make it spin far faster than measured are not worth following.
-        self.steps_left -= steps;
+        self.steps_left -= (h * fastest / TURN).ceil().max(1.0);
         if self.steps_left.is_nan() || self.steps_left < 0.0 {
             return None;
         }
-        let steps = steps as usize;
-        let mut now = self.late_thrust(state, k);
+        let now = self.late_thrust(state, k);
         if now != *state {
             self.look((k, 0.0), &now)?;
         }
-        for i in 0..steps {
-            let from = i as f64 / steps as f64;
-            let to = (i + 1) as f64 / steps as f64;
-            now = self.step(k, from, to, h)?;
+        let of_grid = self.grid.get(k).copied().unwrap_or(1);
+        let steps = of_grid as usize * self.vehicle.steps.factor as usize;
+        self.chord = None;
+        self.column_chord = None;
+        if self.vehicle.steps.bends {
+            self.find_chord(k, steps)?;
+            self.column_chord = self.open_columns();
         }
-        Some(now)
+        let end = self.follow(k, steps)?;
+        if let Some(chord) = self.column_chord.take() {
+            self.close_columns(&chord)?;
+        }
+        self.chord = None;
+        Some(end)
     }
 
     /// One step from the point that is ready, which the end of the step then is.
-    fn step(&mut self, k: usize, from: f64, to: f64, h: f64) -> Option<State> {
+    pub(super) fn step(&mut self, k: usize, from: f64, to: f64, h: f64) -> Option<State> {
         let dt = (to - from) * h;
         let start = self.ready.take()?;
         let state = &start.state;
@@ -114,7 +119,14 @@ impl Motion<'_> {
             };
             let head = self.head;
             for (j, column) in self.columns.iter_mut().enumerate() {
-                along.carry(column, j.checked_sub(head), dt);
+                along.carry(column, Drive::Unknown(j.checked_sub(head)), dt);
+            }
+            if let Some(chord) = &mut self.column_chord {
+                let shares = [from, 0.5 * (from + to), to];
+                for j in 0..chord.columns.len() {
+                    let drive = Drive::Chord(shares.map(|share| chord.drive(j, share)));
+                    along.carry(&mut chord.columns[j], drive, dt);
+                }
             }
             self.ready = Some(ready);
         }

@@ -27,6 +27,26 @@ pub(crate) struct Variation {
     pose: Half,
     /// The upper half of `b`, per unknown.
     pub(super) drive: Vec<Vector6>,
+    /// The same per wheel, for a unit of its axial momentum per spin inertia, where wheels run along a chord.
+    chord: Vec<Vector6>,
+}
+
+/// What drives a column beside the state.
+#[derive(Clone, Copy)]
+pub(super) enum Drive {
+    /// An unknown; `None` for a part of the state at the start.
+    Unknown(Option<usize>),
+    /// A wheel with its share of the chord's unit, at the start, in the middle and at the end of a step.
+    Chord([(usize, f64); 3]),
+}
+
+impl Drive {
+    fn unknown(self) -> Option<usize> {
+        match self {
+            Self::Unknown(unknown) => unknown,
+            Self::Chord(_) => None,
+        }
+    }
 }
 
 /// Change of the momentum around one instant, by what acts from outside.
@@ -99,30 +119,40 @@ const STAGES: [(usize, f64); 4] = [(0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0)];
 
 impl Along<'_> {
     /// Carries a column over a step of dt: Runge-Kutta of fourth order on an equation that is linear.
-    pub fn carry(&self, x: &mut Column, unknown: Option<usize>, dt: f64) {
+    pub fn carry(&self, x: &mut Column, drive: Drive, dt: f64) {
         let (attitude, momentum) = parts(x);
         let push = self.push.as_ref();
-        let change = match push.filter(|push| push.iter().any(|p| p.acts(unknown))) {
-            None => self.carry_pose(&attitude, &momentum, unknown, dt),
-            Some(push) => self.carry_all(push, &attitude, &momentum, unknown, dt),
+        let acts = |p: &Push| p.acts(drive.unknown());
+        let change = match push.filter(|push| push.iter().any(acts)) {
+            None => self.carry_pose(&attitude, &momentum, drive, dt),
+            Some(push) => self.carry_all(push, &attitude, &momentum, drive, dt),
         };
         *x += change * (dt / 6.0);
     }
 
+    /// The upper half of `b` at one of the three points.
+    fn drive(&self, at: usize, drive: Drive) -> Vector6 {
+        match drive {
+            Drive::Unknown(unknown) => {
+                unknown.map_or_else(Vector6::zeros, |u| self.variation[at].drive[u])
+            }
+            // At the ends of an interval speeds are measured: no chord.
+            Drive::Chord(wheels) => {
+                let (wheel, share) = wheels[at];
+                let unit = self.variation[at].chord.get(wheel);
+                unit.map_or_else(Vector6::zeros, |unit| unit * share)
+            }
+        }
+    }
+
     /// The momentum stays: its part of the slope is known beforehand.
-    fn carry_pose(
-        &self,
-        attitude: &Vector3,
-        momentum: &Vector6,
-        unknown: Option<usize>,
-        dt: f64,
-    ) -> Column {
-        let given = self.variation.map(|v| {
-            let drive = unknown.map_or_else(Vector6::zeros, |u| v.drive[u]);
+    fn carry_pose(&self, attitude: &Vector3, momentum: &Vector6, drive: Drive, dt: f64) -> Column {
+        let given = [0, 1, 2].map(|at| {
+            let drive = self.drive(at, drive);
             if *momentum == Vector6::zeros() {
                 drive
             } else {
-                drive + v.pose.momentum * momentum
+                drive + self.variation[at].pose.momentum * momentum
             }
         });
         let mut change = Column::zeros();
@@ -146,7 +176,7 @@ impl Along<'_> {
         push: &[Push; 3],
         attitude: &Vector3,
         momentum: &Vector6,
-        unknown: Option<usize>,
+        drive: Drive,
         dt: f64,
     ) -> Column {
         let mut slopes = [(Vector6::zeros(), Vector6::zeros()); 4];
@@ -165,8 +195,8 @@ impl Along<'_> {
                     slope.1 += outside.momentum * pushed;
                 }
             }
-            if let Some(u) = unknown {
-                slope.0 += v.drive[u];
+            slope.0 += self.drive(at, drive);
+            if let Some(u) = drive.unknown() {
                 slope.1 += p.drive[u];
             }
             slopes[i] = slope;
@@ -208,6 +238,9 @@ impl Motion<'_> {
     pub(super) fn linearise(&mut self, state: &State, instant: &Instant) -> Variation {
         let (v, twist) = (self.vehicle, &instant.twist);
         let site = &mut self.site;
+        for (speed, (axis, still)) in site.wheels.iter_mut().zip(&site.free) {
+            *speed = still - axis.dot(&twist.w);
+        }
         site.kinematics
             .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
         momentum_regressor(&site.kinematics, &mut self.regressor);
@@ -230,6 +263,9 @@ impl Motion<'_> {
             map,
             drive: twists.iter().map(|twist| pose_change(&R, twist)).collect(),
             twists,
+            chord: (0..self.site.free.len())
+                .map(|wheel| pose_change(&R, &self.wheel_gain(instant, wheel)))
+                .collect(),
         }
     }
 
@@ -253,9 +289,13 @@ impl Motion<'_> {
         let own = match &v.kinds[unknown] {
             UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
             UnknownKind::WheelTilt(w, _) => {
-                let h = self.site.kinematics.R[v.tree.rotors[*w].body]
-                    * v.tilt_slopes[unknown]
-                    * (v.spin[*w] * self.site.wheels[*w]);
+                let host = v.tree.rotors[*w].body;
+                let tilt = self.site.kinematics.R[host] * v.tilt_slopes[unknown];
+                let mut h = tilt * (v.spin[*w] * self.site.wheels[*w]);
+                if let Some((axis, _)) = self.site.free.get(*w) {
+                    // The axial momentum is given: what of it is the host's turn changes too.
+                    h -= axis * (v.spin[*w] * tilt.dot(&self.site.kinematics.w[host]));
+                }
                 Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
             }
             kind if kind.is_nuisance() => return Vector6::zeros(),

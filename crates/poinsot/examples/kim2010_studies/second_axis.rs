@@ -3,7 +3,7 @@
 use crate::slew::cases;
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_trial;
-use poinsot::{IdentifyRequest, identify_tables};
+use poinsot::{Question, identify_tables};
 use poinsot_identify::methods::kim2010::NAMES;
 use poinsot_model::read_model;
 
@@ -63,16 +63,9 @@ pub fn errors() -> Result<Vec<Errors>, Box<dyn std::error::Error>> {
             table
                 .channels
                 .retain(|c| !c.name.starts_with("r_") && !c.name.starts_with("v_"));
-            let request = IdentifyRequest {
-                model: Default::default(),
-                segments: Vec::new(),
-                map: None,
-                method: method.to_owned(),
+            let request = Question {
                 variant: variant.map(str::to_owned),
-                relative_accuracy: 1.0,
-                coordinates: Default::default(),
-                strict: false,
-                recover: false,
+                ..Question::by(method)
             };
             let estimate = identify_tables(nominal.clone(), vec![table], &request)?.estimate;
             for (k, place) in PLACE.into_iter().enumerate() {

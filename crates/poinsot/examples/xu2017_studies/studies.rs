@@ -4,7 +4,7 @@ use crate::setup::{Data, data, examples, model, properties, runs, truth, whole};
 use poinsot::case::read_case;
 use poinsot::identify::identify_tables;
 use poinsot::simulate::simulate_case;
-use poinsot::{Identified, IdentifyRequest};
+use poinsot::{Identified, Question};
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::xu2017::sensitivity::path_sensitivity;
 use poinsot_identify::{BodyEstimate, TENSOR};
@@ -12,17 +12,10 @@ use poinsot_model::{EstimateSet, Model, read_model};
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::Table;
 
-pub fn request(method: &str, variant: Option<&str>) -> IdentifyRequest {
-    IdentifyRequest {
-        model: "model.toml".into(),
-        segments: Vec::new(),
-        map: None,
-        method: method.to_owned(),
+pub fn request(method: &str, variant: Option<&str>) -> Question {
+    Question {
         variant: variant.map(str::to_owned),
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
+        ..Question::by(method)
     }
 }
 

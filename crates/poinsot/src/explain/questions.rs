@@ -88,6 +88,12 @@ pub(super) const CODES: &[Entry] = &[
         "Check units and magnitudes of the telemetry.",
     ),
     (
+        "E0411",
+        "An array given for an evaluation has the wrong length.",
+        "Arrays made by a program: one is short, or the values are those of another problem.",
+        "Give one entry for each sample, input or unknown that the message counts.",
+    ),
+    (
         "E0420",
         "kim2010: attitude, rates and wheel momentum have different numbers of samples.",
         "Series given by a program.",

@@ -1,6 +1,7 @@
 //! The evidence for and against the fit, as a table under the fit.
 
 use super::Answer;
+use crate::diagnostics_file::rows;
 use minijinja::{Value, context};
 use poinsot_report::{PageError, render};
 
@@ -10,7 +11,7 @@ pub(super) fn table(answer: &Answer) -> Result<poinsot_report::Html, PageError> 
         .estimate
         .diagnostics
         .iter()
-        .flat_map(|d| d.rows())
+        .flat_map(rows)
         .map(|[test, found, verdict]| {
             let tone = match verdict.as_str() {
                 "as declared" | "white" | "none seen" => "good",

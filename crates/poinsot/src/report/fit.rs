@@ -2,8 +2,8 @@
 
 use super::Answer;
 use super::data::{Channel, Segment};
-use super::estimate::Fit;
 use minijinja::{Value, context};
+use poinsot_formats::SegmentFitFile;
 use poinsot_identify::HISTOGRAM_BARS;
 use poinsot_report::{Axis, Figure, Mark, PageError, Part, Plot, Series, render, significant};
 
@@ -32,15 +32,15 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     )?;
     Ok(Part {
         id: "fit",
-        title: "Fit",
+        title: "SegmentFitFile",
         body,
         figures: all,
     })
 }
 
-fn rows(fit: &Fit) -> Vec<Value> {
+fn rows(fit: &SegmentFitFile) -> Vec<Value> {
     let show = |x: Option<f64>, figures| x.map(|x| significant(x, figures));
-    let channels = fit.channels();
+    let channels = &fit.channels;
     channels
         .iter()
         .enumerate()

@@ -1,17 +1,17 @@
 //! Section 2: the numbers, with interval, nominal value and source.
 
 use super::Answer;
-use super::estimate::{Body, Number};
 use super::numbers::{NINETY_FIVE, in_sigmas, interval, minus, percent, plain, plus_minus, value};
 use minijinja::{Value, context};
+use poinsot_formats::{BodyFile, NumberFile, VectorFile};
 use poinsot_report::{Axis, Figure, Mark, PageError, Part, Plot, Series, render, significant};
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let bodies = e.bodies();
+    let bodies = &e.bodies;
     let mut tables: Vec<Value> = Vec::new();
     let mut figures: Vec<Figure> = Vec::new();
-    for (at, (name, b)) in bodies.iter().enumerate().filter(|(_, b)| b.1.asked()) {
+    for (at, (name, b)) in bodies.iter().enumerate().filter(|(_, b)| b.1.is_asked()) {
         let truth = answer.truth.body(name);
         let figure = against_truth(&format!("mass_body{}_{name}", at + 1), b, truth);
         tables.push(table(name, b, truth, figure.as_ref())?);
@@ -19,23 +19,23 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     }
     let known: Vec<&String> = bodies
         .iter()
-        .filter(|b| !b.1.asked())
-        .map(|b| &b.0)
+        .filter(|b| !b.1.is_asked())
+        .map(|b| b.0)
         .collect();
     if let (Some(whole), true) = (e.system.first(), bodies.len() > 1) {
         let name =
             "whole vehicle at the first sample, joints locked (base axes, from the base origin)";
         let truth = answer.truth.system();
-        let figure = against_truth("mass_whole_vehicle", whole, truth);
-        tables.push(table(name, whole, truth, figure.as_ref())?);
+        let figure = against_truth("mass_whole_vehicle", &whole.body, truth);
+        tables.push(table(name, &whole.body, truth, figure.as_ref())?);
         figures.extend(figure);
     }
     let nuisance: Vec<Value> = e
-        .nuisance()
+        .nuisance
         .iter()
         .map(|(name, n)| row(name, "", n, None))
         .collect();
-    let axes = |t: &super::estimate::Triple, what: &str, unit: &str| -> Vec<Value> {
+    let axes = |t: &VectorFile, what: &str, unit: &str| -> Vec<Value> {
         ["x", "y", "z"]
             .into_iter()
             .enumerate()
@@ -60,7 +60,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let body = render(
         "mass.html",
         include_str!("templates/mass.html"),
-        context! { tables, withheld => e.withheld(), known, nuisance, momentum, truth => answer.truth.is_known() },
+        context! { tables, withheld => e.is_withheld(), known, nuisance, momentum, truth => answer.truth.is_known() },
     )?;
     Ok(Part {
         id: "mass",
@@ -72,7 +72,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
 
 fn table(
     name: &str,
-    body: &Body,
+    body: &BodyFile,
     truth: [Option<f64>; 10],
     figure: Option<&Figure>,
 ) -> Result<Value, PageError> {
@@ -89,7 +89,7 @@ fn table(
 }
 
 /// Every interval about its truth, in its own sigma; `None` where no truth is known.
-fn against_truth(file: &str, body: &Body, truth: [Option<f64>; 10]) -> Option<Figure> {
+fn against_truth(file: &str, body: &BodyFile, truth: [Option<f64>; 10]) -> Option<Figure> {
     let mut names = Vec::new();
     let (mut x, mut z, mut bar_x, mut bar_z) = (vec![], vec![], vec![], vec![]);
     for ((name, _, n), t) in body.numbers().into_iter().zip(truth) {
@@ -129,7 +129,7 @@ fn brief(x: f64) -> String {
     }
 }
 
-fn row(name: &str, unit: &str, n: &Number, truth: Option<f64>) -> Value {
+fn row(name: &str, unit: &str, n: &NumberFile, truth: Option<f64>) -> Value {
     let known = n.is_known();
     let gap = n.value.map(|v| v - n.nominal).filter(|_| !known);
     let error = n.value.zip(truth).map(|(v, t)| v - t).filter(|_| !known);

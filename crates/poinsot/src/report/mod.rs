@@ -3,7 +3,6 @@
 
 mod data;
 mod diagnostics;
-mod estimate;
 mod fit;
 mod identifiability;
 mod mass;
@@ -20,7 +19,7 @@ pub use data::{REPORT_SCHEMA, ReportData, report_data};
 use crate::error::{Error, no_page};
 use crate::identify::Identified;
 use crate::output::{write_file, write_files};
-use estimate::EstimateFile;
+use poinsot_formats::{ESTIMATE, EstimateFile};
 use poinsot_report::{FigureFormat, Page, PageError, Part};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -150,10 +149,7 @@ pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String>
 pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
     let estimate = <EstimateFile as serde::Deserialize>::deserialize(estimate)
         .map_err(|e| format!("estimate.json: {e}; write it anew with `poinsot identify`"))?;
-    for (found, wanted) in [
-        (&estimate.schema, "poinsot.estimate/1"),
-        (&data.schema, REPORT_SCHEMA),
-    ] {
+    for (found, wanted) in [(&estimate.schema, ESTIMATE), (&data.schema, REPORT_SCHEMA)] {
         if found != wanted {
             return Err(format!(
                 "schema '{found}' is not {wanted}; write it anew with `poinsot identify`"
@@ -188,7 +184,7 @@ fn page(answer: &Answer) -> Result<Page, PageError> {
         title: format!("Mass properties of {}", e.model),
         subtitle: format!(
             "identified from telemetry; method {}; poinsot {}",
-            e.method(),
+            e.method_in_words(),
             e.poinsot
         ),
         footer: "Inertia is given as tensor elements (I xy = −∫ x y dm) about the body's mass centre in body axes. \

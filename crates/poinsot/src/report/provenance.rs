@@ -10,7 +10,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .inputs
         .iter()
         .map(|i| {
-            let span = i.time_s.map(|[a, b]| format!("{} … {}", significant(a, 6), significant(b, 6)));
+            let [a, b] = i.time_s;
+            let span = format!("{} … {}", significant(a, 6), significant(b, 6));
             context! { path => i.path, sha256 => i.sha256, segment => i.segment, span, rows => i.rows }
         })
         .collect();
@@ -24,7 +25,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             inputs,
             command => command(&answer.data.command),
             written_by => e.poinsot,
-            method => e.method(),
+            method => e.method_in_words(),
             iterations => e.iterations,
             truth => answer.truth.is_known(),
         },

@@ -4,11 +4,11 @@
 
 use super::Answer;
 use super::data::Segment;
-use super::estimate::Body;
 use super::numbers::{NINETY_FIVE, interval, plus_minus, value};
 use super::tensor::{best, inertia_ellipsoid, matrix, principal, principal_sigmas};
 use minijinja::{Value, context};
 use nalgebra::{Quaternion, UnitQuaternion};
+use poinsot_formats::BodyFile;
 use poinsot_report::{
     Arrow, Curve, Ellipsoid, Figure, PageError, Part, Point, Rolling, Scene, Spot, render,
     significant,
@@ -24,12 +24,12 @@ const FREE: f64 = 0.02;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let e = &answer.estimate;
-    let bodies = e.bodies();
+    let bodies = &e.bodies;
     let whole = e.system.first().filter(|_| bodies.len() > 1);
     let chosen = match whole {
-        Some(body) => Some((
+        Some(system) => Some((
             "the whole vehicle, joints as at the first sample",
-            body,
+            &system.body,
             answer.truth.system(),
         )),
         None => bodies
@@ -76,9 +76,9 @@ fn true_tensor(truth: &[Option<f64>; 10]) -> Option<Matrix3> {
 }
 
 /// Sigmas of the principal moments, with correlations where the result file has them.
-fn moment_sigmas(answer: &Answer, name: &str, body: &Body, I: &Matrix3) -> Option<[f64; 3]> {
+fn moment_sigmas(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<[f64; 3]> {
     let (_, axes) = principal(I)?;
-    let numbers = body.inertia_kg_m2.numbers();
+    let numbers = body.inertia_kg_m2.named();
     let mut sigmas = [0.0; 6];
     for (out, (_, n)) in sigmas.iter_mut().zip(&numbers) {
         *out = n.sigma?;

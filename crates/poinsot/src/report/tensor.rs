@@ -1,7 +1,7 @@
 //! Ellipsoids of a tensor.
 
-use super::estimate::Body;
 use nalgebra::SymmetricEigen;
+use poinsot_formats::BodyFile;
 use poinsot_report::Point;
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -12,8 +12,8 @@ pub(super) fn matrix(t: &[f64; 6]) -> Matrix3 {
 }
 
 /// Estimated where all six are, else nominal; and whether it is estimated.
-pub(super) fn best(body: &Body) -> (Matrix3, bool) {
-    let numbers = body.inertia_kg_m2.numbers();
+pub(super) fn best(body: &BodyFile) -> (Matrix3, bool) {
+    let numbers = body.inertia_kg_m2.named();
     let estimated = numbers.iter().all(|(_, n)| n.value.is_some());
     let pick = |k: usize| {
         let n = &numbers[k].1;

@@ -14,10 +14,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let span: f64 = {
         let mut spans = std::collections::BTreeMap::new();
         for input in &e.inputs {
-            if let Some([a, b]) = input.time_s {
-                let longest: &mut f64 = spans.entry(input.segment).or_default();
-                *longest = longest.max(b - a);
-            }
+            let longest: &mut f64 = spans.entry(input.segment).or_default();
+            *longest = longest.max(input.time_s[1] - input.time_s[0]);
         }
         spans.values().sum()
     };
@@ -26,7 +24,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         include_str!("templates/verdict.html"),
         context! {
             tone, word,
-            withheld => e.withheld(),
+            withheld => e.is_withheld(),
             sentences => sentences(answer),
             combinations => format!("{} of {}", e.identifiability.rank, e.identifiability.parameters),
             samples,
@@ -100,7 +98,7 @@ fn sentences(answer: &Answer) -> Vec<String> {
     if let Some(farthest) = farthest(answer) {
         out.push(farthest);
     }
-    if !e.withheld() {
+    if !e.is_withheld() {
         out.push(standing(answer).reliance());
     }
     if answer.truth.is_known() {
@@ -111,9 +109,9 @@ fn sentences(answer: &Answer) -> Vec<String> {
 
 /// The number with the widest interval relative to the scale of its kind.
 fn worst(answer: &Answer) -> Option<(String, f64)> {
-    let bodies = answer.estimate.bodies();
+    let bodies = &answer.estimate.bodies;
     let mut worst: Option<(String, f64)> = None;
-    for (name, body) in bodies.iter().filter(|b| b.1.asked()) {
+    for (name, body) in bodies.iter().filter(|b| b.1.is_asked()) {
         let numbers = body.numbers();
         let inertia = numbers[4..]
             .iter()
@@ -144,7 +142,7 @@ fn sentence(text: &str) -> &str {
 }
 
 fn farthest(answer: &Answer) -> Option<String> {
-    let bodies = answer.estimate.bodies();
+    let bodies = &answer.estimate.bodies;
     let all = bodies.iter().flat_map(|(name, body)| {
         let numbers = body.numbers();
         numbers.into_iter().filter_map(move |(what, _, n)| {
@@ -171,7 +169,7 @@ fn farthest(answer: &Answer) -> Option<String> {
 /// How many intervals hold the truth.
 fn within(answer: &Answer) -> String {
     let (mut inside, mut judged) = (0, 0);
-    for (name, body) in answer.estimate.bodies() {
+    for (name, body) in &answer.estimate.bodies {
         let truth = answer.truth.body(&name);
         for ((_, _, n), true_value) in body.numbers().iter().zip(truth) {
             if let (Some(v), Some(s), Some(t)) = (n.value, n.sigma, true_value)

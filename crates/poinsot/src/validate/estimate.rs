@@ -3,11 +3,10 @@
 use super::{Mover, ValidateError};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
+use poinsot_formats::{BarycentricFile, EstimateFile, FormatError};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
 use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
-use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Largest relative difference between a nominal number of the model and of the estimate.
@@ -26,104 +25,17 @@ pub struct EstimatedVehicle {
     pub trustworthy: bool,
 }
 
-/// What is read of an estimate.
-#[derive(Debug, Deserialize)]
-struct EstimateFile {
-    schema: String,
-    status: String,
-    covariance_trustworthy: bool,
-    bodies: BTreeMap<String, Body>,
-    nuisance: BTreeMap<String, Scalar>,
-    identifiability: Identifiability,
-}
-
-#[derive(Debug, Deserialize)]
-struct Body {
-    barycentric: Barycentric,
-}
-
-#[derive(Debug, Deserialize)]
-#[allow(non_snake_case)]
-struct Barycentric {
-    m_kg: Scalar,
-    mc_kg_m: Triple,
-    I_BBo_kg_m2: Tensor,
-}
-
-#[derive(Debug, Deserialize)]
-struct Scalar {
-    value: Option<f64>,
-    nominal: f64,
-}
-
-#[derive(Debug, Deserialize)]
-struct Triple {
-    value: [Option<f64>; 3],
-    nominal: [f64; 3],
-}
-
-#[derive(Debug, Deserialize)]
-struct Tensor {
-    value: Elements<Option<f64>>,
-    nominal: Elements<f64>,
-}
-
-/// In the order of the ten parameters.
-#[derive(Debug, Deserialize)]
-struct Elements<T> {
-    xx: T,
-    xy: T,
-    yy: T,
-    xz: T,
-    yz: T,
-    zz: T,
-}
-
-#[derive(Debug, Deserialize)]
-struct Identifiability {
-    rank: usize,
-    identifiable: Vec<Determined>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Determined {
-    coefficients: BTreeMap<String, f64>,
-    value: Option<f64>,
-}
-
 /// Reads `estimate.json` (or the folder that holds it) as a vehicle of the model that it was made with.
 ///
 /// # Errors
 /// It cannot be read, is no estimate of this model, or holds nothing to predict with.
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
-    let file = match path.is_dir() {
-        true => path.join("estimate.json"),
-        false => path.to_owned(),
-    };
+    let (file, read) = estimate_of(path)?;
     let refuse = |why: String| ValidateError::Estimate {
         path: file.clone(),
         why,
     };
-    let text = std::fs::read_to_string(&file).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => Error::from(refuse(
-            "there is no such file; give the folder of identify --out".to_owned(),
-        )),
-        _ => Error::Io {
-            path: file.clone(),
-            what: "cannot be read",
-            source,
-        },
-    })?;
-    let read: EstimateFile = serde_json::from_str(&text)
-        .map_err(|e| refuse(format!("{e}; give an estimate.json as identify writes it")))?;
-    if read.schema != "poinsot.estimate/1" {
-        let why = format!(
-            "its schema is \"{}\", not poinsot.estimate/1; give the folder of identify --out",
-            read.schema
-        );
-        return Err(refuse(why).into());
-    }
-    if read.status == "rejected" || read.status == "iteration_limit" {
+    if read.is_withheld() {
         let why = format!(
             "its status is {}: it holds no numbers to predict with; give an estimate that is converged or partial",
             read.status
@@ -141,6 +53,23 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
         completion,
         status: read.status,
         trustworthy: read.covariance_trustworthy,
+    })
+}
+
+/// The result file and its path.
+fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
+    poinsot_formats::read_estimate(path).map_err(|e| match e {
+        FormatError::Io { path, source } => Error::Io {
+            path,
+            what: "cannot be read",
+            source,
+        },
+        FormatError::Missing { ref path }
+        | FormatError::Schema { ref path, .. }
+        | FormatError::Shape { ref path, .. } => {
+            let (path, why) = (path.clone(), e.to_string());
+            ValidateError::Estimate { path, why }.into()
+        }
     })
 }
 
@@ -183,7 +112,7 @@ fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
             ));
         };
         let own = body.nominal.parameters().to_array();
-        let theirs = found.barycentric.nominal();
+        let theirs = nominal(&found.barycentric);
         let scale = own.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         if own
             .iter()
@@ -202,7 +131,7 @@ fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
 /// Every number of every body, where the estimate gives them all.
 fn whole(read: &EstimateFile, model: &Model) -> Option<CompletedVehicle> {
     let bodies = model.bodies.iter();
-    let bodies = bodies.map(|b| read.bodies.get(&b.name)?.barycentric.values());
+    let bodies = bodies.map(|b| values(&read.bodies.get(&b.name)?.barycentric));
     let spin = |name: &str| read.nuisance.get(&format!("{name}.spin_inertia_kg_m2"));
     let wheels = model.wheels.iter().enumerate().filter(|(_, w)| w.estimate);
     let spin_inertia = wheels.map(|(k, w)| Some((k, spin(&w.name)?.value?)));
@@ -240,30 +169,17 @@ fn completed(
     Ok((completion.vehicle(), Some(completion)))
 }
 
-impl Barycentric {
-    fn nominal(&self) -> [f64; 10] {
-        let ([x, y, z], t) = (self.mc_kg_m.nominal, &self.I_BBo_kg_m2.nominal);
-        [
-            self.m_kg.nominal,
-            x,
-            y,
-            z,
-            t.xx,
-            t.xy,
-            t.yy,
-            t.xz,
-            t.yz,
-            t.zz,
-        ]
-    }
+fn nominal(b: &BarycentricFile) -> [f64; 10] {
+    let ([x, y, z], t) = (b.mc_kg_m.nominal, &b.I_BBo_kg_m2.nominal);
+    [b.m_kg.nominal, x, y, z, t.xx, t.xy, t.yy, t.xz, t.yz, t.zz]
+}
 
-    fn values(&self) -> Option<InertialParameters> {
-        let ([x, y, z], t) = (self.mc_kg_m.value, &self.I_BBo_kg_m2.value);
-        let all = [self.m_kg.value, x, y, z, t.xx, t.xy, t.yy, t.xz, t.yz, t.zz];
-        let mut found = [0.0; 10];
-        for (own, value) in found.iter_mut().zip(all) {
-            *own = value?;
-        }
-        Some(InertialParameters::from_array(&found))
+fn values(b: &BarycentricFile) -> Option<InertialParameters> {
+    let ([x, y, z], t) = (b.mc_kg_m.value, &b.I_BBo_kg_m2.value);
+    let all = [b.m_kg.value, x, y, z, t.xx, t.xy, t.yy, t.xz, t.yz, t.zz];
+    let mut found = [0.0; 10];
+    for (own, value) in found.iter_mut().zip(all) {
+        *own = value?;
     }
+    Some(InertialParameters::from_array(&found))
 }

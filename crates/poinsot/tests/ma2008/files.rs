@@ -75,33 +75,21 @@ fn start_momentum(run: &str) -> Known {
     }
 }
 
-fn request(variant: Variant) -> IdentifyRequest {
-    IdentifyRequest {
-        model: examples().join("ma2008/model.toml"),
-        segments: Vec::new(),
-        map: None,
-        method: "ma2008".to_owned(),
+fn request(variant: Variant) -> Question {
+    Question {
         variant: Some(variant.name().to_owned()),
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
+        ..Question::by("ma2008")
     }
 }
 
 #[test]
 fn cli_method_and_variant_names() {
     let folder = examples().join("ma2008");
-    let request = |method: &str, variant: Option<&str>| IdentifyRequest {
-        model: folder.join("model.toml"),
-        segments: vec![vec![folder.join("traj1/telemetry.parquet")]],
-        map: None,
-        method: method.to_owned(),
-        variant: variant.map(str::to_owned),
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
+    let request = |method: &str, variant: Option<&str>| {
+        let telemetry = [folder.join("traj1/telemetry.parquet")];
+        let mut request = IdentifyRequest::new(folder.join("model.toml"), telemetry).by(method);
+        request.question.variant = variant.map(str::to_owned);
+        request
     };
     let found = identify(&request("ma2008", None)).unwrap();
     assert_eq!(found.estimate.variant.as_deref(), Some("unknown-momentum"));

@@ -14,7 +14,7 @@ use nalgebra::SVector;
 use poinsot::case::read_case;
 use poinsot::identify::{identify_tables, read_options};
 use poinsot::simulate::simulate_case;
-use poinsot::{IdentifyRequest, identify};
+use poinsot::{IdentifyRequest, Question, identify};
 use poinsot_dynamics::Tree;
 use poinsot_identify::methods::ma2008::bounds::{angular_error, bound, linear_error, sizes};
 use poinsot_identify::methods::ma2008::printed::{PrintedAxes, two_step_printed};

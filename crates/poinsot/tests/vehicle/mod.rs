@@ -2,7 +2,7 @@
 #![allow(dead_code, non_snake_case)]
 
 use nalgebra::{Rotation3, UnitQuaternion};
-use poinsot::{Identified, IdentifyRequest, identify_tables};
+use poinsot::{Identified, Question, identify_tables};
 use poinsot_dynamics::{
     Firing, Fourier, JointMotion, MotionSample, PiecewisePolynomial, Plan, Prescribed, Start,
     StartVelocity, Tolerance, Tree, WheelMotion,
@@ -363,18 +363,8 @@ pub fn off_nominal(model: &Model, share: f64) -> Model {
     off
 }
 
-pub fn request(method: &str) -> IdentifyRequest {
-    IdentifyRequest {
-        model: "model.toml".into(),
-        segments: Vec::new(),
-        map: None,
-        method: method.to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Default::default(),
-        strict: false,
-        recover: false,
-    }
+pub fn request(method: &str) -> Question {
+    Question::by(method)
 }
 
 pub fn ask(model: &Model, tables: Vec<Table>, method: &str) -> Identified {

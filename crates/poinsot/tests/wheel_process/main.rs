@@ -4,25 +4,9 @@
 mod satellite;
 
 use nalgebra::{DMatrix, DVector};
-use poinsot::{Identified, IdentifyRequest, identify_tables};
-use poinsot_identify::Coordinates;
+use poinsot::{Identified, Question, identify_tables};
 use rayon::prelude::*;
 use satellite::{Case, PLAIN, TRUTH};
-use std::path::PathBuf;
-
-fn request() -> IdentifyRequest {
-    IdentifyRequest {
-        model: PathBuf::new(),
-        segments: Vec::new(),
-        map: None,
-        method: "auto".to_owned(),
-        variant: None,
-        relative_accuracy: 1.0,
-        coordinates: Coordinates::default(),
-        strict: false,
-        recover: false,
-    }
-}
 
 /// Normalised errors of one seed, their square in the stated covariance, and whether the answer is doubted.
 struct Score {
@@ -34,8 +18,12 @@ struct Score {
 
 fn score(case: &Case, seed: u64) -> Score {
     let model = satellite::model(case);
-    let found: Identified =
-        identify_tables(model, vec![satellite::table(case, seed)], &request()).unwrap();
+    let found: Identified = identify_tables(
+        model,
+        vec![satellite::table(case, seed)],
+        &Question::default(),
+    )
+    .unwrap();
     let e = &found.estimate;
     let inertia = &e.bodies[0].inertia;
     let off: [f64; 6] = std::array::from_fn(|k| inertia[k].value.unwrap() - TRUTH[k]);

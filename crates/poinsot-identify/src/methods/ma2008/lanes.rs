@@ -3,7 +3,7 @@
 //! Loops by index and no closures: a closure does not inherit the instruction set of its caller.
 #![allow(clippy::needless_range_loop)]
 
-pub(super) use crate::lanes::{LANES, V};
+pub(super) use poinsot_solve::lanes::{LANES, V};
 
 /// Solves a symmetric system by `L D L^T`; only the lower triangle is read.
 #[inline(always)]

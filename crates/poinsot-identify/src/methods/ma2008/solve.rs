@@ -3,9 +3,9 @@
 //! Householder QR in blocks, then the singular values of the triangle with columns in natural units;
 //! the normal equations, which would square the condition number, are not formed.
 
-use crate::block_qr::BlockQr;
 use faer::Mat;
 use nalgebra::{SMatrix, SVector};
+use poinsot_solve::BlockQr;
 
 /// The least-squares solution of `T (x, 1) = 0`, `T = [A | -b]`.
 #[derive(Debug, Clone)]

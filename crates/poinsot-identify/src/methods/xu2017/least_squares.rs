@@ -1,7 +1,7 @@
 //! Least squares over ten unknowns and the momentum that goes before them, by the block triangle.
 
-use crate::block_qr::BlockQr;
 use faer::Mat;
+use poinsot_solve::BlockQr;
 
 /// Singular values below this share of the largest are rounding.
 const ROUND_OFF: f64 = 1.0e-13;

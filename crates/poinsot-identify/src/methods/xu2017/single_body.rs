@@ -3,8 +3,8 @@
 use super::least_squares::{Answer, Rows, answer};
 use super::swarm::{Objective, Particle};
 use super::{particle, properties, tensor_regressor};
-use crate::lanes::{LANES, V};
 use nalgebra::SMatrix;
+use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, skew};
 use pulp::{Arch, Simd, WithSimd};
 

@@ -5,9 +5,9 @@
 
 use super::properties;
 use super::swarm::{Objective, Particle};
-use crate::lanes::{LANES, V};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::body_momentum;
+use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
 use pulp::{Arch, Simd, WithSimd};
 

@@ -2,7 +2,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use faer::Mat;
-use poinsot_identify::Spectrum;
+use poinsot_solve::Spectrum;
 
 fn spectrum(R: [[f64; 2]; 2], natural: [f64; 2]) -> Spectrum {
     let R = Mat::from_fn(2, 2, |i, j| R[i][j]);

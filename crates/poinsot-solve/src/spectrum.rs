@@ -216,7 +216,7 @@ impl Spectrum {
     }
 
     /// Component of a right-hand side along direction k.
-    pub(crate) fn left_along(&self, rhs: &[f64], k: usize) -> f64 {
+    pub fn left_along(&self, rhs: &[f64], k: usize) -> f64 {
         rhs.iter()
             .enumerate()
             .map(|(i, d)| self.left[(i, k)] * d)

@@ -3,7 +3,7 @@
 use crate::data::Data;
 use crate::dual::Dual;
 use crate::models::{Model, response};
-use poinsot_identify::{
+use poinsot_solve::{
     BlockQr, LeastSquares, Linearised, Minimum, Spectrum, Step, levenberg_marquardt,
 };
 

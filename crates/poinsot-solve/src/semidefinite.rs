@@ -13,9 +13,11 @@
 
 use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
-/// One block; every slope belongs to one component of u.
-pub(crate) struct Block {
+/// One block `S(u) = C + sum_j u_j B_j`.
+pub struct Block {
+    /// C, symmetric.
     pub constant: Matrix4<f64>,
+    /// B_j, symmetric, one for each component of u.
     pub slopes: Vec<Matrix4<f64>>,
 }
 
@@ -37,7 +39,7 @@ const GAIN: f64 = 0.1;
 const ELEMENTS: usize = 10;
 
 /// The shortest vector, from a start strictly inside; `None` where the start is not, or no answer is reached.
-pub(crate) fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
+pub fn shortest(blocks: &[Block], start: &[f64]) -> Option<Vec<f64>> {
     let mut u = DVector::from_column_slice(start);
     let mut here = Whitened::at(blocks, &u)?;
     let mut mu = u.norm_squared().max(FINAL);

@@ -1,7 +1,7 @@
 //! The 11 linear sets, through the factorisation that the linear method uses.
 
 use crate::data::Data;
-use poinsot_identify::{BlockQr, DoubleDouble, Refined, Triangle, refine, solve_triangle};
+use poinsot_solve::{BlockQr, DoubleDouble, Refined, Triangle, refine, solve_triangle};
 
 /// The columns of a set.
 #[derive(Clone, Copy)]

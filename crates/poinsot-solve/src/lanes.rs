@@ -6,16 +6,18 @@
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Numbers side by side.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// Eight numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
-pub(crate) struct V(pub(crate) [f64; LANES]);
+pub struct V(pub [f64; LANES]);
 
 impl V {
+    /// Eight zeros.
     pub const ZERO: Self = Self([0.0; LANES]);
 
+    /// One number, eight times.
     #[inline(always)]
     pub fn all(x: f64) -> Self {
         Self([x; LANES])

@@ -18,15 +18,18 @@ const DIFFUSE: f64 = 1.0e8;
 
 /// What was read at one time: value and variance.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reading {
+pub struct Reading {
+    /// Time, s.
     pub time_s: f64,
+    /// Measured value and its variance.
     pub value: Option<(f64, f64)>,
+    /// Measured rate of change and its variance.
     pub slope: Option<(f64, f64)>,
 }
 
 /// A curve with two continuous derivatives; beyond its ends it goes on as a parabola.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct SmoothCurve {
+pub struct SmoothCurve {
     time_s: Vec<f64>,
     /// Value and first two derivatives at these times.
     state: Vec<Vector3<f64>>,

@@ -1,0 +1,18 @@
+//! `poinsot compare`
+
+use super::{Outcome, print_document, print_json};
+use crate::arguments::Compare;
+use poinsot::compare::{CompareRequest, compare, comparison_document};
+
+pub fn run(arguments: &Compare) -> Outcome {
+    let comparison = compare(&CompareRequest {
+        answers: arguments.answers.clone(),
+    })?;
+    if arguments.json {
+        print_json(&comparison);
+    } else if !arguments.quiet {
+        print_document(&comparison_document(&comparison));
+    }
+    let agree = comparison.verdict == "agree" && comparison.doubts.is_empty();
+    Ok(u8::from(!agree))
+}

@@ -1,0 +1,78 @@
+//! `compare --json`: several answers of one vehicle side by side.
+
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the format.
+pub const COMPARISON: &str = "poinsot.comparison/1";
+
+/// Several answers of one vehicle side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ComparisonFile {
+    /// "poinsot.comparison/1".
+    pub schema: String,
+    /// Version of the program.
+    pub poinsot: String,
+    /// Name of the vehicle.
+    pub model: String,
+    /// "agree", "differ" or "not_comparable".
+    pub verdict: String,
+    /// The answers, in the order given.
+    pub answers: Vec<ComparedAnswerFile>,
+    /// Every number that all answers determine, by name.
+    pub numbers: IndexMap<String, ComparedNumberFile>,
+    /// Joint tests: all numbers together, then mass, mass centre and inertia of each body.
+    pub tests: Vec<JointTestFile>,
+    /// What was not compared, and why.
+    pub not_compared: Vec<String>,
+    /// Why the probabilities are not to be relied on; empty where they are.
+    pub doubts: Vec<String>,
+}
+
+/// One answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ComparedAnswerFile {
+    /// Path of estimate.json.
+    pub path: String,
+    /// Method.
+    pub method: String,
+    /// Status.
+    pub status: String,
+}
+
+/// One number in every answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ComparedNumberFile {
+    /// Unit.
+    pub unit: String,
+    /// Value in each answer.
+    pub values: Vec<f64>,
+    /// One sigma in each answer.
+    pub sigmas: Vec<f64>,
+    /// Last value less the first.
+    pub difference: f64,
+    /// One sigma of the difference, for independent answers.
+    pub difference_sigma: f64,
+    /// Probability of differences as large by chance, where the vehicle did not change.
+    pub p: f64,
+    /// Weighted mean of all answers; absent where they differ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pooled: Option<f64>,
+    /// One sigma of the weighted mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pooled_sigma: Option<f64>,
+}
+
+/// Several numbers tested together, with their covariance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct JointTestFile {
+    /// What is tested.
+    pub what: String,
+    /// Chi-square of the differences.
+    pub chi2: f64,
+    /// Degrees of freedom.
+    pub dof: usize,
+    /// Probability of a chi-square as large by chance.
+    pub p: f64,
+}

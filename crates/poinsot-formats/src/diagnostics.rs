@@ -1,0 +1,123 @@
+//! `diagnostics` of `estimate.json`: tests of the residuals.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Tests of the residuals. What nothing determines is null.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DiagnosticsFile {
+    /// Chi-square of all segments.
+    pub chi2: Option<f64>,
+    /// Degrees of freedom.
+    pub dof: usize,
+    /// -2 ln of the restricted likelihood, up to a constant that no declaration of noise changes.
+    pub deviance: Option<f64>,
+    /// Excess of chi-square over its expectation, in its standard deviations.
+    pub excess_sigmas: Option<f64>,
+    /// Sensors by name.
+    pub channels: BTreeMap<String, ChannelFile>,
+    /// Change of momentum that no declared force or torque explains.
+    pub momentum_drift: Vec<DriftFile>,
+    /// Delays between sensors.
+    pub lags: Vec<LagFile>,
+    /// Faults whose estimation would lower chi-square, best first.
+    pub suspects: Vec<SuspectFile>,
+    /// Spectral lines of the residual.
+    pub lines: Vec<LineFile>,
+    /// What was concluded.
+    pub findings: Vec<FindingFile>,
+}
+
+/// Residual of one sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ChannelFile {
+    /// Numbers measured.
+    pub readings: usize,
+    /// Chi-square per number.
+    pub chi2_per_number: Option<f64>,
+    /// The same from the median, which outliers do not move.
+    pub typical_chi2_per_number: Option<f64>,
+    /// Outliers.
+    pub outliers: usize,
+    /// Share of outliers.
+    pub outlier_share: f64,
+    /// Probability that a white residual is as correlated in time.
+    pub whiteness_p: Option<f64>,
+}
+
+/// Unexplained force and torque.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DriftFile {
+    /// Segment; null for all segments together.
+    pub segment: Option<String>,
+    /// Torque in N, N m.
+    pub torque_N_m: [Option<f64>; 3],
+    /// One sigma each.
+    pub torque_sigma_N_m: [Option<f64>; 3],
+    /// Force in N, N; null where translation is not measured.
+    pub force_N: Option<[Option<f64>; 3]>,
+    /// One sigma each.
+    pub force_sigma_N: Option<[Option<f64>; 3]>,
+    /// Probability of a drift as large by chance.
+    pub p: Option<f64>,
+}
+
+/// Delay of one sensor behind another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LagFile {
+    /// The later sensor, and the one it is compared with.
+    pub between: [String; 2],
+    /// Delay, s.
+    pub lag_s: f64,
+    /// One sigma, s.
+    pub sigma_s: f64,
+    /// Probability of a delay as large by chance.
+    pub p: Option<f64>,
+}
+
+/// A fault whose estimation would lower chi-square.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SuspectFile {
+    /// Kind of fault.
+    pub fault: String,
+    /// The sensor, wheel, thruster or environment.
+    pub name: String,
+    /// Decrease of chi-square.
+    pub decrease_of_chi2: Option<f64>,
+    /// Share of the misfit that it explains.
+    pub explains: f64,
+    /// Its size.
+    pub values: Vec<ValueFile>,
+}
+
+/// Size of a fault.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ValueFile {
+    /// Name of the unknown.
+    pub name: String,
+    /// Value, in `unit`.
+    pub value: Option<f64>,
+    /// Unit.
+    pub unit: String,
+}
+
+/// A spectral line of the residual.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LineFile {
+    /// Segment.
+    pub segment: String,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Share of the residual's power.
+    pub share: f64,
+}
+
+/// A conclusion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FindingFile {
+    /// Kind of fault.
+    pub fault: String,
+    /// In words.
+    pub text: String,
+}

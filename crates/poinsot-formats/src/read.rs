@@ -1,0 +1,70 @@
+//! The reader of `estimate.json`.
+
+use crate::estimate::{ESTIMATE, EstimateFile};
+use std::path::{Path, PathBuf};
+
+/// A result file that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// There is no such file.
+    #[error("there is no such file; give the folder of identify --out")]
+    Missing {
+        /// Path.
+        path: PathBuf,
+    },
+    /// The system refuses it.
+    #[error("{source}")]
+    Io {
+        /// Path.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is another format.
+    #[error("its schema is \"{found}\", not {ESTIMATE}; give the folder of identify --out")]
+    Schema {
+        /// Path.
+        path: PathBuf,
+        /// Schema found; empty without one.
+        found: String,
+    },
+    /// It has another shape.
+    #[error("{why}; give an estimate.json as identify writes it")]
+    Shape {
+        /// Path.
+        path: PathBuf,
+        /// What is wrong, with line and column.
+        why: String,
+    },
+}
+
+/// Reads `estimate.json`, or the folder that holds it; gives the path of the file too.
+///
+/// # Errors
+/// The file is missing, unreadable, of another format or damaged.
+pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError> {
+    let path = match path.is_dir() {
+        true => path.join("estimate.json"),
+        false => path.to_owned(),
+    };
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+            return Err(FormatError::Missing { path });
+        }
+        Err(source) => return Err(FormatError::Io { path, source }),
+    };
+    let shape = |path: &Path, e: serde_json::Error| FormatError::Shape {
+        path: path.to_owned(),
+        why: e.to_string(),
+    };
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(|e| shape(&path, e))?;
+    let found = value.get("schema").and_then(|s| s.as_str()).unwrap_or("");
+    if found != ESTIMATE {
+        let found = found.to_owned();
+        return Err(FormatError::Schema { path, found });
+    }
+    // From the text once more: only then does an error have line and column.
+    let file = serde_json::from_slice(&bytes).map_err(|e| shape(&path, e))?;
+    Ok((path, file))
+}

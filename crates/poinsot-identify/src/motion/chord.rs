@@ -1,0 +1,208 @@
+//! Wheels within an interval: the axial momentum of a rotor runs straight, not its relative speed.
+//!
+//! A motor torque that is constant between two grid times changes the axial momentum of its rotor evenly (Hughes 1986,
+//! axisymmetric rotor), `Js (Omega + a . w_host)' = tau`. So `L = Omega + a . w_host` is straight between
+//! `Omega_k + a . w_k` and `Omega_k+1 + a . w_k+1`, and within the interval
+//!
+//! ```text
+//! h = (I - sum Js a a^T) w + h_joints + sum Js (L - a . w_joints) a
+//! ```
+//!
+//! with `w_joints` the turn of the host by joint rates. Where stored momentum makes the base nutate, `Omega` bends by what
+//! `a . w` leaves its chord. The rate at the end comes from a pass before; each pass errs by `Js / I` of the one before it.
+//!
+//! A sensitivity column depends on both ends of the chord linearly. Two further columns a wheel, one driven with the
+//! chord's share `1 - s` and one with `s`, hold this; the end is solved for after the last step.
+
+use super::variation::Variation;
+use super::{Column, Motion, Ready, State, along};
+use crate::parameters::UnknownKind;
+use nalgebra::{DMatrix, DVector};
+use poinsot_spatial::Vector3;
+use std::sync::Arc;
+
+/// Error of the chord, relative to the bend, below which no further pass is made.
+const CLOSE: f64 = 1.0e-3;
+/// Most passes before the last one.
+const PASSES: usize = 4;
+
+/// Deviation of each wheel's axial momentum per spin inertia from its speed, `a . w_host`, at both ends of an interval,
+/// rad/s.
+#[derive(Debug, Clone)]
+pub(super) struct Chord {
+    from: Vec<f64>,
+    to: Vec<f64>,
+}
+
+impl Chord {
+    /// Straight between the ends.
+    pub fn at(&self, wheel: usize, share: f64) -> f64 {
+        self.from[wheel] + share * (self.to[wheel] - self.from[wheel])
+    }
+}
+
+/// Wheel axes in B, and what the columns turn the vehicle about them, at the start of an interval.
+pub(super) struct ColumnChord {
+    /// One row per column, one entry per wheel.
+    from: Vec<Vec<f64>>,
+    /// Columns driven with `1 - s`, then with `s`, of every wheel.
+    pub columns: Vec<Column>,
+}
+
+impl ColumnChord {
+    /// Wheel of one of the columns, and its share of the chord's unit at a place in the interval.
+    pub fn drive(&self, column: usize, share: f64) -> (usize, f64) {
+        let wheels = self.columns.len() / 2;
+        match column.checked_sub(wheels) {
+            None => (column, 1.0 - share),
+            Some(wheel) => (wheel, share),
+        }
+    }
+}
+
+impl Motion<'_> {
+    /// Finds the chord of the interval after grid time k by passes that follow the state alone.
+    pub(super) fn find_chord(&mut self, k: usize, steps: usize) -> Option<()> {
+        let start = self.ready.take()?;
+        let columns = std::mem::take(&mut self.columns);
+        let from = self.along_axes(&start.instant.twist.w);
+        let gain = self.axes().zip(&self.vehicle.spin).map(|(a, spin)| {
+            let turn = along(&start.instant.inverse_inertia, &a);
+            (spin * a.dot(&turn)).abs()
+        });
+        let gain = gain.fold(0.0, f64::max);
+        let mut error = 1.0;
+        for _ in 0..PASSES {
+            self.go(k, 0.0);
+            self.ready = Some(Box::new(Ready {
+                at: (k, 0.0),
+                state: start.state,
+                instant: start.instant,
+                variation: None,
+            }));
+            self.follow(k, steps)?;
+            let w = self.ready.as_ref()?.instant.twist.w;
+            let to = self.along_axes(&w);
+            self.chord = Some(Chord {
+                from: from.clone(),
+                to,
+            });
+            error *= gain;
+            if error <= CLOSE {
+                break;
+            }
+        }
+        self.columns = columns;
+        self.go(k, 0.0);
+        self.ready = Some(start);
+        Some(())
+    }
+
+    /// The sensitivities at the start of an interval whose chord is known.
+    pub(super) fn open_columns(&mut self) -> Option<ColumnChord> {
+        let variation = Arc::clone(self.ready.as_ref()?.variation.as_ref()?);
+        let turns = self.turns()?;
+        let columns = self.columns.iter().enumerate();
+        let turned = columns.map(|(j, column)| {
+            let unknown = j.checked_sub(self.head);
+            turns.of(&variation, column, unknown)
+        });
+        Some(ColumnChord {
+            from: turned.collect(),
+            columns: vec![Column::zeros(); 2 * turns.axes.len()],
+        })
+    }
+
+    /// Adds to every column at the end of the interval what the two ends of the chord do to it.
+    pub(super) fn close_columns(&mut self, chord: &ColumnChord) -> Option<()> {
+        let variation = Arc::clone(self.ready.as_ref()?.variation.as_ref()?);
+        let turns = self.turns()?;
+        let wheels = turns.axes.len();
+        let (first, last) = chord.columns.split_at(wheels);
+        let own: Vec<Vec<f64>> = last.iter().map(|x| turns.of(&variation, x, None)).collect();
+        let one = DMatrix::from_fn(wheels, wheels, |i, j| {
+            f64::from(u8::from(i == j)) - own[j][i]
+        });
+        let solver = one.lu();
+        for (j, (column, from)) in self.columns.iter_mut().zip(&chord.from).enumerate() {
+            for (x, share) in first.iter().zip(from) {
+                *column += x * *share;
+            }
+            let to = turns.of(&variation, column, j.checked_sub(self.head));
+            let to = solver.solve(&DVector::from_vec(to))?;
+            for (x, share) in last.iter().zip(to.iter()) {
+                *column += x * *share;
+            }
+        }
+        Some(())
+    }
+
+    /// What columns turn about the wheels' axes where the motion is ready.
+    fn turns(&mut self) -> Option<Turns> {
+        let w = self.ready.as_ref()?.instant.twist.w;
+        self.along_axes(&w);
+        let (v, kinematics) = (self.vehicle, &self.site.kinematics);
+        let tilts = v.kinds.iter().enumerate().filter_map(|(u, kind)| {
+            let UnknownKind::WheelTilt(wheel, _) = *kind else {
+                return None;
+            };
+            let host = v.tree.rotors[wheel].body;
+            let tilt = kinematics.R[host] * v.tilt_slopes[u];
+            Some((u, wheel, tilt.dot(&kinematics.w[host])))
+        });
+        Some(Turns {
+            tilts: tilts.collect(),
+            axes: self.axes().collect(),
+        })
+    }
+
+    /// Axes of the wheels at the inputs in hand, in B.
+    fn axes(&self) -> impl Iterator<Item = Vector3> {
+        let R = &self.site.kinematics.R;
+        let rotors = self.vehicle.tree.rotors.iter();
+        rotors.map(move |rotor| R[rotor.body] * rotor.axis_B)
+    }
+
+    /// `a . w_host` of every wheel at a rate of the base, rad/s.
+    fn along_axes(&mut self, w: &Vector3) -> Vec<f64> {
+        let (tree, site) = (self.vehicle.tree, &mut self.site);
+        let still = Vector3::zeros();
+        site.kinematics.set_velocities(tree, &still, w, &site.rates);
+        let host = &self.site.kinematics.w;
+        let rotors = tree.rotors.iter().zip(self.axes());
+        rotors.map(|(rotor, a)| a.dot(&host[rotor.body])).collect()
+    }
+
+    /// Steps through an interval from the point that is ready.
+    pub(super) fn follow(&mut self, k: usize, steps: usize) -> Option<State> {
+        let t = &self.observations.time_s;
+        let h = t[k + 1] - t[k];
+        let mut now = self.ready.as_ref()?.state;
+        for i in 0..steps {
+            let from = i as f64 / steps as f64;
+            let to = (i + 1) as f64 / steps as f64;
+            now = self.step(k, from, to, h)?;
+        }
+        Some(now)
+    }
+}
+
+/// Axes of the wheels in B at one time.
+struct Turns {
+    axes: Vec<Vector3>,
+    /// Unknowns that tilt a wheel, and what they change of `a . w_host`.
+    tilts: Vec<(usize, usize, f64)>,
+}
+
+impl Turns {
+    /// Change of `a . w_host` of every wheel with a column, wheel speeds held.
+    fn of(&self, variation: &Variation, column: &Column, unknown: Option<usize>) -> Vec<f64> {
+        let twist = variation.twist(column, unknown);
+        let dw: Vector3 = twist.fixed_rows::<3>(3).into();
+        let mut all: Vec<f64> = self.axes.iter().map(|a| a.dot(&dw)).collect();
+        for (_, wheel, change) in self.tilts.iter().filter(|t| unknown == Some(t.0)) {
+            all[*wheel] += change;
+        }
+        all
+    }
+}

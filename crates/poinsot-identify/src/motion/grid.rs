@@ -1,0 +1,161 @@
+//! How many integration steps each interval takes, from the frequencies that are present in the record.
+//!
+//! The grid depends on measurements and nominal numbers alone, so it stays the same while a fit moves the unknowns: the
+//! cost is then a smooth function of them. Whether it is fine enough is found at the end of the fit (`propagation.rs`).
+
+use crate::segment::Observations;
+use crate::vehicle::Vehicle;
+use poinsot_dynamics::{Composite, Kinematics, Motion as Joint, Tree, composite, wheel_momentum};
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Largest turn of base and joints in a step, rad.
+pub(super) const TURN: f64 = 0.02;
+/// Largest phase of nutation about stored momentum in a step, rad. The end of a fit asks for smaller steps where this is
+/// too much for the sensors.
+const NUTATION: f64 = 0.06;
+/// Phase of motion in an interval from which the relative speed of a wheel is not straight within it, rad: the bend is an
+/// eighth of its square.
+const BEND: f64 = 0.1;
+/// Most steps in an interval: beyond it the record says nothing of the motion between its samples.
+const MOST: f64 = 4096.0;
+
+/// Integration steps of a segment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Grid {
+    /// In the interval after each grid time.
+    pub steps: Vec<u32>,
+    /// Whether any interval is long enough for wheel speeds to bend within it.
+    pub bends: bool,
+}
+
+impl Grid {
+    /// The steps for a vehicle whose numbers are near enough: the nominal one.
+    pub fn new(vehicle: &Vehicle, o: &Observations) -> Self {
+        let frequencies = Frequencies::new(vehicle, o);
+        let mut bends = false;
+        let steps = o.time_s.windows(2).enumerate().map(|(k, t)| {
+            let h = t[1] - t[0];
+            let [turn, nutation] =
+                [&frequencies.turn, &frequencies.nutation].map(|f| f64::max(f[k], f[k + 1]) * h);
+            bends |= !vehicle.tree.rotors.is_empty() && turn + nutation > BEND;
+            (turn / TURN + nutation / NUTATION).ceil().clamp(1.0, MOST) as u32
+        });
+        Self {
+            steps: steps.collect(),
+            bends,
+        }
+    }
+}
+
+/// Frequencies at every grid time, rad/s.
+struct Frequencies {
+    /// Of base, joints and surroundings.
+    turn: Vec<f64>,
+    /// Of the nutation about the momentum of the wheels.
+    nutation: Vec<f64>,
+}
+
+impl Frequencies {
+    fn new(vehicle: &Vehicle, o: &Observations) -> Self {
+        let tree = vehicle.tree;
+        let (dof, wheels) = (tree.dof(), tree.rotors.len());
+        let mut kinematics = Kinematics::new(tree);
+        let mut place = |k: usize| {
+            if let Some(q) = o.joint_position.get(k * dof..(k + 1) * dof) {
+                kinematics.place(tree, q);
+            }
+            (composite(&vehicle.bodies, &kinematics), kinematics.clone())
+        };
+        let (mut whole, mut placed) = place(0);
+        let length = gyration(&whole);
+        let base = measured_rate(o);
+        let mut all = Self {
+            turn: Vec::with_capacity(base.len()),
+            nutation: Vec::with_capacity(base.len()),
+        };
+        for (k, w) in base.iter().enumerate() {
+            if dof > 0 && wheels > 0 {
+                (whole, placed) = place(k);
+            }
+            let rates = o.joint_rate.get(k * dof..(k + 1) * dof).unwrap_or(&[]);
+            let speeds = o.wheel_speed.get(k * wheels..(k + 1) * wheels);
+            let stored = speeds.map(|s| wheel_momentum(tree, &placed, &vehicle.spin, s));
+            let nutation = stored.map_or(0.0, |h| nutation(&whole.I_SScm_B(), &h));
+            let orbit = o.orbit.get(k).map_or(0.0, |(r, _)| {
+                let gm = vehicle.gm.unwrap_or_default();
+                (3.0 * gm / r.norm().powi(3)).sqrt()
+            });
+            let joints = joint_frequency(tree, rates, length);
+            all.turn.push(finite(w + joints + orbit));
+            all.nutation.push(finite(nutation));
+        }
+        all
+    }
+}
+
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { 0.0 }
+}
+
+/// Radius of gyration of the whole about its mass centre, m.
+pub(super) fn gyration(whole: &Composite) -> f64 {
+    (whole.I_SScm_B().trace() / (2.0 * whole.mass)).sqrt()
+}
+
+/// Frequency that the fastest joint causes, rad/s: a slide that passes the radius of gyration changes the vehicle as much
+/// as a turn of one radian.
+pub(super) fn joint_frequency(tree: &Tree, rates: &[f64], length: f64) -> f64 {
+    let of = tree.links.iter().map(|link| match link.motion {
+        Joint::Revolute(j) => rates.get(j).map_or(0.0, |r| r.abs()),
+        Joint::Prismatic(j) => rates.get(j).map_or(0.0, |r| r.abs() / length),
+        _ => 0.0,
+    });
+    of.filter(|f| f.is_finite()).fold(0.0, f64::max)
+}
+
+/// Nutation of a body at rest about a stored momentum, rad/s: the eigenvalue `sqrt(h . I h / det I)` of `I^-1 [h]x`.
+fn nutation(I: &Matrix3, h: &Vector3) -> f64 {
+    (h.dot(&(I * h)) / I.determinant()).max(0.0).sqrt()
+}
+
+/// Size of the rate of the base at every grid time, rad/s: between two measurements the larger one. A single outlier does
+/// not count. Where no rate is measured, that of the attitude; zero where neither is.
+fn measured_rate(o: &Observations) -> Vec<f64> {
+    let n = o.time_s.len();
+    let mut known: Vec<(usize, f64)> = (0..n)
+        .filter_map(|k| Some((k, (*o.rate.get(k)?)?.norm())))
+        .collect();
+    if known.is_empty() {
+        let attitude: Vec<_> = (0..n)
+            .filter_map(|k| Some((k, (*o.attitude.get(k)?)?)))
+            .collect();
+        let turn = attitude.windows(2).map(|pair| {
+            let [(a, from), (b, to)] = [pair[0], pair[1]];
+            (b, from.angle_to(&to) / (o.time_s[b] - o.time_s[a]))
+        });
+        known = turn.collect();
+    }
+    let sizes: Vec<f64> = known.iter().map(|(_, w)| *w).collect();
+    for (i, (_, w)) in known.iter_mut().enumerate() {
+        let near = [i.saturating_sub(1), i, (i + 1).min(sizes.len() - 1)].map(|i| sizes[i]);
+        let [a, b, c] = near;
+        // The median of three.
+        *w = a.min(b).max(a.max(b).min(c));
+    }
+    let mut after = known.iter().peekable();
+    let mut before = 0.0;
+    (0..n)
+        .map(|k| {
+            while let Some((_, w)) = after.next_if(|(at, _)| *at <= k) {
+                before = *w;
+            }
+            let exact = known.binary_search_by_key(&k, |(at, _)| *at).is_ok();
+            let next = after.peek().map_or(before, |(_, w)| *w);
+            if exact {
+                before
+            } else {
+                f64::max(before, next)
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,258 @@
+//! Checksums of Parquet pages (CRC-32 of the bytes as stored, field `crc` of the page header) and where they fail.
+//!
+//! The decoder neither says which pages have one nor which rows a bad page holds, so the page headers are read here:
+//! the format's `parquet.thrift` in Thrift's compact protocol.
+
+use crc32fast::Hasher;
+use parquet::arrow::ProjectionMask;
+use parquet::file::metadata::ParquetMetaData;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
+
+/// Deepest nesting in a page header; the format has 3.
+const DEPTH: usize = 8;
+
+/// Bytes hashed at a time.
+const CHUNK: usize = 1 << 16;
+
+/// What the pages of the chosen columns hold.
+#[derive(Debug, Default)]
+pub(crate) struct Checksums {
+    /// Pages.
+    pub pages: usize,
+    /// Those with a checksum that was compared.
+    pub compared: usize,
+    /// The bad page with the earliest row.
+    pub bad: Option<BadPage>,
+}
+
+/// A page whose bytes do not match its checksum.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct BadPage {
+    /// First row that needs it, from zero.
+    pub row: u64,
+    /// Its column.
+    pub column: String,
+}
+
+/// Compares the checksums of all pages of the chosen columns. A header that cannot be read ends its column chunk: the
+/// decoder says what is wrong with it.
+///
+/// # Errors
+/// The disk refuses.
+pub(crate) fn compare(
+    mut file: File,
+    metadata: &ParquetMetaData,
+    columns: &ProjectionMask,
+) -> io::Result<Checksums> {
+    let mut found = Checksums::default();
+    let mut first_row = 0;
+    for group in metadata.row_groups() {
+        let chosen = group.columns().iter().enumerate();
+        for (_, column) in chosen.filter(|(k, _)| columns.leaf_included(*k)) {
+            let (start, length) = column.byte_range();
+            file.seek(SeekFrom::Start(start))?;
+            let mut pages = BufReader::with_capacity(CHUNK, file.try_clone()?).take(length);
+            if let Some(rows_before) = compare_chunk(&mut pages, &mut found)? {
+                let row = first_row + rows_before;
+                if found.bad.as_ref().is_none_or(|bad| row < bad.row) {
+                    let column = column.column_path().string();
+                    found.bad = Some(BadPage { row, column });
+                }
+            }
+        }
+        first_row += u64::try_from(group.num_rows()).unwrap_or(0);
+    }
+    Ok(found)
+}
+
+/// Compares the pages of a column chunk; the rows before the first bad one, if there is one.
+fn compare_chunk(pages: &mut Pages, found: &mut Checksums) -> io::Result<Option<u64>> {
+    let mut rows = 0;
+    while pages.limit() > 0 {
+        let Some(page) = Header::read(pages)? else {
+            return Ok(None);
+        };
+        let Some(crc) = hash(pages, page.size)? else {
+            return Ok(None);
+        };
+        found.pages += 1;
+        if let Some(stored) = page.crc {
+            found.compared += 1;
+            if crc != stored {
+                return Ok(Some(rows));
+            }
+        }
+        rows += page.rows;
+    }
+    Ok(None)
+}
+
+type Pages = Take<BufReader<File>>;
+
+/// CRC-32 of the next bytes; `None` where there are fewer.
+fn hash(pages: &mut Pages, size: u64) -> io::Result<Option<u32>> {
+    let mut hasher = Hasher::new();
+    let mut buffer = vec![0; CHUNK];
+    let mut left = size;
+    while left > 0 {
+        let most = usize::try_from(left).map_or(CHUNK, |n| n.min(CHUNK));
+        let n = pages.read(buffer.get_mut(..most).unwrap_or_default())?;
+        if n == 0 {
+            return Ok(None);
+        }
+        hasher.update(buffer.get(..n).unwrap_or_default());
+        left -= n as u64;
+    }
+    Ok(Some(hasher.finalize()))
+}
+
+/// What is needed of a page header.
+#[derive(Default)]
+struct Header {
+    /// Bytes of the page as stored.
+    size: u64,
+    crc: Option<u32>,
+    /// Rows of a flat column's data page; zero of a dictionary.
+    rows: u64,
+}
+
+impl Header {
+    /// `None` where the bytes are no page header.
+    fn read(pages: &mut Pages) -> io::Result<Option<Self>> {
+        let mut header = Self::default();
+        let read = fields(pages, |pages, id, kind| {
+            match (id, kind) {
+                (3, I32) => header.size = u64::try_from(zigzag(pages)?).map_err(|_| Misread::No)?,
+                // Stored as a signed number.
+                (4, I32) => header.crc = Some(zigzag(pages)? as u32),
+                // Headers of data pages, version 1 and 2: the first field is the number of values.
+                (5 | 8, STRUCT) => fields(pages, |pages, id, kind| match (id, kind) {
+                    (1, I32) => {
+                        header.rows = u64::try_from(zigzag(pages)?).map_err(|_| Misread::No)?;
+                        Ok(())
+                    }
+                    _ => skip(pages, kind, DEPTH),
+                })?,
+                _ => skip(pages, kind, DEPTH)?,
+            }
+            Ok(())
+        });
+        match read {
+            Ok(()) => Ok(Some(header)),
+            Err(Misread::No) => Ok(None),
+            Err(Misread::Disk(error)) => Err(error),
+        }
+    }
+}
+
+/// Kinds of values of the compact protocol.
+const I32: u8 = 5;
+const STRUCT: u8 = 12;
+
+/// Why a header is not read.
+enum Misread {
+    /// The bytes are none.
+    No,
+    /// The disk refuses.
+    Disk(io::Error),
+}
+
+/// Reads the fields of a struct: `each` gets number and kind of a field and takes its value.
+fn fields(
+    pages: &mut Pages,
+    mut each: impl FnMut(&mut Pages, i64, u8) -> Result<(), Misread>,
+) -> Result<(), Misread> {
+    let mut id = 0;
+    loop {
+        let head = byte(pages)?;
+        if head == 0 {
+            return Ok(());
+        }
+        id = match head >> 4 {
+            0 => zigzag(pages)?,
+            step => id + i64::from(step),
+        };
+        each(pages, id, head & 15)?;
+    }
+}
+
+/// Passes over a value. Every value but a flag, which stands in its field's head, takes at least a byte, so that the
+/// bytes of the chunk bound the work.
+fn skip(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), Misread> {
+    let depth = depth.checked_sub(1).ok_or(Misread::No)?;
+    match kind {
+        1 | 2 => {}
+        3 => {
+            byte(pages)?;
+        }
+        4..=6 => {
+            varint(pages)?;
+        }
+        7 => skip_bytes(pages, 8)?,
+        8 => {
+            let length = varint(pages)?;
+            skip_bytes(pages, length)?;
+        }
+        9 | 10 => {
+            let head = byte(pages)?;
+            let count = match head >> 4 {
+                15 => varint(pages)?,
+                count => u64::from(count),
+            };
+            for _ in 0..count {
+                skip_element(pages, head & 15, depth)?;
+            }
+        }
+        11 => {
+            let count = varint(pages)?;
+            let kinds = if count > 0 { byte(pages)? } else { 0 };
+            for _ in 0..count {
+                skip_element(pages, kinds >> 4, depth)?;
+                skip_element(pages, kinds & 15, depth)?;
+            }
+        }
+        STRUCT => fields(pages, |pages, _, kind| skip(pages, kind, depth))?,
+        _ => return Err(Misread::No),
+    }
+    Ok(())
+}
+
+/// The same inside of a list, where a flag takes a byte.
+fn skip_element(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), Misread> {
+    skip(pages, if kind <= 2 { 3 } else { kind }, depth)
+}
+
+fn skip_bytes(pages: &mut Pages, count: u64) -> Result<(), Misread> {
+    let skipped = io::copy(&mut pages.take(count), &mut io::sink()).map_err(Misread::Disk)?;
+    match skipped == count {
+        true => Ok(()),
+        false => Err(Misread::No),
+    }
+}
+
+fn zigzag(pages: &mut Pages) -> Result<i64, Misread> {
+    let n = varint(pages)?;
+    Ok((n >> 1) as i64 ^ -((n & 1) as i64))
+}
+
+fn varint(pages: &mut Pages) -> Result<u64, Misread> {
+    let mut value = 0;
+    for shift in (0..63).step_by(7) {
+        let byte = byte(pages)?;
+        value |= u64::from(byte & 127) << shift;
+        if byte < 128 {
+            return Ok(value);
+        }
+    }
+    Err(Misread::No)
+}
+
+fn byte(pages: &mut Pages) -> Result<u8, Misread> {
+    let mut one = [0];
+    match pages.read(&mut one) {
+        Ok(0) => Err(Misread::No),
+        Ok(_) => Ok(one[0]),
+        Err(error) => Err(Misread::Disk(error)),
+    }
+}

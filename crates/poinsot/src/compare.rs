@@ -1,0 +1,244 @@
+//! The verb `compare`: several answers of one vehicle, what agrees and what changed.
+//!
+//! With `x_i` the numbers of answer i and `C_i` their covariance, the differences `x_i - x_1` have covariance
+//! `C_1 + delta_ij C_i` if the answers are independent and the vehicle did not change; their square in that metric is
+//! chi-square distributed (Rao 1973, 8b). Answers that agree are pooled by information.
+
+mod statistics;
+mod text;
+
+pub use text::comparison_document;
+
+use crate::error::Error;
+use poinsot_formats::{
+    COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, EstimateFile, FormatError,
+    JointTestFile, read_estimate,
+};
+use statistics::{Answers, pooled, test};
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+/// Probability, over all numbers compared, below which the answers differ.
+const SIGNIFICANT: f64 = 0.01;
+
+/// The question.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CompareRequest {
+    /// Folders of `identify --out`, or their `estimate.json`; two or more.
+    pub answers: Vec<PathBuf>,
+}
+
+/// Compares answers of one vehicle.
+///
+/// # Errors
+/// Fewer than two answers, files that cannot be read, or answers of different vehicles.
+pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
+    let answers = request
+        .answers
+        .iter()
+        .map(|path| read_estimate(path).map_err(format_error))
+        .collect::<Result<Vec<_>, _>>()?;
+    let [(_, first), others @ ..] = answers.as_slice() else {
+        return Err(too_few(0));
+    };
+    if others.is_empty() {
+        return Err(too_few(1));
+    }
+    for (path, other) in others {
+        if !other.bodies.keys().eq(first.bodies.keys()) {
+            let names = |e: &EstimateFile| e.bodies.keys().cloned().collect::<Vec<_>>().join(", ");
+            return Err(Error::Report {
+                path: path.clone(),
+                why: format!(
+                    "its bodies are {}, those of the first answer {}; give answers of one vehicle",
+                    names(other),
+                    names(first)
+                ),
+            });
+        }
+    }
+    let files: Vec<&EstimateFile> = answers.iter().map(|(_, file)| file).collect();
+    let common = Answers::common(&files);
+    let tests = tests(&common);
+    let differ = tests.first().is_some_and(|t| t.p < SIGNIFICANT);
+    let verdict = match (tests.is_empty(), differ) {
+        (true, _) => "not_comparable",
+        (false, true) => "differ",
+        (false, false) => "agree",
+    };
+    let means = if differ { None } else { pooled(&common) };
+    let numbers = (0..common.names.len()).map(|k| {
+        let mean = means.as_ref().map(|m| m[k]);
+        (common.names[k].clone(), number(&common, k, mean))
+    });
+    let described = answers.iter().map(|(path, e)| ComparedAnswerFile {
+        path: path.display().to_string(),
+        method: e.method_in_words(),
+        status: e.status.clone(),
+    });
+    Ok(ComparisonFile {
+        schema: COMPARISON.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        model: first.model.clone(),
+        verdict: verdict.to_owned(),
+        answers: described.collect(),
+        numbers: numbers.collect(),
+        tests,
+        not_compared: not_compared(&files, &common),
+        doubts: doubts(&files),
+    })
+}
+
+fn too_few(found: usize) -> Error {
+    Error::Usage {
+        option: "ANSWER",
+        value: found.to_string(),
+        why: "at least two answers are compared; give two folders of identify --out".to_owned(),
+    }
+}
+
+/// A result file that cannot be read, as an error of this program.
+pub(crate) fn format_error(error: FormatError) -> Error {
+    let why = error.to_string();
+    match error {
+        FormatError::Io { path, source } => Error::Io {
+            path,
+            what: "cannot be read",
+            source,
+        },
+        FormatError::Missing { path }
+        | FormatError::Schema { path, .. }
+        | FormatError::Shape { path, .. } => Error::Report { path, why },
+    }
+}
+
+fn number(common: &Answers, k: usize, mean: Option<(f64, f64)>) -> ComparedNumberFile {
+    let values: Vec<f64> = common.values.iter().map(|x| x[k]).collect();
+    let sigmas: Vec<f64> = common
+        .covariances
+        .iter()
+        .map(|c| c[(k, k)].sqrt())
+        .collect();
+    let ends = |list: &[f64]| {
+        let first = list.first().copied().unwrap_or_default();
+        (first, list.last().copied().unwrap_or_default())
+    };
+    let ((a, b), (sa, sb)) = (ends(&values), ends(&sigmas));
+    ComparedNumberFile {
+        unit: common.units[k].clone(),
+        difference: b - a,
+        difference_sigma: sa.hypot(sb),
+        p: test(common, &[k]).2,
+        values,
+        sigmas,
+        pooled: mean.map(|m| m.0),
+        pooled_sigma: mean.map(|m| m.1),
+    }
+}
+
+/// All numbers together, then the groups of each body.
+fn tests(common: &Answers) -> Vec<JointTestFile> {
+    let all: Vec<usize> = (0..common.names.len()).collect();
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let mut groups: Vec<(String, Vec<usize>)> = vec![("all numbers".to_owned(), all)];
+    for (k, name) in common.names.iter().enumerate() {
+        let group = group(name);
+        match groups.iter_mut().skip(1).find(|(what, _)| *what == group) {
+            Some((_, members)) => members.push(k),
+            None => groups.push((group, vec![k])),
+        }
+    }
+    let groups = groups.into_iter();
+    groups
+        .map(|(what, members)| {
+            let (chi2, dof, p) = test(common, &members);
+            JointTestFile { what, chi2, dof, p }
+        })
+        .collect()
+}
+
+/// `bus.inertia_xy` belongs to the inertia of bus.
+fn group(name: &str) -> String {
+    let (body, number) = name.rsplit_once('.').unwrap_or(("", name));
+    let what = match number.split('_').next().unwrap_or(number) {
+        "com" => "mass centre",
+        other => other,
+    };
+    format!("{what} of {body}")
+}
+
+/// Numbers that some answer asked for and not all determine, and numbers that were known with different values.
+fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
+    let mut out = Vec::new();
+    let compared: HashSet<&str> = common.names.iter().map(String::as_str).collect();
+    let Some(first) = files.first() else {
+        return out;
+    };
+    for (body, numbers) in first.bodies.iter().map(|(name, b)| (name, b.numbers())) {
+        for (k, (what, unit, _)) in numbers.iter().enumerate() {
+            let name = format!("{body}.{}", statistics::address(what));
+            if compared.contains(name.as_str()) {
+                continue;
+            }
+            let all: Vec<_> = files
+                .iter()
+                .map(|f| f.bodies[body].numbers()[k].2.clone())
+                .collect();
+            let known = all.iter().all(|n| n.is_known());
+            let same = all.iter().all(|n| n.value == all[0].value);
+            if known && !same {
+                let values: Vec<String> = all
+                    .iter()
+                    .filter_map(|n| n.value)
+                    .map(|v| v.to_string())
+                    .collect();
+                out.push(format!(
+                    "{name}: given as known with different values ({} {unit})",
+                    values.join(", ")
+                ));
+            } else if !known {
+                let open: Vec<String> = (1..)
+                    .zip(&all)
+                    .filter(|(_, n)| n.value.is_none())
+                    .map(|(i, _)| i.to_string())
+                    .collect();
+                let why = match open.is_empty() {
+                    true => "known in one answer and estimated in another".to_owned(),
+                    false => format!("undetermined in answer {}", open.join(", ")),
+                };
+                out.push(format!("{name}: {why}"));
+            }
+        }
+    }
+    out
+}
+
+/// Why the answers are not independent, or not to be relied on.
+fn doubts(files: &[&EstimateFile]) -> Vec<String> {
+    let mut out = Vec::new();
+    for (i, file) in (1..).zip(files) {
+        if let Some(doubt) = file.doubts.first() {
+            out.push(format!("answer {i} is not to be relied on: {doubt}"));
+        } else if !file.covariance_trustworthy {
+            out.push(format!("the covariance of answer {i} is not trustworthy"));
+        }
+    }
+    let mut seen: HashSet<&str> = HashSet::new();
+    for (i, file) in (1..).zip(files) {
+        let hashes: HashSet<&str> = file.inputs.iter().map(|f| f.sha256.as_str()).collect();
+        if hashes.iter().any(|h| seen.contains(h)) {
+            out.push(format!("answer {i} uses telemetry of an earlier answer: they are not independent, and the differences are smaller than the stated sigma"));
+        }
+        seen.extend(hashes);
+    }
+    let uses_prior = |f: &&EstimateFile| {
+        let mut numbers = f.bodies.values().flat_map(|b| b.numbers());
+        numbers.any(|(_, _, n)| n.source.as_deref() == Some("prior"))
+    };
+    if files.iter().filter(|f| uses_prior(f)).count() > 1 {
+        out.push("more than one answer uses a prior: a common prior counts in each".to_owned());
+    }
+    out
+}

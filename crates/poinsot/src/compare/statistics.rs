@@ -1,0 +1,195 @@
+//! Tests and means of numbers that several answers determine.
+
+use nalgebra::{DMatrix, DVector};
+use poinsot_formats::EstimateFile;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::collections::HashMap;
+
+/// Relative size of an eigenvalue of a correlation matrix below which its direction counts as exact round-off.
+const ROUND_OFF: f64 = 1.0e-12;
+
+/// What all answers determine, with each answer's covariance of it.
+pub(super) struct Answers {
+    pub names: Vec<String>,
+    pub units: Vec<String>,
+    pub values: Vec<DVector<f64>>,
+    pub covariances: Vec<DMatrix<f64>>,
+}
+
+/// `com x` of a body is `com_x` in the names of the covariance.
+pub(super) fn address(what: &str) -> String {
+    what.replacen("I ", "inertia_", 1).replace(' ', "_")
+}
+
+impl Answers {
+    /// Mass properties in the covariance of every answer, in the order of the first.
+    pub fn common(files: &[&EstimateFile]) -> Self {
+        let values: Vec<HashMap<String, f64>> = files.iter().map(|f| values(f)).collect();
+        let places: Vec<HashMap<&str, usize>> = files
+            .iter()
+            .map(|f| {
+                f.covariance
+                    .names
+                    .iter()
+                    .map(String::as_str)
+                    .zip(0..)
+                    .collect()
+            })
+            .collect();
+        let variance = |i: usize, name: &str| {
+            let at = *places[i].get(name)?;
+            let row = files[i].covariance.matrix.get(at)?;
+            row.get(at).copied().flatten().filter(|v| *v > 0.0)
+        };
+        let in_all = |name: &&String| {
+            (0..files.len())
+                .all(|i| values[i].contains_key(name.as_str()) && variance(i, name).is_some())
+        };
+        let names: Vec<String> = files.first().map_or_else(Vec::new, |f| {
+            f.covariance.names.iter().filter(in_all).cloned().collect()
+        });
+        let units = names.iter().map(|n| {
+            let first = files.first().zip(places.first());
+            first.map_or_else(String::new, |(f, p)| {
+                f.covariance.units[p[n.as_str()]].clone()
+            })
+        });
+        let covariance = |i: usize| {
+            let at = |k: usize| places[i][names[k].as_str()];
+            DMatrix::from_fn(names.len(), names.len(), |r, c| {
+                files[i].covariance.matrix[at(r)][at(c)].unwrap_or(0.0)
+            })
+        };
+        Self {
+            units: units.collect(),
+            values: values
+                .iter()
+                .map(|v| DVector::from_iterator(names.len(), names.iter().map(|n| v[n])))
+                .collect(),
+            covariances: (0..files.len()).map(covariance).collect(),
+            names,
+        }
+    }
+}
+
+/// Determined mass properties by the names of the covariance.
+fn values(file: &EstimateFile) -> HashMap<String, f64> {
+    let bodies = file.bodies.iter();
+    bodies
+        .flat_map(|(body, b)| b.numbers().into_iter().map(move |n| (body, n)))
+        .filter_map(|(body, (what, _, n))| Some((format!("{body}.{}", address(&what)), n.value?)))
+        .collect()
+}
+
+/// Chi-square, degrees of freedom and probability of the differences of some numbers.
+pub(super) fn test(answers: &Answers, of: &[usize]) -> (f64, usize, f64) {
+    let (k, others) = (of.len(), answers.values.len().saturating_sub(1));
+    let n = k * others;
+    let x = |i: usize, j: usize| answers.values[i][of[j]];
+    let d = DVector::from_fn(n, |r, _| x(1 + r / k, r % k) - x(0, r % k));
+    let c = |i: usize, a: usize, b: usize| answers.covariances[i][(of[a], of[b])];
+    let s = DMatrix::from_fn(n, n, |r, q| {
+        let own = if r / k == q / k {
+            c(1 + r / k, r % k, q % k)
+        } else {
+            0.0
+        };
+        c(0, r % k, q % k) + own
+    });
+    // In units of sigma: numbers of very different size meet here.
+    let sigma = DVector::from_fn(n, |r, _| s[(r, r)].sqrt());
+    let correlation = DMatrix::from_fn(n, n, |r, q| s[(r, q)] / (sigma[r] * sigma[q]));
+    let z = d.component_div(&sigma);
+    let spectrum = correlation.symmetric_eigen();
+    let largest = spectrum.eigenvalues.max();
+    let (mut chi2, mut dof) = (0.0, 0);
+    for (value, vector) in spectrum
+        .eigenvalues
+        .iter()
+        .zip(spectrum.eigenvectors.column_iter())
+    {
+        if *value > ROUND_OFF * largest {
+            chi2 += vector.dot(&z).powi(2) / value;
+            dof += 1;
+        }
+    }
+    let p = ChiSquared::new(dof as f64).map_or(1.0, |law| law.sf(chi2));
+    (chi2, dof, p)
+}
+
+/// Mean weighted by information, with sigma; `None` where a covariance has no inverse.
+pub(super) fn pooled(answers: &Answers) -> Option<Vec<(f64, f64)>> {
+    let n = answers.names.len();
+    let first = answers.covariances.first()?;
+    let scale = DVector::from_fn(n, |k, _| first[(k, k)].sqrt());
+    let scaled =
+        |c: &DMatrix<f64>| DMatrix::from_fn(n, n, |r, q| c[(r, q)] / (scale[r] * scale[q]));
+    let mut information = DMatrix::zeros(n, n);
+    let mut weighted = DVector::zeros(n);
+    for (x, c) in answers.values.iter().zip(&answers.covariances) {
+        let inverse = scaled(c).cholesky()?.inverse();
+        weighted += &inverse * x.component_div(&scale);
+        information += inverse;
+    }
+    let covariance = information.cholesky()?.inverse();
+    let mean = &covariance * weighted;
+    let one = |k: usize| (mean[k] * scale[k], covariance[(k, k)].sqrt() * scale[k]);
+    Some((0..n).map(one).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn normal(rng: &mut ChaCha8Rng, n: usize) -> DVector<f64> {
+        DVector::from_fn(n, |_, _| StandardNormal.sample(rng))
+    }
+
+    /// Three answers with correlated errors of very different size.
+    fn draw(rng: &mut ChaCha8Rng, truth: &DVector<f64>) -> Answers {
+        let n = truth.len();
+        let roots: Vec<DMatrix<f64>> = (0..3)
+            .map(|i| {
+                let size = 10.0_f64.powi(i - 1);
+                DMatrix::from_fn(n, n, |r, c| {
+                    let own = if r == c {
+                        1.0
+                    } else {
+                        0.3 * f64::from((r + c) as u8) / n as f64
+                    };
+                    own * size * 1.0e-3_f64.powi(r as i32 % 2)
+                })
+            })
+            .collect();
+        Answers {
+            names: (0..n).map(|k| format!("bus.{k}")).collect(),
+            units: vec![String::new(); n],
+            values: roots.iter().map(|l| truth + l * normal(rng, n)).collect(),
+            covariances: roots.iter().map(|l| l * l.transpose()).collect(),
+        }
+    }
+
+    #[test]
+    fn stat_probabilities_are_uniform_and_the_mean_is_calibrated() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let truth = DVector::from_vec(vec![3.0, -0.2, 12.0, 0.01]);
+        let (trials, mut small, mut squares) = (2000, 0, 0.0);
+        for _ in 0..trials {
+            let answers = draw(&mut rng, &truth);
+            let (_, dof, p) = test(&answers, &[0, 1, 2, 3]);
+            assert_eq!(dof, 8);
+            small += usize::from(p < 0.05);
+            let mean = pooled(&answers).unwrap();
+            squares += (0..4)
+                .map(|k| ((mean[k].0 - truth[k]) / mean[k].1).powi(2))
+                .sum::<f64>();
+        }
+        // 99.9 % bands of 2,000 trials and 8,000 squares (their correlation widens the second).
+        assert!((68..=134).contains(&small), "{small}");
+        let mean_square = squares / (4.0 * trials as f64);
+        assert!((mean_square - 1.0).abs() < 0.11, "{mean_square}");
+    }
+}
