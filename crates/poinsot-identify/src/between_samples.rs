@@ -14,8 +14,11 @@ use crate::segment::{Segment, Tachometer};
 use crate::wheel_process::{Track, WheelProcess};
 use poinsot_solve::{LeastSquares, Linearised};
 
+/// Shift of the answer between straight and smooth speeds, sigmas, up to which the data are not asked where the wheels
+/// are sampled together with all other sensors.
+pub(crate) const UNASKED: f64 = 1.0;
 /// Shift of the answer, sigmas, below which wheel speeds count as exact between their samples.
-pub(crate) const EXACT: f64 = 0.05;
+const EXACT: f64 = 0.05;
 /// Difference of `-2 ln L` within which two hypotheses are both possible, and of their answers, sigmas, from which it counts.
 const POSSIBLE: f64 = 6.0;
 const DIFFERENT: f64 = 0.3;
@@ -142,7 +145,7 @@ pub(crate) fn is_sampled_elsewhere(problem: &Problem) -> bool {
 /// Asks the data what the motors did. `None` where it does not matter, or the wheels' samples are too few.
 pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> Option<Chosen> {
     let problem = experiment.problem;
-    if !has_tachometers(problem) || !fast.settled {
+    if !has_tachometers(problem) || !fast.settled || !fast.is_close() {
         return None;
     }
     let noise = &problem.noise.wheel_speed;

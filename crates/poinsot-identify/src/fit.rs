@@ -151,8 +151,12 @@ impl Start {
 
 /// Whether chi-square at a point is not far from what noise makes.
 pub(crate) fn is_close(here: &Linearised<Local>) -> bool {
-    let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
-    here.cost < CLOSE * rows as f64
+    close(here.cost, &here.rows.evaluated)
+}
+
+fn close(cost: f64, evaluated: &[Evaluated]) -> bool {
+    let rows: usize = evaluated.iter().map(|e| e.rows).sum();
+    cost < CLOSE * rows as f64
 }
 
 /// The linear solution and the nominal numbers, the better one first; before them where a few readings lead from
@@ -320,6 +324,11 @@ impl Local {
 }
 
 impl Fitted {
+    /// Whether chi-square is not far from what noise makes.
+    pub fn is_close(&self) -> bool {
+        close(chi2(&self.evaluated), &self.evaluated)
+    }
+
     /// Adds `d d^T` to the covariance, of a change `d` of nuisances and mass properties.
     pub fn widen(&mut self, experiment: &Experiment, change: &[f64]) {
         let shared = self.shared.widened(change);

@@ -6,7 +6,7 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
-use crate::between_samples::{EXACT, choose, is_sampled_elsewhere};
+use crate::between_samples::{UNASKED, choose, is_sampled_elsewhere};
 use crate::conflict::{self, conflict};
 use crate::coordinates::FitOptions;
 use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
@@ -82,7 +82,7 @@ pub(crate) fn solve(
     if !problem.model.wheels.is_empty() {
         let (found, shift) = between_samples(&mut experiment, linear.as_ref(), fitted);
         fitted = found;
-        let asked = shift > EXACT || is_sampled_elsewhere(problem);
+        let asked = shift > UNASKED || is_sampled_elsewhere(problem);
         let chosen = asked.then(|| choose(&experiment, &fitted, !experiment.wheels_smooth));
         if let Some(chosen) = chosen.flatten() {
             assumptions.push(chosen.driven.torque.words());
