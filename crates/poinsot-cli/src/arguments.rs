@@ -1,5 +1,6 @@
 //! The words of the command line.
 
+use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
 use std::path::PathBuf;
@@ -71,6 +72,8 @@ pub enum Verb {
     Export(Export),
     /// Say what an error code means, its usual cause and what to do; all codes without one.
     Explain(Explain),
+    /// List the methods of `identify` with their variants and papers.
+    Methods(Methods),
     /// Print the JSON Schema of a file format.
     Schema(Schema),
     /// Print the completions of a shell, to be read by it at its start.
@@ -98,15 +101,11 @@ pub struct Identify {
     /// segments: the bodies are shared, each has its own initial momentum.
     #[arg(long, value_name = "FILE[,FILE]", required = true)]
     pub telemetry: Vec<String>,
-    /// Method: auto (linear, then maximum likelihood), linear, maximum_likelihood; published methods:
-    /// kim2010, ma2008, xu2017.
-    #[arg(long, default_value = "auto")]
+    /// Method; `poinsot methods` lists them.
+    #[arg(long, default_value = "auto", value_parser = Words::methods())]
     pub method: String,
-    /// Variant of a method. Of maximum likelihood: gaussian (default), huber, student_t, the loss of a
-    /// reading. Of kim2010: suggested (default), batch, conventional, pre-estimate, iterated. Of ma2008:
-    /// unknown-momentum (default), known-momentum. Of xu2017: swarm (default), linear, swarm-inward,
-    /// linear-inward.
-    #[arg(long)]
+    /// Variant of the method; `poinsot methods` lists them.
+    #[arg(long, value_parser = Words::variants(), hide_possible_values = true)]
     pub variant: Option<String>,
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
@@ -253,6 +252,19 @@ pub struct Explain {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors: the exit code says whether there is such a code; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `methods`.
+#[derive(Debug, Args)]
+pub struct Methods {
+    /// One method; all without it.
+    pub name: Option<String>,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors: the exit code says whether there is such a method; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }

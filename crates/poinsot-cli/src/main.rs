@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Verb::Import(a) => verbs::import::run(a),
         Verb::Export(a) => verbs::export::run(a),
         Verb::Explain(a) => verbs::explain::run(a),
+        Verb::Methods(a) => verbs::methods::run(a),
         Verb::Schema(a) => verbs::schema::run(a),
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),

@@ -567,3 +567,42 @@ fn cli_simulated_satellite_is_identified() {
 fn cli_simulated_tug_is_identified() {
     round_trip("cases/tug_thrusters.toml", "cases/tug_truth.toml", "bus");
 }
+
+#[test]
+fn cli_methods_lists_what_identify_takes() {
+    let all = poinsot(["methods", "--json"]);
+    let all: Value = serde_json::from_str(&stdout(&all)).unwrap();
+    let names: Vec<&str> = all
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|m| m["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "auto",
+            "linear",
+            "maximum_likelihood",
+            "kim2010",
+            "ma2008",
+            "xu2017"
+        ]
+    );
+    let one = stdout(&poinsot(["methods", "ma2008"]));
+    assert!(
+        one.starts_with("ma2008: ") && one.contains("doi 10.2514/1.35188"),
+        "{one}"
+    );
+    assert!(
+        one.contains("--variant unknown-momentum  ") && one.contains("(default)"),
+        "{one}"
+    );
+    let none = poinsot(["methods", "best"]);
+    assert_eq!(code(&none), 2);
+    assert!(stderr(&none).starts_with("E0001 methods 'best': there is no such method"));
+    let help = stdout(&poinsot(["identify", "--help"]));
+    for name in names {
+        assert!(help.contains(name), "{help}");
+    }
+}

@@ -21,7 +21,7 @@ pub enum FormatError {
         source: std::io::Error,
     },
     /// It is another format.
-    #[error("its schema is \"{found}\", not {ESTIMATE}; give the folder of identify --out")]
+    #[error("{}; give the folder of identify --out", schema_found(found))]
     Schema {
         /// Path.
         path: PathBuf,
@@ -36,6 +36,13 @@ pub enum FormatError {
         /// What is wrong, with line and column.
         why: String,
     },
+}
+
+fn schema_found(found: &str) -> String {
+    match found {
+        "" => "it has no key \"schema\"".to_owned(),
+        found => format!("its schema is \"{found}\", not {ESTIMATE}"),
+    }
 }
 
 /// Reads `estimate.json`, or the folder that holds it; gives the path of the file too.

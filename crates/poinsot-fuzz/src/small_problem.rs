@@ -24,15 +24,14 @@ impl SmallProblem {
     /// # Errors
     /// There are too few bytes.
     pub fn new(u: &mut Unstructured) -> Result<Self> {
-        let (method, variant) = *u.choose(&[
+        let mut methods = vec![
             ("linear", None),
             ("auto", None),
             ("maximum_likelihood", Some("huber")),
             ("maximum_likelihood", Some("student_t")),
-            ("ma2008", None),
-            ("kim2010", None),
-            ("xu2017", None),
-        ])?;
+        ];
+        methods.extend(poinsot_papers::METHODS.map(|m| (m.about().name, None)));
+        let (method, variant) = *u.choose(&methods)?;
         let mut model = String::from("schema = \"poinsot.model/1\"\nname = \"fuzzed\"\n");
         let mut columns = Vec::new();
         let joint = *u.choose(&["", "revolute", "prismatic", "fixed"])?;

@@ -109,7 +109,7 @@ pub(crate) fn body(judge: &Judge, solved: &Solved, at: usize) -> BodyEstimate {
     let nominal = parameters.nominal_properties[at];
     let name = parameters.body_names[at].clone();
     if !asked.any() {
-        return known(name, &nominal);
+        return BodyEstimate::known(name, &nominal);
     }
     match parameters.equations {
         Equations::Momentum => {
@@ -173,7 +173,7 @@ fn from_ten(
     });
     let barycentric =
         std::array::from_fn(|k| judge.number(&ten.parameter(k), nominal_pi[k], |x| at(x).value[k]));
-    finish(name, mass, com, inertia, barycentric)
+    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }
 
 fn rotation_body(
@@ -239,62 +239,68 @@ fn rotation_body(
         },
         (false, _) => Number::open(nominal_pi[k]),
     });
-    finish(name, mass, com, inertia, barycentric)
+    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }
 
-pub(crate) fn known(name: String, nominal: &MassProperties) -> BodyEstimate {
-    let pi = nominal.parameters().to_array();
-    let mut body = finish(
-        name,
-        Number::known(nominal.mass),
-        [0, 1, 2].map(|k| Number::known(nominal.p_BoBcm_B[k])),
-        TENSOR.map(|e| Number::known(nominal.I_BBcm_B[e])),
-        pi.map(Number::known),
-    );
-    body.asked = false;
-    body
-}
+impl BodyEstimate {
+    /// A body that is known: every number nominal, without sigma.
+    pub fn known(name: String, nominal: &MassProperties) -> Self {
+        let pi = nominal.parameters().to_array();
+        let mut body = Self::from_numbers(
+            name,
+            Number::known(nominal.mass),
+            [0, 1, 2].map(|k| Number::known(nominal.p_BoBcm_B[k])),
+            TENSOR.map(|e| Number::known(nominal.I_BBcm_B[e])),
+            pi.map(Number::known),
+        );
+        body.asked = false;
+        body
+    }
 
-pub(crate) fn finish(
-    name: String,
-    mass: Number,
-    com: [Number; 3],
-    inertia: [Number; 6],
-    barycentric: [Number; 10],
-) -> BodyEstimate {
-    let tensor = all(&inertia).map(|t| tensor(&t));
-    let principal = tensor.map(|I| {
-        let (moments, axes) = MassProperties {
-            mass: 1.0,
-            p_BoBcm_B: Vector3::zeros(),
-            I_BBcm_B: I,
+    /// A body of these numbers: centre of mass in B, m; moments and products of inertia about it in the order of
+    /// [`TENSOR`], kg m2; the ten parameters. Principal axes and physical consistency follow from them.
+    pub fn from_numbers(
+        name: String,
+        mass: Number,
+        com: [Number; 3],
+        inertia: [Number; 6],
+        barycentric: [Number; 10],
+    ) -> Self {
+        let tensor = all(&inertia).map(|t| tensor(&t));
+        let principal = tensor.map(|I| {
+            let (moments, axes) = MassProperties {
+                mass: 1.0,
+                p_BoBcm_B: Vector3::zeros(),
+                I_BBcm_B: I,
+            }
+            .principal();
+            let q = nalgebra::UnitQuaternion::from_rotation_matrix(
+                &Rotation3::from_matrix_unchecked(axes),
+            );
+            Principal {
+                moments,
+                axes_xyzw: [q.i, q.j, q.k, q.w],
+            }
+        });
+        let physically_consistent = tensor.map(|I| {
+            let candidate = MassProperties {
+                mass: mass.value.unwrap_or(1.0),
+                p_BoBcm_B: Vector3::zeros(),
+                I_BBcm_B: I,
+            };
+            pseudo_inertia(&candidate.parameters()).cholesky().is_some()
+                || candidate.check_physical(1.0e-9).is_ok()
+        });
+        Self {
+            name,
+            asked: true,
+            mass,
+            com,
+            inertia,
+            barycentric,
+            principal,
+            physically_consistent,
         }
-        .principal();
-        let q =
-            nalgebra::UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-        Principal {
-            moments,
-            axes_xyzw: [q.i, q.j, q.k, q.w],
-        }
-    });
-    let physically_consistent = tensor.map(|I| {
-        let candidate = MassProperties {
-            mass: mass.value.unwrap_or(1.0),
-            p_BoBcm_B: Vector3::zeros(),
-            I_BBcm_B: I,
-        };
-        pseudo_inertia(&candidate.parameters()).cholesky().is_some()
-            || candidate.check_physical(1.0e-9).is_ok()
-    });
-    BodyEstimate {
-        name,
-        asked: true,
-        mass,
-        com,
-        inertia,
-        barycentric,
-        principal,
-        physically_consistent,
     }
 }
 

@@ -12,8 +12,7 @@ use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use crate::solved::{Shared, Solved, head};
 use nalgebra::UnitQuaternion;
-use poinsot_solve::Spectrum;
-use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
+use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, Step, levenberg_marquardt};
 use poinsot_spatial::Vector3;
 
 /// Most iterations.

@@ -56,7 +56,7 @@ pub struct Impulses {
 ///
 /// Attitude between samples follows the cubic in the rotation vector that meets both attitudes and both
 /// angular velocities; position likewise with the velocities; joints likewise with their rates.
-pub fn integrate(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -> Impulses {
+pub fn thrust_impulses(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -> Impulses {
     let scaled: Vec<usize> = (0..thrusters.len())
         .filter(|&k| thrusters[k].scale != Nuisance::Known)
         .collect();
@@ -118,7 +118,7 @@ pub(crate) fn adds_up(problem: &Problem) -> bool {
         let Some(translation) = segment.samples.translation.as_ref() else {
             return false;
         };
-        let impulses = integrate(problem.tree, &problem.model.thrusters, segment).total;
+        let impulses = thrust_impulses(problem.tree, &problem.model.thrusters, segment).total;
         let steps = impulses.windows(2);
         let square: f64 = steps
             .map(|p| (p[1].linear - p[0].linear).norm_squared())

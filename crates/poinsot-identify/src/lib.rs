@@ -31,7 +31,6 @@ mod likelihood;
 mod linear;
 mod loss;
 mod maximum_likelihood;
-pub mod methods;
 mod motion;
 mod octaves;
 mod parameters;
@@ -66,6 +65,7 @@ pub use estimate::{
 };
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
+pub use impulse::{Impulse, Impulses, thrust_impulses};
 pub use linear::linear;
 pub use loss::Loss;
 pub use maximum_likelihood::{maximum_likelihood, maximum_likelihood_with};

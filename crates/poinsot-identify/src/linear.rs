@@ -19,8 +19,7 @@ use crate::segment::Segment;
 use crate::solved::{Reduced, Shared, Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::MomentumKnowledge;
-use poinsot_solve::Spectrum;
-use poinsot_solve::{BlockQr, Triangle};
+use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::{Vector3, skew};
 use rayon::prelude::*;
 
@@ -190,7 +189,7 @@ fn reduce(
     start: StartMomentum,
     noise: &mut [f64],
 ) -> Triangle {
-    let impulses = impulse::integrate(setting.tree, &problem.model.thrusters, segment);
+    let impulses = impulse::thrust_impulses(setting.tree, &problem.model.thrusters, segment);
     let samples = segment.samples.time_s.len();
     let width = start.columns() + setting.parameters.len() + 1;
     let chunks: Vec<(usize, usize)> = (0..samples)

@@ -25,8 +25,7 @@ use crate::problem::{Problem, ProblemError};
 use crate::propagation::within_steps;
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
-use poinsot_solve::LeastSquares;
-use poinsot_solve::Spectrum;
+use poinsot_solve::{LeastSquares, Spectrum};
 use poinsot_spatial::Vector3;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.

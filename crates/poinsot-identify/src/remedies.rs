@@ -18,8 +18,7 @@ use crate::segment::{Firing, Noise, Observations, Segment};
 use crate::solved::{Shared, Solved};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::{EstimateSet, Thruster};
-use poinsot_solve::BlockQr;
-use poinsot_solve::Spectrum;
+use poinsot_solve::{BlockQr, Spectrum};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 /// Samples of a record that is tried, and its longest duration, s; their noise is scaled to that of the record at

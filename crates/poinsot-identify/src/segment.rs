@@ -131,7 +131,7 @@ impl InputErrors {
     }
 }
 
-/// Accelerations at the times of the samples: Xu 2017 alone uses them.
+/// Accelerations at the times of the samples, for methods that take them instead of momentum.
 #[derive(Debug, Clone, Default)]
 pub struct Accelerations {
     /// Angular acceleration of the base, in B, rad/s2.

@@ -9,8 +9,7 @@ use crate::rows::StartMomentum;
 use faer::Mat;
 use nalgebra::DMatrix;
 use poinsot_model::MomentumKnowledge;
-use poinsot_solve::Spectrum;
-use poinsot_solve::{BlockQr, Triangle};
+use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.

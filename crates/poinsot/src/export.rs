@@ -26,7 +26,7 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
         path: path.to_owned(),
         why,
     };
-    let (path, estimate) = read_estimate(folder).map_err(format_error)?;
+    let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
     read_urdf(urdf).model?;
     let text = std::fs::read_to_string(urdf).map_err(|source| Error::Io {
         path: urdf.to_owned(),

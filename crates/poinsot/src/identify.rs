@@ -2,25 +2,19 @@
 
 use crate::bind::{acceleration_channels, bind, wanted_channels};
 use crate::error::Error;
+use crate::methods::{is_own, methods};
 use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::{self, kim2010, ma2008, xu2017};
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, Loss, Number, Prediction, Problem, Status, linear_predicted,
-    maximum_likelihood_predicted, predicted_by, tensor_name,
+    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, Status, linear_predicted,
+    maximum_likelihood_predicted, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_papers::{answered, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{ColumnMap, Encoding, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
-
-/// Methods by name; `auto` is linear least squares, then maximum likelihood.
-pub const METHODS: [&str; 3] = ["auto", "linear", "maximum_likelihood"];
-
-/// Variants of maximum likelihood: the loss of a reading.
-pub const LOSSES: [&str; 3] = ["gaussian", "huber", "student_t"];
 
 /// One-sigma accuracy in natural units that counts as identified unless told otherwise (CONTRACT).
 const RELATIVE_ACCURACY: f64 = 1.0;
@@ -34,9 +28,9 @@ const CURVE_POINTS: (usize, usize) = (1500, 3000);
 /// What is asked of the telemetry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question {
-    /// One of [`METHODS`] or the name of a published method.
+    /// Name of a method, see [`crate::methods::methods`].
     pub method: String,
-    /// Variant of the method.
+    /// One of its variants.
     pub variant: Option<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
@@ -170,7 +164,7 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     if let Some(wanted) = options
         .wanted
         .as_mut()
-        .filter(|_| question.method == "xu2017")
+        .filter(|_| method(&question.method).is_some_and(|m| m.about().reads_accelerations))
     {
         wanted.extend(acceleration_channels());
     }
@@ -206,7 +200,7 @@ pub fn identify_tables(
         findings.extend(checks::apply(table, &label, &policies)?);
     }
     let labels = tables.iter().map(table_label).collect::<Vec<_>>().join(",");
-    if METHODS.contains(&question.method.as_str())
+    if is_own(&question.method)
         && let Some(mut finding) = mixups::times(&model, &tables)
     {
         finding.policy = policies.of(finding.check);
@@ -306,18 +300,8 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match question.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
-        "kim2010" => {
-            let estimate = kim2010::identify(&problem, kim2010_variant(question)?)?;
-            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
-            (estimate, predictions)
-        }
-        "ma2008" => {
-            let estimate = ma2008::identify(&problem, ma2008_variant(question))?;
-            let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
-            (estimate, predictions)
-        }
-        "xu2017" => {
-            let estimate = xu2017::identify(&problem, xu2017_variant(question)?)?;
+        name if let Some(method) = method(name) => {
+            let estimate = method.identify(&problem, question.variant.as_deref())?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
@@ -334,7 +318,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
             (estimate, predictions)
         }
     };
-    let findings = match METHODS.contains(&question.method.as_str()) {
+    let findings = match is_own(&question.method) {
         true => mixups::rates(&problem, &tables, &estimate)
             .into_iter()
             .collect(),
@@ -384,65 +368,21 @@ fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     })
 }
 
-/// The vehicle as a published method says it is: what is determined, else what the method prints, else nominal.
-fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
-    let printed = |name: &str| {
-        let report = estimate.method_report.as_ref()?;
-        let found = report.numbers.iter().find(|n| n.name == name)?;
-        found.number.value
-    };
-    let bodies = model.bodies.iter().zip(&estimate.bodies);
-    bodies
-        .map(|(body, answer)| {
-            if !answer.asked {
-                return body.nominal;
-            }
-            let best = |n: &Number, name: &str| {
-                let printed = || printed(name).filter(|_| model.bodies.len() == 1);
-                n.value.or_else(printed).unwrap_or(n.nominal)
-            };
-            let [xx, xy, yy, xz, yz, zz] = std::array::from_fn(|k| {
-                // Kim, Choi and Oh write zx.
-                let name = tensor_name(k).replace("xz", "zx");
-                best(&answer.inertia[k], &format!("inertia_{name}"))
-            });
-            MassProperties {
-                mass: best(&answer.mass, "mass"),
-                p_BoBcm_B: Vector3::from(answer.com.map(|n| n.value.unwrap_or(n.nominal))),
-                I_BBcm_B: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-            }
-        })
-        .collect()
-}
-
-fn ma2008_variant(question: &Question) -> ma2008::Variant {
-    match question.variant.as_deref() {
-        Some("known-momentum") => ma2008::Variant::KnownMomentum,
-        _ => ma2008::Variant::UnknownMomentum,
-    }
-}
-
 fn check_method(question: &Question) -> Result<(), Error> {
-    let name = question.method.as_str();
-    let published = methods::published(name);
-    if !METHODS.contains(&name) && published.is_none() {
-        let mut names = METHODS.to_vec();
-        names.extend(methods::PUBLISHED.iter().map(|p| p.name));
+    let methods = methods();
+    let Some(method) = methods.iter().find(|m| m.name == question.method) else {
+        let names: Vec<&str> = methods.iter().map(|m| m.name).collect();
         return Err(Error::Usage {
             option: "--method",
             value: question.method.clone(),
             why: format!("there is no such method; use one of {}", names.join(", ")),
         });
-    }
-    let known: &[&str] = match (published, name) {
-        (Some(published), _) => published.variants,
-        (None, "linear") => &[],
-        (None, _) => &LOSSES,
     };
+    let known: Vec<&str> = method.variants.iter().map(|v| v.name).collect();
     if let Some(variant) = &question.variant
         && !known.contains(&variant.as_str())
     {
-        return Err(variant_error(question, known));
+        return Err(variant_error(question, &known));
     }
     if !(question.relative_accuracy > 0.0 && question.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
@@ -452,18 +392,6 @@ fn check_method(question: &Question) -> Result<(), Error> {
         });
     }
     Ok(())
-}
-
-fn kim2010_variant(question: &Question) -> Result<kim2010::Variant, Error> {
-    let known = methods::published("kim2010").map_or(&[][..], |p| p.variants);
-    kim2010::Variant::named(question.variant.as_deref())
-        .ok_or_else(|| variant_error(question, known))
-}
-
-fn xu2017_variant(question: &Question) -> Result<xu2017::Variant, Error> {
-    let known = methods::published("xu2017").map_or(&[][..], |p| p.variants);
-    xu2017::Variant::named(question.variant.as_deref())
-        .ok_or_else(|| variant_error(question, known))
 }
 
 fn variant_error(question: &Question, known: &[&str]) -> Error {

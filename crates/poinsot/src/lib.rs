@@ -11,6 +11,7 @@ mod estimate_text;
 pub mod explain;
 pub mod export;
 pub mod identify;
+pub mod methods;
 mod mixups;
 mod output;
 pub mod predict;

@@ -293,7 +293,7 @@ fn unit_refusals() {
     write("no.json", "{}");
     let text = refused(&with("no.json"));
     assert!(
-        text.starts_with("E0701 no.json: this estimate cannot be moved: missing field `schema`"),
+        text.starts_with("E0701 no.json: this estimate cannot be moved: it has no key \"schema\""),
         "{text}"
     );
     // An estimate of another model.

@@ -26,10 +26,10 @@ use poinsot::identify::identify_tables;
 use poinsot::simulate::simulate_case;
 use poinsot::validate::{Mover, compare_motion};
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::xu2017::swarm::Swarm;
-use poinsot_identify::methods::xu2017::{Form, Kind, Order, Solver, particle, sequence};
 use poinsot_identify::{Estimate, Status, linear};
 use poinsot_model::{EstimateSet, Model, read_model};
+use poinsot_papers::xu2017::swarm::Swarm;
+use poinsot_papers::xu2017::{Form, Kind, Order, Solver, particle, sequence};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 use poinsot_telemetry::Table;
 use setup::{
@@ -263,7 +263,7 @@ fn paper_its_own_error_lies_in_the_open_directions() {
     assert_eq!(null.count(), 18);
     let paper: Vec<InertialParameters> = printed::IDENTIFIED
         .iter()
-        .map(|x| poinsot_identify::methods::xu2017::properties(x).parameters())
+        .map(|x| poinsot_papers::xu2017::properties(x).parameters())
         .collect();
     let (_, share) = null.share(&paper, &true_bodies);
     println!("share {share:.3}");

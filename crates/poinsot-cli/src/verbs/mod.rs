@@ -9,6 +9,7 @@ pub mod identify;
 pub mod import;
 pub mod inspect;
 pub mod man;
+pub mod methods;
 pub mod predict;
 pub mod report;
 pub mod schema;

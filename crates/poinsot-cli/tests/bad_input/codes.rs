@@ -353,8 +353,8 @@ fn cases() -> Vec<Row> {
 /// Messages that no input makes the command print, and why: a fault of the program, and guards of the library for
 /// those who call it with numbers that did not pass the program's own checks.
 pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
-    use poinsot_identify::methods::{kim2010, xu2017::Xu2017Error};
     use poinsot_identify::{EvaluationError, ProblemError};
+    use poinsot_papers::{kim2010, xu2017::Xu2017Error};
     let fault = poinsot::Error::Internal {
         what: "index out of range (src/x.rs:1)".to_owned(),
     };

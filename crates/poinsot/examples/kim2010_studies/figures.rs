@@ -5,7 +5,7 @@ use crate::slew::{RATE, Slew};
 use crate::svg::{COLOURS, Panel, Shape, figure};
 use crate::trials::{self, PRINTED, quantile};
 use crate::{Cell, Failure, TRUE};
-use poinsot_identify::methods::kim2010::NAMES;
+use poinsot_papers::kim2010::NAMES;
 use poinsot_spatial::Vector3;
 use std::path::Path;
 

@@ -9,7 +9,7 @@ mod slew;
 mod svg;
 mod trials;
 
-use poinsot_identify::methods::kim2010::{Kim2010Error, NAMES, VISITED};
+use poinsot_papers::kim2010::{Kim2010Error, NAMES, VISITED};
 use slew::{RATE, Slew};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -4,8 +4,8 @@ use crate::slew::cases;
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::{Question, identify_tables};
-use poinsot_identify::methods::kim2010::NAMES;
 use poinsot_model::read_model;
+use poinsot_papers::kim2010::NAMES;
 
 /// Trials with other noise.
 const TRIALS: u64 = 20;

@@ -2,10 +2,8 @@
 
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;
-use poinsot_identify::methods::kim2010::{
-    Kim2010Error, Manoeuvre, StartRate, Sums, wheel_momentum,
-};
 use poinsot_model::read_model;
+use poinsot_papers::kim2010::{Kim2010Error, Manoeuvre, StartRate, Sums, wheel_momentum};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! Many noisy records of the paper's slew, and the printed Table 2 among them.
 
 use crate::slew::Slew;
-use poinsot_identify::methods::kim2010::{Kim2010Error, Sums, VISITED};
+use poinsot_papers::kim2010::{Kim2010Error, Sums, VISITED};
 use poinsot_spatial::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

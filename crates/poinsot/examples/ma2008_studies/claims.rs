@@ -3,7 +3,7 @@
 use crate::monte::*;
 use crate::setup::{Experiment, readings};
 use crate::studies::example;
-use poinsot_identify::methods::ma2008::two_step;
+use poinsot_papers::ma2008::two_step;
 
 const SEEDS: u64 = 200;
 

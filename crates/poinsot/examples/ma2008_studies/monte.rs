@@ -3,12 +3,12 @@
 use crate::setup::{Experiment, Run, readings};
 use nalgebra::DMatrix;
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::ma2008::{Known, Raw, Reading, angular_rows, linear_rows, two_step};
 use poinsot_identify::{
     Estimate, Noise, Observations, Problem, Samples, Segment, Translation, linear,
     maximum_likelihood,
 };
 use poinsot_model::{Model, MomentumKnowledge};
+use poinsot_papers::ma2008::{Known, Raw, Reading, angular_rows, linear_rows, two_step};
 use poinsot_spatial::{MassProperties, Matrix3, Matrix6, Vector3, Vector6};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -2,8 +2,8 @@
 #![allow(clippy::expect_used)]
 
 use poinsot_dynamics::{JointMotion, Plan, Prescribed, Start, StartVelocity, Tolerance, Tree};
-use poinsot_identify::methods::ma2008::{Known, Raw, Reading, Vehicle};
 use poinsot_model::{Model, read_model};
+use poinsot_papers::ma2008::{Known, Raw, Reading, Vehicle};
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 

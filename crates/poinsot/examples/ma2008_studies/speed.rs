@@ -1,7 +1,7 @@
 //! Trials per second of both steps on one core, beside a NumPy program that prints its own.
 
 use crate::setup::{Experiment, Run, readings};
-use poinsot_identify::methods::ma2008::Trials;
+use poinsot_papers::ma2008::Trials;
 use std::process::Command;
 use std::time::Instant;
 

@@ -3,8 +3,8 @@
 use crate::figure::{Panel, Series, svg};
 use crate::monte::*;
 use crate::setup::{Experiment, Run, readings, unsymmetric};
-use poinsot_identify::methods::ma2008::bounds::{angular_error, bound, linear_error, sizes};
-use poinsot_identify::methods::ma2008::{Reading, angular_rows, differences, two_step};
+use poinsot_papers::ma2008::bounds::{angular_error, bound, linear_error, sizes};
+use poinsot_papers::ma2008::{Reading, angular_rows, differences, two_step};
 use poinsot_spatial::Vector3;
 use std::fmt::Write;
 use std::path::Path;
@@ -510,7 +510,7 @@ fn less_first<const W: usize>(
 
 /// What the exact data give: both trajectories, all options, printed option 2 beside them.
 pub fn exact() {
-    use poinsot_identify::methods::ma2008::printed::{PrintedAxes, two_step_printed};
+    use poinsot_papers::ma2008::printed::{PrintedAxes, two_step_printed};
     for (name, unsym) in [("Table 1 base", false), ("unsymmetric base", true)] {
         for (trajectory, spin) in [
             (1, [0.0, 0.0, 5.0]),

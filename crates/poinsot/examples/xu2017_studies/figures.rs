@@ -2,8 +2,8 @@
 
 use crate::setup::{Data, EVERY, all_unknown, data, runs, thinned, truth, whole};
 use crate::svg::{COLOURS, Panel, Shape, figure};
-use poinsot_identify::methods::xu2017::swarm::Swarm;
-use poinsot_identify::methods::xu2017::{Found, Kind, Order, Searched, Solver, particle, sequence};
+use poinsot_papers::xu2017::swarm::Swarm;
+use poinsot_papers::xu2017::{Found, Kind, Order, Searched, Solver, particle, sequence};
 use rayon::prelude::*;
 use std::path::Path;
 

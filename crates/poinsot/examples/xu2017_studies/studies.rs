@@ -6,9 +6,9 @@ use poinsot::identify::identify_tables;
 use poinsot::simulate::simulate_case;
 use poinsot::{Identified, Question};
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::xu2017::sensitivity::path_sensitivity;
 use poinsot_identify::{BodyEstimate, TENSOR};
 use poinsot_model::{EstimateSet, Model, read_model};
+use poinsot_papers::xu2017::sensitivity::path_sensitivity;
 use poinsot_spatial::{InertialParameters, MassProperties};
 use poinsot_telemetry::Table;
 

@@ -4,8 +4,8 @@ use crate::null::Null;
 use crate::printed::{IDENTIFIED, NAMES, TABLE4_ERRORS};
 use crate::setup::{Data, all_unknown, data, fraction, properties, thinned, truth, whole};
 use poinsot_identify::linear;
-use poinsot_identify::methods::xu2017::swarm::Swarm;
-use poinsot_identify::methods::xu2017::{
+use poinsot_papers::xu2017::swarm::Swarm;
+use poinsot_papers::xu2017::{
     self, Found, Kind, Order, Solver, particle, properties as of_particle, sequence,
 };
 use poinsot_spatial::InertialParameters;

@@ -6,8 +6,8 @@ use crate::svg::{COLOURS, Panel, Shape, figure};
 use crate::tables::swarms;
 use poinsot::case::read_case;
 use poinsot::validate::{Compared, Mover, compare_motion};
-use poinsot_identify::methods::xu2017::{Order, Solver, properties, sequence};
 use poinsot_model::read_model;
+use poinsot_papers::xu2017::{Order, Solver, properties, sequence};
 use poinsot_spatial::InertialParameters;
 use std::path::Path;
 

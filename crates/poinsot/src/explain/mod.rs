@@ -5,6 +5,7 @@
 mod files;
 mod questions;
 
+use poinsot_papers::Explained as Entry;
 use std::fmt;
 
 /// A code that stays.
@@ -31,9 +32,11 @@ impl fmt::Display for ErrorCode {
 
 /// All codes, ascending.
 pub fn error_codes() -> Vec<ErrorCode> {
+    let published = poinsot_papers::METHODS.iter().flat_map(|m| m.about().codes);
     let mut all: Vec<ErrorCode> = files::CODES
         .iter()
         .chain(questions::CODES)
+        .chain(published)
         .map(|&(code, meaning, cause, remedy)| ErrorCode {
             code,
             meaning,
@@ -51,6 +54,3 @@ pub fn explain(code: &str) -> Option<ErrorCode> {
     let wanted = format!("E{digits:0>4}");
     error_codes().into_iter().find(|c| c.code == wanted)
 }
-
-/// Code, meaning, usual cause, remedy.
-type Entry = (&'static str, &'static str, &'static str, &'static str);

@@ -1,6 +1,7 @@
 //! Files: MuJoCo's runs, shipped cases, names on the command line.
 
 use super::*;
+use poinsot_papers::Named;
 
 #[test]
 fn xval_mujoco_runs_give_the_truth() {

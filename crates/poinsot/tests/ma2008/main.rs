@@ -16,13 +16,13 @@ use poinsot::identify::{identify_tables, read_options};
 use poinsot::simulate::simulate_case;
 use poinsot::{IdentifyRequest, Question, identify};
 use poinsot_dynamics::Tree;
-use poinsot_identify::methods::ma2008::bounds::{angular_error, bound, linear_error, sizes};
-use poinsot_identify::methods::ma2008::printed::{PrintedAxes, two_step_printed};
-use poinsot_identify::methods::ma2008::{
-    self, Known, Reading, TwoStep, Variant, Vehicle, angular_rows, linear_rows, two_step,
-};
 use poinsot_identify::{Noise, Problem, Samples, Segment, Status, Translation};
 use poinsot_model::{JointKind, Model, MomentumKnowledge, read_model};
+use poinsot_papers::ma2008::bounds::{angular_error, bound, linear_error, sizes};
+use poinsot_papers::ma2008::printed::{PrintedAxes, two_step_printed};
+use poinsot_papers::ma2008::{
+    self, Known, Reading, TwoStep, Variant, Vehicle, angular_rows, linear_rows, two_step,
+};
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
 use poinsot_telemetry::read;
 use poinsot_testkit::momentum_sum::*;

@@ -5,12 +5,11 @@
 
 use super::suspicions::suspicions;
 use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, VISITED, Variant, wheel_momentum};
-use crate::answer_body::finish;
-use crate::estimate::{BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Source, Status};
-use crate::linear::linear;
-use crate::parameters::TENSOR;
-use crate::problem::{Problem, ProblemError};
-use crate::segment::Segment;
+use crate::method::{About, Method, MethodError, Named};
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment,
+    Source, Status, TENSOR, linear,
+};
 use poinsot_model::Model;
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -37,21 +36,43 @@ pub enum Kim2010ProblemError {
     },
 }
 
-impl Variant {
-    /// The variant of this name on the command line; the paper's own where none is given.
-    pub fn named(name: Option<&str>) -> Option<Self> {
-        Some(match name {
-            None | Some("suggested") => Self::Suggested,
-            Some("batch") => Self::Batch,
-            Some("conventional") => Self::Conventional,
-            Some("pre-estimate") => Self::PreEstimate,
-            Some("iterated") => Self::Iterated,
-            Some(_) => return None,
-        })
+/// This method in the list of methods.
+pub struct Kim2010;
+
+impl Method for Kim2010 {
+    fn about(&self) -> About {
+        About {
+            name: "kim2010",
+            summary: "inertia of one body from the momentum of its wheels, attitude and rates",
+            citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
+            variants: Variant::texts(),
+            reads_accelerations: false,
+            codes: super::codes::CODES,
+        }
     }
 
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
+    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        Ok(identify(problem, variant)?)
+    }
+}
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::Suggested,
+            "products of inertia from the moments alone, (14)-(16)",
+        ),
+        (Self::Batch, "nine elements at once, (2)-(4)"),
+        (Self::Conventional, "every element alone, (8)-(10), (14)"),
+        (Self::PreEstimate, "products with those already found"),
+        (
+            Self::Iterated,
+            "(14)-(16) repeated, the paper's future work",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
         match self {
             Self::Suggested => "suggested",
             Self::Batch => "batch",
@@ -317,7 +338,7 @@ fn replaced(mut body: BodyEstimate, I: &Matrix3, impossible: bool) -> BodyEstima
             *number = Number::open(number.nominal);
         }
     }
-    finish(
+    BodyEstimate::from_numbers(
         body.name,
         body.mass,
         body.com,

@@ -37,6 +37,7 @@ mod answer;
 mod arm;
 mod both;
 pub mod bounds;
+mod codes;
 mod error;
 mod influence;
 mod lanes;
@@ -45,7 +46,7 @@ mod solve;
 mod trials;
 mod words;
 
-pub use answer::{Variant, identify};
+pub use answer::{Ma2008, Variant, identify};
 pub use arm::{Arm, Raw, Vehicle};
 pub use error::Ma2008Error;
 pub use influence::{Influence, Source as NoiseSource, influence};

@@ -10,12 +10,12 @@ use super::error::Xu2017Error;
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::words::{notes, warnings};
 use super::{Kind, Variant};
-use crate::answer_body::finish;
-use crate::estimate::{BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Source, Status};
-use crate::linear::linear;
-use crate::parameters::{TENSOR, axis_name, tensor_name};
-use crate::problem::Problem;
+use crate::method::Named;
 use poinsot_dynamics::{Kinematics, composite};
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, Source, Status, TENSOR,
+    axis_name, linear, tensor_name,
+};
 use poinsot_spatial::{InertialParameters, PARAMETER_NAMES};
 use std::collections::HashMap;
 
@@ -167,7 +167,7 @@ fn replaced(body: &BodyEstimate, pi: &InertialParameters, withheld: bool) -> Bod
     };
     let array = pi.to_array();
     let raw = |k: usize| (!withheld).then_some(array[k]);
-    let mut out = finish(
+    let mut out = BodyEstimate::from_numbers(
         body.name.clone(),
         of(&body.mass, raw(0)),
         [0, 1, 2].map(|k| of(&body.com[k], p.map(|p| p.p_BoBcm_B[k]))),

@@ -8,9 +8,9 @@ use super::{
     AngularRows, Known, LinearRows, Raw, Reading, Step, Vehicle, angular_known, angular_rows,
     differences, linear_known, linear_rows, solve,
 };
-use crate::problem::Problem;
-use crate::segment::{Noise, Segment};
+use crate::method::Named;
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
+use poinsot_identify::{Noise, Problem, Segment};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 

@@ -2,8 +2,7 @@
 
 use super::error::Xu2017Error;
 use super::single_body::Part;
-use crate::problem::Problem;
-use crate::segment::Segment;
+use poinsot_identify::{Problem, Segment};
 use poinsot_model::EstimateSet;
 
 /// A joint that moves by less than this and a few sigma is locked, rad or m.

@@ -1,9 +1,6 @@
 //! What is often wrong with wheels and tachometers, said in words.
 
-use crate::estimate::Estimate;
-use crate::linear::linear;
-use crate::problem::Problem;
-use crate::segment::Segment;
+use poinsot_identify::{Estimate, Problem, Segment, linear};
 use poinsot_model::Model;
 use poinsot_spatial::{Matrix3, Vector3};
 

@@ -1,7 +1,7 @@
 //! Kim, Choi, Oh 2010 against closed forms and the printed tables.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-use poinsot_identify::methods::kim2010::*;
+use poinsot_papers::kim2010::*;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -4,8 +4,8 @@
 //! iterations reach which accuracy.
 #![allow(non_snake_case)]
 
-use poinsot_identify::methods::xu2017::swarm::{Objective, Range, Swarm, fly};
-use poinsot_identify::methods::xu2017::{
+use poinsot_papers::xu2017::swarm::{Objective, Range, Swarm, fly};
+use poinsot_papers::xu2017::{
     Form, Part, Push, SingleObjective, accelerations, particle, solve_single,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};

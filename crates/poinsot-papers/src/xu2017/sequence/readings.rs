@@ -4,9 +4,8 @@ use super::super::error::Xu2017Error;
 use super::super::single_body::{Push, SingleRow, momenta};
 use super::super::two_body::{Side, TwoBodyReading};
 use super::Work;
-use crate::impulse;
-use crate::segment::Segment;
 use poinsot_dynamics::{Kinematics, body_momentum};
+use poinsot_identify::{Segment, thrust_impulses};
 use poinsot_spatial::Vector3;
 
 impl Work<'_> {
@@ -51,7 +50,7 @@ impl Work<'_> {
         let mut turning = segment.clone();
         turning.samples.translation = None;
         let tree = self.problem.tree;
-        let sums = impulse::integrate(tree, &self.problem.model.thrusters, &turning);
+        let sums = thrust_impulses(tree, &self.problem.model.thrusters, &turning);
         let since: Vec<_> = sums
             .total
             .iter()

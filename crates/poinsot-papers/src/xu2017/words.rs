@@ -5,9 +5,8 @@ use super::roles::{joint_name, roles};
 use super::sequence::{Found, StepReport};
 use super::single_body::Form;
 use super::{Order, Searched, Variant};
-use crate::estimate::Estimate;
-use crate::problem::Problem;
 use poinsot_dynamics::Kinematics;
+use poinsot_identify::{Estimate, Problem};
 use poinsot_model::{Nuisance, SensorKind};
 
 /// A lever arm below this share of the radius of gyration is no lever.

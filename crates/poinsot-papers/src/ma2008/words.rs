@@ -3,9 +3,9 @@
 use super::answer::{MISFIT, PAPER_NAMES, Ten, unit};
 use super::both::*;
 use super::influence::Directions;
-use crate::estimate::{DeterminedCombination, Identifiability, OpenCombination};
-use crate::parameters::axis_name;
-use crate::problem::Problem;
+use poinsot_identify::{
+    DeterminedCombination, Identifiability, OpenCombination, Problem, axis_name,
+};
 use poinsot_model::{Nuisance, SensorKind};
 
 /// Ratio of arm mass to base mass that the paper studied.
@@ -190,7 +190,7 @@ pub(super) fn warnings(
     ten: &Ten,
     contradicted: Option<f64>,
     rejected: bool,
-    base: &crate::estimate::BodyEstimate,
+    base: &poinsot_identify::BodyEstimate,
 ) -> Vec<String> {
     let mut list = Vec::new();
     let chi2 = solved.chi2;

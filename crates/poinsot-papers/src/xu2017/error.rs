@@ -1,6 +1,6 @@
 //! Why a question cannot be put to this method, each in one line with its remedy.
 
-use crate::problem::ProblemError;
+use poinsot_identify::ProblemError;
 use poinsot_model::rounded;
 
 /// Why the question cannot be put to this method.

@@ -30,10 +30,11 @@
 //!
 //! and each estimator sets some elements of the 3 x 3 matrix `E(I)` to zero.
 
+mod codes;
 mod identify;
 mod suspicions;
 
-pub use identify::{Kim2010ProblemError, identify};
+pub use identify::{Kim2010, Kim2010ProblemError, identify};
 
 use faer::Mat;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};

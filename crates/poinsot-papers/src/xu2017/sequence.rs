@@ -15,9 +15,8 @@ use super::two_body::{
     MomentumRow, TwoBodyObjective, TwoBodyReading, rows, transported, transported_back,
 };
 use super::{Kind, particle, properties, sum};
-use crate::problem::Problem;
-use crate::segment::Segment;
 use poinsot_dynamics::Kinematics;
+use poinsot_identify::{Problem, Segment};
 use poinsot_model::MomentumKnowledge;
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 use rand::{Rng, SeedableRng};
@@ -498,8 +497,9 @@ fn natural(body: &MassProperties) -> [f64; 10] {
 }
 
 fn properties_of(pi: &InertialParameters) -> Result<Single, Xu2017Error> {
-    pi.mass_properties()
-        .ok_or(Xu2017Error::Problem(crate::problem::ProblemError::NoMotion))
+    pi.mass_properties().ok_or(Xu2017Error::Problem(
+        poinsot_identify::ProblemError::NoMotion,
+    ))
 }
 
 /// Mass, mass centre and tensor even where the mass is not positive: the cost of an odd solution is asked for.

@@ -5,15 +5,13 @@ use super::error::Ma2008Error;
 use super::influence::Directions;
 use super::words::*;
 use super::{Known, Raw, Vehicle, tensor};
-use crate::answer_body::{finish, known};
-use crate::estimate::{
-    Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, SegmentFit, Source as From,
-    Status,
-};
-use crate::parameters::axis_name;
-use crate::problem::Problem;
+use crate::method::{About, Method, MethodError, Named};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
+    SegmentFit, Source as From, Status, axis_name,
+};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 
 /// Which option of both steps.
@@ -25,13 +23,44 @@ pub enum Variant {
     UnknownMomentum,
 }
 
-impl Variant {
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::UnknownMomentum,
+            "option 2: increments eliminate the momentum",
+        ),
+        (
+            Self::KnownMomentum,
+            "option 1: the model gives the momentum",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
         match self {
             Self::KnownMomentum => "known-momentum",
             Self::UnknownMomentum => "unknown-momentum",
         }
+    }
+}
+
+/// This method in the list of methods.
+pub struct Ma2008;
+
+impl Method for Ma2008 {
+    fn about(&self) -> About {
+        About {
+            name: "ma2008",
+            summary: "mass, mass centre and inertia of the base from the motion of a known arm",
+            citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+            variants: Variant::texts(),
+            reads_accelerations: false,
+            codes: super::codes::CODES,
+        }
+    }
+
+    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        Ok(identify(problem, variant)?)
     }
 }
 
@@ -203,7 +232,7 @@ fn write(
             .bodies
             .iter()
             .skip(1)
-            .map(|b| known(b.name.clone(), &b.nominal)),
+            .map(|b| BodyEstimate::known(b.name.clone(), &b.nominal)),
     );
     Estimate {
         method: "ma2008".to_owned(),
@@ -269,22 +298,22 @@ fn body(
     name: String,
     nominal: &MassProperties,
     of: impl Fn(&[f64; 10]) -> MassProperties,
-) -> crate::estimate::BodyEstimate {
+) -> BodyEstimate {
     let pi = nominal.parameters().to_array();
     let mass = ten.number(nominal.mass, |u| of(u).mass);
     let com = [0, 1, 2].map(|k| ten.number(nominal.p_BoBcm_B[k], |u| of(u).p_BoBcm_B[k]));
     let inertia =
-        crate::parameters::TENSOR.map(|e| ten.number(nominal.I_BBcm_B[e], |u| of(u).I_BBcm_B[e]));
+        poinsot_identify::TENSOR.map(|e| ten.number(nominal.I_BBcm_B[e], |u| of(u).I_BBcm_B[e]));
     let barycentric =
         std::array::from_fn(|k| ten.number(pi[k], |u| of(u).parameters().to_array()[k]));
-    finish(name, mass, com, inertia, barycentric)
+    BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }
 
 fn system(
     problem: &Problem,
     ten: &Ten,
     nominal: &MassProperties,
-) -> Option<(crate::estimate::BodyEstimate, Vec<f64>)> {
+) -> Option<(BodyEstimate, Vec<f64>)> {
     let q = problem
         .segments
         .first()?

@@ -30,6 +30,7 @@
 //! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2;
 //! (68) forgets `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
 
+mod codes;
 mod error;
 mod identify;
 mod least_squares;
@@ -51,7 +52,9 @@ pub use single_body::{
 use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
+use crate::method::{About, Method, MethodError, Named};
 use nalgebra::SMatrix;
+use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 
 /// Which solver and which order; the names of the command line.
@@ -73,26 +76,59 @@ pub enum Kind {
 }
 
 impl Variant {
-    /// The variant of this name; the paper's own, the swarm in the order 1..n, where none is given.
-    pub fn named(name: Option<&str>) -> Option<Self> {
-        let (solver, order) = match name {
-            None | Some("swarm") => (Kind::Swarm, Order::Outward),
-            Some("swarm-inward") => (Kind::Swarm, Order::Inward),
-            Some("linear") => (Kind::Linear, Order::Outward),
-            Some("linear-inward") => (Kind::Linear, Order::Inward),
-            Some(_) => return None,
-        };
-        Some(Self { solver, order })
+    const fn new(solver: Kind, order: Order) -> Self {
+        Self { solver, order }
     }
+}
 
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::new(Kind::Swarm, Order::Outward),
+            "particle swarm, joints from base to tip",
+        ),
+        (
+            Self::new(Kind::Linear, Order::Outward),
+            "linear least squares, joints from base to tip",
+        ),
+        (
+            Self::new(Kind::Swarm, Order::Inward),
+            "particle swarm, joints from tip to base",
+        ),
+        (
+            Self::new(Kind::Linear, Order::Inward),
+            "linear least squares, joints from tip to base",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
         match (self.solver, self.order) {
             (Kind::Swarm, Order::Outward) => "swarm",
             (Kind::Swarm, Order::Inward) => "swarm-inward",
             (Kind::Linear, Order::Outward) => "linear",
             (Kind::Linear, Order::Inward) => "linear-inward",
         }
+    }
+}
+
+/// This method in the list of methods.
+pub struct Xu2017;
+
+impl Method for Xu2017 {
+    fn about(&self) -> About {
+        About {
+            name: "xu2017",
+            summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
+            citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
+            variants: Variant::texts(),
+            reads_accelerations: true,
+            codes: codes::CODES,
+        }
+    }
+
+    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        Ok(identify(problem, variant)?)
     }
 }
 

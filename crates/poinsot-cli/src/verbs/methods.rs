@@ -1,0 +1,62 @@
+//! `poinsot methods`
+
+use super::{Outcome, print, print_json};
+use crate::arguments::Methods;
+use poinsot::methods::{MethodText, methods};
+use std::fmt::Write;
+
+pub fn run(arguments: &Methods) -> Outcome {
+    let mut listed = methods();
+    if let Some(name) = &arguments.name {
+        let all: Vec<&str> = listed.iter().map(|m| m.name).collect();
+        let why = format!("there is no such method; use one of {}", all.join(", "));
+        listed.retain(|m| m.name == name);
+        if listed.is_empty() {
+            return Err(poinsot::Error::Usage {
+                option: "methods",
+                value: name.clone(),
+                why,
+            }
+            .into());
+        }
+    }
+    if arguments.json {
+        let list: Vec<_> = listed.iter().map(json).collect();
+        print_json(&list);
+    } else if !arguments.quiet {
+        let texts: Vec<String> = listed.iter().map(text).collect();
+        print(&texts.join("\n"));
+    }
+    Ok(0)
+}
+
+fn json(method: &MethodText) -> serde_json::Value {
+    let variants = method.variants.iter();
+    let variants = variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
+    serde_json::json!({
+        "name": method.name,
+        "summary": method.summary,
+        "paper": method.paper,
+        "variants": variants.collect::<Vec<_>>(),
+    })
+}
+
+/// The method, its paper, its variants with the default first.
+fn text(method: &MethodText) -> String {
+    let mut out = format!("{}: {}\n", method.name, method.summary);
+    if let Some(paper) = method.paper {
+        let _ = writeln!(out, "  paper: {paper}");
+    }
+    let width = method.variants.iter().map(|v| v.name.len()).max();
+    for (k, variant) in method.variants.iter().enumerate() {
+        let default = if k == 0 { " (default)" } else { "" };
+        let _ = writeln!(
+            out,
+            "  --variant {:width$}  {}{default}",
+            variant.name,
+            variant.summary,
+            width = width.unwrap_or(0)
+        );
+    }
+    out
+}

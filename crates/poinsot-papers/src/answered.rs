@@ -1,0 +1,36 @@
+//! The vehicle to predict with.
+
+use poinsot_identify::{Estimate, Number, tensor_name};
+use poinsot_model::Model;
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+
+/// The bodies as a published method states them: determined numbers, else the numbers the method prints, else nominal.
+pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
+    let printed = |name: &str| {
+        let report = estimate.method_report.as_ref()?;
+        let found = report.numbers.iter().find(|n| n.name == name)?;
+        found.number.value
+    };
+    let bodies = model.bodies.iter().zip(&estimate.bodies);
+    bodies
+        .map(|(body, answer)| {
+            if !answer.asked {
+                return body.nominal;
+            }
+            let best = |n: &Number, name: &str| {
+                let printed = || printed(name).filter(|_| model.bodies.len() == 1);
+                n.value.or_else(printed).unwrap_or(n.nominal)
+            };
+            let [xx, xy, yy, xz, yz, zz] = std::array::from_fn(|k| {
+                // Kim, Choi and Oh write zx.
+                let name = tensor_name(k).replace("xz", "zx");
+                best(&answer.inertia[k], &format!("inertia_{name}"))
+            });
+            MassProperties {
+                mass: best(&answer.mass, "mass"),
+                p_BoBcm_B: Vector3::from(answer.com.map(|n| n.value.unwrap_or(n.nominal))),
+                I_BBcm_B: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            }
+        })
+        .collect()
+}

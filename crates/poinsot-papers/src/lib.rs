@@ -1,0 +1,26 @@
+//! Published methods of identification, one folder a paper: reproduced as printed where that is right, measured against
+//! [`poinsot_identify`].
+//!
+//! [`METHODS`] is the registration of all of them. The command line, `poinsot methods`, help, error codes and tests read
+//! that list; no other crate names a paper.
+//!
+//! ```
+//! for method in poinsot_papers::METHODS {
+//!     let about = method.about();
+//!     println!("{}: {} ({})", about.name, about.summary, about.citation);
+//!     for variant in about.variants {
+//!         println!("    {}: {}", variant.name, variant.summary);
+//!     }
+//! }
+//! assert!(poinsot_papers::method("ma2008").is_some());
+//! ```
+#![allow(non_snake_case)]
+
+mod answered;
+pub mod kim2010;
+pub mod ma2008;
+mod method;
+pub mod xu2017;
+
+pub use answered::answered;
+pub use method::{About, Explained, METHODS, Method, MethodError, Named, VariantText, method};

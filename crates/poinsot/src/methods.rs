@@ -1,0 +1,91 @@
+//! The verb `methods`: what `identify --method` and `--variant` take.
+
+pub use poinsot_papers::VariantText;
+
+/// A method of `identify`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MethodText {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Where it was published; `None` for the methods of this project.
+    pub paper: Option<&'static str>,
+    /// Variants; the first is the default.
+    pub variants: Vec<VariantText>,
+}
+
+/// Methods of this project: name, what they do, whether they take a loss.
+const OWN: [(&str, &str, bool); 3] = [
+    (
+        "auto",
+        "linear least squares, then maximum likelihood from its estimate",
+        true,
+    ),
+    (
+        "linear",
+        "momentum equations as one linear least-squares problem",
+        false,
+    ),
+    (
+        "maximum_likelihood",
+        "every measurement weighted by its own noise",
+        true,
+    ),
+];
+
+/// Losses of a measurement, the variants of maximum likelihood.
+const LOSSES: [(&str, &str); 3] = [
+    ("gaussian", "squares"),
+    (
+        "huber",
+        "squares up to a limit, lengths beyond (Huber 1964)",
+    ),
+    (
+        "student_t",
+        "Student's t with five degrees of freedom (Lange, Little, Taylor 1989)",
+    ),
+];
+
+/// Every method, those of this project first; the first is the default.
+pub fn methods() -> Vec<MethodText> {
+    let losses = || LOSSES.map(|(name, summary)| VariantText { name, summary });
+    let own = OWN.map(|(name, summary, takes_loss)| MethodText {
+        name,
+        summary,
+        paper: None,
+        variants: if takes_loss {
+            losses().to_vec()
+        } else {
+            Vec::new()
+        },
+    });
+    let published = poinsot_papers::METHODS.into_iter().map(|method| {
+        let about = method.about();
+        MethodText {
+            name: about.name,
+            summary: about.summary,
+            paper: Some(about.citation),
+            variants: about.variants,
+        }
+    });
+    own.into_iter().chain(published).collect()
+}
+
+/// Whether a method is one of this project.
+pub(crate) fn is_own(name: &str) -> bool {
+    OWN.iter().any(|own| own.0 == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use poinsot_identify::Loss;
+
+    #[test]
+    fn exact_every_loss_is_one_of_the_estimator() {
+        let found: Vec<Option<Loss>> = LOSSES.iter().map(|l| Loss::from_name(l.0)).collect();
+        let all = [Loss::Gaussian, Loss::Huber, Loss::StudentT];
+        assert_eq!(found, all.map(Some));
+    }
+}
