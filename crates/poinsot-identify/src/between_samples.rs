@@ -17,12 +17,10 @@ use poinsot_solve::{LeastSquares, Linearised};
 /// Shift of the answer between straight and smooth speeds, sigmas, up to which the data are not asked where the wheels
 /// are sampled together with all other sensors.
 pub(crate) const UNASKED: f64 = 1.0;
-/// Shift of the answer, sigmas, below which wheel speeds count as exact between their samples.
-const EXACT: f64 = 0.05;
 /// Difference of `-2 ln L` within which two hypotheses are both possible, and of their answers, sigmas, from which it counts.
 const POSSIBLE: f64 = 6.0;
 const DIFFERENT: f64 = 0.3;
-/// Largest deviation of a sigma that counts as none.
+/// Largest growth of a sigma that counts as none.
 const SAME_SIGMA: f64 = 0.05;
 
 /// Periods of commands that are tried, s: flight computers run at round rates. In between the period is fitted.
@@ -133,12 +131,18 @@ pub(crate) fn has_tachometers(problem: &Problem) -> bool {
     wheels > 0 && problem.segments.iter().all(whole)
 }
 
-/// Whether any wheel is not sampled at every grid time.
+/// Whether any sensor has a sample where some wheel has none.
 pub(crate) fn is_sampled_elsewhere(problem: &Problem) -> bool {
     problem.segments.iter().any(|s| {
-        let grid = &s.observations.time_s;
+        let o = &s.observations;
+        let points = o.points.iter().flat_map(|p| &p.readings).map(|r| r.to);
+        let read = (0..o.time_s.len()).filter(|k| {
+            let base = o.rate[*k].is_some() || o.velocity[*k].is_some();
+            base || o.attitude[*k].is_some() || o.position[*k].is_some()
+        });
+        let times: Vec<f64> = read.chain(points).map(|k| o.time_s[k]).collect();
         let mut all = s.tachometers.iter();
-        all.any(|t| grid.iter().any(|k| nearest(&t.time_s, *k).is_none()))
+        all.any(|t| times.iter().any(|k| nearest(&t.time_s, *k).is_none()))
     })
 }
 
@@ -155,10 +159,15 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
         .map(|s| Searched::new(s, noise))
         .collect();
     let of = |torque| Driven::new(problem, &searched, torque);
+    let free = Tried::at(experiment, of(Torque::Wanders), &fast.at)?;
+    if fast.shared.length(&free.step) < DIFFERENT && free.widens(fast) < SAME_SIGMA {
+        return None;
+    }
     let mut tried: Vec<Tried> = candidates(problem, &searched)
         .into_iter()
         .filter_map(|torque| Tried::at(experiment, of(torque), &fast.at))
         .collect();
+    tried.push(free);
     tried.sort_by(|a, b| a.evidence.total_cmp(&b.evidence));
     let best = tried.first()?;
     let clear = tried
@@ -166,14 +175,6 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
         .skip(1)
         .all(|t| t.evidence > best.evidence + POSSIBLE);
     if clear && best.driven.torque == Torque::AtSamples && is_held {
-        return None;
-    }
-    // Where nothing possible moves anything, the plain answer stands.
-    let possible = tried
-        .iter()
-        .filter(|t| t.evidence <= best.evidence + POSSIBLE);
-    let moves = |t: &Tried| t.shift > EXACT || t.widens(fast) > SAME_SIGMA;
-    if !possible.clone().any(moves) {
         return None;
     }
     let mut tried = tried.into_iter();
@@ -220,42 +221,39 @@ pub(crate) fn choose(experiment: &Experiment, fast: &Fitted, is_held: bool) -> O
 struct Tried {
     driven: Driven,
     evidence: f64,
-    /// Full step of the shared unknowns, and its length in sigmas of the mass properties.
+    /// Full step of the shared unknowns.
     step: Vec<f64>,
-    shift: f64,
     singular: Vec<f64>,
 }
 
 impl Tried {
     fn at(experiment: &Experiment, driven: Driven, at: &Point) -> Option<Self> {
-        let (evidence, step, shift, singular) = {
+        let (evidence, step, singular) = {
             let problem = driven.problem(experiment.problem);
             let here = driven.experiment(experiment, &problem);
             let found = here.linearise(at)?;
             (
                 evidence(&here, at, &found),
                 found.rows.full_step(),
-                found.rows.mass_shift(),
                 found.rows.spectrum().singular.clone(),
             )
         };
-        tracing::debug!(torque = ?driven.torque, evidence, shift);
+        tracing::debug!(torque = ?driven.torque, evidence);
         Some(Self {
             driven,
             evidence,
             step,
-            shift,
             singular,
         })
     }
 
-    /// By what share the sigmas of the plain fit are too small, or too large.
+    /// By what share a sigma of the plain fit is too small.
     fn widens(&self, fast: &Fitted) -> f64 {
         let pairs = self.singular.iter().zip(&fast.spectrum.singular);
         let rank = fast.spectrum.rank;
         pairs
             .take(rank)
-            .map(|(own, plain)| (plain / own - 1.0).abs())
+            .map(|(own, plain)| plain / own - 1.0)
             .fold(0.0, f64::max)
     }
 }
@@ -267,7 +265,7 @@ fn evidence(experiment: &Experiment, at: &Point, found: &Linearised<Local>) -> f
 }
 
 fn candidates(problem: &Problem, searched: &[Searched]) -> Vec<Torque> {
-    let mut list = vec![Torque::AtSamples, Torque::Wanders];
+    let mut list = vec![Torque::AtSamples];
     list.extend(lattices(problem, searched));
     list
 }
