@@ -72,6 +72,8 @@ pub enum Verb {
     Export(Export),
     /// Say what an error code means, its usual cause and what to do; all codes without one.
     Explain(Explain),
+    /// List the units that a map of telemetry may name, by quantity.
+    Units(Units),
     /// List the methods of `identify` with their variants and papers.
     Methods(Methods),
     /// Print the JSON Schema of a file format.
@@ -414,6 +416,14 @@ pub struct Check {
     /// Print nothing but errors: the exit code is the answer; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+}
+
+/// Arguments of `units`.
+#[derive(Debug, Args)]
+pub struct Units {
+    /// Print as JSON, with the factors to SI.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `completions`.

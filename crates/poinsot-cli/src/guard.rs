@@ -1,8 +1,11 @@
-//! A fault of the program becomes one line and exit code 4; what a terminal would obey is not printed.
+//! A fault of the program becomes one line and exit code 4.
 
 use crate::verbs::{Failure, Outcome};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::Mutex;
+
+/// In the message of a library's panic where the system gives no memory.
+const NO_MEMORY: &str = "AllocError";
 
 /// Message and place of the last panic.
 static LAST: Mutex<String> = Mutex::new(String::new());
@@ -16,7 +19,10 @@ pub fn guarded(verb: impl FnOnce() -> Outcome) -> Outcome {
             Ok(text) => text.clone(),
             Err(poisoned) => poisoned.into_inner().clone(),
         };
-        Err(Failure::from(poinsot::Error::Internal { what }))
+        Err(Failure::from(match what.contains(NO_MEMORY) {
+            true => poinsot::Error::Memory,
+            false => poinsot::Error::Internal { what },
+        }))
     })
 }
 
@@ -37,29 +43,6 @@ fn remember(info: &PanicHookInfo<'_>) {
     });
     if let Ok(mut last) = LAST.lock() {
         *last = format!("{message}{place}");
-    }
-}
-
-/// Text without control characters other than line ends: names in files must not speak to the terminal.
-pub fn plain(text: &str) -> String {
-    text.chars()
-        .map(|c| {
-            if c.is_control() && c != '\n' {
-                '\u{fffd}'
-            } else {
-                c
-            }
-        })
-        .collect()
-}
-
-/// The same for output, where tabs stay.
-pub fn plain_lines(text: &str) -> std::borrow::Cow<'_, str> {
-    let bad = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
-    if text.contains(bad) {
-        text.replace(bad, "\u{fffd}").into()
-    } else {
-        text.into()
     }
 }
 
@@ -84,10 +67,5 @@ mod tests {
             ": this is a fault of poinsot; please report it with the command and, if you can, the input"
         ));
         assert!(!message.contains('\n'));
-    }
-
-    #[test]
-    fn exact_escape_sequences_do_not_reach_the_terminal() {
-        assert_eq!(plain("a\u{1b}[31mb\nc"), "a\u{fffd}[31mb\nc");
     }
 }

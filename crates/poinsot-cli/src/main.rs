@@ -3,6 +3,7 @@
 use poinsot_cli::arguments;
 mod guard;
 mod progress;
+mod signals;
 mod terminal;
 mod verbs;
 
@@ -12,10 +13,13 @@ use progress::Progress;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let matches = Arguments::command().get_matches();
-    let arguments = match Arguments::from_arg_matches(&matches) {
-        Ok(arguments) => arguments,
-        Err(usage) => usage.exit(),
+    signals::install();
+    let parsed = Arguments::command()
+        .try_get_matches()
+        .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
+    let (arguments, matches) = match parsed {
+        Ok(parsed) => parsed,
+        Err(usage) => return terminal::usage_exit(&usage),
     };
     let quiet = matches
         .subcommand()
@@ -34,6 +38,7 @@ fn main() -> ExitCode {
         Verb::Import(a) => verbs::import::run(a),
         Verb::Export(a) => verbs::export::run(a),
         Verb::Explain(a) => verbs::explain::run(a),
+        Verb::Units(a) => verbs::units::run(a),
         Verb::Methods(a) => verbs::methods::run(a),
         Verb::Schema(a) => verbs::schema::run(a),
         Verb::Completions(a) => verbs::completions::run(a),
@@ -43,7 +48,7 @@ fn main() -> ExitCode {
     match result.and_then(verbs::printed) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            let message = terminal::error_text(&guard::plain(&failure.message));
+            let message = terminal::error_text(&failure.message);
             // A closed standard error leaves nobody to tell.
             let _ = std::io::Write::write_all(
                 &mut std::io::stderr(),

@@ -36,7 +36,8 @@ impl Progress {
             return Self { bar: None, done };
         }
         let (shown, over) = (bar.clone(), done.clone());
-        std::thread::spawn(move || {
+        // Without the thread there is no bar.
+        let _ = std::thread::Builder::new().spawn(move || {
             std::thread::sleep(PATIENCE);
             if !over.load(Ordering::Acquire) {
                 shown.set_draw_target(ProgressDrawTarget::stderr());

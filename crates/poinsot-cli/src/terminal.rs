@@ -2,8 +2,13 @@
 //! is plain and as wide as it needs.
 
 use anstream::{AutoStream, ColorChoice};
+use poinsot_files::error_line;
 use poinsot_report::{Document, TextStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+/// Exit code of a command that cannot be understood.
+const USAGE: u8 = 2;
 
 /// How a document is printed on standard output. `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` are honoured.
 pub fn style() -> TextStyle {
@@ -23,11 +28,23 @@ pub fn document_text(document: &Document) -> String {
     document.text(&style())
 }
 
-/// An error with its code marked, where standard error shows colours.
-pub fn error_text(message: &str) -> String {
-    if AutoStream::choice(&std::io::stderr()) == ColorChoice::Never {
-        return message.to_owned();
+/// Prints what clap says: help as it is, a refusal with its lines short and safe to show.
+pub fn usage_exit(usage: &clap::Error) -> ExitCode {
+    if !usage.use_stderr() {
+        usage.exit();
     }
-    let lines: Vec<String> = message.lines().map(poinsot_report::marked_code).collect();
+    let text = usage.render().to_string();
+    let lines: Vec<String> = text.lines().map(error_line).collect();
+    let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
+    ExitCode::from(USAGE)
+}
+
+/// The lines of an error, each short and safe to show, with its code marked where standard error shows colours.
+pub fn error_text(message: &str) -> String {
+    let lines = message.lines().map(error_line);
+    let lines: Vec<String> = match AutoStream::choice(&std::io::stderr()) {
+        ColorChoice::Never => lines.collect(),
+        _ => lines.map(|l| poinsot_report::marked_code(&l)).collect(),
+    };
     lines.join("\n")
 }

@@ -21,9 +21,9 @@ use crate::plan::{Start, StartVelocity};
 use crate::prescribed::{MotionError, MotionSample};
 use crate::reaction_wheel::WheelLimits;
 use crate::tree::Tree;
+use crate::vehicle::Vehicle;
 use nalgebra::Quaternion;
-use poinsot_model::{JointKind, Model};
-use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 
 const WHEELS: usize = 4;
 /// Share of a control period within which an output time and a control instant are the same.
@@ -133,41 +133,34 @@ pub struct ControlledVehicle<'c> {
 }
 
 impl<'c> ControlledVehicle<'c> {
-    /// Puts a model, with its nominal numbers as the truth, under control; `limits` is empty or has one
+    /// Puts a vehicle under control; `limits` is empty or has one
     /// entry per wheel.
     ///
     /// # Errors
     /// The wheels cannot do it, or a number has no meaning.
     pub fn new(
-        model: &Model,
+        vehicle: impl Into<Vehicle>,
         control: &'c AttitudeControl,
         limits: &[WheelLimits],
         tolerance: Tolerance,
     ) -> Result<Self, ControlError> {
-        if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
+        let vehicle: Vehicle = vehicle.into();
+        if vehicle.gravity.acts() {
             return Err(MotionError::Gravity(
                 "gravity under attitude control is not simulated; prescribe the wheels with [[wheel_motion]], or take gravity out of [environment]",
             )
             .into());
         }
-        let wheels = model.wheels.len();
+        let wheels = vehicle.spin_inertia.len();
         check(control, limits, wheels)?;
-        let tree = Tree::new(model);
-        let joints = tree.coordinates.iter().filter_map(|k| model.joints.get(*k));
-        let locked: Vec<f64> = joints
-            .filter(|j| j.kind != JointKind::Fixed)
-            .map(|j| j.locked_at)
-            .collect();
+        let (tree, spin_inertia, locked) = (vehicle.tree, vehicle.spin_inertia, vehicle.locked_at);
         let mut kinematics = Kinematics::new(&tree);
         kinematics.place(&tree, &locked);
-        let bodies = model.bodies.iter();
-        let parameters: Vec<InertialParameters> = bodies.map(|b| b.nominal.parameters()).collect();
-        let mass: f64 = parameters.iter().map(|p| p.mass).sum();
+        let mass: f64 = vehicle.bodies.iter().map(|p| p.mass).sum();
         if mass.is_nan() || mass <= 0.0 {
             return Err(MotionError::NoMass.into());
         }
-        let whole = composite(&parameters, &kinematics);
-        let spin_inertia: Vec<f64> = model.wheels.iter().map(|w| w.spin_inertia).collect();
+        let whole = composite(&vehicle.bodies, &kinematics);
         if let Some(i) = spin_inertia.iter().position(|js| js.is_nan() || *js <= 0.0) {
             return Err(MotionError::InertialessWheel(i).into());
         }

@@ -11,8 +11,8 @@ use crate::prescribed::MotionError;
 use crate::runge_kutta::RungeKutta4;
 use crate::thrust::{Firing, Nozzle};
 use crate::tree::{Motion, Tree};
+use crate::vehicle::Vehicle;
 use crate::wheel_motion::WheelMotion;
-use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
 
 /// What drives a vehicle.
@@ -68,45 +68,34 @@ pub struct Driven<'p> {
 }
 
 impl<'p> Driven<'p> {
-    /// Puts a model, with its nominal numbers as the truth, under a plan.
+    /// Puts a vehicle under a plan.
     ///
     /// # Errors
-    /// The plan does not fit the model, or the model asks for what is not simulated.
-    pub fn new(model: &Model, plan: &'p DrivenPlan) -> Result<Self, MotionError> {
-        let parameters: Vec<_> = model
-            .bodies
-            .iter()
-            .map(|b| b.nominal.parameters())
-            .collect();
-        Self::with_parameters(model, parameters, plan)
+    /// The plan does not fit the vehicle, or gravity acts.
+    pub fn new(vehicle: impl Into<Vehicle>, plan: &'p DrivenPlan) -> Result<Self, MotionError> {
+        let vehicle: Vehicle = vehicle.into();
+        let parameters = vehicle.bodies.clone();
+        Self::with_parameters(vehicle, parameters, plan)
     }
 
     /// The same with other inertial parameters (one set per body), about the bodies' origins. They need not be
     /// those of real bodies: base parameters move like the vehicle they came from.
     ///
     /// # Errors
-    /// The plan or the parameters do not fit the model, or the model asks for what is not simulated.
+    /// The plan or the parameters do not fit the vehicle, or gravity acts.
     pub fn with_parameters(
-        model: &Model,
+        vehicle: impl Into<Vehicle>,
         parameters: Vec<InertialParameters>,
         plan: &'p DrivenPlan,
     ) -> Result<Self, MotionError> {
-        if model.environment.point_mass_gm.is_some() || model.environment.gravity_gradient {
+        let vehicle: Vehicle = vehicle.into();
+        if vehicle.gravity.acts() {
             return Err(MotionError::Gravity(
                 "a vehicle driven by torques is simulated in free fall; take gravity out of [environment]",
             ));
         }
-        let nozzles = model
-            .thrusters
-            .iter()
-            .map(|t| Nozzle {
-                body: t.body,
-                p_BoT_B: t.p_BoT_B,
-                direction_B: t.direction_B,
-            })
-            .collect();
-        let spin_inertia = model.wheels.iter().map(|w| w.spin_inertia).collect();
-        Self::from_parts(Tree::new(model), parameters, spin_inertia, nozzles, plan)
+        let (spin_inertia, nozzles) = (vehicle.spin_inertia, vehicle.nozzles);
+        Self::from_parts(vehicle.tree, parameters, spin_inertia, nozzles, plan)
     }
 
     /// From the tree, ten parameters per body, spin inertia per wheel (kg m2) and the thrusters.

@@ -31,11 +31,13 @@ mod rate_regressor;
 mod reaction_wheel;
 mod regressor;
 mod runge_kutta;
+mod sensor;
 mod sensors;
 mod stage;
 mod symmetric;
 mod thrust;
 mod tree;
+mod vehicle;
 mod wheel_motion;
 
 pub use acceleration::Accelerations;
@@ -60,7 +62,7 @@ pub use momentum::{
     Composite, Twist, body_momentum, composite, momentum, shift_to_body, shift_to_inertial,
     twist_from_momentum, wheel_momentum,
 };
-pub use orbit::orbit_state;
+pub use orbit::{Orbit, orbit_state};
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 pub use prescribed::{MotionError, MotionSample, Prescribed};
@@ -68,7 +70,9 @@ pub use rate_regressor::{momentum_rate_column, wheel_rate};
 pub use reaction_wheel::WheelLimits;
 pub use regressor::{momentum_regressor, wheel_regressor};
 pub use runge_kutta::RungeKutta4;
+pub use sensor::{Nuisance, Sensor, SensorKind};
 pub use sensors::{Instrument, vector_reading};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
+pub use vehicle::{Gravity, Vehicle};
 pub use wheel_motion::WheelMotion;

@@ -1,7 +1,25 @@
 //! The reference orbit: a Kepler ellipse in N.
 
-use poinsot_model::Orbit;
 use poinsot_spatial::Vector3;
+
+/// A Kepler ellipse about the attracting body, in the inertial axes N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Orbit {
+    /// Semi-major axis, m.
+    pub semi_major_axis: f64,
+    /// Eccentricity, below 1.
+    pub eccentricity: f64,
+    /// Inclination to the xy plane of N, rad.
+    pub inclination: f64,
+    /// Right ascension of the ascending node from x of N, rad.
+    pub raan: f64,
+    /// Argument of periapsis from the node, rad.
+    pub argument_of_periapsis: f64,
+    /// True anomaly at the epoch, rad.
+    pub true_anomaly: f64,
+    /// Epoch in the time of the telemetry, s.
+    pub epoch: f64,
+}
 
 /// Most Newton steps of Kepler's equation.
 const STEPS: usize = 50;

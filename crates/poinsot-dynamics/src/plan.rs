@@ -2,8 +2,8 @@
 
 use crate::joint_motion::JointMotion;
 use crate::thrust::Firing;
+use crate::vehicle::Vehicle;
 use crate::wheel_motion::WheelMotion;
-use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// Joint motion, wheel motion and firings of one simulation.
@@ -62,15 +62,13 @@ impl Start {
 }
 
 impl Plan {
-    /// Joints held where the model locks them, wheels at rest relative to their hosts, thrusters off.
-    pub fn hold(model: &Model, coordinates: &[usize]) -> Self {
+    /// Joints held where the vehicle locks them, wheels at rest relative to their hosts, thrusters off.
+    pub fn hold(vehicle: impl Into<Vehicle>) -> Self {
+        let vehicle: Vehicle = vehicle.into();
+        let locked = vehicle.locked_at.iter();
         Self {
-            joints: coordinates
-                .iter()
-                .filter_map(|k| model.joints.get(*k))
-                .map(|joint| JointMotion::locked(joint.locked_at))
-                .collect(),
-            wheels: vec![WheelMotion::constant(0.0); model.wheels.len()],
+            joints: locked.map(|at| JointMotion::locked(*at)).collect(),
+            wheels: vec![WheelMotion::constant(0.0); vehicle.spin_inertia.len()],
             firings: Vec::new(),
         }
     }

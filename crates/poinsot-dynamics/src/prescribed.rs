@@ -5,12 +5,13 @@
 use crate::acceleration::Accelerations;
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::kinematics::Kinematics;
+use crate::orbit::Orbit;
 use crate::plan::{Plan, Start, Stretches};
 use crate::stage::Stage;
 use crate::thrust::Nozzle;
 use crate::tree::Tree;
+use crate::vehicle::{Gravity, Vehicle};
 use crate::wheel_motion::WheelMotion;
-use poinsot_model::{Model, Orbit};
 use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3};
 
 /// Why a motion could not be computed.
@@ -128,44 +129,34 @@ pub struct Prescribed<'p> {
 }
 
 impl<'p> Prescribed<'p> {
-    /// Puts a model, with its nominal numbers as the truth, under a plan.
+    /// Puts a vehicle under a plan.
     ///
     /// # Errors
-    /// The plan does not fit the model, or the model asks for what is not simulated.
-    pub fn new(model: &Model, plan: &'p Plan, tolerance: Tolerance) -> Result<Self, MotionError> {
-        let orbit = gravity_gradient(model)?;
-        let tree = Tree::new(model);
-        MotionError::count("joint motions", plan.joints.len(), tree.dof())?;
-        MotionError::count("wheel motions", plan.wheels.len(), model.wheels.len())?;
-        let spin_inertia: Vec<f64> = model.wheels.iter().map(|w| w.spin_inertia).collect();
-        for (i, (wheel, js)) in plan.wheels.iter().zip(&spin_inertia).enumerate() {
+    /// The plan does not fit the vehicle, or gravity is asked for in a way that is not simulated.
+    pub fn new(
+        vehicle: impl Into<Vehicle>,
+        plan: &'p Plan,
+        tolerance: Tolerance,
+    ) -> Result<Self, MotionError> {
+        let vehicle: Vehicle = vehicle.into();
+        let orbit = gravity_gradient(&vehicle.gravity)?;
+        let (joints, wheels) = (vehicle.tree.dof(), vehicle.spin_inertia.len());
+        MotionError::count("joint motions", plan.joints.len(), joints)?;
+        MotionError::count("wheel motions", plan.wheels.len(), wheels)?;
+        for (i, (wheel, js)) in plan.wheels.iter().zip(&vehicle.spin_inertia).enumerate() {
             if matches!(wheel, WheelMotion::Torque { .. }) && (js.is_nan() || *js <= 0.0) {
                 return Err(MotionError::InertialessWheel(i));
             }
         }
-        let parameters: Vec<_> = model
-            .bodies
-            .iter()
-            .map(|b| b.nominal.parameters())
-            .collect();
-        let mass: f64 = parameters.iter().map(|p| p.mass).sum();
+        let mass: f64 = vehicle.bodies.iter().map(|p| p.mass).sum();
         if mass.is_nan() || mass <= 0.0 {
             return Err(MotionError::NoMass);
         }
-        let nozzles = model
-            .thrusters
-            .iter()
-            .map(|t| Nozzle {
-                body: t.body,
-                p_BoT_B: t.p_BoT_B,
-                direction_B: t.direction_B,
-            })
-            .collect();
         Ok(Self {
-            tree,
-            parameters,
-            spin_inertia,
-            nozzles,
+            tree: vehicle.tree,
+            parameters: vehicle.bodies,
+            spin_inertia: vehicle.spin_inertia,
+            nozzles: vehicle.nozzles,
             plan,
             mass,
             orbit,
@@ -215,9 +206,8 @@ impl<'p> Prescribed<'p> {
 }
 
 /// What the gravity gradient of a simulation needs; `None` in free fall.
-fn gravity_gradient(model: &Model) -> Result<Option<(f64, Orbit)>, MotionError> {
-    let around = &model.environment;
-    match (around.point_mass_gm, around.gravity_gradient, around.orbit) {
+fn gravity_gradient(around: &Gravity) -> Result<Option<(f64, Orbit)>, MotionError> {
+    match (around.gm, around.gradient, around.orbit) {
         (None, _, _) => Ok(None),
         (Some(gm), true, Some(orbit)) => Ok(Some((gm, orbit))),
         (Some(_), true, None) => Err(MotionError::Gravity(

@@ -1,9 +1,9 @@
 //! What the sensors of a vehicle report of a motion: the truth, plus bias, white noise and rounding.
 
 use crate::prescribed::MotionSample;
+use crate::sensor::{Nuisance, Sensor, SensorKind};
 use crate::tree::Tree;
 use nalgebra::Quaternion;
-use poinsot_model::{Nuisance, Sensor, SensorKind};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -1,6 +1,5 @@
 //! The kinematic constants of a vehicle, laid out for the kernels.
 
-use poinsot_model::{JointKind, Model};
 use poinsot_spatial::{Matrix3, Vector3, skew};
 
 /// How a body moves relative to its parent.
@@ -72,7 +71,7 @@ pub struct Tree {
     pub links: Vec<Link>,
     /// Wheels.
     pub rotors: Vec<Rotor>,
-    /// Index in [`Model::joints`] of each joint coordinate (fixed joints have none).
+    /// Index among all joints of the vehicle of each joint coordinate (fixed joints have none).
     pub coordinates: Vec<usize>,
 }
 
@@ -164,51 +163,12 @@ pub(crate) fn product(A: &Matrix3, B: &Matrix3) -> Matrix3 {
 }
 
 impl Tree {
-    /// The kinematics of a model.
-    pub fn new(model: &Model) -> Self {
-        let mut coordinates = Vec::new();
-        let mut coordinate_of = vec![usize::MAX; model.joints.len()];
-        for (k, joint) in model.joints.iter().enumerate() {
-            if joint.kind != JointKind::Fixed {
-                coordinate_of[k] = coordinates.len();
-                coordinates.push(k);
-            }
-        }
-        let links = model
-            .bodies
-            .iter()
-            .map(|body| match body.joint {
-                None => Link::base(),
-                Some(k) => {
-                    let joint = &model.joints[k];
-                    let motion = match joint.kind {
-                        JointKind::Fixed => Motion::Fixed,
-                        JointKind::Revolute => Motion::Revolute(coordinate_of[k]),
-                        JointKind::Prismatic => Motion::Prismatic(coordinate_of[k]),
-                    };
-                    Link::new(
-                        joint.parent,
-                        motion,
-                        joint.p_PoCo_P,
-                        joint.R_PC_zero,
-                        joint.axis_C,
-                    )
-                }
-            })
-            .collect();
-        let rotors = model
-            .wheels
-            .iter()
-            .map(|w| Rotor {
-                body: w.body,
-                axis_B: w.axis_B,
-            })
-            .collect();
-        Self {
-            links,
-            rotors,
-            coordinates,
-        }
+    /// The kinematics of a vehicle, whatever describes it.
+    pub fn new<V>(vehicle: V) -> Self
+    where
+        Self: From<V>,
+    {
+        Self::from(vehicle)
     }
 
     /// Number of bodies.

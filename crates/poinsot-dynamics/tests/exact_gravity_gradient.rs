@@ -59,7 +59,7 @@ fn exact_libration_takes_the_period_of_a_pendulum() {
     let k: f64 = (6.0 - 2.0) / 5.0;
     for theta0 in [1.0e-3, 0.3, 1.2_f64] {
         let quarter = complete_elliptic(theta0.cos()) / (n * (3.0 * k).sqrt());
-        let plan = Plan::hold(&model, &[]);
+        let plan = Plan::hold(&model);
         let vehicle = Prescribed::new(&model, &plan, Tolerance::default()).unwrap();
         let start = Start {
             R_NB: UnitQuaternion::from_scaled_axis(Vector3::z() * theta0),
@@ -95,7 +95,7 @@ fn exact_libration_takes_the_period_of_a_pendulum() {
 fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
     let moments = Vector3::new(2.0, 6.0, 5.0);
     let (model, n) = satellite(moments);
-    let plan = Plan::hold(&model, &[]);
+    let plan = Plan::hold(&model);
     let vehicle = Prescribed::new(&model, &plan, Tolerance::default()).unwrap();
     let start = Start {
         R_NB: UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -0.8, 0.3)),

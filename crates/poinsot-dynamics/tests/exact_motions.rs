@@ -67,7 +67,7 @@ fn rotation(sample: &MotionSample) -> Matrix3 {
 
 fn top_error(w: Vector3, relative: f64) -> f64 {
     let model = setup::model(&[body(bus())], &[]);
-    let plan = Plan::hold(&model, &[]);
+    let plan = Plan::hold(&model);
     let tolerance = Tolerance {
         relative,
         ..Tolerance::default()
@@ -112,7 +112,7 @@ fn exact_mass_centre_coasts_and_the_origin_circles_it() {
     let w = Vector3::new(0.1, -0.05, 0.3);
     let kit = body(bus());
     let model = setup::model(std::slice::from_ref(&kit), &[]);
-    let plan = Plan::hold(&model, &[]);
+    let plan = Plan::hold(&model);
     let start = turning(w);
     let (R, c) = (attitude(), kit.p_CoCcm_C);
     let StartVelocity::Twist { v_NBo_N, .. } = start.velocity else {
@@ -154,7 +154,7 @@ fn exact_axisymmetric_gyrostat() {
             torque: zero,
         },
     ] {
-        let mut plan = Plan::hold(&model, &[]);
+        let mut plan = Plan::hold(&model);
         plan.wheels = vec![drive];
         let mut worst = 0.0_f64;
         Prescribed::new(&model, &plan, Tolerance::default())
@@ -189,7 +189,7 @@ fn exact_zero_momentum_slew_by_wheel_speed_and_by_wheel_torque() {
             torque: push,
         },
     ] {
-        let mut plan = Plan::hold(&model, &[]);
+        let mut plan = Plan::hold(&model);
         plan.wheels = vec![drive];
         let start = Start {
             R_NB: attitude(),
@@ -224,7 +224,7 @@ fn exact_free_rotors_keep_energy_and_axial_momentum() {
     let bodies = [body(bus())];
     let model = setup::model(&bodies, &wheels);
     let zero = PiecewisePolynomial::constant(0.0);
-    let mut plan = Plan::hold(&model, &[]);
+    let mut plan = Plan::hold(&model);
     plan.wheels = [7.0, -3.0]
         .map(|initial_speed| WheelMotion::Torque {
             initial_speed,

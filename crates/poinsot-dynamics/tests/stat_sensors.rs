@@ -4,7 +4,6 @@
 mod setup;
 
 use poinsot_dynamics::*;
-use poinsot_model::*;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_testkit::momentum_sum::{KitBody, KitJoint};
 
@@ -45,7 +44,7 @@ fn instant() -> (Tree, MotionSample) {
     };
     let bodies = [body(KitJoint::Base, 50.0), body(KitJoint::Revolute, 8.0)];
     let model = setup::model(&bodies, &[]);
-    let mut plan = Plan::hold(&model, &[0]);
+    let mut plan = Plan::hold(&model);
     plan.joints = vec![JointMotion::quintic_rest(&[0.0, 4.0], &[0.2, 1.7]).unwrap()];
     let start = Start {
         velocity: StartVelocity::Twist {

@@ -181,7 +181,7 @@ fn xval_mujoco_xu2017_C1_thrusters() {
     let recorded = Run::load("xu2017/C1");
     let model = &recorded.model;
     let firings = recorded.source["firing"].as_array().unwrap();
-    let mut plan = Plan::hold(model, &Tree::new(model).coordinates);
+    let mut plan = Plan::hold(model);
     plan.firings = firings
         .iter()
         .map(|f| Firing {

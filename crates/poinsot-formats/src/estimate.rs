@@ -29,6 +29,9 @@ pub struct EstimateFile {
     /// Name of the vehicle.
     #[serde(default)]
     pub model: String,
+    /// What all times count from; absent where that is the zero of the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epoch: Option<EpochFile>,
     /// Telemetry files.
     pub inputs: Vec<InputFile>,
     /// Bodies by name, in the order of the model.
@@ -67,6 +70,20 @@ pub struct EstimateFile {
     pub ignored_columns: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
+}
+
+/// An instant: a date, or a count of the files where their epoch is unknown.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EpochFile {
+    /// Date and time of day in `scale`, for example "2026-03-14T18:19:00".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
+    /// "UTC", "TAI", "GPS" or "TT".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<String>,
+    /// Seconds of the files' own count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own_count_s: Option<f64>,
 }
 
 /// A telemetry file.

@@ -23,8 +23,8 @@ pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
 };
 pub use estimate::{
-    BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EstimateFile,
-    IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile, PrincipalFile,
+    BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile,
+    EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile, PrincipalFile,
     ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};

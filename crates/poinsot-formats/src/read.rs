@@ -1,6 +1,7 @@
 //! The reader of `estimate.json`.
 
 use crate::estimate::{ESTIMATE, EstimateFile};
+use poinsot_files::InputError;
 use std::path::{Path, PathBuf};
 
 /// A result file that cannot be read.
@@ -44,6 +45,8 @@ fn schema_found(found: &str) -> String {
         found => format!("its schema is \"{found}\", not {ESTIMATE}"),
     }
 }
+/// Largest file that is read, bytes.
+const LARGEST: u64 = 256 << 20;
 
 /// Reads `estimate.json`, or the folder that holds it; gives the path of the file too.
 ///
@@ -54,12 +57,14 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
         true => path.join("estimate.json"),
         false => path.to_owned(),
     };
-    let bytes = match std::fs::read(&path) {
+    let bytes = match poinsot_files::read(&path, LARGEST) {
         Ok(bytes) => bytes,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            return Err(FormatError::Missing { path });
+        Err(InputError::Missing(_)) => return Err(FormatError::Missing { path }),
+        Err(InputError::System(source)) => return Err(FormatError::Io { path, source }),
+        Err(other) => {
+            let why = other.to_string();
+            return Err(FormatError::Shape { path, why });
         }
-        Err(source) => return Err(FormatError::Io { path, source }),
     };
     let shape = |path: &Path, e: serde_json::Error| FormatError::Shape {
         path: path.to_owned(),

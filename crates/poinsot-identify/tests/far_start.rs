@@ -20,14 +20,14 @@ fn scatter(k: usize) -> f64 {
 }
 
 /// Rate and attitude of a tumbling bus, each with noise of 1e-5.
-fn record(model: &Model, tree: &Tree) -> Segment {
+fn record(model: &Model) -> Segment {
     let times: Vec<f64> = (0..ROWS).map(|k| 0.02 * k as f64).collect();
     let mut samples = Samples {
         time_s: times.clone(),
         ..Samples::default()
     };
     let error = |k: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(3 * k + i));
-    tumble(model, tree, 0, &times, |s| {
+    tumble(model, 0, &times, |s| {
         let k = samples.R_NB.len();
         let turn = UnitQuaternion::from_scaled_axis(error(k + ROWS));
         samples.R_NB.push(s.R_NB * turn);
@@ -83,7 +83,7 @@ fn prop_a_far_start_ends_where_a_near_one_does() {
     let mut near = parse_model(VEHICLE, "vehicle.toml").unwrap();
     near.bodies[0].estimate = EstimateSet::default();
     let tree = Tree::new(&near);
-    let segment = record(&near, &tree);
+    let segment = record(&near);
     let expected = solved(&near, &tree, &segment);
     assert_eq!(expected.status, Status::Converged);
     let mut far = near.clone();

@@ -18,14 +18,14 @@ fn scatter(k: usize) -> f64 {
 }
 
 /// A tumbling segment with errors of the size of the declared noise.
-fn segment(model: &Model, tree: &Tree, at: usize, rows: usize) -> Segment {
+fn segment(model: &Model, at: usize, rows: usize) -> Segment {
     let times: Vec<f64> = (0..rows).map(|k| 0.02 * k as f64).collect();
     let mut samples = Samples {
         time_s: times.clone(),
         ..Samples::default()
     };
     let mut motion = Translation::default();
-    tumble(model, tree, at, &times, |s| {
+    tumble(model, at, &times, |s| {
         let k = 10 * (samples.R_NB.len() + rows * at);
         let error = |from: usize| Vector3::from_fn(|i, _| 1.0e-5 * scatter(k + from + i));
         samples.R_NB.push(s.R_NB);
@@ -89,7 +89,7 @@ fn exact_the_same_bits_on_1_2_3_and_8_threads() {
     let segments: Vec<Segment> = [2600, 1100, 300]
         .into_iter()
         .enumerate()
-        .map(|(at, rows)| segment(&model, &tree, at, rows))
+        .map(|(at, rows)| segment(&model, at, rows))
         .collect();
     let one = Matrix3::identity() * 1.0e-10;
     let noise = Noise {

@@ -11,6 +11,9 @@ use poinsot_spatial::{MassProperties, Matrix3, Unphysical, Vector3};
 /// inequality by this much.
 pub(crate) const PHYSICAL_TOLERANCE: f64 = 1e-6;
 
+/// Smallest mass that is taken for one, kg: a nanogram.
+const SMALLEST_MASS: f64 = 1e-12;
+
 /// One body per entry of the file, in its order; a stand-in where it was refused.
 pub(crate) fn check_bodies(bodies: &[BodyFile], findings: &mut Findings<'_, '_>) -> Vec<Body> {
     bodies
@@ -74,6 +77,15 @@ fn check_mass_properties(
             &key.at("mass_kg"),
             "the mass is negative".to_owned(),
             "give a positive mass",
+        );
+        return None;
+    }
+    if mass > 0.0 && mass < SMALLEST_MASS {
+        findings.refuse(
+            "E0108",
+            &key.at("mass_kg"),
+            format!("the mass is below {SMALLEST_MASS:e} kg"),
+            "correct it; 0 stands for a body without mass",
         );
         return None;
     }

@@ -1,8 +1,8 @@
 //! Names: printable, unique, and no two things that would read one telemetry column.
 
-use crate::document::is_direction_mark;
 use crate::file::{JointType, ModelFile, SensorType};
 use crate::finding::{Findings, Key};
+use poinsot_files::is_unprintable;
 use std::collections::HashMap;
 
 /// Longest name, bytes.
@@ -58,7 +58,7 @@ pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
         Some("the name begins or ends with a blank")
     } else if name.len() > LONGEST {
         Some("the name is longer than 200 bytes")
-    } else if name.chars().any(|c| c.is_control() || is_direction_mark(c)) {
+    } else if name.chars().any(is_unprintable) {
         Some("the name holds a character that cannot be printed")
     } else {
         None

@@ -12,6 +12,7 @@ use crate::vehicle::{
     Body, Environment, Momentum, MomentumKnowledge, Nuisance, Orbit, RandomTorque, Thruster, Wheel,
 };
 use poinsot_spatial::Vector3;
+use std::f64::consts::{PI, TAU};
 
 /// A number above zero; `None` where it was refused.
 pub(crate) fn positive(
@@ -221,6 +222,34 @@ fn check_orbit(
             "the eccentricity must be at least 0 and below 1".to_owned(),
             "give an ellipse, or the positions as columns orbit_x orbit_y orbit_z",
         );
+        return None;
+    }
+    let angles = [
+        ("inclination_rad", file.inclination_rad, PI),
+        ("raan_rad", file.raan_rad, TAU),
+        (
+            "argument_of_periapsis_rad",
+            file.argument_of_periapsis_rad,
+            TAU,
+        ),
+        ("true_anomaly_rad", file.true_anomaly_rad, TAU),
+    ];
+    let before = findings.count();
+    for (name, angle, most) in angles {
+        if let Some(angle) = angle.filter(|a| a.abs() > most) {
+            findings.refuse(
+                "E0108",
+                &key.at(name),
+                format!("the angle is beyond {} rad", short(most)),
+                format!(
+                    "write radians; {} deg are {} rad",
+                    short(angle),
+                    short(angle.to_radians())
+                ),
+            );
+        }
+    }
+    if findings.count() > before {
         return None;
     }
     Some(Orbit {

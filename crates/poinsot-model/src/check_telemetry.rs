@@ -1,17 +1,29 @@
 //! Which column holds which channel.
 
-use crate::document::printable;
-use crate::file::{JointType, ModelFile, TelemetryFile};
+use crate::file::{
+    AttitudeFile, ColumnFile, ExportFile, FrameFile, JointType, ModelFile, OrbitColumnsFile,
+    OrderFile, ScaleFile, SenseFile, TelemetryFile, TimeFile, TimeFormatFile,
+};
 use crate::finding::{Findings, Key};
 use crate::suggest;
-use crate::vehicle::{ColumnSource, TelemetryMap};
-use std::collections::HashSet;
+use poinsot_files::excerpt;
+use poinsot_telemetry::{
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Scale, Sense,
+    TelemetryMap, TimeFormat, TimeMap, map_faults,
+};
+use std::collections::{BTreeMap, HashSet};
+
+/// Longest text of a fault; names in it come from the file.
+const LONGEST: usize = 400;
+
+/// A header below more lines than this is a mistake.
+const MOST_LINES: f64 = 1e6;
 
 /// Channels that every vehicle may have.
-const CHANNELS: [&str; 23] = [
+const CHANNELS: [&str; 26] = [
     "time_s", "q_x", "q_y", "q_z", "q_w", "omega_x", "omega_y", "omega_z", "domega_x", "domega_y",
     "domega_z", "r_x", "r_y", "r_z", "v_x", "v_y", "v_z", "dv_x", "dv_y", "dv_z", "acc_x", "acc_y",
-    "acc_z",
+    "acc_z", "orbit_x", "orbit_y", "orbit_z",
 ];
 
 /// Checks the map; the channel names only where the vehicle is known.
@@ -23,41 +35,276 @@ pub(crate) fn check_telemetry(
     let Some(file) = file else {
         return TelemetryMap::default();
     };
+    let known = model.map(channels);
     let key = Key::top("telemetry");
-    let mut columns = Vec::new();
-    if let Some(map) = &file.columns {
-        let known = model.map(channels);
-        for (channel, source) in map {
-            let mut here = key.at("columns");
-            here.path = here.path.key(channel);
-            if let Some(known) = &known {
-                check_channel(channel, known, &here, findings);
-            }
-            let (Some(column), Some(unit)) = (&source.column, &source.unit) else {
-                continue;
-            };
-            if column.is_empty() {
-                findings.refuse(
-                    "E0109",
-                    &here.at("column"),
-                    "the name is empty".to_owned(),
-                    "name a column of the telemetry file",
-                );
-            }
-            columns.push(ColumnSource {
-                channel: channel.clone(),
-                column: column.clone(),
-                unit: unit.clone(),
-            });
+    let mut check = |part: &Part<'_>, key: &Key| checked(part, key, known.as_ref(), findings);
+    let all = check(&Part::top(file), &key);
+    let mut files = Vec::new();
+    for (k, own) in file.file.iter().flatten().enumerate() {
+        let map = check(&Part::of(own), &key.at("file").index(k));
+        files.push((own.name.clone().unwrap_or_default(), map));
+    }
+    let map = TelemetryMap { all, files };
+    for fault in map_faults(&map) {
+        let mut here = match fault.file {
+            None => key.clone(),
+            Some(k) => key.at("file").index(k),
+        };
+        for name in &fault.keys {
+            here.path = here.path.key(name);
+        }
+        if let Some(index) = fault.index {
+            here = here.index(index);
+        }
+        let problem = excerpt(&fault.problem, LONGEST);
+        findings.refuse(fault.code, &here, problem, excerpt(&fault.remedy, LONGEST));
+    }
+    map
+}
+
+/// The keys that hold for all files or for those of one name.
+struct Part<'a> {
+    delimiter: &'a Option<String>,
+    comment: &'a Option<String>,
+    header_row: Option<f64>,
+    units_row: Option<bool>,
+    time: &'a Option<TimeFile>,
+    columns: &'a Option<BTreeMap<String, ColumnFile>>,
+    attitude: &'a Option<Vec<AttitudeFile>>,
+    orbit: &'a Option<OrbitColumnsFile>,
+    rows: &'a Option<BTreeMap<String, String>>,
+}
+
+impl<'a> Part<'a> {
+    fn top(file: &'a TelemetryFile) -> Self {
+        Self {
+            delimiter: &file.delimiter,
+            comment: &file.comment,
+            header_row: file.header_row,
+            units_row: file.units_row,
+            time: &file.time,
+            columns: &file.columns,
+            attitude: &file.attitude,
+            orbit: &file.orbit,
+            rows: &file.rows,
         }
     }
-    let rows = file.rows.iter().flatten();
-    TelemetryMap {
+
+    fn of(file: &'a ExportFile) -> Self {
+        Self {
+            delimiter: &file.delimiter,
+            comment: &file.comment,
+            header_row: file.header_row,
+            units_row: file.units_row,
+            time: &file.time,
+            columns: &file.columns,
+            attitude: &file.attitude,
+            orbit: &file.orbit,
+            rows: &file.rows,
+        }
+    }
+}
+
+fn checked(
+    part: &Part<'_>,
+    key: &Key,
+    known: Option<&HashSet<String>>,
+    findings: &mut Findings<'_, '_>,
+) -> FileMap {
+    let mut columns = Vec::new();
+    for (channel, source) in part.columns.iter().flatten() {
+        let mut here = key.at("columns");
+        here.path = here.path.key(channel);
+        if let Some(known) = known
+            && !check_channel(channel, known, &here, findings)
+        {
+            continue;
+        }
+        let Some(column) = &source.column else {
+            continue;
+        };
+        if column.is_empty() {
+            findings.refuse(
+                "E0109",
+                &here.at("column"),
+                "the name is empty".to_owned(),
+                "name a column of the telemetry file",
+            );
+        }
+        columns.push(ColumnMap {
+            channel: channel.clone(),
+            column: column.clone(),
+            unit: source.unit.clone(),
+            scale: source.scale,
+            offset: source.offset,
+            sign: source.sign,
+            counts_per_revolution: source.counts_per_revolution,
+            nominal_N: source.nominal_N,
+        });
+    }
+    let attitude = part.attitude.iter().flatten().enumerate();
+    let attitude =
+        attitude.filter_map(|(k, a)| check_attitude(a, &key.at("attitude").index(k), findings));
+    FileMap {
+        attitude: attitude.collect(),
+        layout: check_layout(part, key, findings),
+        time: part.time.as_ref().and_then(|time| {
+            Some(TimeMap {
+                column: time.column.clone()?,
+                format: match time.format.unwrap_or(TimeFormatFile::Number) {
+                    TimeFormatFile::Number => TimeFormat::Number,
+                    TimeFormatFile::Iso8601 => TimeFormat::Iso8601,
+                    TimeFormatFile::DayOfYear => TimeFormat::DayOfYear,
+                    TimeFormatFile::GpsWeek => TimeFormat::GpsWeek,
+                },
+                week: time.week.clone(),
+                unit: time.unit.clone(),
+                epoch: time.epoch.clone(),
+                scale: time.scale.map(|scale| match scale {
+                    ScaleFile::Utc => Scale::Utc,
+                    ScaleFile::Tai => Scale::Tai,
+                    ScaleFile::Gps => Scale::Gps,
+                    ScaleFile::Tt => Scale::Tt,
+                }),
+            })
+        }),
         columns,
-        row_filter: rows
-            .map(|(column, text)| (column.clone(), text.clone()))
+        orbit: part.orbit.as_ref().and_then(|orbit| {
+            Some(OrbitMap {
+                position: orbit.position.clone()?,
+                unit: orbit.unit.clone(),
+                earth_fixed: orbit.frame == Some(FrameFile::EarthFixed),
+            })
+        }),
+        row_filter: part
+            .rows
+            .iter()
+            .flatten()
+            .map(|(c, t)| (c.clone(), t.clone()))
             .collect(),
     }
+}
+
+fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> Layout {
+    let mut one = |text: &Option<String>, name: &str| -> Option<u8> {
+        let text = text.as_deref()?;
+        let byte = match text {
+            "tab" => b'\t',
+            "space" => b' ',
+            _ => match text.as_bytes() {
+                [byte]
+                    if !byte.is_ascii_alphanumeric()
+                        && !matches!(byte, b'"' | b'.' | b'-' | b'+' | b'\n' | b'\r') =>
+                {
+                    *byte
+                }
+                _ => {
+                    let problem =
+                        "one character that no number and no name holds is needed".to_owned();
+                    let remedy = match name {
+                        "comment" => "write for example \"#\"",
+                        _ => "write \",\", \";\", \"|\", \"tab\" or \"space\"",
+                    };
+                    findings.refuse("E0107", &key.at(name), problem, remedy);
+                    return None;
+                }
+            },
+        };
+        Some(byte)
+    };
+    let delimiter = one(part.delimiter, "delimiter");
+    let comment = one(part.comment, "comment");
+    let header_row = part.header_row.and_then(|row| {
+        if row >= 1.0 && row.fract() == 0.0 && row <= MOST_LINES {
+            return Some(row as u64);
+        }
+        let problem = "the line of the header is a whole number from 1 to 1e6".to_owned();
+        findings.refuse(
+            "E0108",
+            &key.at("header_row"),
+            problem,
+            "count lines from 1",
+        );
+        None
+    });
+    Layout {
+        delimiter,
+        comment,
+        header_row,
+        units_row: part.units_row,
+    }
+}
+
+fn check_attitude(
+    file: &AttitudeFile,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<AttitudeMap> {
+    let forms = [&file.quaternion, &file.matrix, &file.euler, &file.mrp];
+    let given: Vec<usize> = (0..forms.len())
+        .filter(|k| forms.get(*k).is_some_and(|f| f.is_some()))
+        .collect();
+    let mut fault = |name: &str, problem: &str, remedy: &str| {
+        let here = if name.is_empty() {
+            key.clone()
+        } else {
+            key.at(name)
+        };
+        findings.refuse("E0107", &here, problem.to_owned(), remedy);
+        None
+    };
+    let &[form] = given.as_slice() else {
+        return fault(
+            "",
+            "an attitude has one form",
+            "give one of quaternion, matrix, euler, mrp",
+        );
+    };
+    if file.order.is_some() && form != 0 {
+        return fault("order", "only a quaternion has an order", "remove it");
+    }
+    if file.sequence.is_some() != (form == 2) {
+        return fault(
+            "sequence",
+            "Euler angles and their sequence belong together",
+            "write for example sequence = \"ZYX\" for yaw, pitch, roll, or remove it",
+        );
+    }
+    let form_of = || match form {
+        0 => Some(AttitudeForm::Quaternion(match file.order {
+            Some(OrderFile::Wxyz) => Order::Wxyz,
+            _ => Order::Xyzw,
+        })),
+        1 => Some(AttitudeForm::Matrix),
+        3 => Some(AttitudeForm::Mrp),
+        _ => {
+            let axis = |c: char| "XYZ".find(c.to_ascii_uppercase());
+            let axes: Option<Vec<usize>> = file.sequence.as_deref()?.chars().map(axis).collect();
+            axes?.try_into().ok().map(AttitudeForm::Euler)
+        }
+    };
+    let Some(kind) = form_of() else {
+        return fault(
+            "sequence",
+            "the sequence is not three of X, Y, Z",
+            "write for example \"ZYX\" for yaw, pitch, roll",
+        );
+    };
+    Some(AttitudeMap {
+        sensor: file.sensor.clone().unwrap_or_default(),
+        form: kind,
+        columns: forms
+            .get(form)
+            .copied()
+            .cloned()
+            .flatten()
+            .unwrap_or_default(),
+        sense: match file.sense {
+            Some(SenseFile::InertialToBody) => Sense::InertialToBody,
+            _ => Sense::BodyToInertial,
+        },
+        unit: file.unit.clone(),
+    })
 }
 
 /// Every channel this vehicle can have.
@@ -100,21 +347,22 @@ fn channels(model: &ModelFile) -> HashSet<String> {
     known
 }
 
+/// Whether the vehicle can have this channel.
 fn check_channel(
     channel: &str,
     known: &HashSet<String>,
     key: &Key,
     findings: &mut Findings<'_, '_>,
-) {
+) -> bool {
     if known.contains(channel) && !channel.ends_with('.') {
-        return;
+        return true;
     }
     let split = channel
         .match_indices('.')
         .map(|(at, _)| channel.split_at(at + 1))
         .find(|(sensor, rest)| known.contains(*sensor) && known.contains(*rest));
     if split.is_some() {
-        return;
+        return true;
     }
     let near = if findings.count() < 50 {
         let mut names: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -124,7 +372,7 @@ fn check_channel(
         None
     };
     let remedy = match near {
-        Some(near) => format!("did you mean {}?", printable(near, 60)),
+        Some(near) => format!("did you mean {}?", excerpt(near, 60)),
         None => {
             "name a standard channel, for example omega_x, joint1_rad or gyro.omega_x".to_owned()
         }
@@ -135,4 +383,5 @@ fn check_channel(
         "this vehicle has no channel of this name".to_owned(),
         remedy,
     );
+    false
 }

@@ -1,9 +1,9 @@
 //! The joints make one tree that hangs on the base. No recursion: chains of thousands of links are fine.
 
-use crate::document::printable;
 use crate::file::{BodyFile, JointFile};
 use crate::finding::{Findings, Key};
 use crate::suggest;
+use poinsot_files::excerpt;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -81,7 +81,7 @@ pub(crate) fn check_tree(
                 &key.at("child"),
                 format!(
                     "the body has two parents: joint \"{}\" carries it too",
-                    printable(other.unwrap_or("?"), 60)
+                    excerpt(other.unwrap_or("?"), 60)
                 ),
                 "remove one of the joints; closed loops are not supported",
             );
@@ -158,12 +158,12 @@ fn report_cycles<'n>(
         let mut path: Vec<String> = cycle
             .iter()
             .take(SHOWN)
-            .map(|body| printable(name_of(*body), 60))
+            .map(|body| excerpt(name_of(*body), 60))
             .collect();
         if cycle.len() > SHOWN {
             path.push(format!("... ({} bodies)", cycle.len()));
         }
-        path.push(printable(name_of(first), 60));
+        path.push(excerpt(name_of(first), 60));
         let joint = carried_by.get(first).copied().flatten().unwrap_or(0);
         let name = joints.get(joint).and_then(|j| j.name.as_deref());
         findings.refuse(
@@ -214,7 +214,7 @@ pub(crate) fn unknown_name(
         None
     };
     let remedy = match near {
-        Some(near) => format!("did you mean \"{}\"?", printable(near, 60)),
+        Some(near) => format!("did you mean \"{}\"?", excerpt(near, 60)),
         None => format!("name one that a [[{kind}]] has"),
     };
     findings.refuse(

@@ -27,6 +27,10 @@ pub struct Description {
     pub thrusters: Vec<ThrusterDescription>,
     /// Sensors.
     pub sensors: Vec<SensorDescription>,
+    /// Forces and torques of the surroundings, in words.
+    pub environment: Vec<String>,
+    /// What the map of the telemetry says, in words.
+    pub telemetry: Vec<String>,
     /// What is unknown, in words.
     pub unknown: Vec<String>,
     /// Notes of the reader.
@@ -172,6 +176,8 @@ pub fn describe(model: &Model) -> Description {
             })
             .collect(),
         sensors: describe_sensors(model),
+        environment: crate::describe_telemetry::environment(&model.environment),
+        telemetry: crate::describe_telemetry::telemetry(&model.telemetry),
         unknown: unknown(model),
         notes: model.notes.clone(),
     }
@@ -438,6 +444,8 @@ impl fmt::Display for Description {
             )?;
         }
         self.fmt_parts(f)?;
+        section(f, "Environment", &self.environment)?;
+        section(f, "Telemetry", &self.telemetry)?;
         section(f, "Unknown", &self.unknown)?;
         section(f, "Notes", &self.notes)
     }

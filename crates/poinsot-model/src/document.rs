@@ -1,5 +1,6 @@
 //! The text of a file with its parsed tree: where a key stands and what was read there.
 
+use poinsot_files::excerpt;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -36,8 +37,8 @@ impl std::fmt::Display for KeyPath {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for (k, step) in self.0.iter().enumerate() {
             match step {
-                Step::Key(key) if k > 0 => write!(f, ".{}", printable(key, 60))?,
-                Step::Key(key) => write!(f, "{}", printable(key, 60))?,
+                Step::Key(key) if k > 0 => write!(f, ".{}", excerpt(key, 60))?,
+                Step::Key(key) => write!(f, "{}", excerpt(key, 60))?,
                 Step::Index(index) => write!(f, "[{index}]")?,
             }
         }
@@ -64,7 +65,7 @@ impl<'i> Document<'i> {
             .chain(text.match_indices('\n').map(|(at, _)| at + 1))
             .collect();
         let document = Self {
-            file: printable(file, 300),
+            file: excerpt(file, 300),
             text,
             table: table.into_inner(),
             line_starts,
@@ -126,28 +127,6 @@ impl<'i> Document<'i> {
         // Blanks are joined before the text is cut to the length that is shown.
         let start: String = text.chars().take(400).collect();
         let words: Vec<&str> = start.split_whitespace().collect();
-        printable(&words.join(" "), 80)
+        excerpt(&words.join(" "), 80)
     }
-}
-
-/// Text for a terminal line: no control characters, cut to `limit` characters.
-pub(crate) fn printable(text: &str, limit: usize) -> String {
-    let mut out = String::new();
-    for (k, c) in text.chars().enumerate() {
-        if k == limit {
-            out.push_str("...");
-            break;
-        }
-        if c.is_control() || is_direction_mark(c) {
-            out.extend(c.escape_unicode());
-        } else {
-            out.push(c);
-        }
-    }
-    out
-}
-
-/// Marks that reorder text on a terminal.
-pub(crate) fn is_direction_mark(c: char) -> bool {
-    matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

@@ -1,6 +1,7 @@
 //! What is wrong with a model file, each finding with its place, and all of them at once.
 
-use crate::document::{Document, KeyPath, printable};
+use crate::document::{Document, KeyPath};
+use poinsot_files::excerpt;
 use std::fmt;
 
 /// Findings shown; the rest is counted.
@@ -84,7 +85,7 @@ impl ModelError {
         Self {
             findings: vec![Finding {
                 code: "E0101",
-                file: printable(file, 300),
+                file: excerpt(file, 300),
                 line: 0,
                 column: 0,
                 key: String::new(),
@@ -120,7 +121,7 @@ impl Key {
         Self {
             path: KeyPath::default().key(table).index(index),
             subject: match name {
-                Some(name) => format!("{table} \"{}\"", printable(name, 60)),
+                Some(name) => format!("{table} \"{}\"", excerpt(name, 60)),
                 None => String::new(),
             },
         }

@@ -15,9 +15,11 @@ mod check_sensor;
 mod check_telemetry;
 mod check_tree;
 mod describe;
+mod describe_telemetry;
 mod document;
 mod file;
 mod finding;
+mod kinematic;
 mod number;
 mod read;
 mod schema;
@@ -26,11 +28,15 @@ mod suggest;
 mod urdf;
 mod vehicle;
 mod write;
+mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
 pub use number::rounded;
-pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
+pub use poinsot_telemetry::TelemetryMap;
+pub use read::{
+    MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
+};
 pub use schema::model_schema;
 pub use urdf::{LinkInertial, Urdf, UrdfDefect, UrdfExport, export_urdf, parse_urdf, read_urdf};
 pub use vehicle::*;

@@ -7,9 +7,9 @@ use crate::file::{ModelFile, TelemetryMapFile};
 use crate::finding::{Findings, Key, ModelError};
 use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
 use crate::shape::check_shape;
-use crate::vehicle::{Model, TelemetryMap};
+use crate::vehicle::Model;
+use poinsot_telemetry::TelemetryMap;
 use serde::Deserialize;
-use std::io::Read;
 use std::path::Path;
 use toml::de::DeValue;
 
@@ -31,7 +31,7 @@ pub fn read_model(path: impl AsRef<Path>) -> Result<Model, ModelError> {
     {
         return crate::read_urdf(path).model;
     }
-    let text = read_text(path)?;
+    let text = read_model_text(path)?;
     parse_model(&text, &path.display().to_string())
 }
 
@@ -76,7 +76,7 @@ pub fn parse_model(text: &str, file: &str) -> Result<Model, ModelError> {
 /// Everything that is wrong with the file, each with line and column.
 pub fn read_telemetry_map(path: impl AsRef<Path>) -> Result<TelemetryMap, ModelError> {
     let path = path.as_ref();
-    let text = read_text(path)?;
+    let text = read_model_text(path)?;
     parse_telemetry_map(&text, &path.display().to_string())
 }
 
@@ -103,55 +103,16 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Model
     Ok(map)
 }
 
-pub(crate) fn read_text(path: &Path) -> Result<String, ModelError> {
-    let file = path.display().to_string();
-    let unreadable = |problem: String, remedy: &str, environment: bool| {
-        ModelError::unreadable(&file, problem, remedy, environment)
-    };
-    let io = |error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::NotFound => {
-            unreadable("there is no such file".to_owned(), "check the path", false)
-        }
-        std::io::ErrorKind::IsADirectory => {
-            unreadable("this is a folder".to_owned(), "name the file in it", false)
-        }
-        _ => unreadable(
-            format!("cannot be read: {error}"),
-            "check disk and permission",
-            true,
-        ),
-    };
-    // A pipe would be waited for, a device never ends.
-    let metadata = std::fs::metadata(path).map_err(io)?;
-    if metadata.is_dir() {
-        return Err(io(std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !metadata.is_file() {
-        return Err(unreadable(
-            "this is not a regular file".to_owned(),
-            "name a file",
-            false,
-        ));
-    }
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .map_err(io)?
-        .take(LARGEST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(io)?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(unreadable(
-            "the file is larger than 16 MiB".to_owned(),
-            "name a model file",
-            false,
-        ));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        unreadable(
-            format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()),
-            "save the file as UTF-8 text",
-            false,
-        )
+/// The text of a model file, TOML or URDF.
+///
+/// # Errors
+/// The file cannot be read, is too large, or is not UTF-8.
+pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, ModelError> {
+    let path = path.as_ref();
+    poinsot_files::read_text(path, LARGEST).map_err(|error| {
+        let file = path.display().to_string();
+        let environment = error.is_environment();
+        ModelError::unreadable(&file, error.to_string(), error.remedy(), environment)
     })
 }
 

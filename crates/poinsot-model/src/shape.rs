@@ -2,9 +2,10 @@
 //! are not finite. What fits is handed on, what does not is left out, so that one mistake hides no other.
 
 use crate::check_sensor::key_fits;
-use crate::document::{KeyPath, printable};
+use crate::document::KeyPath;
 use crate::finding::{Findings, Key};
 use crate::suggest;
+use poinsot_files::excerpt;
 use serde_json::Value as Schema;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -358,7 +359,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
 /// What an entry of a list of tables calls itself.
 fn subject_of(list: &KeyPath, table: &DeTable<'_>) -> String {
     match table.get("name").and_then(|name| name.get_ref().as_str()) {
-        Some(name) => format!("{list} \"{}\"", printable(name, 60)),
+        Some(name) => format!("{list} \"{}\"", excerpt(name, 60)),
         None => String::new(),
     }
 }

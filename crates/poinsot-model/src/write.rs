@@ -46,7 +46,7 @@ pub fn write_model(model: &Model) -> String {
     line(&mut out, "linear_N_s", momentum(model.momentum.linear));
     line(&mut out, "angular_N_m_s", momentum(model.momentum.angular));
     write_environment(&mut out, model);
-    write_telemetry(&mut out, model);
+    crate::write_telemetry::write_telemetry(&mut out, &model.telemetry);
     out
 }
 
@@ -243,37 +243,16 @@ fn write_environment(out: &mut String, model: &Model) {
     }
 }
 
-fn write_telemetry(out: &mut String, model: &Model) {
-    let map = &model.telemetry;
-    if !map.row_filter.is_empty() {
-        section(out, "[telemetry.where]");
-        for (column, text) in &map.row_filter {
-            line(out, &quoted(column), quoted(text));
-        }
-    }
-    if !map.columns.is_empty() {
-        section(out, "[telemetry.columns]");
-        for source in &map.columns {
-            let value = format!(
-                "{{ column = {}, unit = {} }}",
-                quoted(&source.column),
-                quoted(&source.unit)
-            );
-            line(out, &quoted(&source.channel), value);
-        }
-    }
-}
-
-fn section(out: &mut String, header: &str) {
+pub(crate) fn section(out: &mut String, header: &str) {
     let _ = writeln!(out, "\n{header}");
 }
 
-fn line(out: &mut String, key: &str, value: String) {
+pub(crate) fn line(out: &mut String, key: &str, value: String) {
     let _ = writeln!(out, "{key} = {value}");
 }
 
 /// A TOML basic string.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
@@ -290,7 +269,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// The shortest digits that read back to the same number.
-fn number(x: f64) -> String {
+pub(crate) fn number(x: f64) -> String {
     format!("{x:?}")
 }
 

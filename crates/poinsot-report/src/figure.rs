@@ -3,12 +3,11 @@
 
 use crate::error::PageError;
 use crate::markup::{Html, escape};
+#[cfg(feature = "png")]
+use crate::pixels::pixels;
 use crate::plot::Plot;
 use crate::scene::Scene;
-use resvg::tiny_skia::{Color, Pixmap, Transform};
-use resvg::usvg::{Options, Tree};
 use std::fmt::Write;
-use std::sync::Arc;
 
 const STYLE: &str = include_str!("../assets/figure.css");
 /// Height of the title and of a row of the legend, px.
@@ -17,8 +16,6 @@ const ROW: f64 = 17.0;
 /// Width of a letter of the legend, px: near enough to break its rows.
 const LETTER: f64 = 6.6;
 const EDGE: f64 = 12.0;
-/// Pixels of a PNG for one of the SVG.
-const ZOOM: f32 = 2.0;
 
 /// What a figure shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,28 +186,10 @@ fn keys(legend: &[(&str, &str, usize)], width: f64) -> (usize, String) {
     (if legend.is_empty() { 0 } else { row + 1 }, out)
 }
 
-fn pixels(svg: &str) -> Result<Vec<u8>, PageError> {
-    let fault = |why: &dyn std::fmt::Display| PageError::Figure(why.to_string());
-    let mut options = Options {
-        font_family: "DejaVu Sans".to_owned(),
-        ..Options::default()
-    };
-    // The font travels with the program: what is installed does not matter.
-    let fonts = Arc::make_mut(&mut options.fontdb);
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    fonts.load_font_data(dejavu::sans::bold().to_vec());
-    let tree = Tree::from_str(svg, &options).map_err(|e| fault(&e))?;
-    let size = tree.size();
-    let side = |x: f32| (x * ZOOM).ceil() as u32;
-    let mut pixmap = Pixmap::new(side(size.width()), side(size.height()))
-        .ok_or_else(|| fault(&"no room for its pixels"))?;
-    pixmap.fill(Color::WHITE);
-    resvg::render(
-        &tree,
-        Transform::from_scale(ZOOM, ZOOM),
-        &mut pixmap.as_mut(),
-    );
-    pixmap.encode_png().map_err(|e| fault(&e))
+#[cfg(not(feature = "png"))]
+fn pixels(_: &str) -> Result<Vec<u8>, PageError> {
+    let why = "this program was built without PNG (feature `png`); take SVG";
+    Err(PageError::Figure(why.to_owned()))
 }
 
 /// A name as a file may have it.
@@ -234,6 +213,8 @@ fn file_name(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::plot::{Axis, Mark, Series};
+    #[cfg(feature = "png")]
+    use resvg::tiny_skia::Pixmap;
 
     fn figure(name: &str, series: &str) -> Figure {
         let x: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k)).collect();
@@ -254,6 +235,7 @@ mod tests {
         )
     }
 
+    #[cfg(feature = "png")]
     #[test]
     fn unit_equal_pictures_give_equal_bytes() {
         for format in [FigureFormat::Svg, FigureFormat::Png] {
@@ -262,6 +244,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "png")]
     #[test]
     fn unit_a_png_holds_ink_in_the_colours_of_its_series() {
         let png = figure("a", "line")

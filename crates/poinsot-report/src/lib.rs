@@ -7,6 +7,8 @@ mod figure;
 mod figures;
 mod markup;
 mod page;
+#[cfg(feature = "png")]
+mod pixels;
 mod plot;
 mod scene;
 mod text;

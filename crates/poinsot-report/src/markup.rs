@@ -1,7 +1,8 @@
 //! Text from files into HTML: everything is escaped unless this program made it.
 
 use crate::error::PageError;
-use minijinja::{AutoEscape, Environment, Value};
+use minijinja::{AutoEscape, Environment, Value, escape_formatter};
+use poinsot_files::{is_unprintable, json_escaped};
 use serde::Serialize;
 
 /// HTML that this program made, safe to place in a page.
@@ -41,6 +42,10 @@ pub fn render(name: &str, template: &str, context: impl Serialize) -> Result<Htm
     };
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.set_formatter(|out, state, value| match value.as_str() {
+        Some(text) if !value.is_safe() => Ok(out.write_str(&escape(text))?),
+        _ => escape_formatter(out, state, value),
+    });
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
     environment
@@ -49,8 +54,8 @@ pub fn render(name: &str, template: &str, context: impl Serialize) -> Result<Htm
         .map_err(fault)
 }
 
-/// Text for element content and quoted attributes. Control characters, which could turn the reading
-/// direction or break the page, become a visible mark.
+/// Text for element content and quoted attributes. Characters that a browser obeys instead of showing them stand
+/// as escapes (`\u{202e}`); line ends and tabs stay.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -60,7 +65,8 @@ pub fn escape(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            c if c.is_control() => out.push('\u{fffd}'),
+            '\n' | '\t' => out.push(c),
+            c if is_unprintable(c) => out.extend(c.escape_default()),
             c => out.push(c),
         }
     }
@@ -74,9 +80,9 @@ pub fn escape(text: &str) -> String {
 pub fn island(value: &impl Serialize) -> Result<String, PageError> {
     let text = serde_json::to_string(value)?;
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in json_escaped(&text).chars() {
         match c {
-            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+            '<' | '>' | '&' => {
                 out.push_str(&format!("\\u{:04x}", u32::from(c)));
             }
             c => out.push(c),
@@ -98,6 +104,14 @@ mod tests {
     }
 
     #[test]
+    fn exact_direction_marks_and_escapes_are_shown() {
+        let bad = "a\u{202e}b\u{1b}[2J";
+        let page = render("page", "{{ x }}", minijinja::context! { x => bad }).unwrap();
+        assert_eq!(page.as_str(), "a\\u{202e}b\\u{1b}[2J");
+        assert_eq!(island(&bad).unwrap(), "\"a\\u202eb\\u001b[2J\"");
+    }
+
+    #[test]
     fn unit_templates_escape_all_but_own_markup() {
         let own = render(
             "own",
@@ -105,7 +119,7 @@ mod tests {
             minijinja::context! { x => "<i>'\"" },
         )
         .unwrap();
-        assert_eq!(own.as_str(), "<b>&lt;i&gt;&#x27;&quot;</b>");
+        assert_eq!(own.as_str(), "<b>&lt;i&gt;&#39;&quot;</b>");
         let page = render("page", "{{ a }}", minijinja::context! { a => own.value() }).unwrap();
         assert_eq!(page, own);
     }

@@ -4,6 +4,7 @@ use crate::document::{Content, Document, Section, Table, Tone};
 use anstyle::{AnsiColor, Effects, Style};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ContentArrangement};
+use poinsot_files::escaped;
 use std::fmt;
 
 /// Width of tables where the terminal does not say one.
@@ -31,16 +32,16 @@ impl fmt::Display for Document {
 impl Document {
     /// The document as text.
     pub fn text(&self, style: &TextStyle) -> String {
-        let verdict = wrapped(&printable(&self.verdict), "", style);
+        let verdict = wrapped(&escaped(&self.verdict), "", style);
         let mut out = painted(&verdict, self.tone.style().bold(), style);
         out.push('\n');
         for section in &self.sections {
-            let title = wrapped(&printable(&section.title), "", style);
+            let title = wrapped(&escaped(&section.title), "", style);
             let heading = section.tone.style().bold();
             out.push_str(&format!("\n{}\n", painted(&title, heading, style)));
             out.push_str(&content(section, style));
             if let Some(note) = &section.note {
-                let note = wrapped(&format!("({})", printable(note)), "  ", style);
+                let note = wrapped(&format!("({})", escaped(note)), "  ", style);
                 out.push_str(&painted(&note, Style::new().dimmed(), style));
                 out.push('\n');
             }
@@ -77,7 +78,7 @@ fn content(section: &Section, style: &TextStyle) -> String {
         }
         Content::List(lines) => {
             for line in lines {
-                out.push_str(&wrapped(&printable(line), "  ", style));
+                out.push_str(&wrapped(&escaped(line), "  ", style));
                 out.push('\n');
             }
         }
@@ -92,9 +93,9 @@ fn layout(table: &Table, style: &TextStyle) -> Vec<String> {
     out.load_style(NOTHING)
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(width);
-    out.set_header(table.head.iter().map(|h| printable(h)));
+    out.set_header(table.head.iter().map(|h| escaped(h).into_owned()));
     for row in &table.rows {
-        out.add_row(row.iter().map(|c| printable(c)));
+        out.add_row(row.iter().map(|c| escaped(c).into_owned()));
     }
     for column in out.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -150,13 +151,6 @@ pub fn marked_code(line: &str) -> String {
         Some((code, rest)) if is_code(code) => format!("{paint}{code}{paint:#} {rest}"),
         _ => line.to_owned(),
     }
-}
-
-/// Text from files without control characters: a name must not move the cursor.
-fn printable(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
-        .collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! From the columns of one file to channels of the table.
 
 use crate::columns::Columns;
+use crate::derive::derive;
 use crate::error::Place;
 use crate::plan::{Plan, PlannedChannel};
 use crate::{Channel, Quantity, Table, TelemetryError, quaternion};
@@ -21,10 +22,11 @@ pub(crate) fn add(
     table: &mut Table,
 ) -> Result<(), TelemetryError> {
     check_cells(path, plan, &columns, strict, &mut table.repairs)?;
-    tidy_attitudes(path, plan, &mut columns, strict, &mut table.repairs)?;
+    let channels = derive(path, plan, &mut columns)?;
+    tidy_attitudes(path, &channels, &mut columns, strict, &mut table.repairs)?;
     let whole: Arc<[f64]> = columns.time_s.as_slice().into();
     let mut bases = vec![Arc::clone(&whole)];
-    for (channel, values) in plan.channels.iter().zip(columns.values) {
+    for (channel, values) in channels.iter().zip(columns.values) {
         let full = channel.name.full();
         let place = Place::cell(path, 0, &channel.column);
         if let Some(first) = found.get(&full) {
@@ -88,13 +90,12 @@ fn check_cells(
 
 fn tidy_attitudes(
     path: &Path,
-    plan: &Plan,
+    channels: &[PlannedChannel],
     columns: &mut Columns,
     strict: bool,
     repairs: &mut Vec<String>,
 ) -> Result<(), TelemetryError> {
-    let firsts = plan
-        .channels
+    let firsts = channels
         .iter()
         .filter(|c| matches!(c.name.quantity, Quantity::Attitude(_)));
     let mut done: Vec<&str> = Vec::new();
@@ -106,7 +107,7 @@ fn tidy_attitudes(
         done.push(sensor);
         let mut indices = [0_usize; 4];
         for (component, index) in indices.iter_mut().enumerate() {
-            *index = position(&plan.channels, sensor, component).ok_or_else(|| {
+            *index = position(channels, sensor, component).ok_or_else(|| {
                 let name = ["q_x", "q_y", "q_z", "q_w"].get(component).copied();
                 TelemetryError::Quaternion {
                     place: Place::file(path),

@@ -2,6 +2,8 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
+use crate::packing::{is_standard_input, standard_input};
+use poinsot_files::InputError;
 use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
@@ -28,21 +30,26 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
         what: "cannot be read",
         source,
     };
-    let metadata = std::fs::metadata(path).map_err(io)?;
-    if !metadata.is_file() {
-        return Err(TelemetryError::Format {
+    if is_standard_input(path) {
+        let file = standard_input().map_err(io)?;
+        let metadata = file.metadata().map_err(io)?;
+        return Ok((file, metadata));
+    }
+    poinsot_files::open(path).map_err(|error| match error {
+        InputError::System(source) | InputError::Missing(source) => io(source),
+        _ => TelemetryError::Format {
             place: Place::file(path),
             why: "not a regular file; give a .csv or .parquet file".into(),
-        });
-    }
-    Ok((File::open(path).map_err(io)?, metadata))
+        },
+    })
 }
 
 /// The file is still the one that was opened.
 pub(crate) fn check_unchanged(path: &Path, before: &Metadata) -> Result<(), TelemetryError> {
-    let same = std::fs::metadata(path).is_ok_and(|now| {
-        now.len() == before.len() && now.modified().ok() == before.modified().ok()
-    });
+    let same = is_standard_input(path)
+        || std::fs::metadata(path).is_ok_and(|now| {
+            now.len() == before.len() && now.modified().ok() == before.modified().ok()
+        });
     if same {
         return Ok(());
     }
@@ -61,10 +68,13 @@ pub(crate) struct TextBytes<R> {
     line: usize,
     after_cr: bool,
     last: u8,
+    /// Lines that are still to be left out.
+    skip: u64,
 }
 
 impl<R: Read> TextBytes<R> {
-    pub(crate) fn new(inner: R) -> Self {
+    /// Without the first `skip` lines.
+    pub(crate) fn new(inner: R, skip: u64) -> Self {
         Self {
             inner,
             hash: Sha256::new(),
@@ -72,7 +82,25 @@ impl<R: Read> TextBytes<R> {
             line: 0,
             after_cr: false,
             last: 0,
+            skip,
         }
+    }
+
+    /// Leaves out what belongs to the lines that are skipped; returns how many bytes are left.
+    fn without_head(&mut self, bytes: &mut [u8]) -> usize {
+        let mut from = 0;
+        while self.skip > 0 {
+            let rest = bytes.get(from..).unwrap_or_default();
+            match rest.iter().position(|&b| b == b'\n') {
+                Some(at) => {
+                    from += at + 1;
+                    self.skip -= 1;
+                }
+                None => return 0,
+            }
+        }
+        bytes.copy_within(from.., 0);
+        bytes.len() - from
     }
 
     /// SHA-256 of the bytes so far, hexadecimal.
@@ -120,7 +148,10 @@ impl<R: Read> Read for TextBytes<R> {
             }
             self.hash.update(&*read);
             self.offset += n as u64;
-            let kept = self.plain_line_ends(read);
+            let mut kept = self.plain_line_ends(read);
+            if self.skip > 0 {
+                kept = self.without_head(read.get_mut(..kept).unwrap_or_default());
+            }
             let text = read.get(..kept).unwrap_or_default();
             match text.iter().rposition(|&b| b == b'\n') {
                 Some(at) => self.line = kept - at - 1,

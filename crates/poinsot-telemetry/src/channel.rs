@@ -1,5 +1,6 @@
 //! One measured quantity with its own time base, and the table that holds them.
 
+use crate::Origin;
 use std::sync::Arc;
 
 /// One scalar channel: samples of one number over time. A missing sample has no entry (never NaN).
@@ -30,6 +31,8 @@ pub struct Table {
     pub ignored: Vec<String>,
     /// The files, in the order given.
     pub sources: Vec<Source>,
+    /// What the times count from; `None` for a table that was not read from files.
+    pub origin: Option<Origin>,
 }
 
 /// A file that was read.

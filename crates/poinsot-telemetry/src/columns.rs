@@ -1,10 +1,13 @@
 //! What a reader hands on: the numbers of one file, column by column.
 
+use crate::Origin;
 use crate::number::Cell;
 
 /// The columns of one file that were asked for, in SI, row by row as they stand there.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Columns {
+    /// What the times count from.
+    pub origin: Option<Origin>,
     /// Time of each kept row, s; NaN where the cell was empty.
     pub time_s: Vec<f64>,
     /// Values of each planned channel, one per kept row; NaN = no sample.
@@ -26,6 +29,11 @@ impl Columns {
             nan_cells: vec![(0, 0); n],
             ..Self::default()
         }
+    }
+
+    /// What has to be added to a time to give the file's own count, s.
+    pub(crate) fn own_zero_s(&self) -> f64 {
+        self.origin.map_or(0.0, |o| o.own_zero_s())
     }
 
     /// Appends one cell to a channel; NaN text is counted.
@@ -99,6 +107,7 @@ impl Columns {
     /// The rows so far; those that follow count on.
     pub(crate) fn split(&mut self) -> Self {
         let next = Self {
+            origin: self.origin,
             rows_read: self.rows_read,
             filter_seen: std::mem::take(&mut self.filter_seen),
             ..Self::with_channels(self.values.len())

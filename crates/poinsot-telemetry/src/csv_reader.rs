@@ -1,9 +1,11 @@
-//! CSV with one header row.
+//! CSV with one header row, and what exports put around it.
 
-use crate::bytes::{ByteFault, TextBytes, check_unchanged, open};
+use crate::bytes::{ByteFault, TextBytes, check_unchanged, open, sha256_of};
+use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
-use crate::number::{self, Cell};
+use crate::number::{Cell, NoNumber};
+use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::read::{Selection, WhenFull};
 use crate::size::Rows;
@@ -26,12 +28,32 @@ pub(crate) fn read(
         what: "cannot be read",
         source,
     };
-    let rows = Rows::of_text(&mut file, before.len()).map_err(io)?;
+    let packing = Packing::of(&mut file).map_err(io)?;
+    let rows = match packing {
+        Packing::None => Rows::of_text(&mut file, before.len()).map_err(io)?,
+        _ => {
+            let unpacked = packing.reader(file.try_clone().map_err(io)?);
+            let lines = unpacked.and_then(Rows::of_lines);
+            lines.map_err(|source| damaged(path, source))?
+        }
+    };
+    let packed_sha256 = match packing {
+        Packing::None => None,
+        _ => {
+            file.rewind().map_err(io)?;
+            Some(sha256_of(path, &mut file)?)
+        }
+    };
+    let unpacked = packing.reader(file).map_err(io)?;
+    let layout = options.map.for_file(path).layout;
+    let above = layout.header_row.unwrap_or(1).saturating_sub(1);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
+        .delimiter(layout.delimiter.unwrap_or(b','))
+        .comment(layout.comment)
         .buffer_capacity(1 << 16)
-        .from_reader(TextBytes::new(file));
+        .from_reader(TextBytes::new(unpacked, above));
     let mut record = ByteRecord::new();
     if !next(path, &mut reader, &mut record)? {
         return Err(TelemetryError::Header {
@@ -39,9 +61,24 @@ pub(crate) fn read(
             why: "the file is empty; begin it with a header row".into(),
         });
     }
-    let header = header_of(path, &record, options.encoding)?;
+    let header_line = above + record.position().map_or(1, csv::Position::line);
+    let header = header_of(path, header_line, &record, options.encoding)?;
+    if let Some(why) = no_header(&header, layout.comment) {
+        return Err(TelemetryError::Header {
+            place: Place::row(path, header_line),
+            why,
+        });
+    }
+    let units = match layout.units_row {
+        Some(true) if next(path, &mut reader, &mut record)? => {
+            let line = above + record.position().map_or(1, csv::Position::line);
+            Some(header_of(path, line, &record, options.encoding)?)
+        }
+        _ => None,
+    };
     let mut selection = options.selection();
-    let plan = plan::build(path, &header, options)?;
+    let plan = plan::build(path, &header, units.as_deref(), options)?;
+    let mut clock = plan.clock.clone();
     if full.is_none() {
         options.limit().check_ahead(path, &plan, options, rows)?;
     }
@@ -50,10 +87,19 @@ pub(crate) fn read(
     while next(path, &mut reader, &mut record)? {
         // Rows are handed on only when another follows: the last one may yet have to be taken back.
         selection.check(path, &plan, &mut columns, rows, full.as_deref_mut())?;
-        last_row = record.position().map_or(0, csv::Position::line);
+        last_row = above + record.position().map_or(0, csv::Position::line);
         columns.rows_read += 1;
-        let Err(error) = take_row(path, &plan, &record, last_row, &mut selection, &mut columns)
-        else {
+        let taken = take_row(
+            path,
+            &plan,
+            &mut clock,
+            &record,
+            last_row,
+            &mut selection,
+            &mut columns,
+        );
+        columns.origin = clock.origin;
+        let Err(error) = taken else {
             continue;
         };
         let is_last = !next(path, &mut reader, &mut record)?;
@@ -91,13 +137,15 @@ pub(crate) fn read(
     }
     selection.check(path, &plan, &mut columns, rows, full)?;
     check_unchanged(path, &before)?;
-    Ok((plan, columns, reader.get_ref().sha256()))
+    let sha256 = packed_sha256.unwrap_or_else(|| reader.get_ref().sha256());
+    Ok((plan, columns, sha256))
 }
 
 /// One data row into the columns; on error the row may be there in part.
 fn take_row(
     path: &Path,
     plan: &Plan,
+    clock: &mut Clock,
     record: &ByteRecord,
     row: u64,
     selection: &mut Selection,
@@ -105,7 +153,7 @@ fn take_row(
 ) -> Result<(), TelemetryError> {
     if record.len() != plan.width {
         let hint = if record.get(0).is_some_and(|c| c.starts_with(b"#")) {
-            "; leave the line out: '#' begins no comment here"
+            "; leave the line out, or write [telemetry] comment = \"#\""
         } else if record.len() > plan.width {
             ": a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"
         } else {
@@ -127,28 +175,26 @@ fn take_row(
             return Ok(());
         }
     }
-    let cell = |index: usize, column: &str| {
-        let bytes = record.get(index).unwrap_or_default();
-        number::parse(bytes).map_err(|fault| TelemetryError::Number {
-            place: Place::cell(path, row, column),
-            value: shown(bytes),
-            why: fault.text(index == plan.time_index),
-        })
+    let fault = |index: usize, column: &str, why: NoNumber| TelemetryError::Number {
+        place: Place::cell(path, row, column),
+        value: shown(record.get(index).unwrap_or_default()),
+        why: why.text(index == plan.time_index),
     };
-    let time_s = match cell(plan.time_index, &plan.time_column)? {
-        Cell::Number(x) => plan.time_unit.to_si(x),
+    let text = |index: usize| record.get(index).unwrap_or_default();
+    let time = clock.seconds(text(plan.time_index), plan.week_index.map(text));
+    let time_s = match time.map_err(|why| fault(plan.time_index, &plan.time_column, why))? {
+        Cell::Number(x) => x,
         Cell::Empty | Cell::NotANumber => f64::NAN,
     };
-    if !selection.keeps(time_s) {
+    columns.origin = clock.origin;
+    if !selection.keeps(time_s + columns.own_zero_s()) {
         return Ok(());
     }
     columns.time_s.push(time_s);
     columns.rows.push(row);
     for (k, channel) in plan.channels.iter().enumerate() {
-        let value = match cell(channel.index, &channel.column)? {
-            Cell::Number(x) => Cell::Number(channel.unit.to_si(x)),
-            other => other,
-        };
+        let value = channel.conversion.cell(text(channel.index));
+        let value = value.map_err(|why| fault(channel.index, &channel.column, why))?;
         columns.push(k, row, value);
     }
     Ok(())
@@ -168,6 +214,7 @@ fn how_cut(error: &TelemetryError) -> String {
 
 fn header_of(
     path: &Path,
+    line: u64,
     record: &ByteRecord,
     encoding: Encoding,
 ) -> Result<Vec<String>, TelemetryError> {
@@ -179,7 +226,7 @@ fn header_of(
             continue;
         }
         let text = std::str::from_utf8(field).map_err(|e| TelemetryError::Format {
-            place: Place::row(path, 1),
+            place: Place::row(path, line),
             why: format!(
                 "the header is not UTF-8 ('{}', byte {} of the name); save the file as UTF-8, or read it by --encoding latin1",
                 shown(field),
@@ -189,6 +236,15 @@ fn header_of(
         header.push(text.trim().to_owned());
     }
     Ok(header)
+}
+
+/// Why the first row is no header, where it is a comment.
+fn no_header(header: &[String], comment: Option<u8>) -> Option<String> {
+    let first = header.first()?.chars().next()?;
+    let usual = matches!(first, '#' | '%' | '!');
+    (usual && comment.is_none()).then(|| {
+        format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" where such lines are comments, or header_row = N where the header is line N")
+    })
 }
 
 fn refuse_utf16<R: Read + Seek>(path: &Path, file: &mut R) -> Result<(), TelemetryError> {
@@ -224,11 +280,7 @@ fn next<R: Read>(
                     why: source.to_string(),
                 }
             }
-            csv::ErrorKind::Io(source) => TelemetryError::Io {
-                path: path.to_owned(),
-                what: "cannot be read",
-                source,
-            },
+            csv::ErrorKind::Io(source) => damaged(path, source),
             _ => TelemetryError::Format {
                 place: Place::file(path),
                 why: format!("{text}; write the file again as CSV in UTF-8"),

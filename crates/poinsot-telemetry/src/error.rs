@@ -1,6 +1,7 @@
 //! What can be wrong with a telemetry file, each with a code that stays.
 
 use crate::digits::rounded;
+use poinsot_files::{StageError, escaped};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +43,7 @@ impl Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", one_line(&self.path.display().to_string()))?;
+        write!(f, "{}", escaped(&self.path.display().to_string()))?;
         let parquet = (self.path.extension()).is_some_and(|e| e == "parquet" || e == "pq");
         match (self.row, parquet) {
             (0, _) => {}
@@ -50,7 +51,7 @@ impl fmt::Display for Place {
             (row, false) => write!(f, ":{row}")?,
         }
         if !self.column.is_empty() {
-            write!(f, " column '{}'", one_line(&self.column))?;
+            write!(f, " column '{}'", escaped(&self.column))?;
         }
         Ok(())
     }
@@ -71,7 +72,7 @@ pub enum TelemetryError {
         source: std::io::Error,
     },
     /// The bytes are not UTF-8 text, or not a file of a known kind.
-    #[error("E0202 {place}: {}", one_line(why))]
+    #[error("E0202 {place}: {}", escaped(why))]
     Format {
         /// Where.
         place: Place,
@@ -79,7 +80,7 @@ pub enum TelemetryError {
         why: String,
     },
     /// A cell is not a finite number.
-    #[error("E0203 {place}: '{value}' {}", one_line(why))]
+    #[error("E0203 {place}: '{value}' {}", escaped(why))]
     Number {
         /// Where.
         place: Place,
@@ -101,7 +102,7 @@ pub enum TelemetryError {
         hint: &'static str,
     },
     /// The header names no column, or one twice, or looks like another format.
-    #[error("E0205 {place}: {}", one_line(why))]
+    #[error("E0205 {place}: {}", escaped(why))]
     Header {
         /// Where.
         place: Place,
@@ -111,7 +112,7 @@ pub enum TelemetryError {
     /// The file stops inside its last row.
     #[error(
         "E0206 {place}: the file ends inside this row ({}); use --recover to keep the rows before it",
-        one_line(why)
+        escaped(why)
     )]
     Truncated {
         /// Where.
@@ -128,7 +129,7 @@ pub enum TelemetryError {
         hint: String,
     },
     /// Times are not strictly increasing, or a row has none.
-    #[error("E0208 {place}: {}", one_line(why))]
+    #[error("E0208 {place}: {}", escaped(why))]
     Time {
         /// Where.
         place: Place,
@@ -141,7 +142,7 @@ pub enum TelemetryError {
         rounded(*median_s, 4),
         if unit.is_empty() { String::new() } else { format!(": its unit is likely {unit}") },
         if unit.is_empty() { "..." } else { unit },
-        column = one_line(&place.column)
+        column = escaped(&place.column)
     )]
     TimeUnit {
         /// The time column.
@@ -154,8 +155,8 @@ pub enum TelemetryError {
     /// One channel comes from two places.
     #[error(
         "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{}'",
-        one_line(channel.rsplit('.').next().unwrap_or_default()),
-        channel = one_line(channel)
+        escaped(channel.rsplit('.').next().unwrap_or_default()),
+        channel = escaped(channel)
     )]
     DuplicateChannel {
         /// The channel.
@@ -167,21 +168,20 @@ pub enum TelemetryError {
     },
     /// A unit that is not in the table.
     #[error(
-        "E0211 {}unit '{}' is not known; did you mean '{nearest}'?",
-        if channel.is_empty() { String::new() } else { format!("map of channel '{}': ", one_line(channel)) },
-        one_line(unit)
+        "E0211 unit '{}' is not known; did you mean '{nearest}'? `poinsot units` lists all",
+        escaped(unit)
     )]
     UnknownUnit {
-        /// The channel whose map names it; empty where a unit stands alone.
-        channel: String,
         /// As written.
         unit: String,
         /// The nearest known unit.
         nearest: String,
     },
     /// A map that cannot be followed.
-    #[error("E0212 map of channel '{}': {}", one_line(channel), one_line(why))]
+    #[error("{code} map of channel '{}': {}", escaped(channel), escaped(why))]
     Map {
+        /// `E0210`, `E0211` or `E0212`: see `poinsot explain`.
+        code: &'static str,
         /// The channel that is mapped.
         channel: String,
         /// What is wrong and what to do.
@@ -190,9 +190,9 @@ pub enum TelemetryError {
     /// A row filter that finds no column or no row.
     #[error(
         "E0213 where {} = '{}': {}",
-        one_line(column),
-        one_line(text),
-        one_line(why)
+        escaped(column),
+        escaped(text),
+        escaped(why)
     )]
     Filter {
         /// The column.
@@ -203,7 +203,7 @@ pub enum TelemetryError {
         why: String,
     },
     /// A quaternion is not of unit norm, or lacks a component.
-    #[error("E0214 {place}: {}", one_line(why))]
+    #[error("E0214 {place}: {}", escaped(why))]
     Quaternion {
         /// Where.
         place: Place,
@@ -215,8 +215,8 @@ pub enum TelemetryError {
         "E0215 attitude '{attitude}' and gyro '{gyro}' contradict the declared {declared}: residual {} rad/s, but {} rad/s with {best}; correct the map or the file",
         rounded(*declared_residual, 4),
         rounded(*best_residual, 4),
-        attitude = one_line(attitude),
-        gyro = one_line(gyro)
+        attitude = escaped(attitude),
+        gyro = escaped(gyro)
     )]
     Convention {
         /// The attitude channels, for example `q_x..q_w`.
@@ -235,7 +235,7 @@ pub enum TelemetryError {
     /// The Parquet decoder refused the file.
     #[error(
         "E0216 {place}: {}; write the file again, or convert it to CSV",
-        one_line(why)
+        escaped(why)
     )]
     Parquet {
         /// Where.
@@ -252,7 +252,7 @@ pub enum TelemetryError {
     /// A repair would be needed and repairs are off.
     #[error(
         "E0218 {place}: {}: --strict allows no repair; correct the file or leave out --strict",
-        one_line(repair)
+        escaped(repair)
     )]
     Strict {
         /// Where.
@@ -263,8 +263,8 @@ pub enum TelemetryError {
     /// A check found something, and its policy is to refuse it.
     #[error(
         "E0220 {file}: channel '{channel}': {check}: {what}; correct it, or accept it by --policy {check}={lenient} (without --strict)",
-        channel = one_line(channel),
-        what = one_line(what)
+        channel = escaped(channel),
+        what = escaped(what)
     )]
     Check {
         /// File or files of the segment.
@@ -297,7 +297,7 @@ pub enum TelemetryError {
         every: u64,
     },
     /// Channels that cannot be written.
-    #[error("E0219 {place}: {}", one_line(why))]
+    #[error("E0219 {place}: {}", escaped(why))]
     Write {
         /// The file to be written.
         place: Place,
@@ -321,7 +321,7 @@ impl TelemetryError {
             Self::TimeUnit { .. } => "E0209",
             Self::DuplicateChannel { .. } => "E0210",
             Self::UnknownUnit { .. } => "E0211",
-            Self::Map { .. } => "E0212",
+            Self::Map { code, .. } => code,
             Self::Filter { .. } => "E0213",
             Self::Quaternion { .. } => "E0214",
             Self::Convention { .. } => "E0215",
@@ -334,19 +334,19 @@ impl TelemetryError {
         }
     }
 
-    /// The same about a file under its final name, where it was written under another.
-    pub fn under(mut self, name: &Path) -> Self {
-        match &mut self {
-            Self::Io { path, .. } => *path = name.to_owned(),
-            Self::Write { place, .. } | Self::Parquet { place, .. } => place.path = name.to_owned(),
-            _ => {}
-        }
-        self
-    }
-
     /// Whether the environment (disk, permission) is at fault and not the file's content.
     pub fn is_environment(&self) -> bool {
         matches!(self, Self::Io { source, .. } if source.kind() != std::io::ErrorKind::NotFound)
+    }
+}
+
+impl From<StageError> for TelemetryError {
+    fn from(error: StageError) -> Self {
+        Self::Io {
+            path: error.path,
+            what: error.what,
+            source: error.source,
+        }
     }
 }
 
@@ -358,7 +358,7 @@ pub fn advice(source: &std::io::Error) -> &'static str {
         Kind::PermissionDenied => "correct the permission, or name another place",
         Kind::StorageFull | Kind::QuotaExceeded => "free space, or write to another place",
         Kind::ReadOnlyFilesystem => "write to another place",
-        Kind::IsADirectory => "name a file, not a folder",
+        Kind::IsADirectory => "move the folder that stands in the way, or name another place",
         Kind::AlreadyExists | Kind::NotADirectory => {
             "move the file that stands in the way, or name another folder"
         }
@@ -375,17 +375,4 @@ pub(crate) fn shown(cell: &[u8]) -> String {
         short.push_str("...");
     }
     short
-}
-
-/// Text from a file as part of a message of one line: control characters escaped.
-pub(crate) fn one_line(text: &str) -> String {
-    let mut line = String::with_capacity(text.len());
-    for c in text.chars() {
-        if c.is_control() {
-            line.extend(c.escape_default());
-        } else {
-            line.push(c);
-        }
-    }
-    line
 }

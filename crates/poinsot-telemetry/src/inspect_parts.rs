@@ -44,7 +44,11 @@ pub fn inspect_files<P: AsRef<Path>>(
             }
         });
     }
-    unused.check(&paths)?;
+    let mut repairs = Vec::new();
+    unused.check(&paths, &mut repairs)?;
+    if let Some(all) = &mut all {
+        all.repairs.append(&mut repairs);
+    }
     all.map(finished).ok_or_else(|| TelemetryError::Empty {
         place: crate::error::Place::file(Path::new("")),
     })

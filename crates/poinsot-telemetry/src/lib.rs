@@ -9,9 +9,12 @@ mod bytes;
 mod channel;
 mod channel_name;
 pub mod checks;
+mod clock;
 mod columns;
 mod conventions;
+mod conversion;
 mod csv_reader;
+mod derive;
 mod differentiate;
 mod digits;
 mod error;
@@ -19,12 +22,23 @@ mod hypothesis;
 mod inspect;
 mod inspect_parts;
 mod inspect_text;
+mod instant;
+mod map;
+mod map_faults;
+mod mounting;
 mod noise;
 mod number;
+mod packing;
+#[cfg(feature = "parquet")]
 mod parquet_bytes;
+#[cfg(feature = "parquet")]
 mod parquet_dictionaries;
+#[cfg(feature = "parquet")]
 mod parquet_pages;
+#[cfg_attr(not(feature = "parquet"), path = "parquet_absent.rs")]
 mod parquet_reader;
+#[cfg(feature = "parquet")]
+mod parquet_writer;
 mod plan;
 mod quaternion;
 mod rate_pairs;
@@ -48,11 +62,17 @@ pub use error::{Place, TelemetryError, advice};
 pub use hypothesis::{Axes, GyroUnit, Hypothesis, Order, Sense};
 pub use inspect::{ChannelSummary, FileSummary, Inspection, inspect};
 pub use inspect_parts::inspect_files;
+pub use instant::{Origin, Scale};
+pub use map::{
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, TelemetryMap, TimeFormat,
+    TimeMap,
+};
+pub use map_faults::{MapFault, map_faults};
+pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
-pub use plan::ColumnMap;
 pub use read::{Encoding, MEMORY_MIB, ReadOptions, read};
 pub use resample::{hold, resample, resample_attitude, resample_hermite};
 pub use suggest::{Suggestion, suggest};
 pub use time_base::median_step;
 pub use unit::{Dimension, Unit, parse_unit, units};
-pub use writer::write;
+pub use writer::{write, write_staged};

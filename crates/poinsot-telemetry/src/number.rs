@@ -13,7 +13,7 @@ pub(crate) enum Cell {
 
 /// Why a cell is no number, and how to write what was meant; `None` where nobody knows what that is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct NoNumber(&'static str, Option<&'static str>);
+pub(crate) struct NoNumber(pub &'static str, pub Option<&'static str>);
 
 impl NoNumber {
     /// To follow the value in an error line. A row without time means nothing, so a time cannot be left empty.
@@ -51,6 +51,63 @@ pub(crate) fn parse(cell: &[u8]) -> Result<Cell, NoNumber> {
     }
 }
 
+/// A decimal number in units of 1e-18, cut there; `None` where it is none or does not fit.
+pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
+    let text = std::str::from_utf8(cell).ok()?;
+    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
+        None => (text, 0),
+    };
+    let negative = mantissa.starts_with('-');
+    let digits = mantissa.trim_start_matches(['+', '-']);
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let (mut sum, mut count) = (0_i128, 0);
+    // Places after the point that are kept, down to 1e-18.
+    let places = (18 + exponent).clamp(-40, 60);
+    for byte in whole.bytes().chain(fraction.bytes()) {
+        if !byte.is_ascii_digit() {
+            return None;
+        }
+        if count < whole.len() as i32 + places {
+            sum = sum.checked_mul(10)?.checked_add(i128::from(byte - b'0'))?;
+            count += 1;
+        }
+    }
+    let missing = whole.len() as i32 + places - count;
+    if missing < 0 {
+        return Some(0);
+    }
+    let scaled = sum.checked_mul(10_i128.checked_pow(u32::try_from(missing).ok()?)?)?;
+    Some(if negative { -scaled } else { scaled })
+}
+
+/// A flag: whether it is on.
+pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, NoNumber> {
+    const WORDS: [(&str, bool); 10] = [
+        ("1", true),
+        ("0", false),
+        ("on", true),
+        ("off", false),
+        ("true", true),
+        ("false", false),
+        ("open", true),
+        ("closed", false),
+        ("1.0", true),
+        ("0.0", false),
+    ];
+    let cell = cell.trim_ascii();
+    if cell.is_empty() || cell.eq_ignore_ascii_case(b"nan") {
+        return Ok(None);
+    }
+    let word = WORDS
+        .iter()
+        .find(|(word, _)| cell.eq_ignore_ascii_case(word.as_bytes()));
+    word.map(|(_, on)| Some(*on)).ok_or(NoNumber(
+        "is no flag",
+        Some("write 0 or 1, or map the column with a unit in place of nominal_N"),
+    ))
+}
+
 /// The likely reason why a text is not a number.
 fn cause(cell: &[u8]) -> NoNumber {
     let Ok(text) = std::str::from_utf8(cell) else {
@@ -62,6 +119,11 @@ fn cause(cell: &[u8]) -> NoNumber {
         ("has a typographic minus (U+2212)", "write the ASCII '-'")
     } else if digits && text.contains(',') {
         ("has a decimal comma", "write a point")
+    } else if text.len() > 9 && text.contains(':') && text.contains(['-', '/', 'T']) {
+        (
+            "is a date",
+            "map it by [telemetry] time = { column = \"...\", format = \"iso8601\" }",
+        )
     } else if digits && text.contains('_') {
         ("has '_' between digits", "leave it out")
     } else if lower.starts_with("0x") || lower.starts_with("-0x") {
@@ -93,6 +155,23 @@ mod tests {
         }
         assert_eq!(parse(b"  "), Ok(Cell::Empty));
         assert_eq!(parse(b"NaN"), Ok(Cell::NotANumber));
+    }
+
+    #[test]
+    fn exact_decimals_lose_nothing() {
+        const E18: i128 = 1_000_000_000_000_000_000;
+        for (text, value) in [
+            ("1773512340.2", Some(1_773_512_340 * E18 + E18 / 5)),
+            ("1.7735123402e9", Some(1_773_512_340 * E18 + E18 / 5)),
+            ("-0.000000000000000001", Some(-1)),
+            ("12e-3", Some(12 * E18 / 1000)),
+            ("+.5", Some(E18 / 2)),
+            ("1e-30", Some(0)),
+            ("1e40", None),
+            ("nan", None),
+        ] {
+            assert_eq!(decimal(text.as_bytes()), value, "{text}");
+        }
     }
 
     #[test]

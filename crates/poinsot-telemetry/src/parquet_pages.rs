@@ -256,3 +256,92 @@ fn byte(pages: &mut Pages) -> Result<u8, Misread> {
         Err(error) => Err(Misread::Disk(error)),
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use std::path::Path;
+
+    fn data(version: &str) -> Vec<u8> {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+        std::fs::read(data.join(format!("checksums_{version}.parquet"))).unwrap()
+    }
+
+    fn metadata(bytes: &[u8]) -> ParquetMetaData {
+        let reader = SerializedFileReader::new(bytes::Bytes::copy_from_slice(bytes)).unwrap();
+        reader.metadata().clone()
+    }
+
+    fn file(bytes: &[u8]) -> File {
+        let mut file = tempfile::tempfile().unwrap();
+        io::Write::write_all(&mut file, bytes).unwrap();
+        file
+    }
+
+    /// First byte and length of each page, with column and first row.
+    fn pages(bytes: &[u8], metadata: &ParquetMetaData) -> Vec<(usize, usize, String, u64)> {
+        let mut all = Vec::new();
+        let mut first = 0;
+        for group in metadata.row_groups() {
+            for column in group.columns() {
+                let (start, length) = column.byte_range();
+                let mut handle = file(bytes);
+                handle.seek(SeekFrom::Start(start)).unwrap();
+                let mut left = BufReader::new(handle).take(length);
+                let mut row = first;
+                while left.limit() > 0 {
+                    let header = Header::read(&mut left).unwrap().unwrap();
+                    assert!(header.crc.is_some());
+                    let at = start + length - left.limit();
+                    let name = column.column_path().string();
+                    all.push((at as usize, header.size as usize, name, row));
+                    hash(&mut left, header.size).unwrap().unwrap();
+                    row += header.rows;
+                }
+            }
+            first += group.num_rows() as u64;
+        }
+        all
+    }
+
+    #[test]
+    fn xval_every_byte_of_every_page_of_another_writer_is_covered() {
+        for version in ["v1", "v2"] {
+            let good = data(version);
+            let metadata = metadata(&good);
+            let mut sound = compare(file(&good), &metadata, &ProjectionMask::all()).unwrap();
+            assert_eq!((sound.bad.take(), sound.pages), (None, sound.compared));
+            let pages = pages(&good, &metadata);
+            assert_eq!(pages.len(), sound.pages);
+            assert!(pages.len() > 20, "{version}: {} pages", pages.len());
+            for (at, length, column, row) in pages {
+                for byte in (at..at + length).step_by(5).chain([at + length - 1]) {
+                    let mut bad = good.clone();
+                    bad[byte] ^= 1;
+                    let found = compare(file(&bad), &metadata, &ProjectionMask::all()).unwrap();
+                    let column = column.clone();
+                    assert_eq!(
+                        found.bad,
+                        Some(BadPage { row, column }),
+                        "{version}, {byte}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn prop_no_header_hangs_or_panics() {
+        let good = data("v1");
+        let metadata = metadata(&good);
+        for at in 4..1500 {
+            let mut bad = good.clone();
+            bad[at] = 255;
+            compare(file(&bad), &metadata, &ProjectionMask::all()).unwrap();
+            bad[at] = 0;
+            compare(file(&bad), &metadata, &ProjectionMask::all()).unwrap();
+        }
+    }
+}

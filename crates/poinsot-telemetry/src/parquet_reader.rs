@@ -3,8 +3,9 @@
 //! The decoder is third-party code that panics on some damaged files: a panic becomes an error here.
 
 use crate::bytes::{check_unchanged, open, sha256_of};
+use crate::clock::Clock;
 use crate::columns::Columns;
-use crate::error::Place;
+use crate::error::{Place, shown};
 use crate::number::Cell;
 use crate::parquet_bytes::ParquetBytes;
 use crate::parquet_dictionaries;
@@ -80,7 +81,8 @@ fn decode(
         .iter()
         .map(|f| f.name().clone())
         .collect();
-    let plan = plan::build(path, &header, options)?;
+    let plan = plan::build(path, &header, None, options)?;
+    let mut clock = plan.clock.clone();
     let rows = Rows::Declared(declared);
     if full.is_none() {
         options.limit().check_ahead(path, &plan, options, rows)?;
@@ -109,7 +111,15 @@ fn decode(
     let mut selection = options.selection();
     for batch in reader {
         let batch = batch.map_err(|e| refused(path, e))?;
-        take_batch(path, &plan, &header, &batch, &mut selection, &mut columns)?;
+        take_batch(
+            path,
+            &plan,
+            &mut clock,
+            &header,
+            &batch,
+            &mut selection,
+            &mut columns,
+        )?;
         let full = full.as_deref_mut();
         selection.check(path, &plan, &mut columns, rows, full)?;
     }
@@ -205,6 +215,7 @@ fn plausible_rows(
 fn take_batch(
     path: &Path,
     plan: &Plan,
+    clock: &mut Clock,
     header: &[String],
     batch: &RecordBatch,
     selection: &mut Selection,
@@ -233,14 +244,30 @@ fn take_batch(
             *keep &= cell == text;
         }
     }
-    let (array, name) = column(plan.time_index)?;
-    let cells = numbers(array).ok_or_else(|| unsupported(path, name, array))?;
-    for ((cell, keep), row) in cells.into_iter().zip(&mut keep).zip(first..) {
-        let time_s = match cell {
-            Cell::Number(x) => plan.time_unit.to_si(x),
+    let cells = |index: usize| -> Result<Vec<Option<String>>, TelemetryError> {
+        let (array, name) = column(index)?;
+        texts(array).ok_or_else(|| unsupported(path, name, array))
+    };
+    let times = cells(plan.time_index)?;
+    let weeks = plan.week_index.map(cells).transpose()?;
+    for (k, (cell, keep)) in times.iter().zip(&mut keep).enumerate() {
+        let row = first + k as u64;
+        let week = weeks
+            .as_ref()
+            .map(|w| w.get(k).and_then(Option::as_deref).unwrap_or_default());
+        let text = cell.as_deref().unwrap_or_default();
+        let time = clock.seconds(text.as_bytes(), week.map(str::as_bytes));
+        let time = time.map_err(|why| TelemetryError::Number {
+            place: Place::cell(path, row, &plan.time_column),
+            value: shown(text.as_bytes()),
+            why: why.text(true),
+        })?;
+        let time_s = match time {
+            Cell::Number(x) => x,
             Cell::Empty | Cell::NotANumber => f64::NAN,
         };
-        *keep = *keep && selection.keeps(time_s);
+        columns.origin = clock.origin;
+        *keep = *keep && selection.keeps(time_s + columns.own_zero_s());
         if *keep {
             columns.rows.push(row);
             columns.time_s.push(time_s);
@@ -251,11 +278,7 @@ fn take_batch(
         let cells = numbers(array).ok_or_else(|| unsupported(path, name, array))?;
         for ((cell, keep), row) in cells.into_iter().zip(&keep).zip(first..) {
             if *keep {
-                let cell = match cell {
-                    Cell::Number(x) => Cell::Number(channel.unit.to_si(x)),
-                    other => other,
-                };
-                columns.push(k, row, cell);
+                columns.push(k, row, channel.conversion.number(cell));
             }
         }
     }
@@ -317,6 +340,11 @@ fn texts(array: &dyn Array) -> Option<Vec<Option<String>>> {
         DataType::Utf8 => Some(array.as_string_opt::<i32>()?.iter().map(owned).collect()),
         DataType::LargeUtf8 => Some(array.as_string_opt::<i64>()?.iter().map(owned).collect()),
         DataType::Utf8View => Some(array.as_string_view_opt()?.iter().map(owned).collect()),
+        // A double does not hold every integer of 64 bits.
+        DataType::Int64 => {
+            let cells = array.as_primitive_opt::<Int64Type>()?.iter();
+            Some(cells.map(|x| x.map(|x| x.to_string())).collect())
+        }
         _ => {
             let text = |cell| match cell {
                 Cell::Number(x) => Some(format!("{x}")),

@@ -1,31 +1,39 @@
 //! Which column of a file becomes which channel.
 
+use crate::clock::{Clock, check_time};
+use crate::conversion::Conversion;
 use crate::error::Place;
-use crate::unit::nearest_unit;
+use crate::map_faults::resolve;
 use crate::{
-    ChannelName, Quantity, ReadOptions, TelemetryError, Unit, classify, parse_unit, suggest,
+    AttitudeForm, AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Order, Quantity,
+    ReadOptions, Sense, TelemetryError, TimeFormat, Unit, classify, map_faults, parse_unit,
+    suggest,
 };
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// A column that is not a standard name in SI, and the channel it holds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ColumnMap {
-    /// Standard channel name, for example `omega_x`, `imu2.omega_x` or `time_s`.
-    pub channel: String,
-    /// Column in the file.
-    pub column: String,
-    /// Unit of that column as written, for example `deg/s`.
-    pub unit: String,
-}
-
-/// A column that becomes a channel.
+/// A column that becomes a channel, or part of one.
 #[derive(Debug, Clone)]
 pub(crate) struct PlannedChannel {
     pub index: usize,
     pub column: String,
     pub name: ChannelName,
-    pub unit: Unit,
+    pub conversion: Conversion,
+    /// Group and place in it, where several columns together make channels.
+    pub part: Option<(usize, usize)>,
+}
+
+/// What columns of a group make together.
+#[derive(Debug, Clone)]
+pub(crate) enum Group {
+    /// An attitude of a sensor.
+    Attitude {
+        sensor: String,
+        form: AttitudeForm,
+        sense: Sense,
+    },
+    /// A position in axes that turn with the Earth.
+    EarthFixed,
 }
 
 /// What to take from one file.
@@ -33,129 +41,355 @@ pub(crate) struct PlannedChannel {
 pub(crate) struct Plan {
     pub time_index: usize,
     pub time_column: String,
-    pub time_unit: Unit,
+    pub week_index: Option<usize>,
+    pub clock: Clock,
     pub channels: Vec<PlannedChannel>,
+    pub groups: Vec<Group>,
     /// Column and text wanted there.
     pub filter: Vec<(usize, String)>,
     pub ignored: Vec<String>,
     /// Columns in the file, and how many.
     pub width: usize,
-    used_maps: Vec<usize>,
-    used_filters: Vec<usize>,
+    missing_filters: Vec<String>,
+    used: Vec<(String, String)>,
 }
 
 impl Plan {
     /// Columns to choose rows by that this file does not have.
-    pub(crate) fn missing_filters<'a>(
-        &'a self,
-        options: &'a ReadOptions,
-    ) -> impl Iterator<Item = &'a str> {
-        let all = options.row_filter.iter().enumerate();
-        all.filter(|(k, _)| !self.used_filters.contains(k))
-            .map(|(_, (column, _))| column.as_str())
+    pub(crate) fn missing_filters(&self) -> &[String] {
+        &self.missing_filters
     }
 }
 
 /// Column limit: no telemetry has more, a damaged header may.
 const MAX_COLUMNS: usize = 65_536;
 
-/// The standard name and unit of a map, checked against each other.
-fn resolve(map: &ColumnMap) -> Result<(ChannelName, Unit), TelemetryError> {
-    let fault = |why: String| TelemetryError::Map {
-        channel: map.channel.clone(),
-        why,
-    };
-    let name = classify(&map.channel).ok_or_else(|| {
-        fault("not a standard channel name; write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N".into())
-    })?;
-    let unit = parse_unit(&map.unit).map_err(|error| match error {
-        TelemetryError::UnknownUnit { unit, .. } => TelemetryError::UnknownUnit {
-            channel: map.channel.clone(),
-            nearest: nearest_unit(&unit, Some(name.dimension)).to_owned(),
-            unit,
-        },
-        other => other,
-    })?;
-    if unit.dimension != name.dimension {
-        return Err(fault(format!(
-            "unit '{}' does not measure it; give a unit that converts to {}",
-            map.unit,
-            name.dimension.si()
-        )));
-    }
-    Ok((name, unit))
-}
-
-/// Every map has a standard channel and a unit of its dimension.
+/// The map is sound by itself.
 pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), TelemetryError> {
-    options
-        .columns
-        .iter()
-        .try_for_each(|m| resolve(m).map(drop))
+    match map_faults(&options.map).into_iter().next() {
+        Some(fault) => Err(fault.into()),
+        None => Ok(()),
+    }
 }
 
-/// What to take from a file with this header.
+/// A header with the units below it, and what is taken so far.
+struct Planner<'a> {
+    path: &'a Path,
+    header: &'a [String],
+    units: Option<&'a [String]>,
+    channels: Vec<PlannedChannel>,
+    groups: Vec<Group>,
+    taken: HashSet<usize>,
+    used: Vec<(String, String)>,
+}
+
+impl Planner<'_> {
+    /// The place of a column, marked as used for a channel.
+    fn find(&mut self, channel: &str, column: &str) -> Option<usize> {
+        let index = self.header.iter().position(|h| h == column)?;
+        self.used.push((channel.to_owned(), column.to_owned()));
+        self.taken.insert(index);
+        Some(index)
+    }
+
+    fn fault(&self, channel: &str, why: String) -> TelemetryError {
+        TelemetryError::Map {
+            code: "E0212",
+            channel: channel.to_owned(),
+            why: format!("{}: {why}", self.path.display()),
+        }
+    }
+
+    /// The unit of a column in the units row; `None` where there is no such row or its cell is empty.
+    fn unit_below(&self, index: usize, name: &ChannelName) -> Result<Option<Unit>, TelemetryError> {
+        let Some(text) = self.units.and_then(|u| u.get(index)) else {
+            return Ok(None);
+        };
+        let text = text.trim().trim_matches(['[', ']', '(', ')']).trim();
+        if text.is_empty() || (text == "-" && name.dimension != Dimension::One) {
+            return Ok(None);
+        }
+        match parse_unit(text) {
+            Ok(unit) if unit.dimension == name.dimension => Ok(Some(unit)),
+            _ => Err(self.fault(
+                &name.full(),
+                format!(
+                    "the units row says '{text}', which is no {}; correct it, or write unit in [telemetry], one of: {}",
+                    name.dimension.words(),
+                    crate::unit::list(name.dimension)
+                ),
+            )),
+        }
+    }
+
+    fn add(
+        &mut self,
+        index: usize,
+        name: ChannelName,
+        conversion: Conversion,
+    ) -> Result<(), TelemetryError> {
+        let column = self.header.get(index).cloned().unwrap_or_default();
+        if let Some(first) = self
+            .channels
+            .iter()
+            .find(|c| c.part.is_none() && c.name == name)
+        {
+            return Err(TelemetryError::DuplicateChannel {
+                channel: name.full(),
+                first: Box::new(Place::cell(self.path, 0, &first.column)),
+                second: Box::new(Place::cell(self.path, 0, &column)),
+            });
+        }
+        self.channels.push(PlannedChannel {
+            index,
+            column,
+            name,
+            conversion,
+            part: None,
+        });
+        Ok(())
+    }
+
+    /// One mapped column; the clock where it is the time.
+    fn column(&mut self, map: &ColumnMap) -> Result<Option<(usize, Clock)>, TelemetryError> {
+        let Some(index) = self.find(&map.channel, &map.column) else {
+            return Ok(None);
+        };
+        let resolved = resolve(map, self.units.is_some());
+        let (name, unit) =
+            resolved.map_err(|(_, (code, problem, remedy))| TelemetryError::Map {
+                code,
+                channel: map.channel.clone(),
+                why: format!("{problem}; {remedy}"),
+            })?;
+        let needs_unit = map.nominal_N.is_none() && map.counts_per_revolution.is_none();
+        let unit = match unit {
+            None if needs_unit => Some(self.unit_below(index, &name)?.ok_or_else(|| {
+                self.fault(
+                    &map.channel,
+                    format!(
+                        "its units row is empty below '{}'; write unit in [telemetry]",
+                        map.column
+                    ),
+                )
+            })?),
+            unit => unit,
+        };
+        if let (Quantity::Time, Some(unit)) = (name.quantity, unit) {
+            return Ok(Some((index, Clock::own(unit))));
+        }
+        self.add(index, name, Conversion::of(map, unit))?;
+        Ok(None)
+    }
+
+    /// The columns of a group, all of them or none.
+    fn columns(
+        &mut self,
+        channel: &str,
+        columns: &[String],
+    ) -> Result<Option<Vec<usize>>, TelemetryError> {
+        let found: Vec<Option<usize>> = columns.iter().map(|c| self.find(channel, c)).collect();
+        if found.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        match found.iter().position(Option::is_none) {
+            None => Ok(Some(found.into_iter().flatten().collect())),
+            Some(k) => {
+                let missing = columns.get(k).cloned().unwrap_or_default();
+                Err(self.fault(channel, format!("there is no column '{missing}' beside the others; add it, or correct its name")))
+            }
+        }
+    }
+
+    /// The unit that a map names, else that of the units row, else SI.
+    fn unit(
+        &self,
+        named: Option<&str>,
+        index: usize,
+        name: &ChannelName,
+    ) -> Result<Unit, TelemetryError> {
+        match named {
+            Some(text) => parse_unit(text),
+            None => match self.unit_below(index, name)? {
+                Some(unit) => Ok(unit),
+                None => parse_unit(name.dimension.si()),
+            },
+        }
+    }
+
+    fn attitude(&mut self, map: &AttitudeMap) -> Result<(), TelemetryError> {
+        let label = crate::full_name(&map.sensor, "attitude");
+        let Some(found) = self.columns(&label, &map.columns)? else {
+            return Ok(());
+        };
+        let component = |name: &str| {
+            classify(&crate::full_name(&map.sensor, name)).ok_or_else(|| {
+                self.fault(
+                    &label,
+                    format!("'{}' is no name of a sensor; correct it", map.sensor),
+                )
+            })
+        };
+        let [x, y, z, w] = [
+            component("q_x")?,
+            component("q_y")?,
+            component("q_z")?,
+            component("q_w")?,
+        ];
+        if let AttitudeForm::Quaternion(order) = map.form {
+            let names = match order {
+                Order::Xyzw => [x, y, z, w],
+                Order::Wxyz => [w, x, y, z],
+            };
+            for (index, name) in found.into_iter().zip(names) {
+                // The inverse rotation has the vector part reversed.
+                let turned =
+                    map.sense == Sense::InertialToBody && name.quantity != Quantity::Attitude(3);
+                let sign = if turned { -1.0 } else { 1.0 };
+                self.add(index, name, Conversion::Linear(sign, 0.0))?;
+            }
+            return Ok(());
+        }
+        let group = self.groups.len();
+        for (place, index) in found.into_iter().enumerate() {
+            let mut name = x.clone();
+            let mut conversion = Conversion::Linear(1.0, 0.0);
+            if matches!(map.form, AttitudeForm::Euler(_)) {
+                name.dimension = Dimension::Angle;
+                conversion = Conversion::Unit(self.unit(map.unit.as_deref(), index, &name)?);
+            }
+            self.part(index, name, conversion, (group, place));
+        }
+        self.groups.push(Group::Attitude {
+            sensor: map.sensor.clone(),
+            form: map.form,
+            sense: map.sense,
+        });
+        Ok(())
+    }
+
+    fn part(
+        &mut self,
+        index: usize,
+        name: ChannelName,
+        conversion: Conversion,
+        part: (usize, usize),
+    ) {
+        let column = self.header.get(index).cloned().unwrap_or_default();
+        self.channels.push(PlannedChannel {
+            index,
+            column,
+            name,
+            conversion,
+            part: Some(part),
+        });
+    }
+
+    fn orbit(&mut self, map: &FileMap) -> Result<(), TelemetryError> {
+        let Some(orbit) = &map.orbit else {
+            return Ok(());
+        };
+        let Some(found) = self.columns("orbit", &orbit.position)? else {
+            return Ok(());
+        };
+        let group = self.groups.len();
+        for (place, index) in found.into_iter().enumerate() {
+            let axis = ["orbit_x", "orbit_y", "orbit_z"]
+                .get(place)
+                .copied()
+                .unwrap_or_default();
+            let Some(name) = classify(axis) else { continue };
+            let conversion = Conversion::Unit(self.unit(orbit.unit.as_deref(), index, &name)?);
+            match orbit.earth_fixed {
+                true => self.part(index, name, conversion, (group, place)),
+                false => self.add(index, name, conversion)?,
+            }
+        }
+        if orbit.earth_fixed {
+            self.groups.push(Group::EarthFixed);
+        }
+        Ok(())
+    }
+}
+
+/// What to take from a file with this header and, where the layout has one, this row of units.
 pub(crate) fn build(
     path: &Path,
     header: &[String],
+    units: Option<&[String]>,
     options: &ReadOptions,
 ) -> Result<Plan, TelemetryError> {
+    let map = options.map.for_file(path);
     check_header(path, header)?;
+    let mut planner = Planner {
+        path,
+        header,
+        units,
+        channels: Vec::new(),
+        groups: Vec::new(),
+        taken: HashSet::new(),
+        used: Vec::new(),
+    };
     let mut time = None;
-    let mut channels: Vec<PlannedChannel> = Vec::new();
-    let mut used_maps = Vec::new();
-    let mut taken = HashSet::new();
-    for (k, map) in options.columns.iter().enumerate() {
-        let Some(index) = header.iter().position(|h| *h == map.column) else {
-            continue;
-        };
-        let (name, unit) = resolve(map)?;
-        used_maps.push(k);
-        taken.insert(index);
-        if name.quantity == Quantity::Time {
-            time = time.or(Some((index, unit)));
-            continue;
-        }
-        if let Some(first) = channels.iter().find(|c| c.name == name) {
-            return Err(TelemetryError::DuplicateChannel {
-                channel: map.channel.clone(),
-                first: Box::new(Place::cell(path, 0, &first.column)),
-                second: Box::new(Place::cell(path, 0, &map.column)),
-            });
-        }
-        channels.push(PlannedChannel {
-            index,
-            column: map.column.clone(),
-            name,
-            unit,
-        });
-    }
-    let mapped = channels.len();
-    let mut ignored = Vec::new();
-    let filter_columns: HashSet<&str> = options.row_filter.iter().map(|f| f.0.as_str()).collect();
-    for (index, column) in header
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| !taken.contains(i))
+    let mut week_index = None;
+    if let Some(map) = &map.time
+        && let Some(index) = planner.find("time", &map.column)
     {
+        let clock = check_time(map);
+        let mut clock = clock.map_err(|(_, problem, remedy)| {
+            planner.fault("time", format!("{problem}; {remedy}"))
+        })?;
+        if let (None, TimeFormat::Number | TimeFormat::GpsWeek, Some(name)) =
+            (&map.unit, map.format, classify("time_s"))
+            && let Some(unit) = planner.unit_below(index, &name)?
+        {
+            clock.unit = unit;
+        }
+        if let Some(week) = &map.week {
+            week_index = Some(planner.find("time", week).ok_or_else(|| {
+                planner.fault(
+                    "time",
+                    format!("there is no column '{week}'; correct its name"),
+                )
+            })?);
+        }
+        time = Some((index, clock));
+    }
+    for column in &map.columns {
+        let found = planner.column(column)?;
+        time = time.or(found);
+    }
+    for attitude in &map.attitude {
+        planner.attitude(attitude)?;
+    }
+    planner.orbit(&map)?;
+    let mapped = planner.channels.len();
+    let mut ignored = Vec::new();
+    let filter_columns: HashSet<&str> = map.row_filter.iter().map(|f| f.0.as_str()).collect();
+    for (index, column) in header.iter().enumerate() {
+        if planner.taken.contains(&index) {
+            continue;
+        }
         match classify(column) {
             Some(name) if name.quantity == Quantity::Time => {
                 if time.is_none() {
-                    time = Some((index, parse_unit("s")?));
+                    let unit = planner.unit(None, index, &name)?;
+                    time = Some((index, Clock::own(unit)));
                 } else {
                     ignored.push(column.clone());
                 }
             }
             Some(name)
                 if is_wanted(&name, options)
-                    && !channels.iter().take(mapped).any(|c| c.name == name) =>
+                    && !planner.channels.iter().take(mapped).any(|c| c.name == name) =>
             {
-                let unit = parse_unit(name.dimension.si())?;
-                channels.push(PlannedChannel {
+                let unit = planner.unit(None, index, &name)?;
+                planner.channels.push(PlannedChannel {
                     index,
                     column: column.clone(),
                     name,
-                    unit,
+                    conversion: Conversion::Unit(unit),
+                    part: None,
                 });
             }
             _ if filter_columns.contains(column.as_str()) => {}
@@ -163,28 +397,37 @@ pub(crate) fn build(
             _ => ignored.push(column.clone()),
         }
     }
-    let Some((time_index, time_unit)) = time else {
+    let Some((time_index, mut clock)) = time else {
         return Err(no_time(path, header));
     };
+    clock.origin = options.origin;
     let mut filter = Vec::new();
-    let mut used_filters = Vec::new();
-    for (k, (column, text)) in options.row_filter.iter().enumerate() {
-        if let Some(index) = header.iter().position(|h| h == column) {
-            filter.push((index, text.clone()));
-            used_filters.push(k);
+    let mut missing_filters = Vec::new();
+    for (column, text) in &map.row_filter {
+        match planner.find("where", column) {
+            Some(index) => filter.push((index, text.clone())),
+            None => missing_filters.push(column.clone()),
         }
     }
+    let Planner {
+        mut channels,
+        groups,
+        used,
+        ..
+    } = planner;
     channels.sort_by_key(|c| c.index);
     Ok(Plan {
         time_index,
         time_column: header.get(time_index).cloned().unwrap_or_default(),
-        time_unit,
+        week_index,
+        clock,
         channels,
+        groups,
         filter,
         ignored,
         width: header.len(),
-        used_maps,
-        used_filters,
+        missing_filters,
+        used,
     })
 }
 
@@ -209,8 +452,12 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
     if let [only] = header
         && let Some(delimiter) = only.chars().find(|c| matches!(c, ';' | '\t' | '|'))
     {
+        let name = match delimiter {
+            '\t' => "tab".to_owned(),
+            other => other.to_string(),
+        };
         return Err(fault(format!(
-            "the columns are separated by {delimiter:?}; write commas, and points in decimal numbers"
+            "the columns are separated by {delimiter:?}; write [telemetry] delimiter = \"{name}\", and points in decimal numbers"
         )));
     }
     let mut seen = HashSet::new();
@@ -242,18 +489,17 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
             )
         }
     };
-    let hint = crate::error::one_line(&hint);
+    let hint = poinsot_files::escaped(&hint).into_owned();
     TelemetryError::NoTime {
         place: Place::file(path),
         hint,
     }
 }
 
-/// Maps and filters that no file has used yet.
+/// Columns that the map names and no file has had yet.
 pub(crate) struct Unused<'a> {
     options: &'a ReadOptions,
-    maps: HashSet<usize>,
-    filters: HashSet<usize>,
+    used: HashSet<(String, String)>,
     columns: Vec<String>,
 }
 
@@ -261,70 +507,78 @@ impl<'a> Unused<'a> {
     pub(crate) fn new(options: &'a ReadOptions) -> Self {
         Self {
             options,
-            maps: (0..options.columns.len()).collect(),
-            filters: (0..options.row_filter.len()).collect(),
+            used: HashSet::new(),
             columns: Vec::new(),
         }
     }
 
     pub(crate) fn mark(&mut self, plan: &Plan) {
-        for k in &plan.used_maps {
-            self.maps.remove(k);
-        }
-        for k in &plan.used_filters {
-            self.filters.remove(k);
-        }
+        self.used.extend(plan.used.iter().cloned());
         self.columns.extend(plan.ignored.iter().cloned());
         self.columns
             .extend(plan.channels.iter().map(|c| c.column.clone()));
     }
 
-    /// A mapped or filtering column must stand in one of the files.
-    pub(crate) fn check(&self, paths: &[PathBuf]) -> Result<(), TelemetryError> {
+    /// Every column that the map names for these files must stand in one of them; says which entries fit no file.
+    pub(crate) fn check(
+        &self,
+        paths: &[PathBuf],
+        repairs: &mut Vec<String>,
+    ) -> Result<(), TelemetryError> {
         let files: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
         let files = files.join(", ");
-        let nearest = |column: &str| {
-            self.columns
-                .iter()
-                .map(|c| (strsim::jaro_winkler(c, column), c))
-                .filter(|c| c.0 > 0.7)
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .map_or_else(
-                    || {
-                        let first: Vec<&str> =
-                            self.columns.iter().take(8).map(String::as_str).collect();
-                        format!("; name one that is there: {}", first.join(", "))
-                    },
-                    |c| format!("; did you mean '{}'?", c.1),
+        let map = &self.options.map;
+        let mut named = map.all.named();
+        let mut filters = map.all.row_filter.clone();
+        for (pattern, own) in &map.files {
+            let fitting = |p: &PathBuf| {
+                crate::map::fits(
+                    pattern,
+                    &p.file_name().unwrap_or_default().to_string_lossy(),
                 )
+            };
+            if paths.iter().any(fitting) {
+                named.extend(own.named());
+                filters.extend(own.row_filter.iter().cloned());
+            } else {
+                repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
+            }
+        }
+        let unused = |channel: &str, column: &str| {
+            !self.used.contains(&(channel.to_owned(), column.to_owned()))
         };
-        if let Some(map) = self
-            .maps
+        if let Some((channel, column)) = named
             .iter()
-            .min()
-            .and_then(|&k| self.options.columns.get(k))
+            .find(|(channel, column)| unused(channel, column))
         {
             return Err(TelemetryError::Map {
-                channel: map.channel.clone(),
-                why: format!(
-                    "no column '{}' in {files}{}",
-                    map.column,
-                    nearest(&map.column)
-                ),
+                code: "E0212",
+                channel: channel.clone(),
+                why: format!("no column '{column}' in {files}{}", self.nearest(column)),
             });
         }
-        if let Some((column, text)) = self
-            .filters
-            .iter()
-            .min()
-            .and_then(|&k| self.options.row_filter.get(k))
-        {
+        if let Some((column, text)) = filters.iter().find(|(column, _)| unused("where", column)) {
             return Err(TelemetryError::Filter {
                 column: column.clone(),
                 text: text.clone(),
-                why: format!("no column '{column}' in {files}{}", nearest(column)),
+                why: format!("no column '{column}' in {files}{}", self.nearest(column)),
             });
         }
         Ok(())
+    }
+
+    fn nearest(&self, column: &str) -> String {
+        let close = self
+            .columns
+            .iter()
+            .map(|c| (strsim::jaro_winkler(c, column), c))
+            .filter(|c| c.0 > 0.7);
+        match close.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, near)) => format!("; did you mean '{near}'?"),
+            None => {
+                let first: Vec<&str> = self.columns.iter().take(8).map(String::as_str).collect();
+                format!("; name one that is there: {}", first.join(", "))
+            }
+        }
     }
 }

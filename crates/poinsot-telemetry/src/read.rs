@@ -2,22 +2,24 @@
 
 use crate::columns::Columns;
 use crate::error::Place;
+use crate::packing::{is_standard_input, standard_input, unpacked_name};
 use crate::plan::Plan;
 use crate::size::{Limit, Rows};
 use crate::{
-    ColumnMap, Source, Table, TelemetryError, as_read, assemble, check_conventions, csv_reader,
-    parquet_reader, plan, time_base,
+    Mounting, Origin, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
+    check_conventions, csv_reader, mount, parquet_reader, plan, time_base,
 };
 use std::collections::BTreeSet;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// What is asked of the files of one segment.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Columns that are not standard names in SI.
-    pub columns: Vec<ColumnMap>,
-    /// Rows are kept where each of these columns holds exactly this text.
-    pub row_filter: Vec<(String, String)>,
+    /// What the files hold where it is not standard names in SI.
+    pub map: TelemetryMap,
+    /// What the times count from; `None`: the first row read decides, see [`Table::origin`].
+    pub origin: Option<Origin>,
     /// Channels asked for: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a
     /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`].
     pub wanted: Option<BTreeSet<String>>,
@@ -33,6 +35,8 @@ pub struct ReadOptions {
     pub every: usize,
     /// Most memory for the samples of one file, MiB; 0 stands for [`MEMORY_MIB`].
     pub memory_mib: usize,
+    /// Sensors whose columns are in axes of their own; the table is in those of their bodies.
+    pub mountings: Vec<Mounting>,
     /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
     pub check_conventions: bool,
     /// Refuse a file that holds several runs, far apart: each is a segment of its own.
@@ -123,7 +127,7 @@ pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), Telemetry
 
 /// Reads the files of one segment into one table.
 ///
-/// CSV (`.csv`, `.txt`) or Parquet (`.parquet`, `.pq`). Each file keeps its own time base. Values are converted
+/// CSV (`.csv`, `.txt`, `.dat`; packed: `.csv.gz`, `.csv.zst`), Parquet (`.parquet`, `.pq`), or `-` for standard input. Each file keeps its own time base. Values are converted
 /// to SI; missing and NaN cells become missing samples; quaternions are normalised and made continuous in sign.
 /// Every repair is listed in [`Table::repairs`].
 ///
@@ -136,9 +140,14 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
     let mut found = assemble::Found::default();
     let mut unused = plan::Unused::new(options);
     for path in &paths {
+        let options = &ReadOptions {
+            origin: table.origin.or(options.origin),
+            ..options.clone()
+        };
         let (plan, mut columns, sha256) = read_file(path, options, &mut table.repairs)?;
+        table.origin = columns.origin.or(options.origin);
         unused.mark(&plan);
-        for column in plan.missing_filters(options) {
+        for column in plan.missing_filters() {
             table.repairs.push(format!(
                 "{}: no column '{column}' to choose rows by; all its rows are kept",
                 path.display()
@@ -178,7 +187,8 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
         });
         assemble::add(path, &plan, columns, options.strict, &mut found, &mut table)?;
     }
-    unused.check(&paths)?;
+    unused.check(&paths, &mut table.repairs)?;
+    mount(&mut table, &options.mountings);
     if options.check_conventions {
         check_conventions(&table)?;
     }
@@ -211,7 +221,7 @@ fn read_file(
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let (plan, columns, sha256) = decode(path, options, repairs, None)?;
     if columns.time_s.is_empty()
-        && let Some((column, text)) = options.row_filter.first()
+        && let Some((column, text)) = options.map.for_file(path).row_filter.first()
     {
         let seen: Vec<String> = columns
             .filter_seen
@@ -243,6 +253,25 @@ fn read_file(
     Ok((plan, columns, sha256))
 }
 
+/// The ending that says what kind of file it is; standard input says so by its first bytes.
+fn kind_of(path: &Path) -> Result<Option<String>, TelemetryError> {
+    if !is_standard_input(path) {
+        let ending = unpacked_name(path).extension().and_then(|e| e.to_str());
+        return Ok(ending.map(str::to_lowercase));
+    }
+    let io = |source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    };
+    let mut first = Vec::new();
+    let file = standard_input().map_err(io)?;
+    file.take(4).read_to_end(&mut first).map_err(io)?;
+    Ok(Some(
+        if first == b"PAR1" { "parquet" } else { "csv" }.to_owned(),
+    ))
+}
+
 /// By the kind of file that its name says.
 fn decode(
     path: &Path,
@@ -250,17 +279,14 @@ fn decode(
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let extension = path
-        .extension()
-        .and_then(|e| e.to_str())
-        .map(str::to_lowercase);
-    let (plan, columns, sha256) = match extension.as_deref() {
+    let kind = kind_of(path)?;
+    let (plan, columns, sha256) = match kind.as_deref() {
         Some("parquet" | "pq") => parquet_reader::read(path, options, repairs, full)?,
         Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs, full)?,
         _ => {
             return Err(TelemetryError::Format {
                 place: Place::file(path),
-                why: "the kind of file is not known from its name; give a .csv or .parquet file"
+                why: "the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
                     .into(),
             });
         }

@@ -18,7 +18,7 @@ const SURELY: f64 = 1.5;
 /// Rows of a file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rows {
-    /// As a footer declares them.
+    /// As a footer declares them, or counted.
     Declared(u64),
     /// From lines counted here and there.
     Estimated(u64),
@@ -40,6 +40,21 @@ impl Rows {
         file.rewind()?;
         let length = read as f64 / lines.max(1) as f64;
         Ok(Self::Estimated((bytes as f64 / length) as u64))
+    }
+
+    /// Lines of a stream, counted.
+    pub(crate) fn of_lines(mut stream: impl Read) -> io::Result<Self> {
+        let mut buffer = vec![0_u8; WINDOW as usize];
+        let mut lines = 0;
+        loop {
+            let n = stream.read(&mut buffer)?;
+            let read = buffer.get(..n).unwrap_or_default();
+            if read.is_empty() {
+                return Ok(Self::Declared(lines));
+            }
+            let ends = |end: u8| read.iter().filter(|b| **b == end).count() as u64;
+            lines += ends(b'\n').max(ends(b'\r'));
+        }
     }
 
     /// Rows that will not be exceeded, or hardly.

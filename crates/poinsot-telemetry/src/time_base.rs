@@ -27,6 +27,7 @@ pub(crate) fn check(
         place: Place::cell(path, row, &plan.time_column),
         why,
     };
+    let zero = columns.own_zero_s();
     let mut keep = vec![true; columns.rows.len()];
     let (mut repeated, mut first_repeated) = (0_u64, 0_u64);
     let mut previous: Option<(f64, u64, usize)> = None;
@@ -46,8 +47,8 @@ pub(crate) fn check(
                     format!(
                         "time goes back from {} s (row {row_before}) to {} s; \
                          choose one run by [telemetry] where, or cut the file into segments",
-                        as_read(before),
-                        as_read(time)
+                        as_read(before + zero),
+                        as_read(time + zero)
                     ),
                 ));
             }
@@ -58,7 +59,7 @@ pub(crate) fn check(
                         format!(
                             "time {} s stands already in row {row_before} with another value of \
                              '{column}'; keep one of the rows",
-                            as_read(time)
+                            as_read(time + zero)
                         ),
                     ));
                 }
@@ -127,8 +128,8 @@ pub(crate) fn check_one_run(
         why: format!(
             "time jumps from {} s (row {row_before}) to {} s, and the record covers {} s in all: these are several runs; \
              choose one by --time-s or [telemetry] where, or give each as a segment",
-            as_read(from),
-            as_read(to),
+            as_read(from + columns.own_zero_s()),
+            as_read(to + columns.own_zero_s()),
             rounded(covered, 9)
         ),
     })

@@ -51,6 +51,25 @@ impl Dimension {
     }
 }
 
+impl Dimension {
+    /// What it is in words, for example `angular velocity`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::One => "pure number",
+            Self::Time => "time",
+            Self::Angle => "angle",
+            Self::AngularVelocity => "angular velocity",
+            Self::AngularAcceleration => "angular acceleration",
+            Self::Length => "length",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Force => "force",
+            Self::Torque => "torque",
+            Self::Impulse => "impulse",
+        }
+    }
+}
+
 /// A known unit. A value `x` in this unit is `x * factor / divisor` in SI; a decimal prefix sits in
 /// the divisor, so that `1 ms` is the double nearest to 0.001.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -174,7 +193,6 @@ pub fn parse_unit(text: &str) -> Result<Unit, TelemetryError> {
         .find(|row| plain(row.0) == wanted || row.4.contains(&wanted.as_str()))
         .map(unit)
         .ok_or_else(|| TelemetryError::UnknownUnit {
-            channel: String::new(),
             unit: text.to_owned(),
             nearest: nearest_unit(text, None).to_owned(),
         })
@@ -190,6 +208,12 @@ pub fn units() -> impl Iterator<Item = Unit> {
             factor,
             divisor,
         })
+}
+
+/// The units of a dimension, separated by commas.
+pub(crate) fn list(dimension: Dimension) -> String {
+    let fitting = TABLE.iter().filter(|row| row.1 == dimension);
+    fitting.map(|row| row.0).collect::<Vec<_>>().join(", ")
 }
 
 /// The known unit, of one dimension where that is known, whose spelling takes the fewest edits; its printed
@@ -247,11 +271,11 @@ mod tests {
     fn unit_an_unknown_unit_names_the_nearest() {
         assert_eq!(
             parse_unit("degs/s").unwrap_err().to_string(),
-            "E0211 unit 'degs/s' is not known; did you mean 'deg/s'?"
+            "E0211 unit 'degs/s' is not known; did you mean 'deg/s'? `poinsot units` lists all"
         );
         assert_eq!(
             parse_unit("radians/s").unwrap_err().to_string(),
-            "E0211 unit 'radians/s' is not known; did you mean 'rad'?"
+            "E0211 unit 'radians/s' is not known; did you mean 'rad'? `poinsot units` lists all"
         );
         assert_eq!(
             nearest_unit("radians/s", Some(Dimension::AngularVelocity)),

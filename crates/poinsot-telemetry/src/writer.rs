@@ -1,20 +1,17 @@
 //! Channels to a CSV or Parquet file that is read back bit for bit.
 
 use crate::error::Place;
+#[cfg(not(feature = "parquet"))]
+use crate::parquet_reader::write_parquet;
+#[cfg(feature = "parquet")]
+use crate::parquet_writer::write_parquet;
 use crate::{Channel, TelemetryError, full_name};
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
-use arrow_schema::{DataType, Field, Schema};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
-use parquet::file::properties::WriterProperties;
+use poinsot_files::{Stage, folder_of};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
-
-/// Rows written at a time.
-const BATCH: usize = 65_536;
 
 /// Writes channels to `path`: CSV, or Parquet (float64, Snappy) where the name ends in `.parquet` or `.pq`.
 ///
@@ -26,40 +23,39 @@ const BATCH: usize = 65_536;
 /// [`TelemetryError::Write`] for channels of one name, values that are not finite, or times that do not increase;
 /// [`TelemetryError::Io`] where the disk refuses.
 pub fn write(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
+    let mut stage = Stage::new(folder_of(path))?;
+    let name = path.file_name().unwrap_or_default();
+    write_staged(&mut stage, Path::new(name), channels)?;
+    stage.commit()?;
+    Ok(())
+}
+
+/// The same as one file of an answer: `name` is its path below the folder of `stage`.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_staged(
+    stage: &mut Stage,
+    name: &Path,
+    channels: &[Channel],
+) -> Result<(), TelemetryError> {
+    let path = &stage.target(name);
     check(path, channels)?;
-    let io = |source| TelemetryError::Io {
-        path: path.to_owned(),
-        what: "cannot be written",
-        source,
-    };
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".poinsot-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any other new file: the process's umask decides.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(io)?;
     let times = union_of_times(channels);
     let extension = path.extension().and_then(|e| e.to_str());
-    if matches!(extension, Some("parquet" | "pq")) {
-        write_parquet(file.as_file_mut(), &times, channels).map_err(|e| {
-            TelemetryError::Parquet {
+    stage.fill(name, |file| match extension {
+        Some("parquet" | "pq") => {
+            write_parquet(file, &times, channels).map_err(|why| TelemetryError::Parquet {
                 place: Place::file(path),
-                why: e.to_string(),
-            }
-        })?;
-    } else {
-        write_csv(file.as_file_mut(), &times, channels).map_err(io)?;
-    }
-    file.as_file().sync_all().map_err(io)?;
-    file.persist(path).map_err(|e| io(e.error))?;
-    Ok(())
+                why,
+            })
+        }
+        _ => write_csv(file, &times, channels).map_err(|source| TelemetryError::Io {
+            path: path.to_owned(),
+            what: "cannot be written",
+            source,
+        }),
+    })
 }
 
 fn check(path: &Path, channels: &[Channel]) -> Result<(), TelemetryError> {
@@ -114,13 +110,13 @@ fn union_of_times(channels: &[Channel]) -> Vec<f64> {
 }
 
 /// A channel read along the union of times.
-struct Cursor<'a> {
+pub(crate) struct Cursor<'a> {
     channel: &'a Channel,
     next: usize,
 }
 
 impl Cursor<'_> {
-    fn at(&mut self, time: f64) -> Option<f64> {
+    pub(crate) fn at(&mut self, time: f64) -> Option<f64> {
         if *self.channel.time_s.get(self.next)? != time {
             return None;
         }
@@ -130,7 +126,7 @@ impl Cursor<'_> {
     }
 }
 
-fn cursors(channels: &[Channel]) -> Vec<Cursor<'_>> {
+pub(crate) fn cursors(channels: &[Channel]) -> Vec<Cursor<'_>> {
     channels
         .iter()
         .map(|channel| Cursor { channel, next: 0 })
@@ -162,33 +158,4 @@ fn write_csv(file: &mut File, times: &[f64], channels: &[Channel]) -> io::Result
         out.write_all(b"\n")?;
     }
     out.flush()
-}
-
-fn write_parquet(
-    file: &mut File,
-    times: &[f64],
-    channels: &[Channel],
-) -> Result<(), parquet::errors::ParquetError> {
-    let mut fields = vec![Field::new("time_s", DataType::Float64, false)];
-    fields.extend(
-        channels
-            .iter()
-            .map(|c| Field::new(full_name(&c.sensor, &c.name), DataType::Float64, true)),
-    );
-    let schema = Arc::new(Schema::new(fields));
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .build();
-    let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
-    let mut cursors = cursors(channels);
-    for times in times.chunks(BATCH) {
-        let mut arrays: Vec<ArrayRef> = vec![Arc::new(Float64Array::from(times.to_vec()))];
-        for cursor in &mut cursors {
-            let column: Float64Array = times.iter().map(|&t| cursor.at(t)).collect();
-            arrays.push(Arc::new(column));
-        }
-        writer.write(&RecordBatch::try_new(Arc::clone(&schema), arrays)?)?;
-    }
-    writer.close()?;
-    Ok(())
 }

@@ -44,11 +44,7 @@ fn outcome(path: &Path, kind: &str) -> Result<usize, String> {
             .split(" map one of [")
             .nth(1)
             .and_then(|t| t.split([',', ']']).next());
-        options.columns = vec![ColumnMap {
-            channel: "time_s".to_owned(),
-            column: name.unwrap_or_default().to_owned(),
-            unit: "s".to_owned(),
-        }];
+        options.map.all.columns = vec![ColumnMap::new("time_s", name.unwrap_or_default(), "s")];
         answer = read(&[&copy], &options);
     }
     assert!(start.elapsed().as_secs_f64() < 1.0, "{}", path.display());

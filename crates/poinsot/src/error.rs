@@ -1,12 +1,13 @@
 //! Everything that can keep a verb from answering, with its exit code.
 
 use crate::bind::BindError;
+use poinsot_files::{InputError, StageError};
 use poinsot_identify::ProblemError;
 use poinsot_model::ModelError;
 use poinsot_papers::MethodError;
 use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a verb gives no answer.
 #[derive(Debug, thiserror::Error)]
@@ -74,6 +75,44 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// No thread to work with.
+    #[error(
+        "E0005 the system starts no thread: {why}; raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs"
+    )]
+    Threads {
+        /// What the system said.
+        why: String,
+    },
+    /// No memory to work with.
+    #[error(
+        "E0006 the system gives no more memory; raise its limit (ulimit -v), take fewer rows by --every, or end other programs"
+    )]
+    Memory,
+    /// Files were put in place in part, and the earlier ones cannot be put back.
+    #[error("E0004 {}: only a part of the answer is in place: {source}; move the earlier files back from {}", path.display(), kept.display())]
+    Kept {
+        /// The file that could not be put in place.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+        /// The folder with the earlier files.
+        kept: PathBuf,
+    },
+}
+
+impl From<StageError> for Error {
+    fn from(error: StageError) -> Self {
+        let StageError {
+            path,
+            what,
+            source,
+            kept,
+        } = error;
+        match kept {
+            Some(kept) => Self::Kept { path, source, kept },
+            None => Self::Io { path, what, source },
+        }
+    }
 }
 
 impl Error {
@@ -81,13 +120,36 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         let environment = match self {
             Self::Internal { .. } => return 4,
-            Self::Io { .. } | Self::Output { .. } => true,
+            Self::Io { .. }
+            | Self::Kept { .. }
+            | Self::Threads { .. }
+            | Self::Memory
+            | Self::Output { .. } => true,
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),
             _ => false,
         };
         if environment { 3 } else { 2 }
+    }
+}
+
+/// A file of `identify` that cannot be read.
+pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
+    match error {
+        InputError::System(source) => Error::Io {
+            path: path.to_owned(),
+            what: "cannot be read",
+            source,
+        },
+        InputError::Missing(_) => Error::Report {
+            path: path.to_owned(),
+            why: "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
+        },
+        other => Error::Report {
+            path: path.to_owned(),
+            why: format!("{other}; {}", other.remedy()),
+        },
     }
 }
 

@@ -4,9 +4,9 @@ use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
 use poinsot_formats::{
     BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, Elements,
-    EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile, NumberFile,
-    PrincipalFile, ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, TensorFile,
-    UndeterminedFile, VectorFile, finite,
+    EpochFile, EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile,
+    NumberFile, PrincipalFile, ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile,
+    TensorFile, UndeterminedFile, VectorFile, finite,
 };
 use poinsot_identify::{
     BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, SegmentFit,
@@ -26,6 +26,7 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         status: e.status.name().to_owned(),
         iterations: e.iterations,
         model: identified.model.name.clone(),
+        epoch: epoch(identified),
         inputs: inputs(identified),
         bodies: e.bodies.iter().map(|b| (b.name.clone(), body(b))).collect(),
         covariance: CovarianceFile {
@@ -52,6 +53,21 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
 /// The same as JSON.
 pub fn estimate_json(identified: &Identified) -> serde_json::Value {
     serde_json::json!(estimate_file(identified))
+}
+
+/// What all times count from; `None` where that is the files' own zero.
+fn epoch(identified: &Identified) -> Option<EpochFile> {
+    let origin = identified.origin?;
+    let date = origin.date();
+    if date.is_none() && origin.own_zero_s() == 0.0 {
+        return None;
+    }
+    let parts = date.as_deref().and_then(|date| date.split_once(' '));
+    Some(EpochFile {
+        at: parts.map(|(at, _)| at.to_owned()),
+        scale: parts.map(|(_, scale)| scale.to_owned()),
+        own_count_s: date.is_none().then(|| origin.own_zero_s()),
+    })
 }
 
 fn inputs(identified: &Identified) -> Vec<InputFile> {

@@ -3,7 +3,7 @@
 use crate::compare::format_error;
 use crate::error::Error;
 use poinsot_formats::{BodyFile, read_estimate};
-use poinsot_model::{LinkInertial, export_urdf, read_urdf};
+use poinsot_model::{LinkInertial, export_urdf, parse_urdf, read_model_text};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::path::Path;
 
@@ -27,12 +27,8 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
         why,
     };
     let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
-    read_urdf(urdf).model?;
-    let text = std::fs::read_to_string(urdf).map_err(|source| Error::Io {
-        path: urdf.to_owned(),
-        what: "cannot be read",
-        source,
-    })?;
+    let text = read_model_text(urdf)?;
+    parse_urdf(&text, &urdf.display().to_string()).model?;
     let mut links = Vec::new();
     let mut left_out = Vec::new();
     for (name, body) in &estimate.bodies {

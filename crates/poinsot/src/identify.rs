@@ -1,6 +1,6 @@
 //! The verb `identify`: model and telemetry in, mass properties out.
 
-use crate::bind::{acceleration_channels, bind, wanted_channels};
+use crate::bind::{BindError, acceleration_channels, bind, mountings, wanted_channels};
 use crate::error::Error;
 use crate::methods::{is_own, methods};
 use crate::mixups;
@@ -13,7 +13,7 @@ use poinsot_identify::{
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_papers::{answered, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
-use poinsot_telemetry::{ColumnMap, Encoding, ReadOptions, Source, Table, read};
+use poinsot_telemetry::{Encoding, Origin, ReadOptions, Source, Table, read};
 use std::path::{Path, PathBuf};
 
 /// One-sigma accuracy in natural units that counts as identified unless told otherwise (CONTRACT).
@@ -127,6 +127,8 @@ pub struct Identified {
     pub predictions: Vec<Prediction>,
     /// Files of each segment.
     pub inputs: Vec<Vec<Source>>,
+    /// What all times count from; `None` for tables that were not read from files.
+    pub origin: Option<Origin>,
     /// Assumptions and repairs.
     pub repairs: Vec<String>,
     /// Columns that were not used.
@@ -169,16 +171,28 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
         wanted.extend(acceleration_channels());
     }
     let segments = request.segments.len();
-    let tables = request
-        .segments
-        .iter()
-        .enumerate()
-        .map(|(done, files)| {
-            step("reading segments", done, segments);
-            read(files, &options)
-        })
-        .collect::<Result<Vec<Table>, _>>()?;
-    identify_tables(model, tables, question)
+    let mut tables = Vec::with_capacity(segments);
+    for (done, files) in request.segments.iter().enumerate() {
+        step("reading segments", done, segments);
+        let table = read(files, &options)?;
+        // All segments count from one instant.
+        options.origin = table.origin;
+        tables.push(table);
+    }
+    let identified = identify_tables(model, tables, question);
+    identified.map_err(|error| join_files(error, segments))
+}
+
+/// Several `--telemetry` are several segments: a channel that one of them lacks may stand in the file of another.
+fn join_files(error: Error, segments: usize) -> Error {
+    match error {
+        Error::Bind(BindError::Missing { file, channel, why }) if segments > 1 => {
+            let how = "each --telemetry is a segment of its own; join the files of one segment by commas: --telemetry a.csv,b.csv";
+            let why = format!("{why}; {how}");
+            Error::Bind(BindError::Missing { file, channel, why })
+        }
+        other => other,
+    }
 }
 
 /// Identifies from tables in memory, one per segment. Files go through here too, so the checks are the same.
@@ -327,7 +341,13 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }
-    let mut repairs: Vec<String> = tables.iter().flat_map(|t| t.repairs.clone()).collect();
+    let origin = tables.first().and_then(|t| t.origin);
+    let counted = origin.filter(|o| o.date().is_some() || o.own_zero_s() != 0.0);
+    let mut repairs: Vec<String> = counted
+        .map(|o| format!("times count from {o}"))
+        .into_iter()
+        .collect();
+    repairs.extend(tables.iter().flat_map(|t| t.repairs.clone()));
     repairs.extend(bound.repairs);
     repairs.extend(estimate.assumptions.iter().cloned());
     let mut ignored: Vec<String> = tables.iter().flat_map(|t| t.ignored.clone()).collect();
@@ -337,6 +357,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         model,
         estimate,
         predictions,
+        origin,
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,
@@ -414,17 +435,9 @@ fn variant_error(question: &Question, known: &[&str]) -> Error {
 /// Options for reading telemetry that a model asks for.
 pub fn read_options(model: &Model, map: &TelemetryMap, strict: bool, recover: bool) -> ReadOptions {
     ReadOptions {
-        columns: map
-            .columns
-            .iter()
-            .map(|c| ColumnMap {
-                channel: c.channel.clone(),
-                column: c.column.clone(),
-                unit: c.unit.clone(),
-            })
-            .collect(),
-        row_filter: map.row_filter.clone(),
+        map: map.clone(),
         wanted: Some(wanted_channels(model)),
+        mountings: mountings(model),
         strict,
         recover,
         check_conventions: true,

@@ -16,9 +16,11 @@ mod mixups;
 mod output;
 pub mod predict;
 mod progress;
+mod propose;
 pub mod report;
 mod schema;
 pub mod simulate;
+mod threads;
 pub mod trials;
 pub mod validate;
 mod verdict;
@@ -29,8 +31,10 @@ pub use estimate_text::estimate_document;
 pub use identify::{
     Identified, IdentifyRequest, Question, Reading, identify, identify_tables, segment_files,
 };
-pub use output::{write_estimate, write_file, write_files, write_result};
+pub use output::{check_outputs, write_estimate, write_file, write_files, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
-pub use report::{write_figures, write_report, write_report_data};
+pub use propose::proposed_map;
+pub use report::write_report;
 pub use schema::schema;
+pub use threads::start_threads;

@@ -3,18 +3,21 @@
 mod record;
 mod truth;
 
+use crate::bind::mountings;
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
+use crate::error::Error;
+use crate::output::check_outputs;
 use crate::progress::step;
 use poinsot_dynamics::{
     ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
     JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
 };
+use poinsot_files::{Stage, json_escaped};
 use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
-use poinsot_telemetry::{Table, TelemetryError, advice};
+use poinsot_telemetry::{Mounting, Table, mount, write_staged};
 use record::Recorder;
 pub(crate) use record::{joint_channels, names};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Samples between two reports of progress.
@@ -48,17 +51,6 @@ pub enum SimulateError {
         /// Why.
         error: ControlError,
     },
-    /// The telemetry cannot be written.
-    #[error(transparent)]
-    Telemetry(#[from] TelemetryError),
-    /// The folder cannot be written.
-    #[error("E0510 {}: {source}; {}", path.display(), advice(source))]
-    Write {
-        /// What was to be written.
-        path: PathBuf,
-        /// The answer of the operating system.
-        source: std::io::Error,
-    },
 }
 
 impl SimulateError {
@@ -68,8 +60,6 @@ impl SimulateError {
             Self::Case(e) => e.environment,
             Self::Model(e) => e.environment,
             Self::Motion { .. } | Self::Singular { .. } => false,
-            Self::Telemetry(e) => e.is_environment(),
-            Self::Write { .. } => true,
         }
     }
 }
@@ -101,45 +91,26 @@ pub struct Written {
 ///
 /// # Errors
 /// Case or model are refused, the motion cannot be computed, or the disk refuses.
-pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, SimulateError> {
-    let case = read_case(case_path)?;
-    let model = read_model(&case.model)?;
-    let simulation = simulate_case(&case, &model)?;
+pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
+    let case = read_case(case_path).map_err(SimulateError::from)?;
     let name = match case.format {
         Format::Csv => "telemetry.csv",
         Format::Parquet => "telemetry.parquet",
     };
-    let failed = |path: &Path, source| SimulateError::Write {
-        path: path.to_owned(),
-        source,
-    };
-    std::fs::create_dir_all(out).map_err(|e| failed(out, e))?;
-    let workshop = tempfile::Builder::new()
-        .prefix(".poinsot-")
-        .tempdir_in(out)
-        .map_err(|e| failed(out, e))?;
-    let draft = workshop.path().join(name);
-    poinsot_telemetry::write(&draft, &simulation.table.channels)
-        .map_err(|e| e.under(&out.join(name)))?;
-    let text = format!("{:#}\n", simulation.truth);
-    let draft = workshop.path().join("truth.json");
-    let whole = std::fs::File::create(&draft).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        file.sync_all()
-    });
-    whole.map_err(|e| failed(&draft, e))?;
     let (telemetry, truth) = (out.join(name), out.join("truth.json"));
-    std::fs::rename(workshop.path().join(name), &telemetry).map_err(|e| failed(&telemetry, e))?;
-    if let Err(e) = std::fs::rename(&draft, &truth) {
-        // Telemetry without its truth must not stand alone; what hinders that is the same fault.
-        let _ = std::fs::remove_file(&telemetry);
-        return Err(failed(&truth, e));
-    }
-    // The renames last only once the folder is on disk.
-    if let Ok(handle) = std::fs::File::open(out) {
-        let _ = handle.sync_all();
-    }
+    let outputs = [telemetry.clone(), truth.clone()];
+    check_outputs("--out", &outputs, &[case_path, &case.model])?;
+    let model = read_model(&case.model)?;
+    let mut simulation = simulate_case(&case, &model)?;
+    // Files are in the axes of the sensors, tables in those of the bodies.
+    let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
+    mount(&mut simulation.table, &back);
     let channels = &simulation.table.channels;
+    let mut stage = Stage::new(out)?;
+    write_staged(&mut stage, Path::new(name), channels)?;
+    let text = format!("{:#}\n", simulation.truth);
+    stage.add(Path::new("truth.json"), json_escaped(&text).as_bytes())?;
+    stage.commit()?;
     Ok(Written {
         telemetry,
         truth,

@@ -1,11 +1,20 @@
 //! The spacecraft of Kim, Choi and Oh with one slew and with three, from their case files.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+#[path = "../examples/kim2010_studies/inversion.rs"]
+mod inversion;
+#[path = "../examples/kim2010_studies/printed.rs"]
+#[allow(dead_code)]
+mod printed;
+
+use inversion::{Noise, invert};
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;
 use poinsot::{Question, identify_tables};
 use poinsot_identify::{Estimate, Status};
 use poinsot_model::read_model;
+use poinsot_papers::kim2010::symmetric;
+use poinsot_spatial::UnitQuaternion;
 use poinsot_telemetry::Table;
 use std::path::{Path, PathBuf};
 
@@ -77,4 +86,35 @@ fn stat_three_slews_from_noisy_sensors() {
         // Rounded tachometers drive the prediction, and count.
         assert!(sigma < 1.3e-4, "{wanted}: {sigma}");
     }
+}
+
+/// On one axis 15 printed numbers fix the sums, and from them "considering pre-estimate" follows to the last
+/// printed digit: every product with the other product of its row as (15) gives it, all at once.
+#[test]
+fn paper_pre_estimate_follows_from_the_other_columns() {
+    let ten = 10.0_f64.to_radians();
+    let n = UnitQuaternion::from_euler_angles(ten, ten, ten)
+        .axis()
+        .unwrap();
+    let I = symmetric(&[13.916, 16.954, 19.894, 0.085, 0.5896, 0.133]);
+    let fixed = invert(&n, &(I * n.into_inner()), &printed::PRINTED).unwrap();
+    assert!(fixed.worst < 1.0, "{} of half a digit", fixed.worst);
+    let found = fixed.sums.pre_estimate().unwrap().printed;
+    println!("{found:.5?}");
+    for k in 3..6 {
+        let gap = (found[k] - printed::PRINTED[2][k]).abs();
+        assert!(gap < inversion::HALF_DIGIT, "{k}: {found:?}");
+    }
+    // No order of products found one after the other comes near.
+    let ordered = [(1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2)];
+    let ordered = fixed.sums.pre_estimate_in_order(&ordered).unwrap().printed;
+    assert!((ordered[3] - printed::PRINTED[2][3]).abs() > 0.01);
+    // 349 s whatever the rate; the integral of s^2 is that of the closed form of the slew.
+    let noise = Noise::of(&fixed, &n);
+    let length = noise.length(printed::SIGMA, 1.302_83e-3);
+    assert!((length - 349.0).abs() < 1.0, "{length}");
+    // Scatter wants 2 Hz or more, the common shift 1 Hz or less.
+    let at = |rate| noise.at(rate, printed::SIGMA, 1.302_83e-3);
+    assert!(at(1.0).0 < 1.2 && at(5.0).0 > 4.0);
+    assert!(at(1.0).1 > -3.0 && at(2.0).1 < -3.5);
 }

@@ -1,16 +1,18 @@
 //! `poinsot identify`
 
-use super::{Outcome, formats, note, print_document, print_json, step};
+use super::{Failure, Outcome, formats, note, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, IdentifyRequest, Question, Reading, estimate_document, estimate_json, identify,
-    segment_files, write_figures, write_result,
+    Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
+    estimate_json, identify, segment_files, write_result,
 };
+use std::path::Path;
 
 /// Usual limit of the memory for the samples of one file, MiB.
 const IDENTIFY_MIB: usize = 64;
 
 pub fn run(arguments: &Identify) -> Outcome {
+    poinsot::start_threads()?;
     let rows = &arguments.rows;
     let request = IdentifyRequest {
         model: arguments.model.clone(),
@@ -36,6 +38,10 @@ pub fn run(arguments: &Identify) -> Outcome {
             policies: arguments.policy.clone(),
         },
     };
+    let figures = formats(&arguments.figures);
+    if let Some(folder) = &arguments.out {
+        check_places(arguments, folder, &request)?;
+    }
     let identified = identify(&request)?;
     let written = match &arguments.out {
         Some(folder) => {
@@ -43,12 +49,7 @@ pub fn run(arguments: &Identify) -> Outcome {
             let command: Vec<String> = std::iter::once("poinsot".to_owned())
                 .chain(words.map(|a| a.to_string_lossy().into_owned()))
                 .collect();
-            let mut written = write_result(folder, &identified, &command, arguments.report)?;
-            let wanted = formats(&arguments.figures);
-            if !wanted.is_empty() {
-                written.extend(write_figures(folder, &wanted)?);
-            }
-            written
+            write_result(folder, &identified, &command, arguments.report, &figures)?
         }
         None => Vec::new(),
     };
@@ -61,4 +62,24 @@ pub fn run(arguments: &Identify) -> Outcome {
         note(&format!("written: {}", path.display()));
     }
     Ok(identified.exit_code())
+}
+
+/// The places of the answer, before an hour is spent on it.
+fn check_places(
+    arguments: &Identify,
+    folder: &Path,
+    request: &IdentifyRequest,
+) -> Result<(), Failure> {
+    let mut names = vec!["estimate.json", "report_data.json"];
+    if arguments.report {
+        names.push("report.html");
+    }
+    let mut outputs: Vec<_> = names.into_iter().map(|n| folder.join(n)).collect();
+    if !arguments.figures.is_empty() {
+        outputs.push(folder.join("figures").join("..."));
+    }
+    let mut inputs: Vec<&Path> = vec![&request.model];
+    inputs.extend(request.reading.map.as_deref());
+    inputs.extend(request.segments.iter().flatten().map(|p| p.as_path()));
+    Ok(check_outputs("--out", &outputs, &inputs)?)
 }

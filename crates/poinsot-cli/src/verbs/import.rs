@@ -1,10 +1,12 @@
 //! `poinsot import`
 
-use super::{Failure, Outcome, note, print, written};
+use super::{Failure, Outcome, note, print_file, written};
 use crate::arguments::Import;
+use poinsot::check_outputs;
 use poinsot_model::{parse_model, read_urdf, write_model};
 
 pub fn run(arguments: &Import) -> Outcome {
+    check_outputs("-o", arguments.out.as_slice(), &[&arguments.urdf])?;
     let model = read_urdf(&arguments.urdf).model.map_err(Failure::from)?;
     let text = write_model(&model);
     // What is written must be read again: names and numbers meet the rules of the model file too.
@@ -14,7 +16,7 @@ pub fn run(arguments: &Import) -> Outcome {
             poinsot::write_file(path, text.as_bytes())?;
             written(std::slice::from_ref(path), arguments.json, arguments.quiet);
         }
-        None => print(&text),
+        None => print_file(&text),
     }
     if arguments.quiet {
         return Ok(0);

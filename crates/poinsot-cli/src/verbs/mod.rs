@@ -14,12 +14,15 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod units;
 pub mod validate;
 
 use std::sync::Mutex;
 
 use crate::arguments::FigureFile;
+use poinsot_files::{error_line, escaped_lines, json_escaped};
 use poinsot_report::{Document, FigureFormat};
+use std::io::IsTerminal;
 
 /// Why a verb failed, ready for the terminal.
 pub struct Failure {
@@ -57,7 +60,7 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
 /// One line on standard error. Where that is closed nobody reads it, and the answer is none the worse.
 pub fn note(line: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", error_line(line));
 }
 
 /// Says which files were written: on standard error, or as JSON on standard output.
@@ -92,7 +95,15 @@ static REFUSED: Mutex<Option<std::io::Error>> = Mutex::new(None);
 
 /// Prints to standard output; a closed pipe is not an error, anything else is one in the end.
 pub fn print(text: &str) {
-    print_styled(&crate::guard::plain_lines(text));
+    print_styled(&escaped_lines(text));
+}
+
+/// Prints a file's content: byte by byte where it goes to a file or a program, as text on a terminal.
+pub fn print_file(content: &str) {
+    match std::io::stdout().is_terminal() {
+        true => print(content),
+        false => print_styled(content),
+    }
 }
 
 /// The same for a document, whose text from files is made harmless before it is coloured.
@@ -123,5 +134,5 @@ pub fn printed(code: u8) -> Outcome {
 /// Prints a value as JSON.
 pub fn print_json<T: serde::Serialize>(value: &T) {
     let text = serde_json::to_string_pretty(value).unwrap_or_default();
-    print(&format!("{text}\n"));
+    print_styled(&format!("{}\n", json_escaped(&text)));
 }

@@ -5,6 +5,7 @@ use crate::arguments::Predict;
 use poinsot::predict::{predict, prediction_document, prediction_json};
 
 pub fn run(arguments: &Predict) -> Outcome {
+    poinsot::start_threads()?;
     let prediction = predict(&arguments.case, arguments.relative_accuracy)?;
     if arguments.json {
         print_json(&prediction_json(&prediction));

@@ -1,11 +1,11 @@
 //! `poinsot simulate`
 
-use super::{Failure, Outcome, written};
+use super::{Outcome, written};
 use crate::arguments::Simulate;
 use poinsot::simulate::simulate;
 
 pub fn run(arguments: &Simulate) -> Outcome {
-    let made = simulate(&arguments.case, &arguments.out).map_err(Failure::from)?;
+    let made = simulate(&arguments.case, &arguments.out)?;
     written(
         &[made.telemetry, made.truth],
         arguments.json,

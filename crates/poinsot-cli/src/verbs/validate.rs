@@ -5,8 +5,26 @@ use crate::arguments::Validate;
 use poinsot::validate::{
     ValidateRequest, validate, validation_document, validation_json, write_validation,
 };
+use poinsot::{check_outputs, segment_files};
+use std::path::Path;
 
 pub fn run(arguments: &Validate) -> Outcome {
+    poinsot::start_threads()?;
+    if let Some(folder) = &arguments.out {
+        let outputs = ["histories.csv", "validation.json"].map(|n| folder.join(n));
+        let against = segment_files(&arguments.against);
+        let estimate = arguments.estimate.as_deref();
+        let of_folder = estimate.map(|e| e.join("estimate.json"));
+        let inputs: Vec<&Path> = [&arguments.model, &arguments.case, &arguments.map]
+            .into_iter()
+            .flatten()
+            .chain(&against)
+            .chain(&of_folder)
+            .map(|p| p.as_path())
+            .chain(estimate)
+            .collect();
+        check_outputs("--out", &outputs, &inputs)?;
+    }
     let validation = validate(&ValidateRequest {
         model: arguments.model.clone(),
         estimate: arguments.estimate.clone(),

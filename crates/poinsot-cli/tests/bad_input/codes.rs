@@ -125,8 +125,8 @@ fn xu(
 fn xu2017() -> Vec<Row> {
     vec![
         xu("E0531", "momentum wheels", |b| b.model("estimate = [\"inertia\"]", ALL), &["E0531 wheel 'wheel1': xu2017 knows no momentum wheels; take it out of the model if it stands still, or use --method auto"]),
-        xu("E0532", "the mass of one body alone", |b| robot(b, ["estimate = [\"mass\"]", "", ""], "", &with(&[("j1_rad", f64::sin)])), &["E0532 body 'bus': estimate: xu2017 takes a body as known, unknown (estimate = true), or, where thrusters fire with the joints locked, all unknown bodies as estimate = [\"inertia\"]; change it, or use --method auto"]),
-        xu("E0533", "nothing known and no thrust", |b| robot(b, [ALL; 3], "", &with(&[("j1_rad", f64::sin)])), &["E0533 no thruster fires with the joints locked, and neither the base nor all that a moving joint carries is known: without the equivalent single body of (35) nothing sets the scale of the momentum equations; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"]),
+        xu("E0532", "the mass of one body alone", |b| robot(b, ["estimate = [\"mass\"]", "", ""], "", &with(&[("j1_rad", f64::sin)])), &["E0532 body 'bus': estimate: xu2017 takes a body as known, as unknown (estimate = true), or with known mass and mass centre (estimate = [\"inertia\"]); change it, or use --method auto"]),
+        xu("E0533", "nothing known and no thrust", |b| robot(b, [ALL; 3], "", &with(&[("j1_rad", f64::sin)])), &["E0533 no thruster fires with the joints locked, and neither the base", "; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"]),
         xu("E0534", "no velocity", |b| robot(b, ["", ALL, ""], "", &[("j1_rad", f64::sin)]), &["E0534 segment 't.csv': no velocity channel (v_x v_y v_z): xu2017 needs it for the momentum of a moving joint; add it, or use --method auto"]),
         xu("E0535", "two joints at once", |b| robot(b, ["", ALL, ALL], "", &with(&[("j1_rad", f64::sin), ("j2_rad", f64::cos)])), &["E0535 segment 't.csv': joints j1, j2 move together: xu2017 unlocks one joint at a time unless a single body is unknown; split the motion, or use --method auto"]),
         xu("E0536", "thrust while a joint moves", |b| robot(b, ["", ALL, ""], THRUSTER, &with(&[("j1_rad", f64::sin), ("thr_N", |_| 1.0)])), &["E0536 segment 't.csv': a thruster fires while joint 'j1' moves: xu2017 takes momentum as conserved then; cut the firing out, or use --method auto"]),
@@ -171,10 +171,10 @@ pub fn rows() -> Vec<Row> {
         row("E0001", "a code that does not exist", |_| {}, 2, &["E0001 explain 'E9999': there is no such code; run `poinsot explain` for all"]).run(&["explain", "E9999"]),
         row("E0001", "an accuracy of zero", |_| {}, 2, &["E0001 --relative-accuracy '0': must be a positive number; give for example 1.0"]).more(&["--relative-accuracy", "0"]),
         row("usage", "an option that does not exist", |_| {}, 2, &["error: unexpected argument '--nmae' found"]).more(&["--nmae"]),
-        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out/report_data.json: its folder cannot be made: ", "; move the file that stands in the way, or name another folder"]),
+        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out: a folder is needed here: ", "; move the file that stands in the way, or name another folder"]),
         row("E0210", "two files with the same channel", |b| { let t = std::fs::read(b.path("t.csv")).unwrap(); b.write("u.csv", t); }, 2, &["E0210 channel 'omega_x' stands in t.csv column 'omega_x' and again in u.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"]).run(TWO),
         row("E0303", "files that do not overlap", |b| { b.spoil(|s| s.without("wheel")); let mut w = crate::bench::sheet(); w.without("q_"); w.without("omega"); w.map("time_s", |_, t| t + 1000.0); b.write("u.csv", w.text()); }, 2, &["E0303 t.csv,u.csv: 0 samples have all needed channels at one time, and 2 are needed; give a longer record, or files whose times overlap"]).run(TWO),
-        row("E0211", "an unknown unit", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"rad/ss\" }\n"), 2, &["E0211 map of channel 'omega_x': unit 'rad/ss' is not known; did you mean 'rad/s'?"]),
+        row("E0211", "an unknown unit", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"rad/ss\" }\n"), 2, &["E0211 m.toml:", "unit 'rad/ss' is not known; did you mean 'rad/s'?"]),
         row("E0212", "a map to a column that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"wx\", unit = \"rad/s\" }\n"), 2, &["E0212 map of channel 'omega_x': no column 'wx' in t.csv; "]),
         row("E0213", "rows chosen by a text that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry]\nwhere = { omega_x = \"A\" }\n"), 2, &["E0213 where omega_x = 'A': no row of t.csv matches; choose among the values there, the first are"]),
         row("E0304", "absolute orbital positions", |b| { b.model("[momentum]", "[[sensor]]\nname = \"gps\"\ntype = \"position\"\nnoise_m = 1.0\n\n[momentum]"); b.spoil(|s| { s.header.extend(["r_x", "r_y", "r_z"].map(str::to_owned)); s.rows.iter_mut().for_each(|r| r.extend(["7000000.0", "0.0", "0.0"].map(str::to_owned))); }); }, 2, &["E0304 t.csv: channel 'r': |r| = 7e6 m at t = 0 s"]),
@@ -198,7 +198,7 @@ pub fn rows() -> Vec<Row> {
         ma("no velocity", |b| { arm(b, "10.0", ""); b.spoil(|s| { s.header.push("j_rad".into()); s.rows.iter_mut().enumerate().for_each(|(k, r)| r.push(format!("{:?}", (0.02 * k as f64).sin()))); }); }, &["E0525 segment 't.csv': no velocity channel (v_x v_y v_z)"]),
         ma("a wheel to estimate", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replacen("spin_inertia_kg_m2 = 0.0004113", "spin_inertia_kg_m2 = 0.0004113\nestimate = true", 1); b.write("m.toml", m); }, &["E0527 wheel 'wheel1': estimate"]),
         ma("a thruster fires", |b| { arm(b, "10.0", "\n[[thruster]]\nname = \"thr\"\nbody = \"bus\"\nposition_m = [0.0, 0.0, 0.0]\nforce_direction = [1.0, 0.0, 0.0]\n"); let t = std::fs::read_to_string(b.path("t.csv")).unwrap(); let t: Vec<String> = t.lines().enumerate().map(|(k, l)| if k == 0 { format!("{l},thr_N") } else { format!("{l},1.0") }).collect(); b.write("t.csv", t.join("\n") + "\n"); }, &["E0526 segment 't.csv': a thruster fires"]),
-        ma("a base of 1e-300 kg with a link of 1e30 kg", |b| { arm(b, "1e30", ""); b.model("mass_kg = 150.0", "mass_kg = 1e-300"); }, &["E0529 the equations hold a number that is not finite; check units and magnitudes of the telemetry"]),
+        ma("a base of 1e-300 kg with a link of 1e30 kg", |b| { arm(b, "1e30", ""); b.model("mass_kg = 150.0", "mass_kg = 1e-300"); }, &["E0108 m.toml:", "the mass is below 1e-12 kg; correct it"]),
         ma("two samples", |b| { arm(b, "10.0", ""); let t = std::fs::read_to_string(b.path("t.csv")).unwrap(); let t: Vec<&str> = t.lines().take(3).collect(); b.write("t.csv", t.join("\n") + "\n"); }, &["E0528 segment 't.csv'"]),
     ];
     all.extend(cases());
@@ -214,7 +214,7 @@ fn cases() -> Vec<Row> {
             "no such case",
             |_| {},
             2,
-            &["E0501 case.toml: No such file or directory"],
+            &["E0501 case.toml: there is no such file; check the path"],
         ),
         simulate(
             "E0502",
@@ -338,14 +338,17 @@ fn cases() -> Vec<Row> {
             ],
         ),
         simulate(
-            "E0510",
+            "E0002",
             "a file stands where the folder should go",
             |b| {
                 case(b, "seed = 3", "seed = 3");
                 b.write("sim", "");
             },
             3,
-            &["E0510 sim: "],
+            &[
+                "E0002 sim: a folder is needed here: ",
+                "; move the file that stands in the way",
+            ],
         ),
     ]
 }
@@ -354,7 +357,7 @@ fn cases() -> Vec<Row> {
 /// those who call it with numbers that did not pass the program's own checks.
 pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
     use poinsot_identify::{EvaluationError, ProblemError};
-    use poinsot_papers::{kim2010, xu2017::Xu2017Error};
+    use poinsot_papers::{kim2010, ma2008::Ma2008Error, xu2017::Xu2017Error};
     let fault = poinsot::Error::Internal {
         what: "index out of range (src/x.rs:1)".to_owned(),
     };
@@ -363,12 +366,35 @@ pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
         samples: 1,
     };
     let overflow = ProblemError::NotFinite(poinsot_identify::NotFinite);
+    let threads = poinsot::Error::Threads {
+        why: "Resource temporarily unavailable (os error 11)".to_owned(),
+    };
+    let kept = poinsot::Error::Kept {
+        path: "out/report_data.json".into(),
+        source: std::io::ErrorKind::StorageFull.into(),
+        kept: "out/.poinsot-a1B2c3".into(),
+    };
     let length = EvaluationError::Length {
         what: "values of the unknowns".to_owned(),
         found: 11,
         expected: 12,
     };
     vec![
+        (
+            "E0004",
+            kept.to_string(),
+            "only where a disk fails between two renames: tests/environment",
+        ),
+        (
+            "E0005",
+            threads.to_string(),
+            "only where the system refuses: tests/environment",
+        ),
+        (
+            "E0006",
+            poinsot::Error::Memory.to_string(),
+            "only where the system refuses: tests/environment",
+        ),
         (
             "E0009",
             fault.to_string(),
@@ -388,6 +414,11 @@ pub fn of_the_library() -> Vec<(&'static str, String, &'static str)> {
             "E0411",
             length.to_string(),
             "only by the library: the program makes all arrays from one table",
+        ),
+        (
+            "E0529",
+            Ma2008Error::NotFinite.to_string(),
+            "only by the library: the program says E0108 before",
         ),
         (
             "E0420",

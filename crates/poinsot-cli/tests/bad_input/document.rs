@@ -77,7 +77,8 @@ const DIFFERENCES: &str = "\
 - R6, R7: there is no recursive filter yet.
 - F2: a column that nobody asked for is ignored and listed; only a missing one is an error.
 - F5: neither reading nor writing of numbers knows the process's locale.
-- F6, S6: nothing compressed is read but the pages of Parquet. No regular expression is applied to input.
+- F6, S6: gzip and Zstandard are unpacked as they are read, and a line of more than 16 MiB ends it. No regular expression is
+  applied to input.
 - F7: no file is mapped into memory. A network file system was not tried.
 - F8: nested, encrypted and other damaged files: `crates/poinsot-telemetry/tests`, `parquet_files.rs` and `corpora.rs`.
 - F9: MCAP is not read.
@@ -98,7 +99,7 @@ pub fn errors(
     let mut out = String::from(
         "# Error codes\n\n`poinsot explain CODE` prints these. Every error is one line: code, place, what was read, what is wrong, what to do.\n\
          The first two digits say where: 00 command, 01 model, 02 telemetry, 03 model and telemetry together, 04 and 05 methods\n\
-         and simulation, 06 results. Exit code 2, but 3 for E0002, E0003, E0510 and for what the operating system refuses, 4 for E0009.\n\
+         and simulation, 06 results. Exit code 2, but 3 for E0002 to E0006 and for what the operating system refuses, 4 for E0009.\n\
          The examples are what the program prints; a test compares them.\n\n",
     );
     for c in codes {

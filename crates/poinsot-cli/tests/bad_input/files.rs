@@ -70,6 +70,26 @@ fn touched(b: &Bench) {
     });
 }
 
+/// A pipe that nobody writes to.
+fn pipe(b: &Bench, name: &str) {
+    let made = std::process::Command::new("mkfifo")
+        .arg(b.path(name))
+        .status();
+    assert!(made.is_ok_and(|s| s.success()));
+}
+
+/// A file with page checksums; one byte of a page is changed.
+fn bad_page(b: &Bench) {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../poinsot-telemetry/tests/data/checksums_v1.parquet");
+    let mut bytes = std::fs::read(data).unwrap();
+    bytes[BAD_BYTE] ^= 1;
+    b.write("t.parquet", bytes);
+}
+
+/// In a page of `omega_x` in the second half of the rows.
+const BAD_BYTE: usize = 8000;
+
 /// A file of the fuzzing corpus.
 fn corpus(b: &Bench, name: &str) {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/parquet");
@@ -98,10 +118,10 @@ fn csv() -> Vec<Row> {
         row("F3", "UTF-16, big end first", |b| { let t: Vec<u8> = [0xfeff].into_iter().chain(sheet().text().encode_utf16()).flat_map(u16::to_be_bytes).collect(); b.write("t.csv", t); }, 2, &["E0202 t.csv: the file is UTF-16; save it as UTF-8"]),
         row("F3", "line ends of all kinds", |b| { let t: String = sheet().text().lines().enumerate().map(|(n, l)| format!("{l}{}", ["\n", "\r\n", "\r"][n % 3])).collect(); b.write("t.csv", t); }, 0, &["every number asked for is determined"]),
         row("F3", "NUL bytes", |b| { let mut t = bytes(); t[500] = 0; b.write("t.csv", t); }, 2, &["E0202 t.csv: byte 500 is NUL: the file is not text, or is UTF-16; save it as UTF-8"]),
-        row("F3", "semicolons", |b| b.write("t.csv", sheet().text().replace(',', ";")), 2, &["E0205 t.csv: the columns are separated by ';'; write commas, and points in decimal numbers"]),
+        row("F3", "semicolons", |b| b.write("t.csv", sheet().text().replace(',', ";")), 2, &["E0205 t.csv: the columns are separated by ';'; write [telemetry] delimiter = \";\""]),
         row("F3", "tabs", |b| b.write("t.csv", sheet().text().replace(',', "\t")), 2, &["E0205 t.csv: the columns are separated by '\\t'"]),
         row("F3", "a comma at the end of each row", |b| b.write("t.csv", sheet().text().replace('\n', ",\n")), 0, &["every number asked for is determined"]),
-        row("F3", "a comment", |b| b.spoil(|s| s.rows.insert(3, vec!["# comment".into()])), 2, &["E0204 t.csv:5", "leave the line out: '#' begins no comment here"]),
+        row("F3", "a comment", |b| b.spoil(|s| s.rows.insert(3, vec!["# comment".into()])), 2, &["E0204 t.csv:5", "leave the line out, or write [telemetry] comment = \"#\""]),
         row("F4", "a Latin-1 header", |b| { let t = sheet().text().replacen("wheel3_rad_s", "wheel3_rad_s,temp_\u{b0}C", 1).replace('\n', ",\n").replacen("C,\n", "C\n", 1); let t: Vec<u8> = t.chars().map(|c| c as u8).collect(); b.write("t.csv", t); }, 2,
             &["E0202 t.csv:1: the header is not UTF-8 ('temp_", "read it by --encoding latin1"]),
         row("F4", "the same, read as Latin-1", |b| { let t = sheet().text().replacen("wheel3_rad_s", "wheel3_rad_s,temp_\u{b0}C", 1).replace('\n', ",\n").replacen("C,\n", "C\n", 1); let t: Vec<u8> = t.chars().map(|c| c as u8).collect(); b.write("t.csv", t); }, 0,
@@ -127,10 +147,17 @@ fn csv() -> Vec<Row> {
         row("F6", "a sparse file of 10 GB", |b| std::fs::File::create(b.path("t.csv")).unwrap().set_len(10 << 30).unwrap(), 2, &["E0202 t.csv: byte 0 is NUL"]),
         row("F7", "the file changes while it is read", touched, 2, &["E0202 t.csv: the file changed while it was read; read it again when it is complete"]),
         row("F6", "/dev/zero as the model", |_| {}, 2, &["E0101 /dev/zero: this is not a regular file; name a file"]).run(&["identify", "--model", "/dev/zero", "--telemetry", "t.csv", "--out", "out"]),
+        row("F6", "/dev/zero as the case", |_| {}, 2, &["E0501 /dev/zero: this is not a regular file; name a file"]).run(&["simulate", "/dev/zero", "--out", "sim"]),
+        row("F6", "a pipe as the case", |b| pipe(b, "case.toml"), 2, &["E0501 case.toml: this is not a regular file; name a file"]).run(&["predict", "case.toml"]),
+        row("F6", "a pipe as the model", |b| { std::fs::remove_file(b.path("m.toml")).unwrap(); pipe(b, "m.toml"); }, 2, &["E0101 m.toml: this is not a regular file; name a file"]).run(&["check", "m.toml"]),
+        row("F6", "a pipe as the URDF", |b| pipe(b, "r.urdf"), 2, &["E0101 r.urdf: this is not a regular file; name a file"]).run(&["import", "r.urdf"]),
+        row("F6", "a pipe as the estimate", |b| { std::fs::create_dir(b.path("out")).unwrap(); pipe(b, "out/estimate.json"); }, 2, &["E0601 out/estimate.json: no report or export can be made of this: this is not a regular file; name a file"]).run(&["report", "out"]),
+        row("F6", "a pipe as the estimate of a validation", |b| pipe(b, "e.json"), 2, &["E0701 e.json: this estimate cannot be moved: this is not a regular file; give "]).run(&["validate", "--model", "m.toml", "--estimate", "e.json", "--against", "t.csv"]),
+        row("F6", "a pipe where the truth of a simulation would be", |b| pipe(b, "truth.json"), 0, &["every number asked for is determined"]),
         row("F6", "a link to itself", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::os::unix::fs::symlink("t.csv", b.path("t.csv")).unwrap(); }, 3, &["E0201 t.csv: cannot be read:"]),
         row("F6", "no such file", |b| std::fs::remove_file(b.path("t.csv")).unwrap(), 2, &["E0201 t.csv: cannot be read: No such file or directory"]),
-        row("F6", "a compressed file", |b| std::fs::rename(b.path("t.csv"), b.path("t.csv.gz")).unwrap(), 2, &["E0202 t.csv.gz: the kind of file is not known from its name"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv.gz", "--out", "out"]),
-        row("F9", "MCAP (not read)", |b| b.write("t.mcap", b"\x89MCAP0\r\n"), 2, &["E0202 t.mcap: the kind of file is not known from its name; give a .csv or .parquet file"]).run(&["inspect", "t.mcap"]),
+        row("F6", "plain text under the name of a packed file", |b| std::fs::rename(b.path("t.csv"), b.path("t.csv.gz")).unwrap(), 0, &["every number asked for is determined"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv.gz", "--out", "out"]),
+        row("F9", "MCAP (not read)", |b| b.write("t.mcap", b"\x89MCAP0\r\n"), 2, &["E0202 t.mcap: the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"]).run(&["inspect", "t.mcap"]),
         row("F3", "inspect names the header's fault too", |b| b.write("t.csv", "a;b\n1;2\n"), 2, &["E0205 t.csv"]).run(INSPECT),
     ]
 }
@@ -202,6 +229,26 @@ fn parquet_rows() -> Vec<Row> {
             ],
         )
         .run(INSPECT_PARQUET),
+        row(
+            "F8",
+            "a byte of a page with a checksum",
+            bad_page,
+            2,
+            &[
+                "E0216 t.parquet row ",
+                "the page that holds this row does not match its checksum: its bytes were changed; the rows before it can be kept by --recover; write the file again",
+            ],
+        )
+        .run(INSPECT_PARQUET),
+        row(
+            "F8",
+            "the same, recovered",
+            bad_page,
+            0,
+            &["rows from here on dropped: a page does not match its checksum"],
+        )
+        .run(INSPECT_PARQUET)
+        .more(&["--recover"]),
         row(
             "F8",
             "wrong magic",
@@ -329,7 +376,7 @@ fn toml() -> Vec<Row> {
             "the model is larger than 16 MiB",
             |b| b.write("m.toml", "#".repeat((16 << 20) + 1)),
             2,
-            &["E0101 m.toml: the file is larger than 16 MiB; name a model file"],
+            &["E0101 m.toml: the file is larger than 16 MiB; name a file of the right kind"],
         ),
         row(
             "F10",

@@ -117,10 +117,10 @@ fn messages(printed: &[Printed]) -> BTreeMap<String, (String, Option<&'static st
     all
 }
 
-/// Codes in the sources of all crates.
-fn codes_in_sources() -> BTreeSet<String> {
+/// Every source file of the crates, without its tests.
+fn sources() -> Vec<(std::path::PathBuf, String)> {
     let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut found = BTreeSet::new();
+    let mut found = Vec::new();
     let mut folders: Vec<_> = std::fs::read_dir(crates)
         .unwrap()
         .flatten()
@@ -130,9 +130,7 @@ fn codes_in_sources() -> BTreeSet<String> {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
             if path.is_dir() {
-                if !path.ends_with("explain") {
-                    folders.push(path);
-                }
+                folders.push(path);
                 continue;
             }
             // Explanations, not uses.
@@ -141,15 +139,66 @@ fn codes_in_sources() -> BTreeSet<String> {
             }
             let text = std::fs::read_to_string(&path).unwrap_or_default();
             let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-            for (at, _) in code.match_indices("\"E0") {
-                let word = code.get(at + 1..at + 6).unwrap_or_default();
-                if word.len() == 5 && word.bytes().skip(1).all(|b| b.is_ascii_digit()) {
-                    found.insert(word.to_owned());
-                }
+            found.push((path, code.to_owned()));
+        }
+    }
+    found
+}
+
+/// Codes in the sources of all crates.
+fn codes_in_sources() -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for (path, code) in sources() {
+        if path.components().any(|c| c.as_os_str() == "explain") {
+            continue;
+        }
+        for (at, _) in code.match_indices("\"E0") {
+            let word = code.get(at + 1..at + 6).unwrap_or_default();
+            if word.len() == 5 && word.bytes().skip(1).all(|b| b.is_ascii_digit()) {
+                found.insert(word.to_owned());
             }
         }
     }
     found
+}
+
+/// What opens, makes or replaces a file past `poinsot-files`.
+const PAST_THE_GATE: &[&str] = &[
+    "fs::read(",
+    "fs::read_to_string(",
+    "File::open(",
+    "OpenOptions",
+    "fs::write(",
+    "File::create",
+    "fs::rename(",
+    "fs::create_dir",
+    "tempfile::",
+];
+
+/// Crates that no user's input reaches, and the gate.
+const NOT_THE_PROGRAM: &[&str] = &[
+    "poinsot-files",
+    "poinsot-book",
+    "poinsot-fuzz",
+    "poinsot-testkit",
+];
+
+#[test]
+fn exact_one_crate_opens_inputs_and_places_outputs() {
+    let mut past = Vec::new();
+    for (path, code) in sources() {
+        let name = path.display().to_string();
+        if NOT_THE_PROGRAM.iter().any(|c| name.contains(c)) {
+            continue;
+        }
+        past.extend(
+            PAST_THE_GATE
+                .iter()
+                .filter(|w| code.contains(**w))
+                .map(|w| format!("{name}: {w}")),
+        );
+    }
+    assert!(past.is_empty(), "{past:#?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::advice::says_what_to_do;
 use crate::bench::{Bench, Done};
+use poinsot_files::{LONGEST_LINE, is_unprintable};
 
 /// The usual question.
 pub const IDENTIFY: &[&str] = &[
@@ -119,6 +120,16 @@ impl Row {
         }
         if done.exit < 0 {
             wrong.push("is killed: it took more than 60 s of processor time".to_owned());
+        }
+        if let Some(line) = done
+            .stderr
+            .lines()
+            .find(|l| l.chars().count() > LONGEST_LINE)
+        {
+            wrong.push(format!("a line of {} characters", line.chars().count()));
+        }
+        if all.contains(|c: char| is_unprintable(c) && !matches!(c, '\n' | '\t')) {
+            wrong.push("prints what a terminal obeys".to_owned());
         }
         if failed {
             for line in done.stderr.lines() {

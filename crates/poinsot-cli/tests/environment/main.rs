@@ -108,8 +108,21 @@ fn contents(question: &Question, folder: &Path) -> Vec<Option<Vec<u8>>> {
     question.files.iter().map(read).collect()
 }
 
-/// Fails every call once; afterwards each file is whole or not there, and the exit code is honest.
-fn at_every_call(question: &Question, how: &str, once: bool) {
+/// What stands in every place before a run, where something does.
+const EARLIER: &[u8] = b"an earlier answer";
+
+/// How a call fails.
+#[derive(Clone, Copy)]
+struct Failure {
+    how: &'static str,
+    /// Only one call, or all that follow too.
+    once: bool,
+    /// Whether an earlier answer stands there.
+    earlier: bool,
+}
+
+/// Fails every call; afterwards each file is whole, as before or not there, and the exit code is honest.
+fn at_every_call(question: &Question, failure: Failure) {
     let workshop = tempfile::tempdir().unwrap();
     let Some(shim) = shim(workshop.path()) else {
         eprintln!("skipped: no C compiler");
@@ -117,94 +130,257 @@ fn at_every_call(question: &Question, how: &str, once: bool) {
     };
     let reference = tempfile::tempdir().unwrap();
     let whole = good(question, reference.path());
+    let before = failure.earlier.then_some(EARLIER);
     let mut calls = 0;
     for n in 1..10_000 {
         let folder = tempfile::tempdir().unwrap();
+        if failure.earlier {
+            std::fs::create_dir(folder.path().join("out")).unwrap();
+            for name in question.files {
+                std::fs::write(folder.path().join("out").join(name), EARLIER).unwrap();
+            }
+        }
         let fired = workshop.path().join("fired");
         let _ = std::fs::remove_file(&fired);
         let done = run(question, folder.path(), |command| {
             command.env("LD_PRELOAD", &shim);
             command.env("FAULT_AT", n.to_string());
-            command.env("FAULT_HOW", how);
+            command.env("FAULT_HOW", failure.how);
             command.env("FAULT_FIRED", &fired);
-            if once {
+            if failure.once {
                 command.env("FAULT_ONCE", "1");
             }
         });
-        let here = contents(question, folder.path());
-        let place = format!("call {n}, {how}, once {once}: {}", stderr(&done));
-        for (found, wanted) in here.iter().zip(&whole) {
-            assert!(
-                found.as_ref().is_none_or(|f| f == wanted),
-                "a partial file: {place}"
-            );
-        }
+        let after = After {
+            here: contents(question, folder.path()),
+            left: left(folder.path()),
+            place: format!(
+                "call {n}, {}, once {}, earlier {}: {}",
+                failure.how,
+                failure.once,
+                failure.earlier,
+                stderr(&done)
+            ),
+            done,
+        };
         if !fired.exists() {
-            assert!(here.iter().all(Option::is_some), "{place}");
+            assert!(after.is(&whole), "{}", after.place);
             calls = n - 1;
             break;
         }
-        let code = done.status.code();
-        let complete = here.iter().all(Option::is_some);
-        if how == "kill" {
-            assert_eq!(code, None, "{place}");
-            // The answer is put in place last: where it stands, the others do.
-            let answer = here[0].is_some() && question.files[0] == "estimate.json";
-            assert!(!answer || complete, "{place}");
-        } else if code == Some(3) {
-            assert!(
-                here.iter().all(Option::is_none),
-                "files of a failed run: {place}"
-            );
-            assert!(stderr(&done).starts_with("E0"), "{place}");
-            assert_eq!(stderr(&done).lines().count(), 1, "{place}");
-        } else {
-            // The call did not matter: flushing a folder, which not every system can.
-            assert!(code.is_some_and(|c| c <= 1), "{place}");
-            assert!(complete, "{place}");
-        }
-        if how != "kill" {
-            let left: Vec<_> = std::fs::read_dir(folder.path().join("out"))
-                .into_iter()
-                .flatten()
-                .flatten()
-                .filter(|e| e.file_name().to_string_lossy().starts_with(".poinsot-"))
-                .collect();
-            assert!(left.is_empty(), "a temporary file stays: {place}");
-        }
+        after.check(question, failure, &whole, before);
     }
     println!(
-        "{} {how} once={once}: {calls} calls, each failed in turn",
-        question.arguments[0]
+        "{} {} once={} earlier={}: {calls} calls, each failed in turn",
+        question.arguments[0], failure.how, failure.once, failure.earlier
     );
     assert!(calls >= 8, "only {calls} calls were seen");
 }
 
+/// Hidden folders that a run left.
+fn left(folder: &Path) -> Vec<PathBuf> {
+    std::fs::read_dir(folder.join("out"))
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|e| e.path())
+        .filter(|p| {
+            p.file_name()
+                .is_some_and(|n| n.to_string_lossy().starts_with(".poinsot-"))
+        })
+        .collect()
+}
+
+/// What a run left behind.
+struct After {
+    here: Vec<Option<Vec<u8>>>,
+    left: Vec<PathBuf>,
+    place: String,
+    done: Output,
+}
+
+impl After {
+    fn is(&self, whole: &[Vec<u8>]) -> bool {
+        self.here.iter().flatten().eq(whole)
+    }
+
+    fn is_unchanged(&self, before: Option<&[u8]>) -> bool {
+        self.here.iter().all(|f| f.as_deref() == before)
+    }
+
+    fn check(
+        &self,
+        question: &Question,
+        failure: Failure,
+        whole: &[Vec<u8>],
+        before: Option<&[u8]>,
+    ) {
+        let place = &self.place;
+        for (found, wanted) in self.here.iter().zip(whole) {
+            let found = found.as_deref();
+            assert!(
+                found == before || found == Some(wanted),
+                "a partial file: {place}"
+            );
+        }
+        let code = self.done.status.code();
+        match failure.how {
+            "kill" => {
+                assert_eq!(code, None, "{place}");
+                // The answer is put in place last: where it stands, the others do.
+                let answer = self.here[0].as_deref() == Some(whole[0].as_slice());
+                let answer = answer && question.files[0] == "estimate.json";
+                assert!(!answer || self.is(whole), "{place}");
+                return;
+            }
+            "enospc" | "eio" if code == Some(3) => {
+                assert!(stderr(&self.done).starts_with("E0"), "{place}");
+                assert_eq!(stderr(&self.done).lines().count(), 1, "{place}");
+                if stderr(&self.done).starts_with("E0004") {
+                    self.check_kept();
+                    return;
+                }
+                assert!(self.is_unchanged(before), "files of a failed run: {place}");
+            }
+            "enospc" | "eio" => {
+                // The call did not matter: flushing a folder, which not every system can.
+                assert!(code.is_some_and(|c| c <= 1), "{place}");
+                assert!(self.is(whole), "{place}");
+            }
+            // Interrupted: before, or after all was in place.
+            _ => {
+                assert!(code.is_none_or(|c| c <= 1), "{place}");
+                assert!(self.is_unchanged(before) || self.is(whole), "{place}");
+            }
+        }
+        assert!(self.left.is_empty(), "a temporary file stays: {place}");
+    }
+
+    /// Every earlier file stands in its place or lies in the folder that the message names.
+    fn check_kept(&self) {
+        let kept: Vec<PathBuf> = std::fs::read_dir(&self.left[0])
+            .unwrap()
+            .map(|e| e.unwrap().path())
+            .filter(|p| std::fs::read(p).is_ok_and(|bytes| bytes == EARLIER))
+            .collect();
+        let standing = self.here.iter().flatten().filter(|f| *f == EARLIER);
+        assert!(
+            kept.len() + standing.count() >= self.here.len(),
+            "{}",
+            self.place
+        );
+        let name = self.left[0]
+            .file_name()
+            .unwrap()
+            .to_string_lossy()
+            .into_owned();
+        assert!(self.place.contains(&name), "{}", self.place);
+    }
+}
+
+const fn failure(how: &'static str, once: bool, earlier: bool) -> Failure {
+    Failure { how, once, earlier }
+}
+
 #[test]
 fn cli_disk_full_at_every_call_of_identify() {
-    at_every_call(&identify(), "enospc", true);
-    at_every_call(&identify(), "enospc", false);
+    at_every_call(&identify(), failure("enospc", true, false));
+    at_every_call(&identify(), failure("enospc", false, false));
+}
+
+#[test]
+fn regress_disk_full_at_every_call_keeps_the_earlier_answer() {
+    at_every_call(&identify(), failure("enospc", true, true));
+    at_every_call(&simulate(), failure("enospc", false, true));
 }
 
 #[test]
 fn cli_disk_error_at_every_call_of_simulate() {
-    at_every_call(&simulate(), "eio", true);
+    at_every_call(&simulate(), failure("eio", true, false));
 }
 
 #[test]
 fn cli_killed_at_every_call_of_identify() {
-    at_every_call(&identify(), "kill", true);
+    at_every_call(&identify(), failure("kill", true, true));
 }
 
 #[test]
 fn cli_killed_at_every_call_of_simulate() {
-    at_every_call(&simulate(), "kill", true);
+    at_every_call(&simulate(), failure("kill", true, false));
 }
 
 #[test]
-fn cli_a_file_size_limit_is_an_error_of_the_environment() {
+fn regress_an_interruption_at_any_call_leaves_nothing_behind() {
+    for how in ["int", "term", "hup"] {
+        at_every_call(&simulate(), failure(how, true, false));
+    }
+    at_every_call(&identify(), failure("term", true, true));
+}
+
+/// A program that was told to ignore a signal goes on.
+#[test]
+fn cli_nohup_is_obeyed() {
     let folder = tempfile::tempdir().unwrap();
-    let script = "trap '' XFSZ; ulimit -f 8; exec \"$@\"";
+    let Some(shim) = shim(folder.path()) else {
+        eprintln!("skipped: no C compiler");
+        return;
+    };
+    let done = Command::new("sh")
+        .args([
+            "-c",
+            "trap '' HUP; exec \"$@\"",
+            "sh",
+            env!("CARGO_BIN_EXE_poinsot"),
+        ])
+        .args(simulate().arguments)
+        .args(["--out", "out"])
+        .envs([("FAULT_AT", "5"), ("FAULT_HOW", "hup"), ("FAULT_ONCE", "1")])
+        .env("LD_PRELOAD", &shim)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    assert!(
+        contents(&simulate(), folder.path())
+            .iter()
+            .all(Option::is_some)
+    );
+}
+
+/// What stands in the way is found before anything is replaced.
+#[test]
+fn regress_what_stands_in_the_way_keeps_the_earlier_answer() {
+    let question = identify();
+    for (in_the_way, is_folder, option) in [
+        ("report.html", true, &[][..]),
+        ("figures", false, &["--figures", "svg"][..]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        std::fs::create_dir(&out).unwrap();
+        for name in ["estimate.json", "report_data.json"] {
+            std::fs::write(out.join(name), EARLIER).unwrap();
+        }
+        match is_folder {
+            true => std::fs::create_dir(out.join(in_the_way)).unwrap(),
+            false => std::fs::write(out.join(in_the_way), "").unwrap(),
+        }
+        let done = run(&question, folder.path(), |command| {
+            command.args(option);
+        });
+        assert_eq!(done.status.code(), Some(3), "{}", stderr(&done));
+        let said = format!("E0002 out/{in_the_way}: ");
+        assert!(stderr(&done).starts_with(&said), "{}", stderr(&done));
+        for name in ["estimate.json", "report_data.json"] {
+            assert_eq!(std::fs::read(out.join(name)).unwrap(), EARLIER, "{name}");
+        }
+    }
+}
+
+#[test]
+fn regress_a_file_size_limit_is_an_error_of_the_environment() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = "ulimit -f 8; exec \"$@\"";
     let done = Command::new("sh")
         .args(["-c", script, "sh", env!("CARGO_BIN_EXE_poinsot")])
         .args(identify().arguments)
@@ -219,6 +395,90 @@ fn cli_a_file_size_limit_is_an_error_of_the_environment() {
             .iter()
             .all(Option::is_none)
     );
+}
+
+#[test]
+fn regress_threads_are_at_most_the_cores() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(shim) = shim(folder.path()) else {
+        eprintln!("skipped: no C compiler");
+        return;
+    };
+    let log = folder.path().join("threads");
+    let started = |threads: Option<&str>| {
+        let _ = std::fs::remove_file(&log);
+        let done = run(&identify(), folder.path(), |command| {
+            command.env("LD_PRELOAD", &shim);
+            command.env("THREADS_LOG", &log);
+            match threads {
+                Some(n) => command.env("RAYON_NUM_THREADS", n),
+                None => command.env_remove("RAYON_NUM_THREADS"),
+            };
+        });
+        assert!(
+            done.status.code().is_some_and(|c| c <= 1),
+            "{}",
+            stderr(&done)
+        );
+        std::fs::read(&log).unwrap().len()
+    };
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let cores = started(Some(&cores.to_string()));
+    assert_eq!(started(Some("100000")), cores);
+    assert_eq!(started(None), cores);
+}
+
+#[test]
+fn regress_little_memory_is_an_error_of_the_environment() {
+    let mut codes = Vec::new();
+    for mib in (20..64).step_by(4) {
+        let folder = tempfile::tempdir().unwrap();
+        let script = format!("ulimit -v {}; exec \"$@\"", mib << 10);
+        let done = Command::new("sh")
+            .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_poinsot")])
+            .args(identify().arguments)
+            .args(["--out", "out"])
+            .env_remove("RUST_BACKTRACE")
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let code = done.status.code();
+        // 127: not even the program fits.
+        assert!(
+            matches!(code, Some(0 | 1 | 3 | 127)),
+            "{mib} MiB: {:?} {}",
+            done.status,
+            stderr(&done)
+        );
+        assert!(
+            stderr(&done).lines().count() <= 3,
+            "{mib} MiB: {}",
+            stderr(&done)
+        );
+        codes.push((mib, code));
+    }
+    println!("{codes:?}");
+    assert!(codes.iter().any(|c| c.1 == Some(3)), "{codes:?}");
+}
+
+#[test]
+fn regress_no_thread_is_one_line_and_exit_3() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(shim) = shim(folder.path()) else {
+        eprintln!("skipped: no C compiler");
+        return;
+    };
+    let done = run(&identify(), folder.path(), |command| {
+        command.env("LD_PRELOAD", &shim);
+        command.env("THREADS_FAIL", "1");
+    });
+    assert_eq!(done.status.code(), Some(3), "{}", stderr(&done));
+    assert!(
+        stderr(&done).starts_with("E0005 the system starts no thread: "),
+        "{}",
+        stderr(&done)
+    );
+    assert_eq!(stderr(&done).lines().count(), 1);
 }
 
 #[test]

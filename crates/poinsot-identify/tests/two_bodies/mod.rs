@@ -1,7 +1,7 @@
 //! Two bodies, both unknown, that tumble while the joint between them moves.
 
 use poinsot_dynamics::{
-    Fourier, JointMotion, MotionSample, Plan, Prescribed, Start, StartVelocity, Tolerance, Tree,
+    Fourier, JointMotion, MotionSample, Plan, Prescribed, Start, StartVelocity, Tolerance,
 };
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -39,14 +39,8 @@ noise_rad_s = 1e-5
 "#;
 
 /// The motion number `at`, sample by sample.
-pub fn tumble(
-    model: &Model,
-    tree: &Tree,
-    at: usize,
-    times: &[f64],
-    see: impl FnMut(&MotionSample),
-) {
-    let mut plan = Plan::hold(model, &tree.coordinates);
+pub fn tumble(model: &Model, at: usize, times: &[f64], see: impl FnMut(&MotionSample)) {
+    let mut plan = Plan::hold(model);
     plan.joints[0] = JointMotion::Fourier(Fourier {
         offset: 0.2,
         base_frequency_hz: 0.05,

@@ -2,34 +2,204 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// How columns of a telemetry file become channels.
+/// How columns of telemetry files become channels.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TelemetryFile {
+    /// Character between the fields of a row: "," (default), ";", "|", "tab" or "space".
+    pub delimiter: Option<String>,
+    /// Character at the start of a line that is a comment, for example "#". Default: no line is a comment.
+    pub comment: Option<String>,
+    /// Line of the header row; the lines above it are not read. Default 1.
+    pub header_row: Option<f64>,
+    /// Whether the row below the header names the units. Default false.
+    pub units_row: Option<bool>,
+    /// What the times are. Default: the column time_s, s.
+    pub time: Option<TimeFile>,
     /// Channel (standard name, SI; or <sensor>.<channel>) to the column that holds it.
     pub columns: Option<BTreeMap<String, ColumnFile>>,
+    /// Attitudes in any form.
+    pub attitude: Option<Vec<AttitudeFile>>,
+    /// Position of the vehicle from the centre of the attracting body: the orbit of the gravity gradient.
+    pub orbit: Option<OrbitColumnsFile>,
+    /// Rows are kept where each of these columns holds exactly this text.
+    #[serde(rename = "where")]
+    pub rows: Option<BTreeMap<String, String>>,
+    /// What holds for the files of one name, beside what holds for all.
+    pub file: Option<Vec<ExportFile>>,
+}
+
+/// What holds for the files of one name. Keys given here replace those of [telemetry]; columns, attitudes and rows are
+/// added to them.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ExportFile {
+    /// Name of the files, without folder; "*" stands for any text, for example "tracker*.csv".
+    #[schemars(required)]
+    pub name: Option<String>,
+    /// Character between the fields of a row.
+    pub delimiter: Option<String>,
+    /// Character at the start of a line that is a comment.
+    pub comment: Option<String>,
+    /// Line of the header row.
+    pub header_row: Option<f64>,
+    /// Whether the row below the header names the units.
+    pub units_row: Option<bool>,
+    /// What the times are.
+    pub time: Option<TimeFile>,
+    /// Channel to the column that holds it.
+    pub columns: Option<BTreeMap<String, ColumnFile>>,
+    /// Attitudes in any form.
+    pub attitude: Option<Vec<AttitudeFile>>,
+    /// Position of the vehicle on its orbit.
+    pub orbit: Option<OrbitColumnsFile>,
     /// Rows are kept where each of these columns holds exactly this text.
     #[serde(rename = "where")]
     pub rows: Option<BTreeMap<String, String>>,
 }
 
-/// A column and its unit.
+/// A column and what its values are: sign * (scale * x + offset) in the unit.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
 pub(crate) struct ColumnFile {
     /// Name of the column in the file.
     #[schemars(required)]
     pub column: Option<String>,
-    /// Unit of the column, for example "deg/s".
-    #[schemars(required)]
+    /// Unit of the column, for example "deg/s"; `poinsot units` lists all. Default: that of the units row.
     pub unit: Option<String>,
+    /// 1 or -1. Default 1.
+    pub sign: Option<f64>,
+    /// Factor of the values. Default 1.
+    pub scale: Option<f64>,
+    /// Added to the scaled values, in the unit of the column. Default 0.
+    pub offset: Option<f64>,
+    /// Values are counts of an encoder (of a rate: counts per second), so many to one revolution. In place of a unit.
+    pub counts_per_revolution: Option<f64>,
+    /// The column is the on/off flag of a thruster, and on stands for this force, N. In place of a unit.
+    pub nominal_N: Option<f64>,
+}
+
+/// The times of a file. All files of a run count from one instant: with an epoch or dates from the first sample.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TimeFile {
+    /// Column of the time; of the seconds of the week for "gps_week".
+    #[schemars(required)]
+    pub column: Option<String>,
+    /// "number" (default), "iso8601" (2026-03-14T18:19:00.25Z, with or without zone), "day_of_year"
+    /// (2026-073T18:19:00.25) or "gps_week".
+    pub format: Option<TimeFormatFile>,
+    /// Column of the GPS week, counted from 1980 without rollover.
+    pub week: Option<String>,
+    /// Unit of numbers. Default s.
+    pub unit: Option<String>,
+    /// What numbers count from: "unix", "gps", or a date and time. Default: unknown.
+    pub epoch: Option<String>,
+    /// Time scale of dates. Default "UTC".
+    pub scale: Option<ScaleFile>,
+}
+
+/// How times are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum TimeFormatFile {
+    /// Numbers.
+    Number,
+    /// Year, month, day.
+    Iso8601,
+    /// Year and day of the year.
+    DayOfYear,
+    /// GPS week and seconds of the week.
+    GpsWeek,
+}
+
+/// Time scales.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "UPPERCASE")]
+pub(crate) enum ScaleFile {
+    /// Universal time, with leap seconds.
+    Utc,
+    /// Atomic time.
+    Tai,
+    /// GPS time.
+    Gps,
+    /// Terrestrial time.
+    Tt,
+}
+
+/// An attitude in one of four forms.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AttitudeFile {
+    /// Name of the sensor. Default: the only one.
+    pub sensor: Option<String>,
+    /// Four columns of a Hamilton quaternion, in the order that `order` says.
+    pub quaternion: Option<Vec<String>>,
+    /// Scalar last, "xyzw" (default), or first, "wxyz".
+    pub order: Option<OrderFile>,
+    /// Nine columns of the rotation matrix, row by row.
+    pub matrix: Option<Vec<String>>,
+    /// Three columns of Euler angles, in the order of `sequence`.
+    pub euler: Option<Vec<String>>,
+    /// Axes of the three turns, each as the turns before left it: "ZYX" for yaw, pitch, roll.
+    pub sequence: Option<String>,
+    /// Unit of the Euler angles. Default: that of the units row.
+    pub unit: Option<String>,
+    /// Three columns of modified Rodrigues parameters.
+    pub mrp: Option<Vec<String>>,
+    /// What the rotation takes to what: "body_to_inertial" (default) or "inertial_to_body".
+    pub sense: Option<SenseFile>,
+}
+
+/// Order of a quaternion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum OrderFile {
+    /// Scalar last.
+    Xyzw,
+    /// Scalar first.
+    Wxyz,
+}
+
+/// Sense of a rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum SenseFile {
+    /// Takes components in body axes to components in inertial axes.
+    BodyToInertial,
+    /// The inverse.
+    InertialToBody,
+}
+
+/// Position of the vehicle from the centre of the attracting body.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OrbitColumnsFile {
+    /// Columns of x, y and z.
+    #[schemars(required)]
+    pub position: Option<[String; 3]>,
+    /// Unit. Default: that of the units row.
+    pub unit: Option<String>,
+    /// "inertial" (default), or "earth_fixed": turned to inertial axes by the Earth rotation angle.
+    pub frame: Option<FrameFile>,
+}
+
+/// Axes of a position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum FrameFile {
+    /// Those of the attitude.
+    Inertial,
+    /// Turning with the Earth.
+    EarthFixed,
 }
 
 /// A file that holds the [telemetry] table alone.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TelemetryMapFile {
-    /// How columns of a telemetry file become channels.
+    /// How columns of telemetry files become channels.
     #[schemars(required)]
     pub telemetry: Option<TelemetryFile>,
 }

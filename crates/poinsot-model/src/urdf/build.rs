@@ -5,8 +5,9 @@ use super::inertial::rotation;
 use super::raw::{Kind, Robot};
 use super::tree::Order;
 use crate::Environment;
-use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum, TelemetryMap};
+use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_telemetry::TelemetryMap;
 use std::collections::HashMap;
 
 /// The vehicle; `None` where an error was found.

@@ -4,8 +4,8 @@ use super::raw::{Kind, Link, Robot};
 use super::tree::Order;
 use super::{Remark, UrdfDefect};
 use crate::check_body::PHYSICAL_TOLERANCE;
-use crate::document::printable;
 use crate::number::{list, short};
+use poinsot_files::excerpt;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.
@@ -41,7 +41,7 @@ pub(super) fn check(
 }
 
 fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
-    let subject = format!("link \"{}\"", printable(&link.name, 60));
+    let subject = format!("link \"{}\"", excerpt(&link.name, 60));
     let mut push = |defect, code, byte, problem: String, remedy: &str| {
         remarks.push(Remark {
             defect,
@@ -213,11 +213,11 @@ fn moving_without_mass(
                 defect: UrdfDefect::MovesMassless,
                 code: Some("E0116"),
                 byte: link.byte,
-                subject: format!("link \"{}\"", printable(&link.name, 60)),
+                subject: format!("link \"{}\"", excerpt(&link.name, 60)),
                 value: String::new(),
                 problem: format!(
                     "the link moves on joint \"{}\", but neither it nor what it carries has mass",
-                    printable(&joint.name, 60)
+                    excerpt(&joint.name, 60)
                 ),
                 remedy: "give it an <inertial>, or make its joint fixed".to_owned(),
             });

@@ -5,15 +5,16 @@
 mod build;
 mod export;
 mod inertial;
+mod limits;
 mod raw;
 mod tree;
 
 pub use export::{LinkInertial, UrdfExport, export_urdf};
 
-use crate::document::printable;
 use crate::finding::{Finding, ModelError};
-use crate::read::read_text;
+use crate::read::read_model_text;
 use crate::vehicle::Model;
+use poinsot_files::excerpt;
 use std::path::Path;
 
 /// Findings shown; the rest is counted.
@@ -98,7 +99,7 @@ pub struct Urdf {
 /// Reads a URDF file; never fails, see [`Urdf::model`].
 pub fn read_urdf(path: impl AsRef<Path>) -> Urdf {
     let path = path.as_ref();
-    match read_text(path) {
+    match read_model_text(path) {
         Ok(text) => parse_urdf(&text, &path.display().to_string()),
         Err(error) => Urdf {
             model: Err(error),
@@ -158,7 +159,7 @@ fn conclude(
             let (line, column) = place(r.byte);
             Finding {
                 code: r.code.unwrap_or("E0120"),
-                file: printable(file, 300),
+                file: excerpt(file, 300),
                 line,
                 column,
                 key: r.subject.clone(),

@@ -1,9 +1,10 @@
 //! The file as written: links and joints with their numbers and places.
 
+use super::limits::excess;
 use super::{Remark, UrdfDefect};
 use crate::check_name::misspelt;
-use crate::document::printable;
 use crate::shape::LARGEST;
+use poinsot_files::excerpt;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
@@ -58,6 +59,18 @@ pub(super) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"
 
 /// Reads the text; `None` where there is no robot in it.
 pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
+    if let Some(excess) = excess(text) {
+        remarks.push(Remark {
+            defect: UrdfDefect::NotXml,
+            code: Some("E0120"),
+            byte: excess.byte,
+            subject: String::new(),
+            value: String::new(),
+            problem: excess.problem,
+            remedy: "name a URDF file".to_owned(),
+        });
+        return None;
+    }
     let options = ParsingOptions {
         allow_dtd: false,
         nodes_limit: NODES,
@@ -80,7 +93,7 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
             value: String::new(),
             problem: format!(
                 "the root element is <{}>, not <robot>",
-                printable(root.tag_name().name(), 60)
+                excerpt(root.tag_name().name(), 60)
             ),
             remedy: "give a URDF file".to_owned(),
         });
@@ -110,7 +123,7 @@ pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {
         let names: Vec<String> = ignored
             .iter()
             .take(12)
-            .map(|(name, n)| format!("{n} <{}>", printable(name, 40)))
+            .map(|(name, n)| format!("{n} <{}>", excerpt(name, 40)))
             .collect();
         remarks.push(Remark {
             defect: UrdfDefect::Ignored,
@@ -151,7 +164,7 @@ fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
             "expand it: xacro FILE > robot.urdf",
         ),
         other => {
-            let mut words = printable(&other.to_string(), 160);
+            let mut words = excerpt(&other.to_string(), 160);
             if let Some(at) = words.rfind(" at ") {
                 words.truncate(at);
             }
@@ -198,7 +211,7 @@ fn find_xacro(document: &Document<'_>, remarks: &mut Vec<Remark>) {
             defect: UrdfDefect::Xacro,
             code: Some("E0121"),
             byte: node.range().start,
-            subject: format!("<{}>", printable(node.tag_name().name(), 60)),
+            subject: format!("<{}>", excerpt(node.tag_name().name(), 60)),
             value: String::new(),
             problem: "this is xacro, which has not been expanded".to_owned(),
             remedy: "run xacro first: xacro FILE > robot.urdf".to_owned(),
@@ -232,7 +245,7 @@ impl Reader<'_> {
             value: if value.is_empty() {
                 String::new()
             } else {
-                format!("\"{}\"", printable(value, 60))
+                format!("\"{}\"", excerpt(value, 60))
             },
             problem,
             remedy: remedy.to_owned(),
@@ -241,7 +254,7 @@ impl Reader<'_> {
 
     fn link(&mut self, node: Node<'_, '_>) -> Link {
         let name = node.attribute("name").unwrap_or_default().to_owned();
-        let subject = format!("link \"{}\"", printable(&name, 60));
+        let subject = format!("link \"{}\"", excerpt(&name, 60));
         let mut inertials = node
             .children()
             .filter(|n| n.is_element() && n.tag_name().name() == "inertial");
@@ -319,10 +332,7 @@ impl Reader<'_> {
         subject: &str,
         missing: Option<[f64; N]>,
     ) -> Option<[f64; N]> {
-        let key = format!(
-            "{subject} <{} {name}>",
-            printable(node.tag_name().name(), 40)
-        );
+        let key = format!("{subject} <{} {name}>", excerpt(node.tag_name().name(), 40));
         let Some(text) = node.attribute(name) else {
             if missing.is_none() {
                 let problem = "the number is missing".to_owned();
@@ -361,7 +371,7 @@ impl Reader<'_> {
 
     fn joint(&mut self, node: Node<'_, '_>) -> Option<Joint> {
         let name = node.attribute("name").unwrap_or_default().to_owned();
-        let subject = format!("joint \"{}\"", printable(&name, 60));
+        let subject = format!("joint \"{}\"", excerpt(&name, 60));
         let byte = node.range().start;
         let word = node.attribute("type").unwrap_or_default();
         let kind = match word {
@@ -376,7 +386,7 @@ impl Reader<'_> {
                 code: Some("E0122"),
                 byte,
                 subject: format!("{subject} type"),
-                value: format!("\"{}\"", printable(word, 40)),
+                value: format!("\"{}\"", excerpt(word, 40)),
                 problem: "this type of joint is not read".to_owned(),
                 remedy: "write revolute, continuous, prismatic or fixed; a base that floats needs no joint"
                     .to_owned(),
@@ -391,9 +401,9 @@ impl Reader<'_> {
                 value: String::new(),
                 problem: format!(
                     "mimics \"{}\" (multiplier {}, offset {}): it is read as a joint of its own, and telemetry needs a column for it",
-                    printable(mimic.attribute("joint").unwrap_or_default(), 60),
-                    printable(mimic.attribute("multiplier").unwrap_or("1"), 20),
-                    printable(mimic.attribute("offset").unwrap_or("0"), 20),
+                    excerpt(mimic.attribute("joint").unwrap_or_default(), 60),
+                    excerpt(mimic.attribute("multiplier").unwrap_or("1"), 20),
+                    excerpt(mimic.attribute("offset").unwrap_or("0"), 20),
                 ),
                 remedy: String::new(),
             });
@@ -460,7 +470,7 @@ impl Reader<'_> {
                 code,
                 byte,
                 subject: format!("{subject} <axis xyz>"),
-                value: format!("\"{}\"", printable(text, 60)),
+                value: format!("\"{}\"", excerpt(text, 60)),
                 problem,
                 remedy: remedy.to_owned(),
             });
@@ -484,7 +494,7 @@ impl Reader<'_> {
 }
 
 fn cause(word: &str) -> (String, &'static str) {
-    let shown = printable(word, 40);
+    let shown = excerpt(word, 40);
     if word.contains("${") || word.contains("$(") {
         return (
             format!("'{shown}' is xacro"),

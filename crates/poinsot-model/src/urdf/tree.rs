@@ -4,7 +4,7 @@ use super::raw::Robot;
 use super::{Remark, UrdfDefect};
 use crate::check::MOST_BODIES;
 use crate::check_name::misspelt;
-use crate::document::printable;
+use poinsot_files::excerpt;
 use std::collections::HashMap;
 
 /// The tree in indices of the file.
@@ -50,7 +50,7 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     ] {
         let mut seen: HashMap<&str, usize> = HashMap::new();
         for (name, byte) in list {
-            let subject = format!("{what} \"{}\"", printable(name, 60));
+            let subject = format!("{what} \"{}\"", excerpt(name, 60));
             if name.trim().is_empty() {
                 let problem = format!("a {what} without name");
                 push(
@@ -93,7 +93,7 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     let mut carried_by: Vec<Option<usize>> = vec![None; robot.links.len()];
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
     for (k, joint) in robot.joints.iter().enumerate() {
-        let subject = || format!("joint \"{}\"", printable(&joint.name, 60));
+        let subject = || format!("joint \"{}\"", excerpt(&joint.name, 60));
         let mut find = |which: &str, name: &str| {
             let found = index.get(name).copied();
             if found.is_none() && !name.is_empty() {
@@ -102,7 +102,7 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
                     "E0111",
                     joint.byte,
                     format!("{} <{which}>", subject()),
-                    format!("there is no link \"{}\"", printable(name, 60)),
+                    format!("there is no link \"{}\"", excerpt(name, 60)),
                     "name a link of the file",
                 );
             }
@@ -122,8 +122,8 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
                 subject(),
                 format!(
                     "link \"{}\" has two parents: joint \"{}\" carries it too",
-                    printable(&joint.child, 60),
-                    printable(other, 60)
+                    excerpt(&joint.child, 60),
+                    excerpt(other, 60)
                 ),
                 "remove one of the joints; closed loops are not supported",
             );
@@ -145,7 +145,7 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
     let named = |list: &[usize]| {
         let names = list.iter().take(8).filter_map(|&k| robot.links.get(k));
         let names: Vec<String> = names
-            .map(|l| format!("\"{}\"", printable(&l.name, 60)))
+            .map(|l| format!("\"{}\"", excerpt(&l.name, 60)))
             .collect();
         names.join(", ")
     };

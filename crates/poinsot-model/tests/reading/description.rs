@@ -8,12 +8,12 @@ use proptest::prelude::*;
 #[test]
 fn exact_a_telemetry_map_stands_in_its_own_file() {
     let path = std::env::temp_dir().join(format!("poinsot-map-{}.toml", std::process::id()));
-    let text = "[telemetry]\nwhere = { log = \"L\" }\n[telemetry.columns]\nanything = { column = \"a\", unit = \"rpm\" }\n";
+    let text = "[telemetry]\nwhere = { log = \"L\" }\n[telemetry.columns]\nwheel_rad_s = { column = \"a\", unit = \"rpm\" }\n";
     std::fs::write(&path, text).unwrap();
     let map = read_telemetry_map(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
-    assert_eq!(map.columns[0].unit, "rpm");
-    assert_eq!(map.row_filter[0].1, "L");
+    assert_eq!(map.all.columns[0].unit.as_deref(), Some("rpm"));
+    assert_eq!(map.all.row_filter[0].1, "L");
     assert_eq!(
         parse_telemetry_map("[telemetri]\n", "map.toml")
             .unwrap_err()

@@ -97,7 +97,7 @@ fn exact_files_that_cannot_be_read() {
     );
     assert_eq!(
         file("large", &vec![b'#'; 16 * 1024 * 1024 + 1]),
-        "E0101 F: the file is larger than 16 MiB; name a model file"
+        "E0101 F: the file is larger than 16 MiB; name a file of the right kind"
     );
     assert_eq!(
         file("none", HEAD.as_bytes()),

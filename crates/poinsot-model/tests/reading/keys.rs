@@ -81,7 +81,17 @@ where = { log = "LOG00119" }
 [telemetry.columns]
 omega_x = { column = "gyro1_wx", unit = "deg/s" }
 "imu.acc_x" = { column = "a \"x\"", unit = "m/s2" }
-turn_rad = { column = "turn", unit = "deg" }
+turn_rad = { column = "turn", counts_per_revolution = 4096.0, sign = -1.0 }
+[[telemetry.file]]
+name = "tracker*.csv"
+delimiter = "tab"
+comment = "%"
+header_row = 3
+units_row = true
+time = { column = "TOW", format = "gps_week", week = "WEEK", unit = "ms" }
+attitude = [{ euler = ["y", "p", "r"], sequence = "ZYX", unit = "deg", sense = "inertial_to_body" }]
+orbit = { position = ["rx", "ry", "rz"], unit = "km", frame = "earth_fixed" }
+columns.omega_y = { column = "wy", scale = 2.0, offset = 0.5 }
 "#;
     text
 }
@@ -156,10 +166,10 @@ fn exact_every_key_is_read() {
     );
     assert_eq!(model.environment.point_mass_gm, Some(3.986004418e14));
     assert_eq!(
-        model.telemetry.row_filter,
+        model.telemetry.all.row_filter,
         [("log".to_owned(), "LOG00119".to_owned())]
     );
-    assert_eq!(model.telemetry.columns.len(), 3);
+    assert_eq!(model.telemetry.all.columns.len(), 3);
     assert_eq!(
         model.notes,
         [

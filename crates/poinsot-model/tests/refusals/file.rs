@@ -74,7 +74,7 @@ telemetry.columns = { omgea_x = { column = "w", unit = "deg/s" } }"#,
         r#"name = "test""#,
         r#"name = "test"
 telemetry.columns = { omega_x = { column = "w" } }"#,
-        r#"E0106 m.toml:3:33: telemetry.columns.omega_x.unit: the key is missing; add unit: Unit of the column, for example "deg/s""#,
+        r#"E0212 m.toml:3:33: telemetry.columns.omega_x = { column = "w" }: there is no unit; write unit = "...", one of: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s; or units_row = true where the file has a row of units"#,
     ),
     (
         r#"name = "test""#,

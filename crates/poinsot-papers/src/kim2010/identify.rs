@@ -4,7 +4,7 @@
 //! stand in the answer, the rest only in the report of the method.
 
 use super::suspicions::suspicions;
-use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, VISITED, Variant, wheel_momentum};
+use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, Variant, wheel_momentum};
 use crate::method::{About, Method, MethodError, Named};
 use poinsot_identify::{
     BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment,
@@ -65,7 +65,10 @@ impl Named for Variant {
         ),
         (Self::Batch, "nine elements at once, (2)-(4)"),
         (Self::Conventional, "every element alone, (8)-(10), (14)"),
-        (Self::PreEstimate, "products with those already found"),
+        (
+            Self::PreEstimate,
+            "each product with the other one of its row as (15) gives it",
+        ),
         (
             Self::Iterated,
             "(14)-(16) repeated, the paper's future work",
@@ -238,7 +241,7 @@ fn run(sums: &Sums, variant: Variant) -> Result<Found, Kim2010Error> {
     let answer = match variant {
         Variant::Conventional => sums.conventional()?,
         Variant::Suggested => sums.suggested()?,
-        Variant::PreEstimate => sums.pre_estimate(&VISITED)?,
+        Variant::PreEstimate => sums.pre_estimate()?,
         Variant::Batch => {
             let (answer, rank) = sums.batch()?;
             if rank < 9 {

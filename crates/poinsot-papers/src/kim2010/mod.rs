@@ -81,7 +81,7 @@ pub enum Variant {
     Batch,
     /// Every element alone, (8)-(10), (14).
     Conventional,
-    /// Products one after the other, each with those found before.
+    /// Products from the moments and the other product of the row as (15) gives it.
     PreEstimate,
     /// Products from the moments alone, (14)-(16).
     Suggested,
@@ -184,6 +184,21 @@ impl Sums {
         for manoeuvre in manoeuvres {
             sums.add(manoeuvre)?;
         }
+        sums.check()?;
+        Ok(sums)
+    }
+
+    /// The sums themselves, of a record that starts at rest: `sum w w^T` and `sum Q w^T`.
+    ///
+    /// # Errors
+    /// The estimators could not divide by these sums.
+    pub fn at_rest(G: Matrix3, K: Matrix3, samples: usize) -> Result<Self, Kim2010Error> {
+        let sums = Self {
+            G,
+            K,
+            start: [[Matrix3::zeros(); 3]; 3],
+            samples,
+        };
         sums.check()?;
         Ok(sums)
     }
@@ -334,15 +349,37 @@ impl Sums {
         found
     }
 
-    /// "Considering pre-estimate": as [`Self::suggested`], but each product is computed with the other
-    /// one of its row, where that (or its mirror image) was found before.
+    /// "Considering pre-estimate": every product with the other product of its row as (15) gives it, all at
+    /// once. `I_xz` stays as (15b) gives it, the paper's own example of a product that uses no other.
     ///
-    /// The paper does not say in which order; [`VISITED`] is nearest to its column. In the order of (15)
-    /// `xy` would equal the suggested one, which the printed table excludes.
+    /// The text does not state this reading. It is the one that reproduces the printed column from the sums
+    /// that the other columns of Table 2 fix (`docs/methods/kim2010.md`).
     ///
     /// # Errors
     /// Not finite.
-    pub fn pre_estimate(&self, order: &[(usize, usize); 6]) -> Result<Answer, Kim2010Error> {
+    pub fn pre_estimate(&self) -> Result<Answer, Kim2010Error> {
+        let moments = self.moments(&Matrix3::zeros())?;
+        let first = self.products(&moments);
+        let mut I = first;
+        for (i, j) in PRODUCTS.into_iter().filter(|e| *e != (0, 2)) {
+            let mut given = moments;
+            let other = (i, 3 - i - j);
+            given[other] = first[other];
+            I[(i, j)] = self.residual(&given)[(i, j)] / self.G[(j, j)];
+        }
+        Ok(averaged(I))
+    }
+
+    /// A sequential reading of "considering pre-estimate": products found one after the other in `order`,
+    /// each with the other product of its row where that (or its mirror image) was found before. No order
+    /// reproduces the printed column; kept for comparison.
+    ///
+    /// # Errors
+    /// Not finite.
+    pub fn pre_estimate_in_order(
+        &self,
+        order: &[(usize, usize); 6],
+    ) -> Result<Answer, Kim2010Error> {
         let mut I = self.moments(&Matrix3::zeros())?;
         let moments = I;
         // The tensor is symmetric: of a pair the element found first stands for both.

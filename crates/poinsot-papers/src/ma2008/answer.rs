@@ -4,7 +4,7 @@ use super::both::*;
 use super::error::Ma2008Error;
 use super::influence::Directions;
 use super::words::*;
-use super::{Known, Raw, Vehicle, tensor};
+use super::{Given, Raw, Vehicle, tensor};
 use crate::method::{About, Method, MethodError, Named};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
@@ -17,9 +17,9 @@ use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 /// Which option of both steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
-    /// Option 1: the momentum is given by the model.
+    /// Option 1 for the linear, the angular momentum or both, as the model gives them.
     KnownMomentum,
-    /// Option 2: it is eliminated by increments.
+    /// Option 2: both are eliminated by increments.
     UnknownMomentum,
 }
 
@@ -31,7 +31,7 @@ impl Named for Variant {
         ),
         (
             Self::KnownMomentum,
-            "option 1: the model gives the momentum",
+            "option 1: the model gives linear or angular momentum, or both",
         ),
     ];
 
@@ -81,19 +81,27 @@ pub(super) const PAPER_NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008Error> {
     let given = check(problem, variant)?;
     let mut vehicle = Vehicle::new(problem.model, problem.tree);
-    let data: Vec<Vec<Raw>> = problem
-        .segments
-        .iter()
-        .map(|s| raws(problem, s))
-        .collect::<Result<_, _>>()?;
-    let sources = sources(problem.noise);
+    let mut data: Vec<Vec<Raw>> = Vec::new();
+    let mut step = None;
+    for segment in problem.segments {
+        let (raws, summed) = raws(problem, segment, &given)?;
+        data.push(raws);
+        step = step.or(summed);
+    }
+    let mut segments = problem.segments.iter();
+    let velocity = segments.any(|s| s.samples.translation.is_some());
+    let sources = sources(problem.noise, velocity, step);
     let solved = solve_both(problem, &mut vehicle, &data, &sources, given)?;
     let mut contradicted = None;
-    if given.is_some() && solved.chi2 > REJECT {
-        let free = solve_both(problem, &mut vehicle, &data, &sources, None)?;
+    if given != Given::default() && solved.chi2 > REJECT {
+        let free = solve_both(problem, &mut vehicle, &data, &sources, Given::default())?;
         contradicted = (solved.chi2 > 4.0 * free.chi2).then_some(free.chi2);
     }
-    Ok(write(problem, variant, given, &solved, contradicted))
+    let mut estimate = write(problem, variant, given, &solved, contradicted);
+    if step.is_some() {
+        estimate.assumptions.push("velocity: summed from the first sample over velocity increments or specific force; its unknown constant is eliminated".to_owned());
+    }
+    Ok(estimate)
 }
 
 /// The ten numbers `u = [m, com, I in the paper's order]` with covariance and what is open of them.
@@ -194,7 +202,7 @@ fn properties(u: &[f64; 10]) -> MassProperties {
 fn write(
     problem: &Problem,
     variant: Variant,
-    given: Option<Known>,
+    given: Given,
     solved: &Solved,
     contradicted: Option<f64>,
 ) -> Estimate {
@@ -239,7 +247,7 @@ fn write(
         variant: Some(variant.name().to_owned()),
         status,
         system,
-        momentum: momentum(problem, given, solved, &ten),
+        momentum: momentum(given, solved, &ten),
         nuisance: Vec::new(),
         covariance_names,
         covariance_units,
@@ -262,7 +270,7 @@ fn write(
         assumptions: Vec::new(),
         diagnostics: None,
         method_report: Some(MethodReport {
-            note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds on the errors and condition numbers of both steps, at the declared noise".to_owned(),
+            note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
             numbers: report(solved)
                 .into_iter()
                 .map(|(name, value, unit)| NamedNumber {
@@ -377,19 +385,7 @@ pub(super) fn unit(k: usize) -> &'static str {
     }
 }
 
-fn momentum(
-    problem: &Problem,
-    given: Option<Known>,
-    solved: &Solved,
-    ten: &Ten,
-) -> Vec<MomentumEstimate> {
-    if let Some(k) = given {
-        let one = MomentumEstimate {
-            linear: [0, 1, 2].map(|i| Number::known(k.p_C_N[i])),
-            angular: [0, 1, 2].map(|i| Number::known(k.h_C_N[i])),
-        };
-        return vec![one; problem.segments.len()];
-    }
+fn momentum(given: Given, solved: &Solved, ten: &Ten) -> Vec<MomentumEstimate> {
     let cov: &DMatrix<f64> = &solved.influence.covariance;
     let number = |value: f64, at: usize, open: bool| {
         if open {
@@ -405,8 +401,14 @@ fn momentum(
         .iter()
         .enumerate()
         .map(|(s, (P, H))| MomentumEstimate {
-            linear: [0, 1, 2].map(|k| number(P[k], 10 + 6 * s + k, open_P)),
-            angular: [0, 1, 2].map(|k| number(H[k], 13 + 6 * s + k, open_H)),
+            linear: [0, 1, 2].map(|k| match given.p_C_N {
+                Some(p) => Number::known(p[k]),
+                None => number(P[k], 10 + 6 * s + k, open_P),
+            }),
+            angular: [0, 1, 2].map(|k| match given.h_C_N {
+                Some(h) => Number::known(h[k]),
+                None => number(H[k], 13 + 6 * s + k, open_H),
+            }),
         })
         .collect()
 }
@@ -423,12 +425,12 @@ fn report(solved: &Solved) -> Vec<(String, f64, &'static str)> {
             "1",
         ));
         out.push((
-            format!("step {n}: size of the matrix error, rms"),
+            format!("step {n}: size of the matrix error, limit"),
             bound.epsilon_A,
             ["mixed", "rad/s"][step.min(1)],
         ));
         out.push((
-            format!("step {n}: size of the right-hand side error, rms"),
+            format!("step {n}: size of the right-hand side error, limit"),
             bound.epsilon_b,
             ["m/s", "N m s"][step.min(1)],
         ));

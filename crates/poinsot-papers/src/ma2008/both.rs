@@ -3,9 +3,10 @@
 use super::answer::Variant;
 use super::bounds::{Bound, bound};
 use super::error::Ma2008Error;
+use super::increments::relative;
 use super::influence::{Directions, Influence, Setting, Solution, Source, influence};
 use super::{
-    AngularRows, Known, LinearRows, Raw, Reading, Step, Vehicle, angular_known, angular_rows,
+    AngularRows, Given, LinearRows, Raw, Reading, Step, Vehicle, angular_known, angular_rows,
     differences, linear_known, linear_rows, solve,
 };
 use crate::method::Named;
@@ -14,10 +15,13 @@ use poinsot_identify::{Noise, Problem, Segment};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
+/// Size of an error that its root mean square exceeds times this with a probability below 0.1 %: a sum of squares of
+/// normal numbers with mean m stays below `m (1 + sqrt(2 t))^2` but for `exp(-t)` (Laurent and Massart 2000).
+const LIMIT: f64 = 4.717;
 /// Share of a direction's squared length that may be noise before it is not believed.
 const NOISE_SHARE: f64 = 0.5;
 
-pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Option<Known>, Ma2008Error> {
+pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008Error> {
     let model = problem.model;
     if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
         let body = body.name.clone();
@@ -36,10 +40,9 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Option<Known>
         let wheel = wheel.name.clone();
         return Err(Ma2008Error::UnknownWheel { wheel });
     }
-    let needed = if variant == Variant::KnownMomentum {
-        2
-    } else {
-        3
+    let needed = match variant {
+        Variant::KnownMomentum => 2,
+        Variant::UnknownMomentum => 3,
     };
     for segment in problem.segments {
         let label = segment.label.clone();
@@ -57,40 +60,64 @@ pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Option<Known>
         }
     }
     if variant == Variant::UnknownMomentum {
-        return Ok(None);
+        return Ok(Given::default());
     }
-    let pick = |k: MomentumKnowledge, key| match k {
-        MomentumKnowledge::Known(value) => Ok(value),
-        MomentumKnowledge::Estimate => Err(Ma2008Error::MomentumUnknown { key }),
+    let pick = |k: MomentumKnowledge| match k {
+        MomentumKnowledge::Known(value) => Some(value),
+        MomentumKnowledge::Estimate => None,
     };
-    Ok(Some(Known {
-        p_C_N: pick(model.momentum.linear, "linear_N_s")?,
-        h_C_N: pick(model.momentum.angular, "angular_N_m_s")?,
-    }))
+    let given = Given {
+        p_C_N: pick(model.momentum.linear),
+        h_C_N: pick(model.momentum.angular),
+    };
+    match given == Given::default() {
+        true => Err(Ma2008Error::MomentumUnknown),
+        false => Ok(given),
+    }
 }
 
-pub(super) fn raws(problem: &Problem, segment: &Segment) -> Result<Vec<Raw>, Ma2008Error> {
+/// Samples of a segment, and the covariance that one interval adds where the velocity is summed from increments.
+pub(super) fn raws(
+    problem: &Problem,
+    segment: &Segment,
+    given: &Given,
+) -> Result<(Vec<Raw>, Option<Matrix3>), Ma2008Error> {
     let s = &segment.samples;
-    let translation = s.translation.as_ref().ok_or_else(|| {
-        let label = segment.label.clone();
-        Ma2008Error::NoVelocity { label }
-    })?;
+    let summed = match (&s.translation, given.p_C_N) {
+        (None, None) => relative(segment),
+        _ => None,
+    };
+    let velocity = |k: usize| match (&s.translation, &summed) {
+        (Some(t), _) => Some(t.v_NBo_N[k]),
+        (None, Some(relative)) => relative.velocity[k],
+        (None, None) => None,
+    };
     let (dof, wheels) = (problem.tree.dof(), problem.tree.rotors.len());
     let row = |list: &[f64], k: usize, n: usize| list[k * n..(k + 1) * n].to_vec();
-    Ok((0..s.time_s.len())
-        .map(|k| Raw {
-            R_NB: s.R_NB[k],
-            v_NBo_N: translation.v_NBo_N[k],
-            w_NB_B: s.w_NB_B[k],
-            q: row(&s.joint_position, k, dof),
-            rates: row(&s.joint_rate, k, dof),
-            wheel_speed: row(&s.wheel_speed, k, wheels),
+    let raws: Vec<Raw> = (0..s.time_s.len())
+        .filter_map(|k| {
+            Some(Raw {
+                R_NB: s.R_NB[k],
+                v_NBo_N: velocity(k)?,
+                w_NB_B: s.w_NB_B[k],
+                q: row(&s.joint_position, k, dof),
+                rates: row(&s.joint_rate, k, dof),
+                wheel_speed: row(&s.wheel_speed, k, wheels),
+            })
         })
-        .collect())
+        .collect();
+    if raws.len() < 2 {
+        let label = segment.label.clone();
+        return Err(Ma2008Error::NoVelocity { label });
+    }
+    Ok((raws, summed.map(|r| r.step)))
 }
 
 /// Independent one-sigma errors of one sample, with the share of their variance that the data show.
-pub(super) fn sources(noise: &Noise) -> Vec<(Source, f64)> {
+///
+/// `velocity` tells whether a segment measures it; `step` is the covariance of velocity increments, whose noise is taken
+/// as really there.
+pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
     let axes = |covariance: &Matrix3| -> Vec<Vector3> {
         let e = SymmetricEigen::new(*covariance);
         (0..3)
@@ -116,12 +143,18 @@ pub(super) fn sources(noise: &Noise) -> Vec<(Source, f64)> {
     out.extend(
         axes(&noise.velocity)
             .into_iter()
+            .filter(|_| velocity)
             .map(|s| (Source::Velocity(s), v)),
     );
     out.extend(
         axes(&noise.attitude)
             .into_iter()
             .map(|s| (Source::Attitude(s), v)),
+    );
+    out.extend(
+        axes(&step.unwrap_or_default())
+            .into_iter()
+            .map(|s| (Source::VelocityStep(s), 1.0)),
     );
     let joint = noise.seen_joint_rate;
     for (k, s) in scalars(&noise.joint_position) {
@@ -157,7 +190,7 @@ pub(super) fn solve_both(
     vehicle: &mut Vehicle,
     data: &[Vec<Raw>],
     sources: &[(Source, f64)],
-    given: Option<Known>,
+    given: Given,
 ) -> Result<Solved, Ma2008Error> {
     let arm_mass = vehicle.arm_mass();
     let base = problem
@@ -178,7 +211,7 @@ pub(super) fn solve_both(
     let rows = differences(
         &readings,
         linear_rows,
-        given.map(|k| linear_known(&k, arm_mass)),
+        given.p_C_N.map(|p| linear_known(&p, arm_mass)),
     );
     let linear_step: Step<4> = solve::<4, 5>(&rows);
     let natural = [arm_mass / m, L, L, L];
@@ -214,7 +247,7 @@ pub(super) fn solve_both(
     let mut chi2 = linear_step_residual(&rows, &x) / left;
     let mut chi2_segment = shares(
         &readings,
-        given.is_some(),
+        given.p_C_N.is_some(),
         &rows,
         |r| (r * up(&x)).norm_squared(),
         left,
@@ -223,8 +256,8 @@ pub(super) fn solve_both(
     let mut explained = 1.0 - linear_step_residual(&rows, &x) / whole.max(f64::MIN_POSITIVE);
     let mut bounds = vec![bound(
         &linear_step,
-        effect.linear.epsilon_A.sqrt(),
-        effect.linear.epsilon_b.sqrt(),
+        LIMIT * effect.linear.epsilon_A.sqrt(),
+        LIMIT * effect.linear.epsilon_b.sqrt(),
     )];
 
     // Step 2, where step 1 is complete.
@@ -232,7 +265,8 @@ pub(super) fn solve_both(
     if linear.usable == [true; 4] && x[0] > 0.0 {
         let (m_S, rho_S) = (arm_mass / x[0], x.fixed_rows::<3>(1).into_owned());
         let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-        let rows: Vec<AngularRows> = differences(&readings, of, given.map(|k| angular_known(&k)));
+        let rows: Vec<AngularRows> =
+            differences(&readings, of, given.h_C_N.map(|h| angular_known(&h)));
         let step: Step<6> = solve::<6, 7>(&rows);
         let natural = [m * L * L; 6];
         let floor = round_off(all().map(of), &natural);
@@ -269,7 +303,7 @@ pub(super) fn solve_both(
         chi2 = chi2.max(left / expected);
         let second = shares(
             &readings,
-            given.is_some(),
+            given.h_C_N.is_some(),
             &rows,
             |r| (r * up6(&y)).norm_squared(),
             expected,
@@ -281,8 +315,8 @@ pub(super) fn solve_both(
         explained = explained.min(1.0 - left / whole.max(f64::MIN_POSITIVE));
         bounds.push(bound(
             &step,
-            effect.angular.epsilon_A.sqrt(),
-            effect.angular.epsilon_b.sqrt(),
+            LIMIT * effect.angular.epsilon_A.sqrt(),
+            LIMIT * (effect.angular.epsilon_b.sqrt() + effect.passed_on.sqrt()),
         ));
         angular = Some((y, directions));
     }

@@ -24,14 +24,14 @@ pub(super) const CODES: &[Explained] = &[
     (
         "E0524",
         "ma2008, variant known-momentum, needs the momentum.",
-        "[momentum] says \"estimate\".",
-        "Give it in N, or use --variant unknown-momentum.",
+        "both parts in [momentum] are \"estimate\".",
+        "Give one or both in N, or use --variant unknown-momentum.",
     ),
     (
         "E0525",
         "ma2008 needs the velocity of the base.",
-        "No channels v_x v_y v_z.",
-        "Add them, or use --method maximum_likelihood.",
+        "No channels v_x v_y v_z, and no velocity increments dv_x dv_y dv_z.",
+        "Add one of them, or use --method maximum_likelihood.",
     ),
     (
         "E0526",

@@ -27,17 +27,14 @@ pub enum Ma2008Error {
         /// Base.
         base: String,
     },
-    /// Momentum not known.
+    /// Neither part of the momentum known.
     #[error(
-        "E0524 [momentum] {key} = \"estimate\": variant known-momentum needs it in N (N s; N m s about the system mass centre at the first sample); give it, or use --variant unknown-momentum"
+        "E0524 [momentum] linear_N_s and angular_N_m_s are both \"estimate\": variant known-momentum needs one of them or both in N (N s; N m s about the system mass centre at the first sample); give it, or use --variant unknown-momentum"
     )]
-    MomentumUnknown {
-        /// Key.
-        key: &'static str,
-    },
+    MomentumUnknown,
     /// No velocity.
     #[error(
-        "E0525 segment '{label}': no velocity channel (v_x v_y v_z): ma2008 needs it for step 1; add it, or use --method maximum_likelihood"
+        "E0525 segment '{label}': no velocity channel (v_x v_y v_z): ma2008 needs it for step 1; add it, or velocity increments (dv_x dv_y dv_z) for variant unknown-momentum, or use --method maximum_likelihood"
     )]
     NoVelocity {
         /// Segment.

@@ -7,7 +7,7 @@
 //! and minus one sigma.
 
 use super::solve::{Step, decompose};
-use super::{Known, Raw, Vehicle, angular_known, angular_rows, linear_known, linear_rows};
+use super::{Given, Raw, Vehicle, angular_known, angular_rows, linear_known, linear_rows};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
@@ -18,6 +18,8 @@ pub enum Source {
     Rate(Vector3),
     /// Of the velocity, in N, m/s.
     Velocity(Vector3),
+    /// Of the change of velocity since the sample before, in N, m/s: it stays in all later samples.
+    VelocityStep(Vector3),
     /// Of the attitude, a small rotation in B, rad.
     Attitude(Vector3),
     /// Of a joint's position, rad or m.
@@ -38,7 +40,7 @@ impl Source {
         };
         match *self {
             Self::Rate(s) => raw.w_NB_B += s * sign,
-            Self::Velocity(s) => raw.v_NBo_N += s * sign,
+            Self::Velocity(s) | Self::VelocityStep(s) => raw.v_NBo_N += s * sign,
             Self::Attitude(s) => raw.R_NB *= UnitQuaternion::from_scaled_axis(s * sign),
             Self::JointPosition(k, s) => push(&mut raw.q, k, s),
             Self::JointRate(k, s) => push(&mut raw.rates, k, s),
@@ -166,6 +168,8 @@ pub struct Influence {
     pub coupling: SMatrix<f64, 6, 4>,
     /// What the error of step 1 adds to `E ||e||^2` of step 2.
     pub inherited: f64,
+    /// `E ||C dx||^2`: size of the right-hand side of step 2 that the error of step 1 moves.
+    pub passed_on: f64,
 }
 
 /// Both solved steps as the influence needs them.
@@ -183,8 +187,8 @@ pub struct Solution<'a> {
 pub struct Setting<'a> {
     /// Segments.
     pub segments: &'a [Vec<Raw>],
-    /// Known momentum (options 1).
-    pub known: Option<Known>,
+    /// Momentum as far as it is known (option 1 of each step).
+    pub known: Given,
     /// Noise sources of one sample.
     pub sources: &'a [(Source, f64)],
 }
@@ -205,8 +209,8 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
         y1,
     };
     let known = setting.known;
-    let reference1 = known.map(|k| linear_known(&k, arm_mass));
-    let reference2 = known.map(|k| angular_known(&k));
+    let reference1 = known.p_C_N.map(|p| linear_known(&p, arm_mass));
+    let reference2 = known.h_C_N.map(|h| angular_known(&h));
     let two = solution.angular.is_some();
 
     // First pass: sums over samples that the first sample and the momentum need.
@@ -227,7 +231,11 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             let (r1, r2, rc) = *first.get_or_insert((
                 reference1.unwrap_or(t1),
                 reference2.unwrap_or(t2),
-                if known.is_some() { SMatrix::zeros() } else { c },
+                if known.h_C_N.is_some() {
+                    SMatrix::zeros()
+                } else {
+                    c
+                },
             ));
             let (a, b) = (
                 (t1 - r1).fixed_columns::<4>(0).into_owned(),
@@ -236,6 +244,7 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             K += b.transpose() * (c - rc);
             inherited += (c - rc).transpose() * (c - rc);
             sum.A += a;
+            sum.before.push(sum.A - a);
             sum.B += b;
             sum.t1 += t1;
             sum.t2 += t2;
@@ -259,6 +268,7 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
             .collect(),
         coupling: K,
         inherited: 0.0,
+        passed_on: 0.0,
     };
     let mut effect = DVector::<f64>::zeros(size);
     for (at, (segment, sums)) in setting.segments.iter().zip(&per_segment).enumerate() {
@@ -278,34 +288,42 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
                 (sums.count - 1.0) / followed
             };
             let reading = vehicle.reading(raw);
-            let (A, B, C) = if opens && known.is_none() {
-                (-sums.A, -sums.B, -sums.own_C)
-            } else {
-                let (t2, c) = if two {
-                    (steps.angular(&reading), steps.slope(&reading) - rc)
-                } else {
-                    (r2, rc)
-                };
-                (
-                    (linear_rows(&reading) - r1)
-                        .fixed_columns::<4>(0)
+            // In option 2 the first sample stands in all rows of its segment.
+            let in_all = [known.p_C_N, known.h_C_N].map(|k| opens && k.is_none());
+            let A = match in_all[0] {
+                true => -sums.A,
+                false => (linear_rows(&reading) - r1)
+                    .fixed_columns::<4>(0)
+                    .into_owned(),
+            };
+            let (B, C) = match (in_all[1], two) {
+                (true, _) => (-sums.B, -sums.own_C),
+                (false, true) => (
+                    (steps.angular(&reading) - r2)
+                        .fixed_columns::<6>(0)
                         .into_owned(),
-                    (t2 - r2).fixed_columns::<6>(0).into_owned(),
-                    c,
-                )
+                    steps.slope(&reading) - rc,
+                ),
+                (false, false) => (SMatrix::zeros(), SMatrix::zeros()),
             };
-            // In option 2 the first sample's own error stands in all rows of the segment.
-            let in_rows = if opens && known.is_none() {
-                sums.count - 1.0
-            } else {
-                weight
-            };
+            let in_rows = in_all.map(|all| if all { sums.count - 1.0 } else { weight });
+            // An error of the change of velocity stands in the rows of all later samples.
+            let later = sums.A - sums.before[k];
+            let rows_later = sums.count - k as f64;
             for (source, seen) in setting.sources {
+                let stays = matches!(source, Source::VelocityStep(_));
+                if stays && opens {
+                    continue;
+                }
+                let (A, in_linear, samples) = match stays {
+                    true => (later, weight * rows_later, rows_later),
+                    false => (A, in_rows[0], 1.0),
+                };
                 let plus = vehicle.reading(&source.moved(raw, 1.0));
                 let minus = vehicle.reading(&source.moved(raw, -1.0));
                 let d1 = (linear_rows(&plus) - linear_rows(&minus)) * 0.5;
                 let e1 = d1 * x1;
-                out.linear.add(&d1, &e1, in_rows, *seen);
+                out.linear.add(&d1, &e1, in_linear, *seen);
                 let c1 = solution.linear.along(&(A.transpose() * e1));
                 let dx = solution.linear.in_units(&c1);
                 effect.fill(0.0);
@@ -316,15 +334,17 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
                 if let Some((_, angular)) = solution.angular {
                     let d2 = (steps.angular(&plus) - steps.angular(&minus)) * 0.5;
                     let e2 = d2 * y1;
-                    out.angular.add(&d2, &e2, in_rows, *seen);
+                    out.angular.add(&d2, &e2, in_rows[1], *seen);
                     let c2 = angular.along(&(B.transpose() * e2 + K * dx));
                     effect.fixed_rows_mut::<6>(4).copy_from(&c2);
                     dy = angular.in_units(&c2);
-                    out.inherited += weight * (2.0 * e2.dot(&(C * dx)) + dx.dot(&(inherited * dx)));
+                    let passed_on = dx.dot(&(inherited * dx));
+                    out.passed_on += weight * passed_on;
+                    out.inherited += weight * (2.0 * e2.dot(&(C * dx)) + passed_on);
                     own_h = e2;
                 }
                 for (other, s) in per_segment.iter().enumerate() {
-                    let own = f64::from(u8::from(other == at)) / s.count;
+                    let own = f64::from(u8::from(other == at)) * samples / s.count;
                     let P = out.momentum[other].0;
                     let dP = (s.t1.fixed_columns::<4>(0) * dx / s.count + e1 * own) * m_S
                         + P * (dm / m_S);
@@ -342,6 +362,8 @@ pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) 
 #[derive(Default)]
 struct SegmentSums {
     A: SMatrix<f64, 3, 4>,
+    /// Sum of `A` before each sample.
+    before: Vec<SMatrix<f64, 3, 4>>,
     B: SMatrix<f64, 3, 6>,
     C: SMatrix<f64, 3, 4>,
     own_C: SMatrix<f64, 3, 4>,

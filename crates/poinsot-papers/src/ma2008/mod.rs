@@ -26,6 +26,8 @@
 //!   once the base turns; [`printed`] keeps them for comparison.
 //! - (25)-(26) take `I_R` about the origin of `F_S`; (2), (9), (20), (24) need it about the arm's own
 //!   mass centre.
+//! - Sec. II.B obtains relative velocities by integrating an accelerometer. Without a velocity channel option 2
+//!   takes velocity increments or specific force of an instrument of the base, summed from the first sample.
 //! - (8)-(9) leave out the arm's momentum relative to the base, so they hold for stopped joints only. It
 //!   is included here, with `u = p_R/m_R` and `h_R` about the arm's mass centre: every sample counts.
 //!
@@ -39,6 +41,7 @@ mod both;
 pub mod bounds;
 mod codes;
 mod error;
+mod increments;
 mod influence;
 mod lanes;
 pub mod printed;
@@ -84,6 +87,24 @@ pub struct Known {
     pub h_C_N: Vector3,
 }
 
+/// Momentum as far as it is known, in N: option 1 of a step takes its part, option 2 does without.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Given {
+    /// Linear, N s.
+    pub p_C_N: Option<Vector3>,
+    /// Angular about the system's mass centre, N m s.
+    pub h_C_N: Option<Vector3>,
+}
+
+impl From<Option<Known>> for Given {
+    fn from(known: Option<Known>) -> Self {
+        Self {
+            p_C_N: known.map(|k| k.p_C_N),
+            h_C_N: known.map(|k| k.h_C_N),
+        }
+    }
+}
+
 /// Both steps solved.
 #[derive(Debug, Clone)]
 pub struct TwoStep {
@@ -117,12 +138,17 @@ impl TwoStep {
 /// With known momentum (options 1) the rows are those of (13) and (20), else (options 2) the difference
 /// of every sample to the first of its segment.
 pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
+    two_step_given(segments, known.into())
+}
+
+/// The same with each part of the momentum known or not.
+pub fn two_step_given(segments: &[Vec<Reading>], given: Given) -> TwoStep {
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
     // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is not known yet: equal columns.
     let rows = differences(
         segments,
         linear_rows,
-        known.map(|k| linear_known(&k, arm_mass)),
+        given.p_C_N.map(|p| linear_known(&p, arm_mass)),
     );
     let linear: Step<4> = solve::<4, 5>(&rows);
     let mut answer = TwoStep {
@@ -136,7 +162,7 @@ pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
     // Step 2: B y = c, (18)-(20) or (22)-(24), with mass and mass centre of step 1.
     let (m_S, rho_S) = (answer.mass(), answer.rho_S());
     let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-    let rows = differences(segments, of, known.map(|k| angular_known(&k)));
+    let rows = differences(segments, of, given.h_C_N.map(|h| angular_known(&h)));
     answer.angular = Some(solve::<6, 7>(&rows));
     answer
 }
@@ -187,16 +213,16 @@ pub fn tensor(y: &[f64; 6]) -> Matrix3 {
 }
 
 /// What known linear momentum takes off the rows of step 1: `p_C(0)/m_R` off `a`, (13).
-pub fn linear_known(known: &Known, arm_mass: f64) -> LinearRows {
+pub fn linear_known(p_C_N: &Vector3, arm_mass: f64) -> LinearRows {
     let mut rows = LinearRows::zeros();
-    rows.set_column(0, &(known.p_C_N / arm_mass));
+    rows.set_column(0, &(p_C_N / arm_mass));
     rows
 }
 
 /// What known angular momentum takes off the rows of step 2, (20).
-pub fn angular_known(known: &Known) -> AngularRows {
+pub fn angular_known(h_C_N: &Vector3) -> AngularRows {
     let mut rows = AngularRows::zeros();
-    rows.set_column(6, &known.h_C_N);
+    rows.set_column(6, h_C_N);
     rows
 }
 

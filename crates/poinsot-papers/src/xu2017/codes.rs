@@ -11,9 +11,9 @@ pub(super) const CODES: &[Explained] = &[
     ),
     (
         "E0532",
-        "xu2017 takes a body as known or unknown, not in part.",
+        "xu2017 takes a body as known, as unknown, or with known mass and mass centre.",
         "estimate = [\"mass\"] on one body.",
-        "Write estimate = true, or use --method auto.",
+        "Write estimate = true or [\"inertia\"], or use --method auto.",
     ),
     (
         "E0533",

@@ -17,9 +17,9 @@ pub enum Xu2017Error {
         /// Wheel.
         wheel: String,
     },
-    /// Part of a body known, in another way than the paper's second use.
+    /// Part of a body known, other than mass and mass centre together.
     #[error(
-        "E0532 body '{body}': estimate: xu2017 takes a body as known, unknown (estimate = true), or, where thrusters fire with the joints locked, all unknown bodies as estimate = [\"inertia\"]; change it, or use --method auto"
+        "E0532 body '{body}': estimate: xu2017 takes a body as known, as unknown (estimate = true), or with known mass and mass centre (estimate = [\"inertia\"]); change it, or use --method auto"
     )]
     PartlyKnown {
         /// Body.

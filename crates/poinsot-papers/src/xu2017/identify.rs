@@ -13,8 +13,9 @@ use super::{Kind, Variant};
 use crate::method::Named;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
-    BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, Source, Status, TENSOR,
-    axis_name, linear, tensor_name,
+    BodyEstimate, Estimate, FitOptions, MethodReport, NamedNumber, Number, ParametersError,
+    Problem, ProblemError, Source, Status, TENSOR, axis_name, linear, maximum_likelihood_with,
+    tensor_name,
 };
 use poinsot_spatial::{InertialParameters, PARAMETER_NAMES};
 use std::collections::HashMap;
@@ -30,7 +31,7 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
     };
     // The paper's own checks come first: their messages name what it needs.
     let found = sequence(problem, variant.order, &solver)?;
-    let mut estimate = linear(problem)?;
+    let mut estimate = certificate(problem)?;
     estimate.method = "xu2017".to_owned();
     estimate.variant = Some(variant.name().to_owned());
     estimate.assumptions.extend(found.notes.iter().cloned());
@@ -47,6 +48,21 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
         estimate.status = Status::IterationLimit;
     }
     Ok(estimate)
+}
+
+/// What the data determine, and how well: the linear method, or maximum likelihood where the thrust segments show
+/// attitude alone and the linear method cannot write its equations.
+fn certificate(problem: &Problem) -> Result<Estimate, Xu2017Error> {
+    match linear(problem) {
+        Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
+            let options = FitOptions {
+                undiagnosed: true,
+                ..FitOptions::default()
+            };
+            Ok(maximum_likelihood_with(problem, options)?)
+        }
+        other => Ok(other?),
+    }
 }
 
 fn iterations(found: &Found) -> usize {

@@ -112,12 +112,36 @@ pub(super) fn answer(
     }
 }
 
-/// The directions that rows of any motion show, natural units, one column each.
-pub(super) fn shown(rows: &[[f64; 10]], natural: &[f64]) -> Option<Mat<f64>> {
-    let a = Mat::from_fn(rows.len(), 10, |i, j| rows[i][j] * natural[j]);
+/// The directions that rows of any motion show, and those that they do not, natural units, one column each.
+pub(super) fn shown_and_hidden<const N: usize>(
+    rows: &[[f64; N]],
+    natural: &[f64],
+) -> Option<(Mat<f64>, Mat<f64>)> {
+    let a = Mat::from_fn(rows.len(), N, |i, j| rows[i][j] * natural[j]);
     let svd = a.thin_svd().ok()?;
-    let k = (0..10)
+    let k = (0..N)
         .take_while(|&k| svd.S()[k] > 1.0e-9 * svd.S()[0])
         .count();
-    Some(Mat::from_fn(10, k, |i, j| svd.V()[(i, j)]))
+    let columns =
+        |from: usize, to: usize| Mat::from_fn(N, to - from, |i, j| svd.V()[(i, from + j)]);
+    Some((columns(0, k), columns(k, N)))
+}
+
+/// The directions that rows of any motion show.
+pub(super) fn shown<const N: usize>(rows: &[[f64; N]], natural: &[f64]) -> Option<Mat<f64>> {
+    shown_and_hidden(rows, natural).map(|d| d.0)
+}
+
+/// The smallest `x` that comes nearest to `A x = b`.
+pub(super) fn smallest(A: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
+    let svd = A.thin_svd().ok()?;
+    let floor = 1.0e-9 * svd.S()[0];
+    let mut x = vec![0.0; A.ncols()];
+    for k in (0..A.nrows().min(A.ncols())).filter(|&k| svd.S()[k] > floor) {
+        let along: f64 = (0..A.nrows()).map(|i| svd.U()[(i, k)] * b[i]).sum::<f64>() / svd.S()[k];
+        for (j, x) in x.iter_mut().enumerate() {
+            *x += svd.V()[(j, k)] * along;
+        }
+    }
+    Some(x)
 }

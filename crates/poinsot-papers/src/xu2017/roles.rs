@@ -22,6 +22,8 @@ pub(super) struct Roles {
     pub normal: Vec<f64>,
     /// Whether each body is unknown.
     pub unknown: Vec<bool>,
+    /// Bodies of known mass and mass centre and unknown tensor.
+    pub tensor_alone: Vec<bool>,
     /// What is asked of the equivalent single body.
     pub part: Part,
 }
@@ -39,6 +41,11 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
         together: Vec::new(),
         normal: vec![0.0; dof],
         unknown: model.bodies.iter().map(|b| b.estimate.any()).collect(),
+        tensor_alone: model
+            .bodies
+            .iter()
+            .map(|b| b.estimate == TENSOR_ALONE)
+            .collect(),
         part: part(problem)?,
     };
     let moving: Vec<Vec<usize>> = problem
@@ -73,12 +80,6 @@ pub(super) fn roles(problem: &Problem) -> Result<Roles, Xu2017Error> {
     if nothing {
         return Err(Xu2017Error::NothingMoves);
     }
-    // A tensor alone is the second use: the locked robot, no joint in motion.
-    let first = found.unknown.iter().position(|u| *u).unwrap_or(0);
-    if found.part == Part::Inertia && found.moving_segments() > 0 {
-        let body = model.bodies[first].name.clone();
-        return Err(Xu2017Error::PartlyKnown { body });
-    }
     let several = found.unknown.iter().filter(|u| **u).count() > 1;
     if let Some(&at) = found.together.first().filter(|_| several) {
         let names = moving[at].iter().map(|&j| joint_name(problem, j));
@@ -98,17 +99,21 @@ impl Roles {
     }
 }
 
-/// Known, unknown, or of all unknown bodies the tensor alone.
+/// The second use: mass and mass centre are known, the tensor is not.
+pub(super) const TENSOR_ALONE: EstimateSet = EstimateSet {
+    mass: false,
+    com: false,
+    inertia: true,
+};
+
+/// Every body is known, unknown, or unknown in its tensor alone; of the whole the tensor alone is asked where
+/// that holds for all unknown bodies.
 fn part(problem: &Problem) -> Result<Part, Xu2017Error> {
-    let inertia = EstimateSet {
-        inertia: true,
-        ..EstimateSet::default()
-    };
     let asked = || problem.model.bodies.iter().filter(|b| b.estimate.any());
-    if asked().count() > 0 && asked().all(|b| b.estimate == inertia) {
+    if asked().count() > 0 && asked().all(|b| b.estimate == TENSOR_ALONE) {
         return Ok(Part::Inertia);
     }
-    match asked().find(|b| b.estimate != EstimateSet::ALL) {
+    match asked().find(|b| b.estimate != EstimateSet::ALL && b.estimate != TENSOR_ALONE) {
         Some(b) => Err(Xu2017Error::PartlyKnown {
             body: b.name.clone(),
         }),

@@ -1,6 +1,8 @@
 //! Sec. 3.1: the locked robot first, then joint after joint, 1..n or n..1, with the bookkeeping of (43)-(46).
 
 mod bodies;
+mod known;
+mod mass;
 mod readings;
 mod report;
 
@@ -15,6 +17,7 @@ use super::two_body::{
     MomentumRow, TwoBodyObjective, TwoBodyReading, rows, transported, transported_back,
 };
 use super::{Kind, particle, properties, sum};
+use nalgebra::SVector;
 use poinsot_dynamics::Kinematics;
 use poinsot_identify::{Problem, Segment};
 use poinsot_model::MomentumKnowledge;
@@ -68,6 +71,8 @@ struct Work<'a> {
     order: Order,
     /// Placement in the normal configuration.
     normal: Kinematics,
+    /// Whether the mass of the whole is known or was seen in translation.
+    weighed: bool,
     found: Found,
 }
 
@@ -85,6 +90,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
         solver,
         order,
         normal,
+        weighed: true,
         found: Found {
             bodies: nominal.collect(),
             total: None,
@@ -111,6 +117,7 @@ pub fn sequence(problem: &Problem, order: Order, solver: &Solver) -> Result<Foun
             }
             let outers = work.joints()?;
             work.share_out(&outers);
+            work.keep_known(&outers);
         }
     }
     Ok(work.found)
@@ -139,10 +146,18 @@ impl Work<'_> {
                 Form::Momentum => self.impulses(s),
             })
             .collect();
-        if self.roles.part == Part::All && rows.iter().flatten().any(|r| r.D.is_none()) {
-            self.found.notes.push(
-                "translation is not seen: the mass stays at its nominal value, which no number of the answer rests on".to_owned(),
-            );
+        self.weighed =
+            self.roles.part == Part::Inertia || rows.iter().flatten().any(|r| r.D.is_some());
+        if !self.weighed {
+            let note = match self.roles.moving_segments() {
+                0 => {
+                    "translation is not seen: the mass stays at its nominal value, which no number of the answer rests on"
+                }
+                _ => {
+                    "the thrust segments show no translation: the mass of the whole follows from the first joint that moves"
+                }
+            };
+            self.found.notes.push(note.to_owned());
         }
         let nominal = properties_of(&self.composite(0, |_| true))?;
         let linear = solve_single(&rows, form, &nominal, self.roles.part);
@@ -184,6 +199,8 @@ impl Work<'_> {
             });
             let first = order.remove(first.ok_or(Xu2017Error::NoScale)?);
             outers[first] = Some(self.beside_known(first)?);
+        } else if let Some(&joint) = order.first().filter(|_| !self.weighed) {
+            self.weigh(joint)?;
         }
         for joint in order {
             outers[joint] = Some(self.split(joint)?);
@@ -285,7 +302,7 @@ impl Work<'_> {
             let list = rows(list, compose);
             let head = free.then_some(6 * k);
             list.iter()
-                .for_each(|row| push(&mut system, row, head, heads));
+                .for_each(|row| push(&mut system, row, &[], head, heads));
             all.extend(list);
         }
         let seen = self.seen(part, compose, &natural);
@@ -324,13 +341,18 @@ impl Work<'_> {
         let (Searched::Inner(joint) | Searched::Outer(joint)) = part else {
             return None;
         };
+        shown(&equations(&rows(&self.motions(joint), compose)), natural)
+    }
+
+    /// Random motions of one joint and the base.
+    fn motions(&self, joint: usize) -> Vec<TwoBodyReading> {
         let child = self.child(joint);
         let mut rng = ChaCha8Rng::seed_from_u64(2017);
         let mut number = || (rng.next_u64() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
         let mut kinematics = Kinematics::new(self.problem.tree);
         let mut q = self.roles.normal.clone();
         let mut rates = vec![0.0; q.len()];
-        let readings: Vec<TwoBodyReading> = (0..MOTIONS)
+        (0..MOTIONS)
             .map(|_| {
                 q[joint] = self.roles.normal[joint] + number();
                 rates[joint] = number();
@@ -346,15 +368,7 @@ impl Work<'_> {
                     rest: [Vector3::zeros(); 3],
                 }
             })
-            .collect();
-        let list: Vec<[f64; 10]> = rows(&readings, compose)
-            .iter()
-            .flat_map(|row| {
-                let slope = row.slope;
-                [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| slope[(i, j)]))
-            })
-            .collect();
-        shown(&list, natural)
+            .collect()
     }
 
     /// The linear solution, or the swarm's beside it.
@@ -461,21 +475,37 @@ impl Work<'_> {
     }
 }
 
-/// The six equations of a sample in N: momentum about the inertial origin, zero or that of the segment.
-fn push(system: &mut Rows, row: &MomentumRow, head: Option<usize>, heads: usize) {
+/// The six equations of every row in base axes.
+fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
+    let of = |row: &MomentumRow| {
+        let slope = row.slope;
+        [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| slope[(i, j)]))
+    };
+    list.iter().flat_map(of).collect()
+}
+
+/// The six equations of a sample in N: momentum about the inertial origin, zero or that of the segment. `extra`
+/// are columns of further unknowns.
+fn push(
+    system: &mut Rows,
+    row: &MomentumRow,
+    extra: &[SVector<f64, 9>],
+    head: Option<usize>,
+    heads: usize,
+) {
     let to_N = |column: &[f64]| {
         let l = Vector3::from_column_slice(&column[..3]);
         let h = Vector3::from_column_slice(&column[6..9]);
         let P = row.R_NB * l;
         (P, row.R_NB * h + row.p_NoBo_N.cross(&P))
     };
-    let columns: Vec<(Vector3, Vector3)> = (0..10)
-        .map(|j| to_N(row.slope.column(j).as_slice()))
-        .collect();
+    let own = (0..10).map(|j| to_N(row.slope.column(j).as_slice()));
+    let more = extra.iter().map(|column| to_N(column.as_slice()));
+    let columns: Vec<(Vector3, Vector3)> = own.chain(more).collect();
     let (P, H) = to_N(row.constant.as_slice());
     for i in 0..6 {
         let pick = |c: &(Vector3, Vector3)| if i < 3 { c.0[i] } else { c.1[i - 3] };
-        let mut left = vec![0.0; heads + 10];
+        let mut left = vec![0.0; heads + columns.len()];
         if let Some(head) = head {
             left[head + i] = -1.0;
         }

@@ -24,7 +24,7 @@ pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> Str
         None => "",
     };
     format!(
-        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; what the data show is {} of {} combinations, and only those are answered. Sigma is that of the linear method on all segments at once, widened by the difference to it.",
+        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; what the data show is {} of {} combinations, and only those are answered. Sigma is that of the linear method (of maximum likelihood where thrust shows attitude alone) on all segments at once, widened by the difference to it.",
         variant.solver.words(),
         estimate.identifiability.rank,
         estimate.identifiability.parameters,

@@ -1,7 +1,7 @@
 //! Every fault of a CSV file, with the whole line that the user sees.
 
 use crate::{Folder, read_text};
-use poinsot_telemetry::{ColumnMap, ReadOptions, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
 
 fn fault(text: impl AsRef<[u8]>) -> String {
     read_text(text, &ReadOptions::default()).expect_err("must be refused")
@@ -17,11 +17,7 @@ fn strict(text: &str) -> String {
 
 fn map(channel: &str, column: &str, unit: &str) -> ReadOptions {
     ReadOptions {
-        columns: vec![ColumnMap {
-            channel: channel.into(),
-            column: column.into(),
-            unit: unit.into(),
-        }],
+        map: TelemetryMap::of(vec![ColumnMap::new(channel, column, unit)], Vec::new()),
         ..ReadOptions::default()
     }
 }
@@ -96,7 +92,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s,omega_x\n# made by hand\n0,1\n",
-            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out: '#' begins no comment here",
+            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out, or write [telemetry] comment = \"#\"",
         ),
         (
             "time_s,omega_x,omega_x\n0,1,2\n",
@@ -104,11 +100,11 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s;omega_x\n0;1,5\n",
-            "E0205 run.csv: the columns are separated by ';'; write commas, and points in decimal numbers",
+            "E0205 run.csv: the columns are separated by ';'; write [telemetry] delimiter = \";\", and points in decimal numbers",
         ),
         (
             "time_s\tomega_x\n0\t1\n",
-            "E0205 run.csv: the columns are separated by '\\t'; write commas, and points in decimal numbers",
+            "E0205 run.csv: the columns are separated by '\\t'; write [telemetry] delimiter = \"tab\", and points in decimal numbers",
         ),
         (
             "",

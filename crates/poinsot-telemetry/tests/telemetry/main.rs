@@ -3,6 +3,7 @@
 
 mod checks;
 mod conventions;
+mod exports;
 mod faults;
 mod inspection;
 mod noise;

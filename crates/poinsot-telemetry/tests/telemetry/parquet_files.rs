@@ -9,7 +9,7 @@ use arrow_array::{BooleanArray, Float64Array, StringArray};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
-use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryError, TelemetryMap, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -67,14 +67,13 @@ fn sample(folder: &Folder) -> PathBuf {
 }
 
 fn options() -> ReadOptions {
-    let map = |channel: &str, column: &str, unit: &str| ColumnMap {
-        channel: channel.into(),
-        column: column.into(),
-        unit: unit.into(),
-    };
+    let columns = vec![
+        ColumnMap::new("time_s", "t_ns", "ns"),
+        ColumnMap::new("omega_x", "wx", "rad/s"),
+    ];
+    let rows = vec![("log".into(), "b".into()), ("group".into(), "g".into())];
     ReadOptions {
-        columns: vec![map("time_s", "t_ns", "ns"), map("omega_x", "wx", "rad/s")],
-        row_filter: vec![("log".into(), "b".into()), ("group".into(), "g".into())],
+        map: TelemetryMap::of(columns, rows),
         ..ReadOptions::default()
     }
 }
@@ -101,7 +100,7 @@ fn unit_faults_name_file_row_and_column() {
     let folder = Folder::new();
     let path = sample(&folder);
     let unfiltered = ReadOptions {
-        row_filter: Vec::new(),
+        map: TelemetryMap::of(options().map.all.columns, Vec::new()),
         ..options()
     };
     let error = read(&[&path], &unfiltered).unwrap_err();
@@ -181,4 +180,74 @@ fn regress_a_dictionary_that_declares_more_than_it_holds_is_refused() {
         error.contains("a dictionary of column 'omega_x' declares"),
         "{error}"
     );
+}
+
+/// 400 rows in two groups, pages of some 64 rows, a dictionary in `omega_y`; made by pyarrow 26 with
+/// `write_page_checksum=True, row_group_size=200, data_page_size=512, write_batch_size=64`, data pages of version 1
+/// and 2.
+fn with_checksums(version: &str) -> Vec<u8> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    std::fs::read(data.join(format!("checksums_{version}.parquet"))).unwrap()
+}
+
+#[test]
+fn xval_checksums_of_another_writer_are_compared_and_reported() {
+    let folder = Folder::new();
+    for version in ["v1", "v2"] {
+        let path = folder.path("sums.parquet");
+        std::fs::write(&path, with_checksums(version)).unwrap();
+        let table = read(&[&path], &ReadOptions::default()).unwrap();
+        assert_eq!(table.sources[0].rows, 400);
+        let said = table.repairs.iter().find(|r| r.contains("checksums of"));
+        let said = said.unwrap_or_else(|| panic!("{version}: {:?}", table.repairs));
+        let words: Vec<&str> = said.split(' ').collect();
+        let count = |k: usize| words[k].parse::<usize>().unwrap();
+        // At least a page of each of four columns in two groups.
+        assert!(count(3) >= 8 && count(3) == count(5), "{said}");
+    }
+}
+
+/// One byte changed anywhere before the footer: where a checksum tells it, the file is refused, and what --recover
+/// keeps is as it was.
+#[test]
+fn regress_a_changed_page_is_refused_and_the_rows_before_it_are_kept() {
+    let folder = Folder::new();
+    let path = folder.path("sums.parquet");
+    for version in ["v1", "v2"] {
+        let good = with_checksums(version);
+        std::fs::write(&path, &good).unwrap();
+        let whole = read(&[&path], &ReadOptions::default()).unwrap();
+        let recover = ReadOptions {
+            recover: true,
+            ..ReadOptions::default()
+        };
+        let footer = &good[good.len() - 8..good.len() - 4];
+        let footer = u32::from_le_bytes(footer.try_into().unwrap()) as usize;
+        let (mut refused, mut recovered) = (0, 0);
+        for at in (4..good.len() - 8 - footer).step_by(41) {
+            let mut bad = good.clone();
+            bad[at] ^= 0x10;
+            std::fs::write(&path, &bad).unwrap();
+            let Err(error) = read(&[&path], &ReadOptions::default()) else {
+                continue;
+            };
+            if !error.to_string().contains("does not match its checksum") {
+                continue;
+            }
+            refused += 1;
+            let Ok(table) = read(&[&path], &recover) else {
+                continue;
+            };
+            recovered += 1;
+            let rows = table.sources[0].rows;
+            assert!(rows < 400, "{version}, byte {at}");
+            for (kept, all) in table.channels.iter().zip(&whole.channels) {
+                assert_eq!(kept.values[..], all.values[..rows], "{version}, byte {at}");
+            }
+        }
+        assert!(
+            refused > 150 && recovered > 100,
+            "{version}: {refused} refused, {recovered} recovered"
+        );
+    }
 }

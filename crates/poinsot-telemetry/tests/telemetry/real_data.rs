@@ -1,7 +1,8 @@
 //! Files of real and simulated spacecraft that are not part of the repository; without them each test passes.
 
 use poinsot_telemetry::{
-    ColumnMap, ReadOptions, Verdict, convention_tests, inspect, read, test_sensors, write,
+    ColumnMap, ReadOptions, TelemetryMap, Verdict, convention_tests, inspect, read, test_sensors,
+    write,
 };
 use std::path::{Path, PathBuf};
 
@@ -16,11 +17,7 @@ fn shared(path: &str) -> Option<PathBuf> {
 }
 
 fn map(lines: &[(&str, &str, &str)]) -> Vec<ColumnMap> {
-    let map = |&(channel, column, unit): &(&str, &str, &str)| ColumnMap {
-        channel: channel.into(),
-        column: column.into(),
-        unit: unit.into(),
-    };
+    let map = |&(channel, column, unit): &(&str, &str, &str)| ColumnMap::new(channel, column, unit);
     lines.iter().map(map).collect()
 }
 
@@ -30,14 +27,16 @@ fn xval_a_throw_is_read_as_pyarrow_reads_it() {
         return;
     };
     let options = ReadOptions {
-        columns: map(&[
-            ("time_s", "t_s", "s"),
-            ("omega_x", "wx", "rad/s"),
-            ("omega_y", "wy", "rad/s"),
-            ("omega_z", "wz", "rad/s"),
-            ("wheel_rad_s", "wheel_z", "rad/s"),
-        ]),
-        row_filter: vec![("log".into(), "LOG00119".into())],
+        map: TelemetryMap::of(
+            map(&[
+                ("time_s", "t_s", "s"),
+                ("omega_x", "wx", "rad/s"),
+                ("omega_y", "wy", "rad/s"),
+                ("omega_z", "wz", "rad/s"),
+                ("wheel_rad_s", "wheel_z", "rad/s"),
+            ]),
+            vec![("log".into(), "LOG00119".into())],
+        ),
         ..ReadOptions::default()
     };
     let table = read(&[&path], &options).unwrap();
@@ -59,8 +58,8 @@ fn xval_a_throw_is_read_as_pyarrow_reads_it() {
     }
     assert_eq!(table.ignored, ["group", "ax", "ay", "az"]);
     let unfiltered = ReadOptions {
-        row_filter: Vec::new(),
-        ..options
+        map: TelemetryMap::of(options.map.all.columns, Vec::new()),
+        ..ReadOptions::default()
     };
     assert_eq!(read(&[&path], &unfiltered).unwrap_err().code(), "E0208");
 }
@@ -74,11 +73,14 @@ fn xval_two_files_of_a_satellite_in_orbit() {
         return;
     };
     let options = ReadOptions {
-        columns: map(&[
-            ("time_s", "OBTS, sec", "s"),
-            ("omega_x", "rRoll_meas", "deg/s"),
-            ("wheel1_rad_s", "MRW1_meas", "rad/s"),
-        ]),
+        map: TelemetryMap::of(
+            map(&[
+                ("time_s", "OBTS, sec", "s"),
+                ("omega_x", "rRoll_meas", "deg/s"),
+                ("wheel1_rad_s", "MRW1_meas", "rad/s"),
+            ]),
+            Vec::new(),
+        ),
         ..ReadOptions::default()
     };
     let table = read(&[rates, wheels], &options).unwrap();

@@ -1,24 +1,21 @@
 //! Maps, filters and several files of one segment.
 
 use crate::{Folder, read_text};
-use poinsot_telemetry::{ColumnMap, ReadOptions, read};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 #[test]
 fn exact_mapped_columns_arrive_in_si() {
     let options = ReadOptions {
-        columns: [
-            ("time_s", "t_ms", "ms"),
-            ("omega_x", "wx [deg/s]", "deg/s"),
-            ("imu2.omega_x", "wx2", "rpm"),
-        ]
-        .map(|(channel, column, unit)| ColumnMap {
-            channel: channel.into(),
-            column: column.into(),
-            unit: unit.into(),
-        })
-        .into(),
+        map: TelemetryMap::of(
+            vec![
+                ColumnMap::new("time_s", "t_ms", "ms"),
+                ColumnMap::new("omega_x", "wx [deg/s]", "deg/s"),
+                ColumnMap::new("imu2.omega_x", "wx2", "rpm"),
+            ],
+            Vec::new(),
+        ),
         ..ReadOptions::default()
     };
     let text =
@@ -44,7 +41,7 @@ fn exact_mapped_columns_arrive_in_si() {
 fn unit_rows_are_chosen_before_times_are_checked() {
     let text = "run,time_s,omega_x\na,0,1\na,1,2\nb,0,3\nb,1,4\n";
     let options = |value: &str| ReadOptions {
-        row_filter: vec![("run".into(), value.into())],
+        map: TelemetryMap::of(Vec::new(), vec![("run".into(), value.into())]),
         ..ReadOptions::default()
     };
     let table = read_text(text, &options("b")).unwrap();
@@ -59,7 +56,7 @@ fn unit_rows_are_chosen_before_times_are_checked() {
         "E0213 where run = 'c': no row of run.csv matches; choose among the values there, the first are 'a', 'b'"
     );
     let missing = ReadOptions {
-        row_filter: vec![("runs".into(), "a".into())],
+        map: TelemetryMap::of(Vec::new(), vec![("runs".into(), "a".into())]),
         ..ReadOptions::default()
     };
     let text = "run,time_s,omega_x\na,0,1\na,1,2\n";
@@ -101,7 +98,7 @@ fn unit_files_of_a_segment_keep_their_time_bases() {
     assert_eq!(table.sources.len(), 2);
     let runs = folder.file("runs.csv", "run,time_s,omega_z\na,0,1\nb,0,2\nb,1,3\n");
     let filtered = ReadOptions {
-        row_filter: vec![("run".into(), "b".into())],
+        map: TelemetryMap::of(Vec::new(), vec![("run".into(), "b".into())]),
         ..ReadOptions::default()
     };
     let table = read(&[&runs, &wheels], &filtered).unwrap();

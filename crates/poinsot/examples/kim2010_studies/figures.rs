@@ -1,6 +1,6 @@
 //! The figures.
 
-use crate::second_axis::Errors;
+use crate::manoeuvres::Answer;
 use crate::slew::{RATE, Slew};
 use crate::svg::{COLOURS, Panel, Shape, figure};
 use crate::trials::{self, PRINTED, quantile};
@@ -137,7 +137,7 @@ fn ridge(cells: &[Cell]) -> String {
 }
 
 /// Errors with a second and third axis beside the printed ones.
-pub fn second_axis(list: &[Errors]) -> String {
+pub fn second_axis(list: &[Answer]) -> String {
     let mut panel = Panel::new(
         "Error of each element in percent: one slew as printed, three slews in the same 350 s",
         "element of the inertia tensor",
@@ -156,9 +156,9 @@ pub fn second_axis(list: &[Errors]) -> String {
         "#ffffff",
         Shape::Dots(percent(&printed)),
     );
-    let noisy = list.iter().filter(|e| !e.name.contains("noise-free"));
+    let noisy = list.iter().filter(|e| e.noisy);
     for (i, errors) in noisy.enumerate() {
-        let colour = COLOURS[[3, 2, 1, 0][i % 4]];
+        let colour = COLOURS[i % COLOURS.len()];
         panel.add(
             &errors.name.replace("maximum_likelihood", "max. likelihood"),
             colour,

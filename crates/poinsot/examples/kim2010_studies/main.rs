@@ -1,19 +1,24 @@
-//! Figures 1 to 4 and Tables 2 and 3 of Kim, Choi and Oh 2010, and what became of them.
+//! Tables 2 and 3 and figures 1 to 4 of Kim, Choi and Oh 2010, and what became of them.
 //!
-//!     cargo run --release -p poinsot --example kim2010_studies -- OUT_DIR
+//!     cargo run --release -p poinsot --example kim2010_studies -- STUDY [OUT_DIR]
 #![allow(non_snake_case, missing_docs)]
 
 mod figures;
-mod second_axis;
+mod inversion;
+mod manoeuvres;
+mod names;
+mod printed;
 mod slew;
 mod svg;
 mod trials;
 
-use poinsot_papers::kim2010::{Kim2010Error, NAMES, VISITED};
+use inversion::{Noise, invert};
+use poinsot_papers::kim2010::{Kim2010Error, NAMES, Sums, VISITED};
+use poinsot_spatial::{Matrix3, Vector3};
 use slew::{RATE, Slew};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use trials::{COLUMNS, Columns, PRINTED, chi_square, columns, quantile};
+use trials::{COLUMNS, Columns, PRINTED, SIGMA, chi_square, columns, quantile};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -21,22 +26,49 @@ type Failure = Box<dyn std::error::Error>;
 const TRUE: [f64; 6] = [13.916, 16.954, 19.894, 0.085, 0.5896, 0.133];
 /// Samples skipped for 10, 5, 2, 1 and 0.5 Hz.
 const STEPS: [usize; 5] = [1, 2, 5, 10, 20];
+/// `N sigma^2 / sum s^2` that stands for little noise.
+const SMALL_RIDGE: f64 = 1.0e-5;
 const LENGTHS: [usize; 7] = [60, 100, 200, 300, 350, 400, 600];
 
 fn main() -> Result<(), Failure> {
-    let Some(out) = std::env::args().nth(1).map(PathBuf::from) else {
-        return Err("usage: kim2010_studies OUT_DIR".into());
-    };
+    let mut words = std::env::args().skip(1);
+    let study = words.next().unwrap_or_default();
+    let out = PathBuf::from(words.next().unwrap_or_else(|| ".".to_owned()));
+    if !names::STUDIES.iter().any(|s| s.0 == study) {
+        let list = names::STUDIES.map(|(name, what, _)| format!("\n  {name:13} {what}"));
+        return Err(format!("usage: kim2010_studies STUDY [OUT_DIR]{}", list.join("")).into());
+    }
     std::fs::create_dir_all(&out)?;
     let slew = Slew::simulate()?;
-    noise_free(&slew, &out)?;
-    iteration(&slew)?;
-    orders(&slew)?;
-    let bands = bands(&slew, &out)?;
-    figures::draw(&slew, &bands, &out)?;
-    second_axis(&out)?;
-    println!("written: {}", out.display());
+    let asked = |name: &str| study == name || study == "all";
+    if asked("axis") {
+        axis(&slew);
+    }
+    if asked("table2") {
+        noise_free(&slew, &out)?;
+    }
+    if asked("pre-estimate") {
+        pre_estimate(&slew)?;
+    }
+    if asked("orders") {
+        orders(&slew)?;
+    }
+    if asked("iteration") {
+        iteration(&slew)?;
+    }
+    if asked("bands") {
+        let bands = bands(&slew, &out)?;
+        figures::draw(&slew, &bands, &out)?;
+    }
+    if asked("manoeuvres") {
+        manoeuvres(&out)?;
+    }
     Ok(())
+}
+
+/// The axis of the slew.
+fn normal(slew: &Slew) -> Vector3 {
+    slew.R_NB[0].axis().map_or(slew.w[0], |a| a.into_inner())
 }
 
 /// On one axis `Q = I n s`, so `sum Q_x w_y / sum Q_y w_y = (I n)_x / (I n)_y` whatever the noise of the
@@ -55,9 +87,9 @@ fn products_from_moments(In: &[f64; 3]) {
     );
 }
 
-/// What each column is without noise.
-fn noise_free(slew: &Slew, out: &Path) -> Result<(), Failure> {
-    let n = slew.R_NB[0].axis().map_or(slew.w[0], |a| a.into_inner());
+/// The direction of the rates, how far they leave it, and what follows for the conventional products.
+fn axis(slew: &Slew) {
+    let n = normal(slew);
     println!("axis of the slew n = {:.4}, {:.4}, {:.4}", n.x, n.y, n.z);
     let off = slew
         .w
@@ -66,6 +98,11 @@ fn noise_free(slew: &Slew, out: &Path) -> Result<(), Failure> {
         .fold(0.0, f64::max);
     let along = slew.w.iter().map(|w| w.norm()).fold(0.0, f64::max);
     println!("largest rate {along:.4e} rad/s, across n {off:.1e} rad/s");
+    products_from_moments(&(slew.I * n).into());
+}
+
+/// What each column is without noise.
+fn noise_free(slew: &Slew, out: &Path) -> Result<(), Failure> {
     let found = columns(&slew.sums(350, 10, &[])?)?;
     let mut csv = "column,element,true,noise_free,printed\n".to_owned();
     println!(
@@ -81,7 +118,6 @@ fn noise_free(slew: &Slew, out: &Path) -> Result<(), Failure> {
         }
     }
     std::fs::write(out.join("table2_noise_free.csv"), csv)?;
-    products_from_moments(&(slew.I * n).into());
     Ok(())
 }
 
@@ -89,11 +125,46 @@ fn row(x: &[f64; 6]) -> String {
     x.map(|x| format!("{x:9.4}")).join("")
 }
 
+/// The column "Considering pre-estimate" from the sums that the other columns fix.
+fn pre_estimate(slew: &Slew) -> Result<(), Failure> {
+    let n = normal(slew);
+    let fixed = invert(&n, &(slew.I * n), &PRINTED)?;
+    println!(
+        "\nsums fixed by 15 printed numbers (batch, conventional, suggested): worst difference {:.2} of half a digit",
+        fixed.worst
+    );
+    let found = fixed.sums.pre_estimate()?.printed;
+    println!(
+        "  considering pre-estimate from them: {:.5} {:.5} {:.5}; printed {} {} {}",
+        found[3], found[4], found[5], PRINTED[2][3], PRINTED[2][4], PRINTED[2][5]
+    );
+    // Integral of s^2: the slew is over long before the record.
+    let squares: Vec<f64> = slew.w.iter().map(|w| w.dot(&n).powi(2)).collect();
+    let integral = squares.iter().sum::<f64>() / RATE as f64;
+    let noise = Noise::of(&fixed, &n);
+    println!(
+        "  noise across the axis: a record of {:.0} s at any rate; common shift of the rates against Q {:.2} %",
+        noise.length(SIGMA, integral),
+        100.0 * noise.along
+    );
+    println!("  rate Hz, chi-square of the scatter on 6, common shift in sigmas");
+    for rate in [0.5, 1.0, 2.0, 5.0, 10.0, 20.0] {
+        let (scatter, along) = noise.at(rate, SIGMA, integral);
+        println!("  {rate:4} {scatter:6.2} {along:6.2}");
+    }
+    let ordered = fixed.sums.pre_estimate_in_order(&VISITED)?.printed;
+    println!(
+        "  one after the other, column by column: {:.5} {:.5} {:.5}",
+        ordered[3], ordered[4], ordered[5]
+    );
+    Ok(())
+}
+
 /// Answer, chi-square and order of one reading of the column.
 type Tried = ([f64; 6], f64, [(usize, usize); 6]);
 
-/// The column "Considering pre-estimate" in every order in which the six products can be found: chi-square
-/// of its three printed products at 350 s and 1 Hz, on 3.
+/// The sequential readings of "considering pre-estimate", in every order of the six products: chi-square of
+/// its three printed products at 350 s and 1 Hz, on 3; the reading with all at once beside them.
 fn orders(slew: &Slew) -> Result<(), Failure> {
     let all = trials::sums(slew, 10, &[350])?;
     let sums = all.first().ok_or("no trials")?;
@@ -103,14 +174,15 @@ fn orders(slew: &Slew) -> Result<(), Failure> {
     let mut order = VISITED;
     permutations(&mut order, 0, &mut |order| {
         count += 1;
-        let first = one.pre_estimate(order)?.printed;
+        let first = one.pre_estimate_in_order(order)?.printed;
         let same = |x: &[f64; 6]| (0..6).all(|k| (x[k] - first[k]).abs() < 1e-9);
         if tried.iter().any(|t| same(&t.0)) {
             return Ok(());
         }
-        let products = sums
-            .iter()
-            .map(|s| s.pre_estimate(order).map(|a| a.printed[3..].to_vec()));
+        let products = sums.iter().map(|s| {
+            s.pre_estimate_in_order(order)
+                .map(|a| a.printed[3..].to_vec())
+        });
         let products = products.collect::<Result<Vec<_>, _>>()?;
         tried.push((first, chi_square(&products, &PRINTED[2][3..]), *order));
         Ok(())
@@ -123,6 +195,14 @@ fn orders(slew: &Slew) -> Result<(), Failure> {
     for (_, chi2, order) in tried.iter().take(3) {
         println!("  {chi2:6.1}  {order:?}");
     }
+    let at_once = sums
+        .iter()
+        .map(|s| s.pre_estimate().map(|a| a.printed[3..].to_vec()));
+    let at_once = at_once.collect::<Result<Vec<_>, _>>()?;
+    println!(
+        "  {:6.1}  all at once",
+        chi_square(&at_once, &PRINTED[2][3..])
+    );
     Ok(())
 }
 
@@ -159,7 +239,28 @@ fn iteration(slew: &Slew) -> Result<(), Kim2010Error> {
             row(&it.answer.printed)
         );
     }
+    // The limit of little noise: a ridge that does not matter beside the motion.
+    let n = normal(slew);
+    let g = slew.I * n;
+    let G = n * n.transpose() + Matrix3::identity() * SMALL_RIDGE;
+    let limit = Sums::at_rest(G, g * n.transpose(), 350)?.iterated()?;
+    println!(
+        "  little noise: fixed point {}",
+        limit.fixed_point.map_or("none".to_owned(), |x| row(&x))
+    );
+    let I = symmetric_fit(&n, &g);
+    let six = poinsot_papers::kim2010::ELEMENTS.map(|e| I[e]);
+    println!(
+        "  symmetric least squares of six numbers, little noise: {}",
+        row(&six)
+    );
     Ok(())
+}
+
+/// The symmetric tensor of smallest Frobenius norm with `I n = g`: what least squares tends to as noise, which
+/// adds `N sigma^2 |I|^2` to the sum of squares, goes to zero.
+fn symmetric_fit(n: &Vector3, g: &Vector3) -> Matrix3 {
+    g * n.transpose() + n * g.transpose() - n * n.transpose() * g.dot(n)
 }
 
 /// All trials of one rate and length.
@@ -255,42 +356,58 @@ fn tables(cells: &[Cell]) {
     }
 }
 
-fn second_axis(out: &Path) -> Result<(), Failure> {
-    let list = second_axis::errors()?;
-    let mut csv = "method,element,true,rms_error,stated_sigma,rms_error_percent\n".to_owned();
-    println!("\nthree slews in 350 s: rms error in percent of each element");
-    println!("  {:<30}{}", "", NAMES.map(|n| format!("{n:>12}")).join(""));
-    let percent = |x: &[f64; 6]| -> String {
-        let each: Vec<String> = (0..6)
-            .map(|k| format!("{:12.2e}", 100.0 * x[k] / TRUE[k]))
-            .collect();
-        each.join("")
-    };
-    let printed: [f64; 6] = std::array::from_fn(|k| (PRINTED[3][k] - TRUE[k]).abs());
-    println!(
-        "  {:<30}{}",
-        "printed, suggested (one slew)",
-        percent(&printed)
-    );
-    for errors in &list {
-        println!("  {:<30}{}", errors.name, percent(&errors.rms));
-        if let Some(sigma) = errors.sigma {
-            println!("  {:<30}{}", "    stated sigma", percent(&sigma));
+/// One slew and three slews of two sizes: every column and maximum likelihood, noise-free and noisy.
+fn manoeuvres(out: &Path) -> Result<(), Failure> {
+    let mut csv = "slews,method,noise,element,true,mean,rms_error,stated_sigma,rms_error_percent\n"
+        .to_owned();
+    for (name, case) in manoeuvres::CASES {
+        let list = manoeuvres::answers(case)?;
+        println!(
+            "\n{name}: mean answer, kg m2; rms error, percent of each element; stated sigma, percent"
+        );
+        println!("  {:<30}{}", "", NAMES.map(|n| format!("{n:>12}")).join(""));
+        println!(
+            "  {:<30}{}",
+            "true",
+            TRUE.map(|t| format!("{t:12.4}")).join("")
+        );
+        let percent = |x: &[f64; 6]| -> String {
+            let each = (0..6).map(|k| format!("{:12.2e}", 100.0 * x[k] / TRUE[k]));
+            each.collect()
+        };
+        for answer in &list {
+            let kind = if answer.noisy { "" } else { ", no noise" };
+            let title = format!("{}{kind}", answer.name);
+            if answer.mean.iter().any(|x| x.is_nan()) {
+                println!("  {title:<30}withheld: not identifiable");
+                continue;
+            }
+            println!(
+                "  {title:<30}{}",
+                answer.mean.map(|x| format!("{x:12.4}")).join("")
+            );
+            println!("  {:<30}{}", "    error %", percent(&answer.rms));
+            if let Some(sigma) = answer.sigma {
+                println!("  {:<30}{}", "    sigma %", percent(&sigma));
+            }
+            for (k, element) in NAMES.iter().enumerate() {
+                let sigma = answer
+                    .sigma
+                    .map_or(String::new(), |s| format!("{:.3e}", s[k]));
+                let (mean, rms, t) = (answer.mean[k], answer.rms[k], TRUE[k]);
+                writeln!(
+                    csv,
+                    "{name},{},{},{element},{t},{mean:.6},{rms:.3e},{sigma},{:.3e}",
+                    answer.name,
+                    answer.noisy,
+                    100.0 * rms / t
+                )?;
+            }
         }
-        for (k, element) in NAMES.iter().enumerate() {
-            let sigma = errors
-                .sigma
-                .map_or(String::new(), |s| format!("{:.3e}", s[k]));
-            let (rms, share) = (errors.rms[k], 100.0 * errors.rms[k] / TRUE[k]);
-            let t = TRUE[k];
-            writeln!(
-                csv,
-                "{},{element},{t},{rms:.3e},{sigma},{share:.3e}",
-                errors.name.replace(',', "")
-            )?;
+        if case == manoeuvres::CASES[2].1 {
+            std::fs::write(out.join("second_axis.svg"), figures::second_axis(&list))?;
         }
     }
     std::fs::write(out.join("second_axis.csv"), csv)?;
-    std::fs::write(out.join("second_axis.svg"), figures::second_axis(&list))?;
     Ok(())
 }

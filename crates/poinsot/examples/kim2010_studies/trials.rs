@@ -1,24 +1,14 @@
 //! Many noisy records of the paper's slew, and the printed Table 2 among them.
 
+pub use crate::printed::{COLUMNS, PRINTED, SIGMA};
 use crate::slew::Slew;
-use poinsot_papers::kim2010::{Kim2010Error, Sums, VISITED};
+use poinsot_papers::kim2010::{Kim2010Error, Sums};
 use poinsot_spatial::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 pub const SEEDS: u64 = 200;
-/// Table 1: gyro noise, rad/s.
-pub const SIGMA: f64 = 1e-4;
-pub const COLUMNS: [&str; 4] = ["batch", "conventional", "pre-estimate", "suggested"];
-/// Table 2, elements in the order xx, yy, zz, xy, yz, zx.
-pub const PRINTED: [[f64; 6]; 4] = [
-    [4.2859, 7.1157, 6.1224, 4.8224, 6.1667, 6.2786],
-    [14.1181, 17.5350, 20.6816, 16.3578, 19.1201, 17.4000],
-    [14.1181, 17.5350, 20.6816, -0.0019, 0.0062, 0.0589],
-    [14.1181, 17.5350, 20.6816, 0.1197, 0.1538, 0.1560],
-];
-
 /// The four columns of Table 2.
 pub type Columns = [[f64; 6]; 4];
 
@@ -26,7 +16,7 @@ pub fn columns(sums: &Sums) -> Result<Columns, Kim2010Error> {
     Ok([
         sums.batch()?.0.printed,
         sums.conventional()?.printed,
-        sums.pre_estimate(&VISITED)?.printed,
+        sums.pre_estimate()?.printed,
         sums.suggested()?.printed,
     ])
 }

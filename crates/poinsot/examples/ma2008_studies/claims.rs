@@ -143,3 +143,41 @@ pub fn run() {
         }
     }
 }
+
+/// Five readings of "a percentage of the maximum velocity value": own or largest component, option 1 or 2, and a
+/// share of the velocity with the orbital one in it.
+pub fn readings_of_noise() {
+    println!("3 % noise, ten stopped samples; medians of {SEEDS} seeds: mass, mass centre, tensor");
+    for n in [1, 2] {
+        for (name, scaling, orbital) in [
+            ("each component's own maximum", Scaling::Component, 0.0),
+            ("the largest component's maximum", Scaling::Largest, 0.0),
+            (
+                "own maximum, orbital 7500 m/s in it",
+                Scaling::Component,
+                7500.0,
+            ),
+            (
+                "largest maximum, orbital 7500 m/s in it",
+                Scaling::Largest,
+                7500.0,
+            ),
+        ] {
+            let mut e = example(n);
+            e.velocity = [orbital, 0.0, 0.0];
+            let run = e.run();
+            let sigma = Sigma::of(&run, 0.03, scaling);
+            for known in [true, false] {
+                let found = trials(&e, &run, sigma, known, SEEDS);
+                let q = |k| quantile(&found, k, 0.5);
+                println!(
+                    "   example {n}, {name}, option {}: mass {}, mass centre {:.3} m, tensor {}",
+                    if known { 1 } else { 2 },
+                    percent(q(0)),
+                    q(1),
+                    percent(q(2))
+                );
+            }
+        }
+    }
+}

@@ -3,10 +3,13 @@
 //! `cargo run --release -p poinsot --example ma2008_studies -- STUDY [OUT_DIR]`
 #![allow(non_snake_case, missing_docs, clippy::expect_used)]
 
+mod advantages;
 mod claims;
 mod figure;
 #[allow(dead_code)]
 mod monte;
+mod names;
+mod reach;
 #[allow(dead_code)]
 mod setup;
 mod speed;
@@ -14,8 +17,6 @@ mod studies;
 
 use std::path::Path;
 use std::process::ExitCode;
-
-const USAGE: &str = "ma2008_studies STUDY [OUT_DIR]\n  STUDY: mass-ratio | histories | noise | compare | bounds | exact | claims | all\n  or: speed [PYTHON SCRIPT]   trials per second, beside a NumPy peer";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,12 +26,17 @@ fn main() -> ExitCode {
         ["speed", python, script] => speed::run(Some((python, script))),
         [study] => return one(study, Path::new(".")),
         [study, out] => return one(study, Path::new(out)),
-        _ => {
-            eprintln!("{USAGE}");
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     }
     ExitCode::SUCCESS
+}
+
+fn usage() -> ExitCode {
+    eprintln!("usage: ma2008_studies STUDY [OUT_DIR], or speed [PYTHON SCRIPT] with a NumPy peer");
+    for (name, what, _) in names::STUDIES {
+        eprintln!("  {name:11} {what}");
+    }
+    ExitCode::from(2)
 }
 
 fn one(study: &str, out: &Path) -> ExitCode {
@@ -46,6 +52,9 @@ fn one(study: &str, out: &Path) -> ExitCode {
         "bounds" => studies::bounds(out),
         "exact" => studies::exact(),
         "claims" => claims::run(),
+        "readings" => claims::readings_of_noise(),
+        "advantages" => advantages::run(),
+        "reach" => reach::run(),
         "all" => {
             studies::exact();
             studies::histories(out);
@@ -54,11 +63,11 @@ fn one(study: &str, out: &Path) -> ExitCode {
             studies::compare(out);
             studies::bounds(out);
             claims::run();
+            claims::readings_of_noise();
+            advantages::run();
+            reach::run();
         }
-        _ => {
-            eprintln!("{USAGE}");
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     }
     ExitCode::SUCCESS
 }

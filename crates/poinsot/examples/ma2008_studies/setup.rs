@@ -41,6 +41,8 @@ pub struct Experiment {
     pub times: Vec<f64>,
     /// Whether the arm stops at every sample.
     pub stops: bool,
+    /// How far joint 2 swings out and back between stops, deg.
+    pub detour_deg: f64,
 }
 
 /// Trajectory 1: stretch up, swing down to the top plane, turn about joint 1.
@@ -70,6 +72,20 @@ pub fn trajectory2() -> Vec<(f64, [f64; 6])> {
         (85.0, [0.0; 6]),
         (90.0, [0.0; 6]),
     ]
+}
+
+/// The same stops with a swing out by `angle` half-way between each two.
+fn detour(stops: &[f64], place: &[f64], angle: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut out = (Vec::new(), Vec::new());
+    for k in 0..stops.len() {
+        out.0.push(stops[k]);
+        out.1.push(place[k]);
+        if let (Some(t), Some(q)) = (stops.get(k + 1), place.get(k + 1)) {
+            out.0.push(0.5 * (stops[k] + t));
+            out.1.push(0.5 * (place[k] + q) + angle);
+        }
+    }
+    out
 }
 
 /// `n` times equally spaced over the moving part of a trajectory.
@@ -107,6 +123,7 @@ impl Experiment {
             spin_deg_s,
             velocity: [0.0; 3],
             stops: true,
+            detour_deg: 0.0,
         }
     }
 
@@ -153,6 +170,10 @@ impl Experiment {
             stops.sort_by(f64::total_cmp);
             stops.dedup_by(|a, b| (*a - *b).abs() < 1.0e-9);
             let place: Vec<f64> = stops.iter().map(|t| smooth.at(*t, *t).value).collect();
+            if j == 1 && self.detour_deg != 0.0 {
+                let (stops, place) = detour(&stops, &place, self.detour_deg.to_radians());
+                return JointMotion::quintic_rest(&stops, &place).expect("ascending stops");
+            }
             JointMotion::quintic_rest(&stops, &place).expect("ascending stops")
         };
         Plan {

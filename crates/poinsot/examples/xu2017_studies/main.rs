@@ -3,7 +3,9 @@
 //! `cargo run --release -p poinsot --example xu2017_studies -- STUDY [OUT_DIR]`
 #![allow(non_snake_case, missing_docs, clippy::expect_used)]
 
+mod coefficients;
 mod figures;
+mod names;
 #[allow(dead_code)]
 mod null;
 mod printed;
@@ -15,12 +17,11 @@ mod studies;
 #[path = "../kim2010_studies/svg.rs"]
 mod svg;
 mod tables;
+mod together;
 mod validation;
 
 use std::path::Path;
 use std::process::ExitCode;
-
-const USAGE: &str = "xu2017_studies STUDY [OUT_DIR]\n  STUDY: tables | figures | uses | target | sensitivity | validation | all";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -28,10 +29,7 @@ fn main() -> ExitCode {
     let (study, out) = match words.as_slice() {
         [study] => (*study, Path::new(".")),
         [study, out] => (*study, Path::new(*out)),
-        _ => {
-            eprintln!("{USAGE}");
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     };
     if let Err(e) = std::fs::create_dir_all(out) {
         eprintln!("{}: {e}", out.display());
@@ -42,20 +40,29 @@ fn main() -> ExitCode {
         "figures" => figures::run(out),
         "uses" => studies::uses(),
         "target" => studies::target(),
+        "together" => together::run(),
         "sensitivity" => studies::sensitivity(),
+        "coefficients" => coefficients::run(),
         "validation" => validation::run(out, tables::SEEDS),
         "all" => {
             tables::run(tables::SEEDS);
             figures::run(out);
             studies::uses();
             studies::target();
+            together::run();
             studies::sensitivity();
+            coefficients::run();
             validation::run(out, tables::SEEDS);
         }
-        _ => {
-            eprintln!("{USAGE}");
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     }
     ExitCode::SUCCESS
+}
+
+fn usage() -> ExitCode {
+    eprintln!("usage: xu2017_studies STUDY [OUT_DIR]");
+    for (name, what, _) in names::STUDIES {
+        eprintln!("  {name:13} {what}");
+    }
+    ExitCode::from(2)
 }

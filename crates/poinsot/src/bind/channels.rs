@@ -12,8 +12,8 @@ pub(super) struct Channels<'a> {
     pub label: &'a str,
 }
 
-/// The three channels of a vector sensor, with where it sits. Columns are in body or inertial axes
-/// (CONTRACT); a sensor's rotation only says in which axes it errs.
+/// The three channels of a vector sensor, with where it sits. Tables are in body or inertial axes: columns of a
+/// sensor that is turned on its body were turned as they were read.
 pub(super) struct VectorChannels<'a> {
     pub axes: [&'a Channel; 3],
     pub p_BoS_B: Vector3,

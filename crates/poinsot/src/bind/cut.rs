@@ -110,6 +110,7 @@ fn piece(table: &Table, from: f64, to: f64) -> Table {
         repairs: table.repairs.clone(),
         ignored: table.ignored.clone(),
         sources: table.sources.clone(),
+        origin: table.origin,
     }
 }
 

@@ -8,6 +8,7 @@ mod cut;
 mod faults;
 mod input_errors;
 mod motion;
+mod mounting;
 mod noise;
 mod observe;
 mod orbit;
@@ -17,6 +18,7 @@ mod thrust;
 
 pub use acceleration::acceleration_channels;
 pub use channels::wanted_channels;
+pub use mounting::mountings;
 pub use noise::declared_noise;
 
 use poinsot_dynamics::Tree;

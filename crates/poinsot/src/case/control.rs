@@ -56,8 +56,7 @@ impl Planner<'_> {
             self.refuse("E0508", "control", given.span(), problem, remedy);
         }
         let control = self.read_control(given.get_ref(), given.span());
-        let tree = Tree::new(self.model);
-        let mut plan = Plan::hold(self.model, &tree.coordinates);
+        let mut plan = Plan::hold(self.model);
         for (motion, speed) in plan.wheels.iter_mut().zip(&control.wheel_speed) {
             *motion = WheelMotion::constant(*speed);
         }

@@ -23,7 +23,7 @@ pub(crate) use sensor_output::unit_suffix;
 use fault::{CaseText, did_you_mean};
 use file::CaseFile;
 use poinsot_dynamics::Tolerance;
-use poinsot_telemetry::{advice, rounded};
+use poinsot_telemetry::rounded;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -57,43 +57,19 @@ pub struct Case {
 /// # Errors
 /// All faults that show without the model.
 pub fn read_case(path: &Path) -> Result<Case, CaseError> {
-    let unreadable = |problem: String, remedy: &str, environment: bool| CaseError {
+    let text = poinsot_files::read_text(path, LARGEST_FILE).map_err(|e| CaseError {
         faults: vec![CaseFault {
             code: "E0501",
             file: path.display().to_string(),
             line: 0,
             key: String::new(),
             value: String::new(),
-            problem,
-            remedy: remedy.to_owned(),
+            problem: e.to_string(),
+            remedy: e.remedy().to_owned(),
         }],
-        environment,
-    };
-    let failed = |e: std::io::Error| {
-        let missing = e.kind() == std::io::ErrorKind::NotFound;
-        let remedy = match missing {
-            true => "give the path of a poinsot.case/1 file",
-            false => advice(&e),
-        };
-        unreadable(e.to_string(), remedy, !missing)
-    };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > LARGEST_FILE {
-        return Err(unreadable(
-            format!("the file holds {size} bytes, more than 16 MiB"),
-            "give the path of a poinsot.case/1 file",
-            false,
-        ));
-    }
-    let bytes = std::fs::read(path).map_err(failed)?;
-    match String::from_utf8(bytes) {
-        Ok(text) => parse_case(path, text),
-        Err(_) => Err(unreadable(
-            "the file is not UTF-8 text".into(),
-            "save it as UTF-8",
-            false,
-        )),
-    }
+        environment: e.is_environment(),
+    })?;
+    parse_case(path, text)
 }
 
 /// Reads the text of a case file; `path` serves messages and finds the model.

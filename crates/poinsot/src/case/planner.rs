@@ -40,7 +40,7 @@ impl Planner<'_> {
         output: Range<usize>,
     ) -> (Plan, Vec<bool>) {
         let tree = Tree::new(self.model);
-        let mut plan = Plan::hold(self.model, &tree.coordinates);
+        let mut plan = Plan::hold(self.model);
         let mut moved = vec![false; plan.joints.len()];
         for (i, table) in joints.iter().enumerate() {
             let key = format!("joint_motion[{i}]");

@@ -12,14 +12,32 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0002",
         "The operating system did not let a result be read or written.",
-        "The disk is full, the folder is not writable, or a folder stands where the file should go.",
-        "Free space, correct the permission or give another --out; nothing was left under the final name.",
+        "The disk is full, the folder is not writable, or a folder or a device stands where the file should go.",
+        "Free space, correct the permission or give another --out. An earlier answer is unchanged.",
     ),
     (
         "E0003",
         "Standard output could not be written.",
         "The disk that standard output is redirected to is full.",
         "Free space or write to another place. A reader that closes the pipe early is no error.",
+    ),
+    (
+        "E0004",
+        "Only a part of an answer is in place, and the earlier files could not be put back.",
+        "The disk failed while files were replaced.",
+        "The folder in the message holds each earlier file under the number of its place: move them back.",
+    ),
+    (
+        "E0005",
+        "The system starts no thread.",
+        "A limit of processes or memory (ulimit -u, ulimit -v), or other programs that use all of it.",
+        "Raise the limit or end other programs.",
+    ),
+    (
+        "E0006",
+        "The system gives no more memory.",
+        "A limit of memory (ulimit -v, a container), or a record larger than the memory.",
+        "Raise the limit, or take fewer rows by --every and --time-s.",
     ),
     (
         "E0009",
@@ -169,13 +187,13 @@ pub(super) const CODES: &[Entry] = &[
         "E0202",
         "The file is not text or of no known kind, or changed while it was read.",
         "UTF-16 or Latin-1 text, a binary file, an unknown ending, a file that is still being written.",
-        "Save it as UTF-8 .csv or .parquet when it is complete; --encoding latin1 reads Latin-1.",
+        "Save it as UTF-8 .csv or .parquet when it is complete; --encoding latin1 reads Latin-1. Copy packed files again.",
     ),
     (
         "E0203",
         "A cell is not a finite number.",
-        "A decimal comma, a typographic minus, a text for a missing sample, an overflow.",
-        "Write a decimal point and the ASCII minus; leave the cell empty where there is no sample.",
+        "A decimal comma, a typographic minus, a text for a missing sample, a date, a row of units, an overflow.",
+        "Write a decimal point and the ASCII minus; leave the cell empty where there is no sample; describe dates and a units row in [telemetry].",
     ),
     (
         "E0204",
@@ -186,8 +204,8 @@ pub(super) const CODES: &[Entry] = &[
     (
         "E0205",
         "The header is not usable.",
-        "No header, a name twice, another delimiter than a comma, too many columns.",
-        "Write one header row with unique names, separated by commas.",
+        "No header, a name twice, another delimiter than a comma, comments above the header, too many columns.",
+        "Describe delimiter, comment and header_row in [telemetry]; give every column a name of its own.",
     ),
     (
         "E0206",
@@ -199,7 +217,7 @@ pub(super) const CODES: &[Entry] = &[
         "E0207",
         "No column holds the time.",
         "The time column has another name.",
-        "Map it: [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }.",
+        "Map it: [telemetry] time = { column = \"...\", unit = \"s\" }; a file with a clock of its own in [[telemetry.file]].",
     ),
     (
         "E0208",
@@ -223,13 +241,13 @@ pub(super) const CODES: &[Entry] = &[
         "E0211",
         "A unit that is not in the table.",
         "A typing error.",
-        "Use the unit proposed.",
+        "Use a unit of the list in the message; `poinsot units` prints all.",
     ),
     (
         "E0212",
         "A map of a column that cannot be followed.",
-        "A channel that is not standard, a unit of another dimension, a column that is in no file.",
-        "Correct the map.",
+        "A channel that is not standard, a unit of another quantity, a column that is in no file, keys that do not belong together.",
+        "Correct the map; `poinsot inspect FILE` proposes one.",
     ),
     (
         "E0213",

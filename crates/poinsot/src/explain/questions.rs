@@ -148,12 +148,6 @@ pub(super) const CODES: &[Entry] = &[
         "Check the masses of the model and the numbers of the motion.",
     ),
     (
-        "E0510",
-        "The output folder of a simulation cannot be made or written.",
-        "A full disk, permission, or a file where the folder should be.",
-        "Free space or give another --out.",
-    ),
-    (
         "E0511",
         "A file that the case names cannot be read, or lacks the column asked for.",
         "A wrong path or column of a torque table.",

@@ -191,7 +191,8 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
 fn truth(identified: &Identified) -> Option<Value> {
     let first = identified.inputs.first()?.first()?;
     let path = Path::new(&first.path).parent()?.join("truth.json");
-    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    let bytes = poinsot_files::read(&path, super::LARGEST_RESULT).ok()?;
+    let value: Value = serde_json::from_slice(&bytes).ok()?;
     (value["schema"] == "poinsot.truth/1").then(|| {
         let system = match &value["system"] {
             Value::Null => true_system(identified, &value["bodies"]).unwrap_or(Value::Null),
@@ -356,7 +357,7 @@ fn segment(identified: &Identified, p: &Prediction) -> Segment {
             .map(channel)
             .collect(),
         momentum: channel(&p.momentum),
-        time_s: rounded(&p.motion.time_s),
+        time_s: times(&p.motion.time_s),
         omega_rad_s: p.motion.w_NB_B.iter().map(|w| w.map(round)).collect(),
         q_xyzw: p.motion.q_NB_xyzw.iter().map(|q| q.map(round)).collect(),
         joints: moving
@@ -402,13 +403,19 @@ fn channel(c: &PredictedChannel) -> Channel {
         residual_unit: c.residual_unit.to_owned(),
         components: c.components.iter().map(|s| (*s).to_owned()).collect(),
         samples: c.samples,
-        time_s: rounded(&c.time_s),
+        time_s: times(&c.time_s),
         measured: rows(&c.measured),
         predicted: rows(&c.predicted),
         residual: rows(&c.residual),
         histogram: c.histogram.clone(),
         autocorrelation: rows(&c.autocorrelation),
     }
+}
+
+/// Times to the nanosecond, which is what tells two samples apart.
+fn times(row: &[f64]) -> Vec<f64> {
+    let nanosecond = |t: &f64| format!("{t:.9}").parse().unwrap_or(*t);
+    row.iter().map(nanosecond).collect()
 }
 
 fn rounded(row: &[f64]) -> Vec<f64> {

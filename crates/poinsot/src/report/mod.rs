@@ -16,9 +16,9 @@ mod verdict;
 
 pub use data::{REPORT_SCHEMA, ReportData, report_data};
 
-use crate::error::{Error, no_page};
-use crate::identify::Identified;
-use crate::output::{write_file, write_files};
+use crate::error::{Error, no_page, unreadable};
+use crate::output::{OutputFile, write_files};
+use poinsot_files::read;
 use poinsot_formats::{ESTIMATE, EstimateFile};
 use poinsot_report::{FigureFormat, Page, PageError, Part};
 use serde_json::Value;
@@ -32,37 +32,31 @@ pub(crate) struct Answer {
     pub truth: Truth,
 }
 
-/// Writes `report_data.json` into a folder: what `report` needs beside `estimate.json`.
-///
-/// # Errors
-/// The disk refuses.
-pub fn write_report_data(
-    folder: &Path,
-    identified: &Identified,
-    command: &[String],
-) -> Result<PathBuf, Error> {
-    let path = folder.join("report_data.json");
-    let text = serde_json::to_string(&report_data(identified, command)).map_err(|e| Error::Io {
-        path: path.clone(),
-        what: "the curves cannot be written as JSON",
-        source: e.into(),
-    })?;
-    write_file(&path, format!("{text}\n").as_bytes())?;
-    Ok(path)
-}
+/// Largest file of `identify` that is read, bytes.
+pub(crate) const LARGEST_RESULT: u64 = 256 << 20;
 
-/// Writes `report.html` from the files of `identify` in a folder. Returns its path.
+/// Writes `report.html` from the files of `identify` in a folder, and every figure of the page as a file of its own
+/// into `figures` below it, in each format given. All of them or none. Returns their paths.
 ///
 /// # Errors
 /// A file is missing, of another format, or of another run.
-pub fn write_report(folder: &Path) -> Result<PathBuf, Error> {
-    let page = folder_page(folder)?.html().map_err(|e| Error::Report {
+pub fn write_report(folder: &Path, figures: &[FigureFormat]) -> Result<Vec<PathBuf>, Error> {
+    let bytes = |name: &str| {
+        let path = folder.join(name);
+        read(&path, LARGEST_RESULT).map_err(|e| unreadable(&path, e))
+    };
+    let page = page_of(
+        folder,
+        &bytes("estimate.json")?,
+        &bytes("report_data.json")?,
+    )?;
+    let html = page.html().map_err(|e| Error::Report {
         path: folder.to_owned(),
         why: no_page(&e),
     })?;
-    let path = folder.join("report.html");
-    write_file(&path, page.as_bytes())?;
-    Ok(path)
+    let mut files = vec![("report.html".into(), html.into_bytes())];
+    files.extend(figure_files(folder, &page, figures)?);
+    write_files(folder, &files)
 }
 
 /// The page of the two files of `identify`, as bytes.
@@ -82,54 +76,25 @@ fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T,
     })
 }
 
-/// Writes every figure of the page as a file of its own into `figures` in a folder of `identify`: one SVG,
-/// PNG or both each. Returns their paths.
-///
-/// # Errors
-/// As [`write_report`].
-pub fn write_figures(folder: &Path, formats: &[FigureFormat]) -> Result<Vec<PathBuf>, Error> {
-    let fault = |why: String| Error::Report {
+/// Every figure of the page as a file of its own: one SVG, PNG or both each.
+pub(crate) fn figure_files(
+    folder: &Path,
+    page: &Page,
+    formats: &[FigureFormat],
+) -> Result<Vec<OutputFile>, Error> {
+    let fault = |e: &PageError| Error::Report {
         path: folder.to_owned(),
-        why,
+        why: no_page(e),
     };
-    let page = folder_page(folder)?;
-    let mut files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    let mut files = Vec::new();
     for figure in page.parts.iter().flat_map(|p| &p.figures) {
         for format in formats {
-            let bytes = figure.file(*format).map_err(|e| fault(no_page(&e)))?;
+            let bytes = figure.file(*format).map_err(|e| fault(&e))?;
             let name = format!("{}.{}", figure.name, format.extension());
-            files.extend(bytes.map(|b| (folder.join("figures").join(name), b)));
+            files.extend(bytes.map(|b| (Path::new("figures").join(name), b)));
         }
     }
-    let all: Vec<(PathBuf, &[u8])> = files
-        .iter()
-        .map(|(path, bytes)| (path.clone(), bytes.as_slice()))
-        .collect();
-    write_files(&all)?;
-    Ok(files.into_iter().map(|f| f.0).collect())
-}
-
-/// The page of a folder of `identify`.
-fn folder_page(folder: &Path) -> Result<Page, Error> {
-    let bytes = |name: &str| {
-        let path = folder.join(name);
-        std::fs::read(&path).map_err(|source| match source.kind() {
-            std::io::ErrorKind::NotFound => Error::Report {
-                path: path.clone(),
-                why: "it is not there; write it by `poinsot identify --out DIR`".to_owned(),
-            },
-            _ => Error::Io {
-                path: path.clone(),
-                what: "cannot be read",
-                source,
-            },
-        })
-    };
-    page_of(
-        folder,
-        &bytes("estimate.json")?,
-        &bytes("report_data.json")?,
-    )
+    Ok(files)
 }
 
 /// The page as text.

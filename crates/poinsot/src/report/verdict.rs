@@ -170,7 +170,7 @@ fn farthest(answer: &Answer) -> Option<String> {
 fn within(answer: &Answer) -> String {
     let (mut inside, mut judged) = (0, 0);
     for (name, body) in &answer.estimate.bodies {
-        let truth = answer.truth.body(&name);
+        let truth = answer.truth.body(name);
         for ((_, _, n), true_value) in body.numbers().iter().zip(truth) {
             if let (Some(v), Some(s), Some(t)) = (n.value, n.sigma, true_value)
                 && s > 0.0

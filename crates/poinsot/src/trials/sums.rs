@@ -7,6 +7,7 @@ use super::band::sigmas_of_interval;
 use super::{Trial, estimated_numbers};
 use crate::error::Error;
 use crate::output::write_file;
+use crate::report::LARGEST_RESULT;
 use poinsot_identify::{Estimate, Status};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -188,7 +189,8 @@ impl Sums {
             let path = path.to_owned();
             move |source| Error::Io { path, what, source }
         };
-        let text = std::fs::read_to_string(path).map_err(io("cannot be read"))?;
+        let text = poinsot_files::read_text(path, LARGEST_RESULT)
+            .map_err(|e| io("cannot be read")(std::io::Error::other(e)))?;
         let sums: Self = serde_json::from_str(&text)
             .map_err(|e| io("is not a file of sums of trials")(e.into()))?;
         if sums.schema == SUMS_SCHEMA {

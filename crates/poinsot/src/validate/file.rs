@@ -3,6 +3,7 @@
 use super::{Against, Validation};
 use crate::error::Error;
 use crate::output::write_files;
+use poinsot_files::json_escaped;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -113,12 +114,16 @@ fn quoted(text: &str) -> String {
 /// # Errors
 /// The disk refuses.
 pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
-    let json = folder.join("validation.json");
-    let csv = folder.join("histories.csv");
     let text = format!("{:#}\n", validation_json(validation));
-    write_files(&[
-        (csv.clone(), validation_csv(validation).as_bytes()),
-        (json.clone(), text.as_bytes()),
-    ])?;
-    Ok(vec![json, csv])
+    let csv = validation_csv(validation).into_bytes();
+    let json = json_escaped(&text).into_owned().into_bytes();
+    let mut paths = write_files(
+        folder,
+        &[
+            ("histories.csv".into(), csv),
+            ("validation.json".into(), json),
+        ],
+    )?;
+    paths.reverse();
+    Ok(paths)
 }

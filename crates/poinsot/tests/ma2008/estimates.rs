@@ -146,6 +146,36 @@ fn prop_what_motion_does_not_show_is_open() {
     );
 }
 
+/// Linear momentum known and angular not, and the reverse: option 1 of one step, option 2 of the other.
+#[test]
+fn exact_mixed_momentum_gives_the_truth() {
+    let mut e = Experiment::new(1, [0.0, 1.0, 5.0]).with_base(unsymmetric());
+    e.velocity = [0.02, -0.01, 0.005];
+    let Run { raws, known, .. } = e.run();
+    for linear in [true, false] {
+        let mut model = e.model.clone();
+        match linear {
+            true => model.momentum.linear = MomentumKnowledge::Known(known.p_C_N),
+            false => model.momentum.angular = MomentumKnowledge::Known(known.h_C_N),
+        }
+        let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
+        assert_eq!(answer.status, Status::Converged, "{:?}", answer.warnings);
+        let base = &answer.bodies[0];
+        assert!((base.mass.value.unwrap() - 1000.0).abs() < 1.0e-8);
+        for (n, at) in base.inertia.iter().zip(poinsot_identify::TENSOR) {
+            assert!((n.value.unwrap() - unsymmetric().I_BBcm_B[at]).abs() < 1.0e-8);
+        }
+        let m = &answer.momentum[0];
+        for k in 0..3 {
+            let (p, h) = (m.linear[k], m.angular[k]);
+            assert!((p.value.unwrap() - known.p_C_N[k]).abs() < 1.0e-8);
+            assert!((h.value.unwrap() - known.h_C_N[k]).abs() < 1.0e-8);
+            let known = poinsot_identify::Source::Known;
+            assert_eq!((p.source == known, h.source == known), (linear, !linear));
+        }
+    }
+}
+
 #[test]
 fn prop_momentum_in_the_wrong_frame_is_rejected() {
     let mut e = Experiment::new(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());

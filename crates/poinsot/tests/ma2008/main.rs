@@ -5,9 +5,13 @@
 #[path = "../../examples/ma2008_studies/setup.rs"]
 mod setup;
 
+#[allow(dead_code)]
+#[path = "../../examples/ma2008_studies/advantages.rs"]
+mod advantages;
 mod equations;
 mod estimates;
 mod files;
+mod increments;
 mod trials;
 
 use nalgebra::SVector;

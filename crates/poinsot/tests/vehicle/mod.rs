@@ -220,7 +220,7 @@ pub fn flight(model: &Model, seed: u64, drives: &[Drive]) -> Flight {
     let mut dice = Dice::new(seed ^ 0x5eed);
     let duration_s = 20.0;
     let coordinates = Tree::new(model).coordinates;
-    let mut plan = Plan::hold(model, &coordinates);
+    let mut plan = Plan::hold(model);
     for ((motion, &joint), drive) in plan.joints.iter_mut().zip(&coordinates).zip(drives) {
         let size = match model.joints[joint].kind {
             JointKind::Prismatic => 0.3,

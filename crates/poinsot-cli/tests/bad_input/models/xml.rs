@@ -8,6 +8,54 @@ const LAUGHS: &str = "<?xml version=\"1.0\"?>\n<!DOCTYPE r [<!ENTITY a \"ha\"><!
 pub fn rows() -> Vec<Row> {
     vec![
         urdf(
+            "S6",
+            "4,000 namespaces inside each other",
+            |b| {
+                let nested: String = (0..4000).map(|k| format!("<a xmlns:n{k}=\"u\">")).collect();
+                robot(
+                    b,
+                    "<robot name=\"arm\">",
+                    &format!("<robot name=\"arm\">{nested}"),
+                );
+            },
+            2,
+            &[
+                "E0120 r.urdf:2:",
+                "more than 64 elements inside each other; name a URDF file",
+            ],
+        ),
+        urdf(
+            "S6",
+            "100,000 attributes",
+            |b| {
+                let wide: String = (0..100_000).map(|k| format!(" a{k}=\"\"")).collect();
+                robot(
+                    b,
+                    "<link name=\"hand\">",
+                    &format!("<link name=\"hand\"{wide}>"),
+                );
+            },
+            2,
+            &["E0120 r.urdf:7:3: more than 64 attributes of one element; name a URDF file"],
+        ),
+        urdf(
+            "S6",
+            "100 namespaces beside each other",
+            |b| {
+                let many: String = (0..100).map(|k| format!("<a xmlns:n{k}=\"u\"/>")).collect();
+                robot(
+                    b,
+                    "<robot name=\"arm\">",
+                    &format!("<robot name=\"arm\">{many}"),
+                );
+            },
+            2,
+            &[
+                "E0120 r.urdf:2:",
+                "more than 64 declarations of namespaces; name a URDF file",
+            ],
+        ),
+        urdf(
             "M6",
             "${...}",
             |b| robot(b, "mass value=\"2\"", "mass value=\"${m}\""),
@@ -95,8 +143,8 @@ pub fn rows() -> Vec<Row> {
             |b| {
                 b.write("r.urdf", format!("<robot name=\"x\">{}{}<link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link></robot>", "<a>".repeat(200_000), "</a>".repeat(200_000)))
             },
-            0,
-            &["1 bodies, 0 joints"],
+            2,
+            &["E0120 r.urdf:1:206: more than 64 elements inside each other; name a URDF file"],
         ),
         urdf(
             "M7",
@@ -124,7 +172,7 @@ pub fn rows() -> Vec<Row> {
                 )
             },
             2,
-            &["E0101 r.urdf: the file is larger than 16 MiB; name a model file"],
+            &["E0101 r.urdf: the file is larger than 16 MiB; name a file of the right kind"],
         ),
         urdf(
             "M7",

@@ -1,6 +1,7 @@
 //! 2a: what can be wrong inside of telemetry.
 
 mod cells;
+mod exports;
 mod motions;
 mod sensors;
 mod times;
@@ -44,5 +45,6 @@ pub fn rows() -> Vec<Row> {
     all.extend(units::rows());
     all.extend(sensors::rows());
     all.extend(motions::rows());
+    all.extend(exports::rows());
     all
 }

@@ -146,7 +146,7 @@ pub fn rows() -> Vec<Row> {
             "comments only",
             |b| b.write("t.csv", "# nothing\n# here\n"),
             2,
-            &["E0207 t.csv: no column 'time_s'"],
+            &["E0205 t.csv:1: the first row begins with '#'"],
         ),
         row(
             "T20",

@@ -144,7 +144,7 @@ pub fn rows() -> Vec<Row> {
                 b.write("m.toml", crate::bench::MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"m\" }\n")
             },
             2,
-            &["E0212 map of channel 'omega_x': unit 'm' does not measure it"],
+            &["E0212 m.toml:", "unit 'm' does not measure it"],
         ),
         row(
             "T7",

@@ -14,12 +14,7 @@ impl Work<'_> {
             return;
         };
         let bodies = self.problem.model.bodies.len();
-        // The body at the root of what each body is rigidly part of.
-        let mut root: Vec<usize> = vec![0; bodies];
-        for b in 1..bodies {
-            let cut = (0..outers.len()).find(|&j| self.child(j) == b && outers[j].is_some());
-            root[b] = cut.map_or(root[self.parent(b)], |_| b);
-        }
+        let root = self.roots(outers);
         for r in (0..bodies).filter(|&r| root[r] == r) {
             let whole = (0..outers.len())
                 .find(|&j| r != 0 && self.child(j) == r)
@@ -42,6 +37,16 @@ impl Work<'_> {
             }
             self.found.bodies[takes] = self.moved(&own, r, takes);
         }
+    }
+
+    /// The body at the root of what each body is rigidly part of.
+    pub(super) fn roots(&self, outers: &[Option<InertialParameters>]) -> Vec<usize> {
+        let mut root: Vec<usize> = vec![0; self.problem.model.bodies.len()];
+        for b in 1..root.len() {
+            let cut = (0..outers.len()).find(|&j| self.child(j) == b && outers[j].is_some());
+            root[b] = cut.map_or(root[self.parent(b)], |_| b);
+        }
+        root
     }
 
     /// Parameters of something fixed to body `from`, about and along the frame of body `to`, in the normal

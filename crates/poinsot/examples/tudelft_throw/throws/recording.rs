@@ -108,8 +108,10 @@ pub fn read_recording(
     settings: &Settings,
 ) -> Result<Recording, Fault> {
     let options = ReadOptions {
-        columns: columns(&model.telemetry),
-        row_filter: vec![("log".to_owned(), log.name.clone())],
+        map: TelemetryMap::of(
+            columns(&model.telemetry),
+            vec![("log".to_owned(), log.name.clone())],
+        ),
         ..ReadOptions::default()
     };
     let table = read(&[folder.join("throws.parquet")], &options)?;
@@ -149,17 +151,10 @@ pub fn read_recording(
 
 fn columns(map: &TelemetryMap) -> Vec<ColumnMap> {
     let acceleration = [("acc_x", "ax"), ("acc_y", "ay"), ("acc_z", "az")];
-    let given = map.columns.iter().map(|c| ColumnMap {
-        channel: c.channel.clone(),
-        column: c.column.clone(),
-        unit: c.unit.clone(),
-    });
-    let added = acceleration.iter().map(|(channel, column)| ColumnMap {
-        channel: (*channel).to_owned(),
-        column: (*column).to_owned(),
-        unit: "m/s2".to_owned(),
-    });
-    given.chain(added).collect()
+    let added = acceleration
+        .iter()
+        .map(|(channel, column)| ColumnMap::new(channel, column, "m/s2"));
+    map.all.columns.iter().cloned().chain(added).collect()
 }
 
 fn vectors(x: &[f64], y: &[f64], z: &[f64]) -> Vec<Vector3<f64>> {

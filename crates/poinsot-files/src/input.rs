@@ -1,0 +1,162 @@
+//! The one way to open an input: a regular file, read up to a limit.
+
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Why an input cannot be read.
+#[derive(Debug)]
+pub enum InputError {
+    /// No file of this name, as the operating system says it.
+    Missing(io::Error),
+    /// A folder.
+    Folder,
+    /// A pipe, a device or a socket: reading it may never end.
+    NotRegular,
+    /// More bytes than the limit.
+    TooLarge {
+        /// The limit, bytes.
+        limit: u64,
+    },
+    /// Not UTF-8.
+    NotText {
+        /// First byte that is not UTF-8, from zero.
+        byte: usize,
+    },
+    /// The operating system refused.
+    System(io::Error),
+}
+
+impl InputError {
+    /// Whether the surroundings (disk, permission) failed and not the choice of the file.
+    pub fn is_environment(&self) -> bool {
+        matches!(self, Self::System(_))
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            Self::Missing(_) => "check the path",
+            Self::Folder => "name the file in it",
+            Self::NotRegular => "name a file; save the output of a pipe to a file first",
+            Self::TooLarge { .. } => "name a file of the right kind",
+            Self::NotText { .. } => "save the file as UTF-8 text",
+            Self::System(_) => "check disk and permission",
+        }
+    }
+}
+
+impl std::fmt::Display for InputError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Missing(_) => write!(f, "there is no such file"),
+            Self::Folder => write!(f, "this is a folder"),
+            Self::NotRegular => write!(f, "this is not a regular file"),
+            Self::TooLarge { limit } => write!(f, "the file is larger than {} MiB", limit >> 20),
+            Self::NotText { byte } => write!(f, "byte {byte} is not UTF-8"),
+            Self::System(source) => write!(f, "cannot be read: {source}"),
+        }
+    }
+}
+
+impl std::error::Error for InputError {}
+
+impl From<io::Error> for InputError {
+    fn from(source: io::Error) -> Self {
+        match source.kind() {
+            // "a.csv/b": a file where a folder was expected.
+            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidFilename => {
+                Self::Missing(source)
+            }
+            ErrorKind::IsADirectory => Self::Folder,
+            _ => Self::System(source),
+        }
+    }
+}
+
+/// Opens a regular file for reading.
+///
+/// # Errors
+/// There is no such file, it is not a regular file, or the system refuses.
+pub fn open(path: &Path) -> Result<(File, Metadata), InputError> {
+    check_kind(&std::fs::metadata(path)?)?;
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        // A pipe that took the file's place since would be waited for.
+        options.custom_flags(libc::O_NONBLOCK);
+    }
+    let file = options.open(path)?;
+    let metadata = file.metadata()?;
+    check_kind(&metadata)?;
+    Ok((file, metadata))
+}
+
+fn check_kind(metadata: &Metadata) -> Result<(), InputError> {
+    match metadata.file_type() {
+        kind if kind.is_file() => Ok(()),
+        kind if kind.is_dir() => Err(InputError::Folder),
+        _ => Err(InputError::NotRegular),
+    }
+}
+
+/// Reads a regular file of at most `limit` bytes.
+///
+/// # Errors
+/// As [`open`], or the file is larger.
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
+    let (file, metadata) = open(path)?;
+    if metadata.len() > limit {
+        return Err(InputError::TooLarge { limit });
+    }
+    let mut bytes = Vec::new();
+    // The file may grow while it is read, and some systems' files declare no size.
+    file.take(limit + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > limit {
+        true => Err(InputError::TooLarge { limit }),
+        false => Ok(bytes),
+    }
+}
+
+/// Reads a regular file of at most `limit` bytes as UTF-8 text.
+///
+/// # Errors
+/// As [`read`], or the bytes are not UTF-8.
+pub fn read_text(path: &Path, limit: u64) -> Result<String, InputError> {
+    String::from_utf8(read(path, limit)?).map_err(|error| InputError::NotText {
+        byte: error.utf8_error().valid_up_to(),
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_the_limit_is_the_largest_size_that_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x");
+        std::fs::write(&path, "0123456789").unwrap();
+        assert_eq!(read_text(&path, 10).unwrap(), "0123456789");
+        assert!(matches!(
+            read(&path, 9),
+            Err(InputError::TooLarge { limit: 9 })
+        ));
+        assert!(matches!(read(folder.path(), 9), Err(InputError::Folder)));
+        let below = path.join("y");
+        assert!(matches!(read(&below, 9), Err(InputError::Missing(_))));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn regress_devices_and_files_without_a_size_do_not_fill_the_memory() {
+        let zero = read(Path::new("/dev/zero"), 1 << 20);
+        assert!(matches!(zero, Err(InputError::NotRegular)));
+        // A regular file of declared size 0 that holds more.
+        let long = read(Path::new("/proc/self/status"), 16);
+        assert!(matches!(long, Err(InputError::TooLarge { limit: 16 })));
+    }
+}

@@ -1,0 +1,12 @@
+//! Files in and out. Every input is opened by [`open`]; every output is put in place by a [`Stage`]; text from
+//! files is shown by [`escaped`] and [`error_line`].
+
+mod input;
+mod plain;
+mod stage;
+
+pub use input::{InputError, open, read, read_text};
+pub use plain::{
+    LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
+};
+pub use stage::{Stage, StageError, check_target, folder_of, is_same_file, remove_stages};

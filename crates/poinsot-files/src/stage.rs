@@ -1,0 +1,483 @@
+//! Files of one answer, made in one hidden folder beside their places and put in place together or not at all.
+//!
+//! The hidden folder (`.poinsot-XXXXXX`) holds the drafts, the earlier files while they are replaced, and a locked
+//! file that says that its process is alive. It is removed at the end, by [`remove_stages`] on a signal, and by the
+//! next stage of the same folder where its process was killed.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
+use tempfile::TempDir;
+
+/// Begin of the name of the hidden folder.
+const PREFIX: &str = ".poinsot-";
+
+/// The file in it whose lock its process holds.
+const LOCK: &str = "lock";
+
+/// A hidden folder younger than this may not have its lock yet.
+const FRESH: Duration = Duration::from_secs(60);
+
+/// How often a folder that is being filled is removed.
+const TRIES: usize = 10;
+
+/// Hidden folders of this process; locked while files are put in place, so that an interruption waits.
+static OPEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn open_stages() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    OPEN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what stages of this process have drafted, once files that are being put in place are there. No stage
+/// goes on afterwards: for the end of the process.
+pub fn remove_stages() {
+    let open = open_stages();
+    for folder in open.iter() {
+        // Another thread may be drafting: what it adds in between is removed by the next try.
+        let _ = (0..TRIES).any(|_| fs::remove_dir_all(folder).is_ok());
+    }
+    std::mem::forget(open);
+}
+
+/// Why files cannot be put in place. No target has changed, unless `kept` says otherwise.
+#[derive(Debug)]
+pub struct StageError {
+    /// The file as it was to be called.
+    pub path: PathBuf,
+    /// What was tried.
+    pub what: &'static str,
+    /// The answer of the operating system.
+    pub source: io::Error,
+    /// Where earlier files lie that could not be put back.
+    pub kept: Option<PathBuf>,
+}
+
+impl StageError {
+    fn new(path: &Path, what: &'static str, source: io::Error) -> Self {
+        Self {
+            path: path.to_owned(),
+            what,
+            source,
+            kept: None,
+        }
+    }
+}
+
+/// A draft and its place.
+struct Draft {
+    target: PathBuf,
+    draft: PathBuf,
+}
+
+/// Drafts of the files of one answer in a folder.
+pub struct Stage {
+    folder: PathBuf,
+    drafts: Vec<Draft>,
+    /// Folders that did not exist before, outermost first.
+    made: Vec<PathBuf>,
+    lock: Option<File>,
+    hidden: Option<TempDir>,
+}
+
+impl Stage {
+    /// Makes the folder where it is missing, removes what killed runs have left in it, and opens a hidden folder.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn new(folder: &Path) -> Result<Self, StageError> {
+        let mut made = Vec::new();
+        let opened = make_folders(folder, &mut made)
+            .map_err(|e| StageError::new(folder, "its folder cannot be made", e))
+            .and_then(|()| {
+                sweep(folder);
+                open_hidden(folder)
+                    .map_err(|e| StageError::new(folder, "nothing can be written into it", e))
+            });
+        match opened {
+            Ok((hidden, lock)) => Ok(Self {
+                folder: folder.to_owned(),
+                drafts: Vec::new(),
+                made,
+                lock: Some(lock),
+                hidden: Some(hidden),
+            }),
+            Err(error) => {
+                remove_folders(&made);
+                Err(error)
+            }
+        }
+    }
+
+    /// The place of a file; `name` is its path below the folder.
+    pub fn target(&self, name: &Path) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// Drafts a file; `name` is its path below the folder.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn add(&mut self, name: &Path, bytes: &[u8]) -> Result<(), StageError> {
+        let target = self.target(name);
+        self.fill(name, |file| {
+            io::Write::write_all(file, bytes)
+                .map_err(|e| StageError::new(&target, "cannot be written", e))
+        })
+    }
+
+    /// Drafts a file that `write` fills, on disk.
+    ///
+    /// # Errors
+    /// As `write`, or the disk refuses.
+    pub fn fill<E: From<StageError>>(
+        &mut self,
+        name: &Path,
+        write: impl FnOnce(&mut File) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let target = self.target(name);
+        let failed = |e| StageError::new(&target, "cannot be written", e);
+        let draft = self.hidden().join(format!("new-{}", self.drafts.len()));
+        let mut file = File::create(&draft).map_err(failed)?;
+        write(&mut file)?;
+        file.sync_all().map_err(failed)?;
+        self.drafts.push(Draft { target, draft });
+        Ok(())
+    }
+
+    fn hidden(&self) -> &Path {
+        self.hidden.as_ref().map_or(Path::new(""), TempDir::path)
+    }
+
+    /// Puts all drafts in place in the order in which they were added. Returns their paths.
+    ///
+    /// # Errors
+    /// A file cannot be put in place: then all places are as they were.
+    pub fn commit(mut self) -> Result<Vec<PathBuf>, StageError> {
+        // Until the end: an interruption waits.
+        let open = open_stages();
+        let earlier = match self.earlier_files() {
+            Ok(earlier) => earlier,
+            Err(error) => {
+                drop(open);
+                return Err(error);
+            }
+        };
+        for (done, draft) in self.drafts.iter().enumerate() {
+            if let Err(source) = fs::rename(&draft.draft, &draft.target) {
+                let mut error = StageError::new(&draft.target, "cannot be put in place", source);
+                if !self.roll_back(done, &earlier) {
+                    error.kept = self.hidden.take().map(TempDir::keep);
+                }
+                drop(open);
+                return Err(error);
+            }
+        }
+        self.made.clear();
+        self.flush_folders();
+        drop(open);
+        Ok(self.drafts.iter().map(|d| d.target.clone()).collect())
+    }
+
+    /// Checks every place, makes its folder and keeps the file that stands there. One entry a draft.
+    fn earlier_files(&mut self) -> Result<Vec<Option<PathBuf>>, StageError> {
+        let mut earlier = Vec::with_capacity(self.drafts.len());
+        for (k, draft) in self.drafts.iter().enumerate() {
+            check_target(&draft.target)?;
+            make_folders(folder_of(&draft.target), &mut self.made)
+                .map_err(|e| StageError::new(&draft.target, "its folder cannot be made", e))?;
+            let kept = self.hidden().join(format!("old-{k}"));
+            let found = keep(&draft.target, &kept).map_err(|e| {
+                StageError::new(&draft.target, "the earlier file cannot be kept", e)
+            })?;
+            earlier.push(found.then_some(kept));
+        }
+        Ok(earlier)
+    }
+
+    /// Undoes the first `done` replacements; whether all are undone.
+    fn roll_back(&self, done: usize, earlier: &[Option<PathBuf>]) -> bool {
+        let mut whole = true;
+        for (draft, kept) in self.drafts.iter().zip(earlier).take(done).rev() {
+            whole &= match kept {
+                Some(kept) => fs::rename(kept, &draft.target).is_ok(),
+                None => fs::remove_file(&draft.target).is_ok(),
+            };
+        }
+        whole
+    }
+
+    /// Renames last only once their folders are on disk; some systems cannot flush folders.
+    fn flush_folders(&self) {
+        let folders: BTreeSet<&Path> = self.drafts.iter().map(|d| folder_of(&d.target)).collect();
+        for folder in folders {
+            if let Ok(handle) = File::open(folder) {
+                let _ = handle.sync_all();
+            }
+        }
+    }
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        // Some systems remove no open file.
+        self.lock = None;
+        if let Some(hidden) = self.hidden.take() {
+            // An interruption waits: what is not removed here is removed by it.
+            let mut open = open_stages();
+            open.remove(hidden.path());
+            let _ = hidden.close();
+        }
+        remove_folders(&self.made);
+    }
+}
+
+/// A copy of the file that stands there, so that its place is never empty; whether there is one.
+fn keep(target: &Path, kept: &Path) -> io::Result<bool> {
+    match fs::hard_link(target, kept) {
+        Ok(()) => Ok(true),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
+        // Not every file system has links.
+        Err(_) => fs::copy(target, kept).map(|_| true),
+    }
+}
+
+/// Whether a file can be put in a place: nothing stands there, or a regular file, and no file where its folders
+/// should be.
+///
+/// # Errors
+/// What stands in the way.
+pub fn check_target(target: &Path) -> Result<(), StageError> {
+    let refuse = |kind: ErrorKind| {
+        Err(StageError::new(
+            target,
+            "cannot be put in place",
+            kind.into(),
+        ))
+    };
+    match fs::metadata(target) {
+        Ok(found) if found.is_dir() => return refuse(ErrorKind::IsADirectory),
+        Ok(found) if !found.is_file() => return refuse(ErrorKind::AlreadyExists),
+        Ok(_) => return Ok(()),
+        Err(_) => {}
+    }
+    let above = target.ancestors().skip(1).find(|a| a.exists());
+    match above {
+        Some(file) if !file.is_dir() => Err(StageError::new(
+            file,
+            "a folder is needed here",
+            ErrorKind::NotADirectory.into(),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Whether two paths name one file that exists.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    let (Ok(found), Ok(other)) = (fs::metadata(a), fs::metadata(b)) else {
+        return false;
+    };
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        (found.dev(), found.ino()) == (other.dev(), other.ino())
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (found, other);
+        fs::canonicalize(a).ok() == fs::canonicalize(b).ok()
+    }
+}
+
+/// The folder of a file; `.` for a bare name.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    }
+}
+
+/// Makes a folder and those above it; adds the new ones to `made`.
+fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
+    let missing: Vec<&Path> = folder
+        .ancestors()
+        .take_while(|a| !a.as_os_str().is_empty() && !a.exists())
+        .collect();
+    for folder in missing.into_iter().rev() {
+        match fs::create_dir(folder) {
+            Ok(()) => made.push(folder.to_owned()),
+            // Another process was faster.
+            Err(e) if e.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
+            Err(e) => return Err(e),
+        }
+    }
+    match folder.is_dir() || folder.as_os_str().is_empty() {
+        true => Ok(()),
+        false => Err(ErrorKind::NotADirectory.into()),
+    }
+}
+
+/// Removes new folders again, as far as they are empty.
+fn remove_folders(made: &[PathBuf]) {
+    for folder in made.iter().rev() {
+        let _ = fs::remove_dir(folder);
+    }
+}
+
+fn open_hidden(folder: &Path) -> io::Result<(TempDir, File)> {
+    let mut open = open_stages();
+    let hidden = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder)?;
+    open.insert(hidden.path().to_owned());
+    drop(open);
+    let lock = File::create(hidden.path().join(LOCK)).inspect_err(|_| {
+        open_stages().remove(hidden.path());
+    })?;
+    // Where the file system has no locks, nothing is swept either.
+    let _ = lock.lock();
+    Ok((hidden, lock))
+}
+
+/// Removes hidden folders whose process is gone.
+fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        if ours && is_stale(&entry.path()) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Whether a hidden folder is nobody's: not fresh, with nothing in it but what a stage makes, its lock free.
+fn is_stale(hidden: &Path) -> bool {
+    let Ok(found) = fs::symlink_metadata(hidden) else {
+        return false;
+    };
+    let changed = found.modified().unwrap_or_else(|_| SystemTime::now());
+    let fresh = SystemTime::now()
+        .duration_since(changed)
+        .is_ok_and(|age| age < FRESH);
+    if fresh || !found.is_dir() {
+        return false;
+    }
+    let names: Vec<String> = fs::read_dir(hidden)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|e| e.file_name().to_string_lossy().into_owned())
+        .collect();
+    let strange =
+        |name: &String| name != LOCK && !name.starts_with("new-") && !name.starts_with("old-");
+    if names.iter().any(strange) {
+        return false;
+    }
+    match File::open(hidden.join(LOCK)) {
+        Ok(lock) => lock.try_lock().is_ok(),
+        // Killed before it made its lock.
+        Err(_) => names.is_empty(),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn stage(folder: &Path, files: &[(&str, &str)]) -> Stage {
+        let mut stage = Stage::new(folder).unwrap();
+        for (name, text) in files {
+            stage.add(Path::new(name), text.as_bytes()).unwrap();
+        }
+        stage
+    }
+
+    #[test]
+    fn exact_all_files_appear_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a/b");
+        let paths = stage(&out, &[("x", "1"), ("figures/y", "2")])
+            .commit()
+            .unwrap();
+        assert_eq!(paths, [out.join("x"), out.join("figures/y")]);
+        assert_eq!(names(&out), ["figures", "x"]);
+        assert_eq!(fs::read_to_string(out.join("figures/y")).unwrap(), "2");
+    }
+
+    #[test]
+    fn exact_what_is_not_committed_leaves_no_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        drop(stage(&folder.path().join("a/b"), &[("x", "1")]));
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn regress_a_folder_in_the_way_changes_no_earlier_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        fs::write(out.join("data"), "earlier").unwrap();
+        fs::create_dir(out.join("page")).unwrap();
+        let error = stage(out, &[("data", "new"), ("new/x", "new"), ("page", "new")])
+            .commit()
+            .unwrap_err();
+        assert_eq!(error.path, out.join("page"));
+        assert_eq!(names(out), ["data", "page"]);
+        assert_eq!(fs::read_to_string(out.join("data")).unwrap(), "earlier");
+    }
+
+    #[test]
+    fn regress_a_rename_that_fails_is_undone() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        fs::write(out.join("data"), "earlier").unwrap();
+        let stage = stage(out, &[("data", "new"), ("other", "new"), ("last", "new")]);
+        fs::remove_file(&stage.drafts[2].draft).unwrap();
+        let error = stage.commit().unwrap_err();
+        assert!(error.kept.is_none());
+        assert_eq!(names(out), ["data"]);
+        assert_eq!(fs::read_to_string(out.join("data")).unwrap(), "earlier");
+    }
+
+    #[test]
+    fn exact_a_sweep_takes_the_dead_and_leaves_the_living() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        let old = SystemTime::now() - 2 * FRESH;
+        let age = |path: &Path| File::open(path).unwrap().set_modified(old).unwrap();
+        let alive = stage(out, &[("x", "1")]);
+        age(alive.hidden());
+        let dead = out.join(".poinsot-dead");
+        fs::create_dir(&dead).unwrap();
+        fs::write(dead.join(LOCK), "").unwrap();
+        fs::write(dead.join("new-0"), "").unwrap();
+        age(&dead);
+        let young = out.join(".poinsot-young");
+        fs::create_dir(&young).unwrap();
+        let strange = out.join(".poinsot-notes");
+        fs::create_dir(&strange).unwrap();
+        fs::write(strange.join("mine.txt"), "").unwrap();
+        age(&strange);
+        sweep(out);
+        assert!(!dead.exists() && young.exists() && strange.exists());
+        alive.commit().unwrap();
+        assert_eq!(names(out), [".poinsot-notes", ".poinsot-young", "x"]);
+    }
+
+    #[test]
+    fn exact_links_and_copies_of_a_path_name_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("x");
+        fs::write(&file, "").unwrap();
+        assert!(is_same_file(&file, &folder.path().join("./x")));
+        assert!(!is_same_file(&file, &folder.path().join("y")));
+    }
+}

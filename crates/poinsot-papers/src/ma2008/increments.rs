@@ -1,0 +1,98 @@
+//! Relative velocity from an accelerometer or from velocity increments, as Sec. II.B names it for option 2.
+//!
+//! Summed from the first sample it is the velocity of the base origin in N but for a constant, which the
+//! increments of option 2 eliminate. The error of every interval stays in all later samples.
+
+use poinsot_identify::{PointKind, PointReading, PointReadings, Segment};
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Times closer than this are one, s.
+const SAME: f64 = 1.0e-9;
+
+/// Velocity of the base origin in N but for a constant, m/s; `None` at samples without a reading.
+pub(super) struct Relative {
+    pub velocity: Vec<Option<Vector3>>,
+    /// Covariance of the error that one interval adds, in N, m2/s2.
+    pub step: Matrix3,
+}
+
+/// The sum over the first instrument of the base; `None` without one.
+pub(super) fn relative(segment: &Segment) -> Option<Relative> {
+    let own = |p: &&PointReadings| p.body == 0 && p.readings.len() > 1;
+    let instrument = segment.observations.points.iter().find(own)?;
+    let s = &segment.samples;
+    // Sample of each grid time.
+    let samples: Vec<Option<usize>> = segment
+        .observations
+        .time_s
+        .iter()
+        .map(|t| at(&s.time_s, *t))
+        .collect();
+    let sample = |grid: usize| samples.get(grid).copied().flatten();
+    let mut velocity = vec![None; s.time_s.len()];
+    let mut sum = Vector3::zeros();
+    let mut last: Option<usize> = None;
+    let mut set = |k: usize, sum: &Vector3| {
+        // From the instrument to the base origin.
+        let arm = s.R_NB[k] * s.w_NB_B[k].cross(&instrument.p_BoS_B);
+        velocity[k] = Some(sum - arm);
+    };
+    let mut longest: f64 = 0.0;
+    for pair in std::iter::once(None)
+        .chain(instrument.readings.iter().map(Some))
+        .zip(&instrument.readings)
+    {
+        let (before, reading) = pair;
+        let (from, change) = match instrument.kind {
+            PointKind::VelocityIncrement => (reading.from, Some(reading.value)),
+            PointKind::SpecificForce => (
+                before.map_or(reading.to, |b| b.to),
+                before.and_then(|b| trapezoid(segment, &sample, b, reading)),
+            ),
+        };
+        let (Some(start), Some(end)) = (sample(from), sample(reading.to)) else {
+            break;
+        };
+        // A gap: what follows has another constant.
+        if last.is_some_and(|l| l != start) {
+            break;
+        }
+        if last.is_none() {
+            set(start, &sum);
+        }
+        if start != end {
+            let Some(change) = change else { break };
+            sum += change;
+            set(end, &sum);
+            longest = longest.max(s.time_s[end] - s.time_s[start]);
+        }
+        last = Some(end);
+    }
+    let step = match instrument.kind {
+        PointKind::VelocityIncrement => instrument.covariance,
+        PointKind::SpecificForce => instrument.covariance * (longest * longest),
+    };
+    Some(Relative { velocity, step })
+}
+
+/// The sample of a time.
+fn at(times: &[f64], t: f64) -> Option<usize> {
+    let k = times.partition_point(|own| *own < t - SAME);
+    times
+        .get(k)
+        .filter(|own| (*own - t).abs() <= SAME)
+        .map(|_| k)
+}
+
+/// Integral of the specific force over one interval, in N, by the trapezoid rule.
+fn trapezoid(
+    segment: &Segment,
+    sample: &impl Fn(usize) -> Option<usize>,
+    before: &PointReading,
+    now: &PointReading,
+) -> Option<Vector3> {
+    let (a, b) = (sample(before.to)?, sample(now.to)?);
+    let s = &segment.samples;
+    let dt = s.time_s[b] - s.time_s[a];
+    Some((s.R_NB[a] * before.value + s.R_NB[b] * now.value) * (0.5 * dt))
+}

@@ -1,0 +1,90 @@
+//! The mass of the whole where thrust shows no translation: the second use of the Conclusion as printed.
+//!
+//! Attitude alone gives tensor and mass centre of the locked robot. The whole is then affine in its mass, and so is
+//! the momentum of a moving joint: ten numbers of one side and the mass are eleven unknowns of one linear problem.
+
+use super::super::error::Xu2017Error;
+use super::super::least_squares::{Rows, answer, shown};
+use super::super::sum;
+use super::super::two_body::{TwoBodyReading, rows, transported_back};
+use super::{Work, equations, natural, properties_of, push};
+use nalgebra::SVector;
+use poinsot_spatial::{InertialParameters, MassProperties};
+
+/// Change of the whole's mass of which a column is the effect, kg.
+const UNIT: f64 = 1.0;
+
+impl Work<'_> {
+    /// Sets the mass of the whole from the motion of one joint.
+    pub(super) fn weigh(&mut self, joint: usize) -> Result<(), Xu2017Error> {
+        let total = self.found.total.ok_or(Xu2017Error::NoScale)?;
+        let whole = properties_of(&total)?;
+        let of_mass = |mass: f64| MassProperties { mass, ..whole }.parameters();
+        let child = self.child(joint);
+        let nominal = self.composite(0, |b| !self.carries(child, b));
+        let mut units = natural(&properties_of(&nominal)?).to_vec();
+        units.push(whole.mass);
+        let mut start = nominal.to_array().to_vec();
+        start.push(whole.mass);
+        let seen = shown(
+            &self.eleven(&self.motions(joint), child, &of_mass, whole.mass),
+            &units,
+        );
+
+        let readings = self.readings(joint)?;
+        let free = self.momentum_is_free();
+        let heads = if free { 6 * readings.len() } else { 0 };
+        let mut system = Rows::new(heads, 11);
+        for (k, (_, list)) in readings.iter().enumerate() {
+            let lists = [0.0, UNIT].map(|more| {
+                let side = self.beside(child, of_mass(whole.mass + more));
+                rows(list, side)
+            });
+            for (row, heavier) in lists[0].iter().zip(&lists[1]) {
+                let column = (heavier.constant - row.constant) / UNIT;
+                // The unknown is the mass itself, so its nominal part leaves the constant.
+                let mut row = *row;
+                row.constant -= column * whole.mass;
+                push(&mut system, &row, &[column], free.then_some(6 * k), heads);
+            }
+        }
+        let found = answer(system, &units, &start, seen.as_ref());
+        let mass = found.value[10];
+        if !found.finite || mass.is_nan() || mass <= 0.0 {
+            return Err(Xu2017Error::NotFinite);
+        }
+        self.found.total = Some(of_mass(mass));
+        Ok(())
+    }
+
+    /// Base side `x` and what is left of a whole behind the joint of `child`.
+    fn beside(
+        &self,
+        child: usize,
+        whole: InertialParameters,
+    ) -> impl Fn(&InertialParameters) -> [InertialParameters; 2] {
+        let (R, p) = (self.normal.R[child], self.normal.p[child]);
+        move |x| [*x, transported_back(&sum(&whole, x, -1.0), &R, &p)]
+    }
+
+    /// Equations of the eleven unknowns.
+    fn eleven(
+        &self,
+        list: &[TwoBodyReading],
+        child: usize,
+        of_mass: &dyn Fn(f64) -> InertialParameters,
+        mass: f64,
+    ) -> Vec<[f64; 11]> {
+        let light = rows(list, self.beside(child, of_mass(mass)));
+        let heavy = rows(list, self.beside(child, of_mass(mass + UNIT)));
+        let columns = light.iter().zip(&heavy).flat_map(|(a, b)| {
+            let change: SVector<f64, 9> = (b.constant - a.constant) / UNIT;
+            [0, 1, 2, 6, 7, 8].map(|i| change[i])
+        });
+        let ten = equations(&light);
+        ten.iter()
+            .zip(columns)
+            .map(|(ten, last)| std::array::from_fn(|j| if j < 10 { ten[j] } else { last }))
+            .collect()
+    }
+}

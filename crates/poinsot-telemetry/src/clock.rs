@@ -1,0 +1,311 @@
+//! The time of a row: seconds since the origin of the run.
+
+use crate::instant::{ATTO, Calendar};
+use crate::number::{self, Cell, NoNumber};
+use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
+
+/// Times beyond this count from an origin of the run: there a double resolves 2e-9 s.
+const COUNTED_S: f64 = 1e7;
+/// Seconds of a week.
+const WEEK_S: i128 = 604_800;
+
+/// What numbers count from.
+#[derive(Debug, Clone, PartialEq)]
+enum Since {
+    /// An unknown epoch.
+    Own,
+    /// 1970 January 1, with 86,400 s to every day.
+    Unix,
+    /// An instant.
+    At(i128),
+}
+
+/// Reads the times of one file.
+#[derive(Debug, Clone)]
+pub(crate) struct Clock {
+    format: TimeFormat,
+    pub(crate) unit: Unit,
+    since: Since,
+    calendar: Calendar,
+    /// What all files of the run count from, once the first row is read.
+    pub(crate) origin: Option<Origin>,
+}
+
+/// The clock that a map describes; else the key at fault, what is wrong and what to do.
+pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, String)> {
+    let scale = map.scale;
+    let counts = map.format == TimeFormat::Number;
+    let unit = map.unit.as_deref().unwrap_or("s");
+    let fault = |key, what: String, remedy: &str| Err((key, what, remedy.to_owned()));
+    let unit = match parse_unit(unit) {
+        Ok(unit) if unit.dimension == Dimension::Time => unit,
+        _ => {
+            let what = format!("unit '{unit}' is not a time");
+            return fault(
+                "unit",
+                what,
+                &format!("use one of: {}", crate::unit::list(Dimension::Time)),
+            );
+        }
+    };
+    let weeks = map.format == TimeFormat::GpsWeek;
+    if map.week.is_some() != weeks {
+        let what = "a column of weeks and the format \"gps_week\" belong together".to_owned();
+        return fault("week", what, "write both, or neither");
+    }
+    if (map.unit.is_some() && !counts && !weeks) || (map.epoch.is_some() && !counts) {
+        let key = if map.epoch.is_some() { "epoch" } else { "unit" };
+        let what = "a date has no unit and no epoch".to_owned();
+        return fault(key, what, "remove it, or write format = \"number\"");
+    }
+    if scale.is_some() && ((counts && map.epoch.is_none()) || weeks) {
+        let what = match weeks {
+            true => "GPS weeks are in GPS time".to_owned(),
+            false => "numbers without an epoch have no scale".to_owned(),
+        };
+        return fault("scale", what, "remove it, or add epoch");
+    }
+    let mut calendar = Calendar::new(scale.unwrap_or(Scale::Utc));
+    let since = match map.epoch.as_deref() {
+        None => Since::Own,
+        Some("unix") if scale.is_none_or(|s| s == Scale::Utc) => Since::Unix,
+        Some("gps") if scale.is_none_or(|s| s == Scale::Gps) => {
+            calendar = Calendar::new(Scale::Gps);
+            Since::At(gps_epoch())
+        }
+        Some("unix" | "gps") => {
+            let what = "\"unix\" counts in UTC, \"gps\" in GPS time".to_owned();
+            return fault("scale", what, "remove the scale");
+        }
+        Some(date) => match calendar.instant(date.as_bytes(), false) {
+            Ok(at) => Since::At(at),
+            Err(why) => {
+                let what = format!("the epoch {}", why.text(true));
+                return fault("epoch", what, "use \"unix\", \"gps\", or a date and time");
+            }
+        },
+    };
+    if weeks {
+        calendar = Calendar::new(Scale::Gps);
+    }
+    Ok(Clock {
+        format: map.format,
+        unit,
+        since,
+        calendar,
+        origin: None,
+    })
+}
+
+/// 1980 January 6, 0 h, of GPS time: 19 s of TAI later.
+fn gps_epoch() -> i128 {
+    let epoch = Calendar::new(Scale::Gps).instant(b"1980-01-06T00:00:00", false);
+    epoch.unwrap_or_default()
+}
+
+impl Clock {
+    /// The clock of a column of numbers that count from an unknown epoch.
+    pub(crate) fn own(unit: Unit) -> Self {
+        Self {
+            format: TimeFormat::Number,
+            unit,
+            since: Since::Own,
+            calendar: Calendar::new(Scale::Utc),
+            origin: None,
+        }
+    }
+
+    /// Time of the row, s since the origin; the first row of a run sets the origin.
+    pub(crate) fn seconds(&mut self, cell: &[u8], week: Option<&[u8]>) -> Result<Cell, NoNumber> {
+        let cell = cell.trim_ascii();
+        if cell.is_empty() {
+            return Ok(Cell::Empty);
+        }
+        if self.format == TimeFormat::Number && self.since == Since::Own {
+            return self.own_seconds(cell);
+        }
+        let at = match self.format {
+            TimeFormat::Number => {
+                let count = self.count(cell)?;
+                match self.since {
+                    Since::Unix => self.calendar.unix(count)?,
+                    Since::At(epoch) => epoch + count,
+                    Since::Own => count,
+                }
+            }
+            TimeFormat::GpsWeek => {
+                let week = number::decimal(week.unwrap_or_default().trim_ascii());
+                let week = week.filter(|w| w % ATTO == 0 && (0..100_000 * ATTO).contains(w));
+                let week = week.ok_or(NoNumber(
+                    "stands beside a GPS week that is not a whole number",
+                    Some("correct the row"),
+                ))?;
+                gps_epoch() + week * WEEK_S + self.count(cell)?
+            }
+            TimeFormat::Iso8601 => self.calendar.instant(cell, false)?,
+            TimeFormat::DayOfYear => self.calendar.instant(cell, true)?,
+        };
+        let scale = Some(self.calendar.scale());
+        let origin = *self.origin.get_or_insert(Origin { at, scale });
+        if origin.scale.is_none() {
+            return Err(NoNumber(
+                "is a date, and files before it count from an unknown epoch",
+                Some("name their epoch in [telemetry] time"),
+            ));
+        }
+        Ok(Cell::Number(origin.seconds_to(at)))
+    }
+
+    /// A count from an unknown epoch: as it stands where it is small.
+    fn own_seconds(&mut self, cell: &[u8]) -> Result<Cell, NoNumber> {
+        let plain = number::parse(cell)?;
+        let Cell::Number(x) = plain else {
+            return Ok(plain);
+        };
+        let seconds = self.unit.to_si(x);
+        let origin = match self.origin {
+            Some(origin) => origin,
+            None if seconds.abs() < COUNTED_S => Origin::OWN,
+            None => Origin {
+                at: self.count(cell).unwrap_or_default(),
+                scale: None,
+            },
+        };
+        self.origin = Some(origin);
+        if origin.scale.is_some() {
+            return Err(NoNumber(
+                "counts from an unknown epoch, and files before it have dates",
+                Some("name its epoch in [telemetry] time"),
+            ));
+        }
+        if origin == Origin::OWN {
+            return Ok(Cell::Number(seconds));
+        }
+        match self.count(cell) {
+            Ok(at) => Ok(Cell::Number(origin.seconds_to(at))),
+            Err(_) => Ok(Cell::Number(seconds - origin.own_zero_s())),
+        }
+    }
+
+    /// Attoseconds of a number in its unit.
+    fn count(&self, cell: &[u8]) -> Result<i128, NoNumber> {
+        number::parse(cell)?;
+        let (factor, divisor) = (self.unit.factor as i128, self.unit.divisor as i128);
+        let exact = number::decimal(cell).and_then(|x| x.checked_mul(factor));
+        exact.map(|x| x / divisor).ok_or(NoNumber(
+            "is too large for a time",
+            Some("correct the number or its unit"),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seconds(map: &TimeMap, cells: &[&str]) -> Vec<f64> {
+        let mut clock = check_time(map).unwrap();
+        let mut of = |cell: &&str| match clock.seconds(cell.as_bytes(), Some(b"2409")) {
+            Ok(Cell::Number(x)) => x,
+            other => panic!("{cell}: {other:?}"),
+        };
+        cells.iter().map(&mut of).collect()
+    }
+
+    #[test]
+    fn exact_the_same_times_in_every_form() {
+        let map = |format, unit: &str, epoch: &str| TimeMap {
+            format,
+            unit: Some(unit.to_owned()).filter(|u| !u.is_empty()),
+            epoch: Some(epoch.to_owned()).filter(|e| !e.is_empty()),
+            week: (format == TimeFormat::GpsWeek).then(|| "week".to_owned()),
+            ..TimeMap::default()
+        };
+        let wanted = [0.0, 0.2, 0.4, 1.000_000_001];
+        use TimeFormat::*;
+        for (map, cells) in [
+            (map(Number, "s", ""), ["0", "0.2", "0.4", "1.000000001"]),
+            (
+                map(Number, "s", ""),
+                [
+                    "1773512340.1",
+                    "1773512340.3",
+                    "1773512340.5",
+                    "1.773512341100000001e9",
+                ],
+            ),
+            (
+                map(Number, "s", "unix"),
+                [
+                    "1773512340.1",
+                    "1773512340.3",
+                    "1773512340.5",
+                    "1773512341.100000001",
+                ],
+            ),
+            (
+                map(Number, "ns", "unix"),
+                [
+                    "1773512340100000000",
+                    "1773512340300000000",
+                    "1773512340500000000",
+                    "1773512341100000001",
+                ],
+            ),
+            (
+                map(Number, "ms", "gps"),
+                [
+                    "1457547558100",
+                    "1457547558300",
+                    "1457547558500",
+                    "1457547559100.000001",
+                ],
+            ),
+            (
+                map(GpsWeek, "s", ""),
+                ["584358.1", "584358.3", "584358.5", "584359.100000001"],
+            ),
+            (
+                map(Iso8601, "", ""),
+                [
+                    "2026-03-14T18:19:00.1",
+                    "2026-03-14T18:19:00.3Z",
+                    "2026-03-14T18:19:00.5",
+                    "2026-03-14T18:19:01.100000001",
+                ],
+            ),
+            (
+                map(DayOfYear, "", ""),
+                [
+                    "2026-073T18:19:00.1",
+                    "2026-073T18:19:00.3",
+                    "2026-073T18:19:00.5",
+                    "2026-073T18:19:01.100000001",
+                ],
+            ),
+        ] {
+            assert_eq!(seconds(&map, &cells), wanted, "{map:?}");
+        }
+    }
+
+    #[test]
+    fn unit_dates_and_counts_do_not_mix() {
+        let mut clock = Clock::own(parse_unit("s").unwrap());
+        clock.origin = Some(Origin {
+            at: 0,
+            scale: Some(Scale::Utc),
+        });
+        assert!(
+            clock
+                .seconds(b"1.0", None)
+                .unwrap_err()
+                .text(true)
+                .contains("name its epoch")
+        );
+        let wrong = TimeMap {
+            epoch: Some("tomorrow".into()),
+            ..TimeMap::default()
+        };
+        assert_eq!(check_time(&wrong).unwrap_err().0, "epoch");
+    }
+}

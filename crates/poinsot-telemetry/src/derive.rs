@@ -1,0 +1,226 @@
+//! Columns that make channels together: attitudes in any form, positions in axes that turn with the Earth.
+#![allow(non_snake_case)]
+
+use crate::columns::Columns;
+use crate::conversion::Conversion;
+use crate::error::Place;
+use crate::plan::{Group, Plan, PlannedChannel};
+use crate::{AttitudeForm, Sense, TelemetryError, classify, full_name, rounded};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use std::path::Path;
+
+/// Largest |R'R - 1| of a matrix that is taken for a rotation with rounded numbers.
+const ORTHONORMAL: f64 = 1e-2;
+
+/// Replaces the columns of every group by the channels that they make.
+///
+/// # Errors
+/// A matrix that is no rotation; axes of the Earth without dates.
+pub(crate) fn derive(
+    path: &Path,
+    plan: &Plan,
+    columns: &mut Columns,
+) -> Result<Vec<PlannedChannel>, TelemetryError> {
+    if plan.groups.is_empty() {
+        return Ok(plan.channels.clone());
+    }
+    let mut channels = Vec::new();
+    let (mut values, mut nan_cells) = (Vec::new(), Vec::new());
+    let mut parts: Vec<Vec<(usize, Vec<f64>)>> = vec![Vec::new(); plan.groups.len()];
+    let read = std::mem::take(&mut columns.values);
+    for ((channel, value), nan) in plan.channels.iter().zip(read).zip(&columns.nan_cells) {
+        match channel.part {
+            Some((group, place)) => {
+                if let Some(list) = parts.get_mut(group) {
+                    list.push((place, value));
+                }
+            }
+            None => {
+                channels.push(channel.clone());
+                values.push(value);
+                nan_cells.push(*nan);
+            }
+        }
+    }
+    for ((k, group), mut parts) in plan.groups.iter().enumerate().zip(parts) {
+        parts.sort_by_key(|p| p.0);
+        let parts: Vec<Vec<f64>> = parts.into_iter().map(|p| p.1).collect();
+        let first = plan
+            .channels
+            .iter()
+            .find(|c| c.part.is_some_and(|p| p.0 == k));
+        let (index, column) = first.map_or((0, ""), |c| (c.index, c.column.as_str()));
+        let (names, made): (Vec<String>, Vec<Vec<f64>>) = match group {
+            Group::Attitude {
+                sensor,
+                form,
+                sense,
+            } => {
+                let made = attitude(path, column, &columns.rows, &parts, *form, *sense)?;
+                (
+                    ["q_x", "q_y", "q_z", "q_w"]
+                        .map(|n| full_name(sensor, n))
+                        .into(),
+                    made,
+                )
+            }
+            Group::EarthFixed => {
+                let made = inertial(path, plan, columns, &parts)?;
+                (
+                    ["orbit_x", "orbit_y", "orbit_z"].map(str::to_owned).into(),
+                    made,
+                )
+            }
+        };
+        for (name, value) in names.iter().zip(made) {
+            let Some(name) = classify(name) else { continue };
+            let conversion = Conversion::Linear(1.0, 0.0);
+            channels.push(PlannedChannel {
+                index,
+                column: column.to_owned(),
+                name,
+                conversion,
+                part: None,
+            });
+            values.push(value);
+            nan_cells.push((0, 0));
+        }
+    }
+    (columns.values, columns.nan_cells) = (values, nan_cells);
+    Ok(channels)
+}
+
+/// One row of a group; `None` where a cell is empty.
+fn row<const N: usize>(parts: &[Vec<f64>], k: usize) -> Option<[f64; N]> {
+    let mut out = [0.0; N];
+    for (slot, part) in out.iter_mut().zip(parts) {
+        *slot = *part.get(k).filter(|x| !x.is_nan())?;
+    }
+    Some(out)
+}
+
+/// Components x, y, z, w of the rotation from body to inertial axes.
+fn attitude(
+    path: &Path,
+    column: &str,
+    rows: &[u64],
+    parts: &[Vec<f64>],
+    form: AttitudeForm,
+    sense: Sense,
+) -> Result<Vec<Vec<f64>>, TelemetryError> {
+    let mut out = vec![Vec::with_capacity(rows.len()); 4];
+    for (k, line) in rows.iter().enumerate() {
+        let q = match form {
+            AttitudeForm::Matrix => match row::<9>(parts, k) {
+                None => None,
+                Some(cells) => {
+                    Some(
+                        from_matrix(&cells).map_err(|why| TelemetryError::Quaternion {
+                            place: Place::cell(path, *line, column),
+                            why,
+                        })?,
+                    )
+                }
+            },
+            AttitudeForm::Euler(axes) => row::<3>(parts, k).map(|a| euler(axes, a)),
+            AttitudeForm::Mrp => row::<3>(parts, k).map(mrp),
+            AttitudeForm::Quaternion(_) => None,
+        };
+        let q = q.map(|q| match sense {
+            Sense::BodyToInertial => q,
+            Sense::InertialToBody => q.inverse(),
+        });
+        let cells = q.map_or([f64::NAN; 4], |q| q.coords.into());
+        out.iter_mut().zip(cells).for_each(|(list, x)| list.push(x));
+    }
+    Ok(out)
+}
+
+fn from_matrix(cells: &[f64; 9]) -> Result<UnitQuaternion<f64>, String> {
+    let R = Matrix3::from_row_slice(cells);
+    let error = (R.transpose() * R - Matrix3::identity()).amax();
+    if error > ORTHONORMAL || R.determinant() < 0.0 {
+        return Err(format!(
+            "the matrix is no rotation (R'R differs from 1 by {}, determinant {}); correct the row or the order of the columns",
+            rounded(error, 3),
+            rounded(R.determinant(), 3)
+        ));
+    }
+    Ok(UnitQuaternion::from_rotation_matrix(
+        &Rotation3::from_matrix_eps(&R, 1e-15, 20, Rotation3::identity()),
+    ))
+}
+
+/// Turns one after the other, each about the axis as the turns before it left it.
+fn euler(axes: [usize; 3], angles: [f64; 3]) -> UnitQuaternion<f64> {
+    let turns = axes.into_iter().zip(angles).map(|(axis, angle)| {
+        UnitQuaternion::from_axis_angle(
+            &[Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][axis.min(2)],
+            angle,
+        )
+    });
+    turns.fold(UnitQuaternion::identity(), |q, turn| q * turn)
+}
+
+/// The quaternion of modified Rodrigues parameters (Schaub and Junkins, 4th ed., eq. 3.144).
+fn mrp(sigma: [f64; 3]) -> UnitQuaternion<f64> {
+    let s = Vector3::from(sigma);
+    let s2 = s.norm_squared();
+    let v = s * (2.0 / (1.0 + s2));
+    UnitQuaternion::new_normalize(Quaternion::new((1.0 - s2) / (1.0 + s2), v.x, v.y, v.z))
+}
+
+/// Positions turned by the Earth rotation angle.
+fn inertial(
+    path: &Path,
+    plan: &Plan,
+    columns: &Columns,
+    parts: &[Vec<f64>],
+) -> Result<Vec<Vec<f64>>, TelemetryError> {
+    let dated = columns.origin.filter(|o| o.date().is_some());
+    let origin = dated.ok_or_else(|| TelemetryError::Map {
+        code: "E0212",
+        channel: "orbit".to_owned(),
+        why: format!(
+            "{}: axes that turn with the Earth need the date, and '{}' counts from an unknown epoch; name its epoch in [telemetry] time",
+            path.display(),
+            plan.time_column
+        ),
+    })?;
+    let mut out = vec![Vec::with_capacity(columns.time_s.len()); 3];
+    for (k, time) in columns.time_s.iter().enumerate() {
+        let cells = row::<3>(parts, k).map_or([f64::NAN; 3], |[x, y, z]| {
+            let (sin, cos) = origin.earth_rotation(*time).sin_cos();
+            [cos * x - sin * y, sin * x + cos * y, z]
+        });
+        out.iter_mut().zip(cells).for_each(|(list, x)| list.push(x));
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_one_attitude_in_every_form() {
+        let (yaw, pitch, roll) = (0.7_f64, -0.3_f64, 1.1_f64);
+        let about = |axis: usize, a: f64| {
+            let (s, c) = a.sin_cos();
+            let mut R = Matrix3::identity();
+            let (i, j) = [(1, 2), (2, 0), (0, 1)][axis];
+            (R[(i, i)], R[(j, j)], R[(i, j)], R[(j, i)]) = (c, c, -s, s);
+            R
+        };
+        let R = about(2, yaw) * about(1, pitch) * about(0, roll);
+        let q = euler([2, 1, 0], [yaw, pitch, roll]);
+        assert!((q.to_rotation_matrix().matrix() - R).amax() < 1e-15);
+        let rows: [f64; 9] = R.transpose().as_slice().try_into().unwrap();
+        assert!(from_matrix(&rows).unwrap().angle_to(&q) < 1e-14);
+        let turn = q.scaled_axis();
+        let sigma = turn.normalize() * (turn.norm() / 4.0).tan();
+        assert!(mrp(sigma.into()).angle_to(&q) < 1e-14);
+        let mirrored = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
+        assert!(from_matrix(&mirrored).is_err());
+    }
+}

@@ -1,0 +1,262 @@
+//! How the columns of exported files become channels: what a `[telemetry]` table says.
+
+use crate::{Order, Scale, Sense};
+use std::path::Path;
+
+/// The map of all files of a run. Entries of [`Self::files`] are added to [`Self::all`] for the files whose names fit.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TelemetryMap {
+    /// What holds for every file.
+    pub all: FileMap,
+    /// What holds for some files: a pattern of the file's name, in which `*` stands for any text, and the map.
+    pub files: Vec<(String, FileMap)>,
+}
+
+/// What one kind of file holds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FileMap {
+    /// How the text is laid out.
+    pub layout: Layout,
+    /// Column and meaning of the times; `None`: the column `time_s`, s.
+    pub time: Option<TimeMap>,
+    /// Columns that are not standard names in SI.
+    pub columns: Vec<ColumnMap>,
+    /// Attitudes in any form.
+    pub attitude: Vec<AttitudeMap>,
+    /// Position of the vehicle on its orbit.
+    pub orbit: Option<OrbitMap>,
+    /// Rows are kept where each of these columns holds exactly this text.
+    pub row_filter: Vec<(String, String)>,
+}
+
+/// How the text of a CSV file is laid out; what is `None` is as usual.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Layout {
+    /// Character between fields; a comma.
+    pub delimiter: Option<u8>,
+    /// Lines that begin with this character are comments; no line is.
+    pub comment: Option<u8>,
+    /// Line of the header row, from 1; the lines before it are not read.
+    pub header_row: Option<u64>,
+    /// Whether the row below the header names the units.
+    pub units_row: Option<bool>,
+}
+
+/// A column that is not a standard name in SI, and the channel it holds: `sign * (scale * x + offset)` in its unit.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(non_snake_case)]
+pub struct ColumnMap {
+    /// Standard channel name, for example `omega_x`, `imu2.omega_x` or `time_s`.
+    pub channel: String,
+    /// Column in the file.
+    pub column: String,
+    /// Unit of that column as written, for example `deg/s`; `None`: that of the units row.
+    pub unit: Option<String>,
+    /// Factor of the values.
+    pub scale: Option<f64>,
+    /// Added to the scaled values, in the unit of the column.
+    pub offset: Option<f64>,
+    /// `1` or `-1`.
+    pub sign: Option<f64>,
+    /// Values are counts (or counts per second), so many to one revolution; there is no unit then.
+    pub counts_per_revolution: Option<f64>,
+    /// The column is a flag, on or off; on stands for this force. There is no unit then.
+    pub nominal_N: Option<f64>,
+}
+
+impl ColumnMap {
+    /// A column in a unit.
+    pub fn new(channel: &str, column: &str, unit: &str) -> Self {
+        Self {
+            channel: channel.to_owned(),
+            column: column.to_owned(),
+            unit: Some(unit.to_owned()),
+            ..Self::default()
+        }
+    }
+}
+
+/// What the times of a file are.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TimeMap {
+    /// Column of the time; of the seconds of the week for [`TimeFormat::GpsWeek`].
+    pub column: String,
+    /// How it is written.
+    pub format: TimeFormat,
+    /// Column of the GPS week.
+    pub week: Option<String>,
+    /// Unit of numbers; s without.
+    pub unit: Option<String>,
+    /// What numbers count from: `unix`, `gps`, or a date and time in [`Self::scale`]; `None`: unknown.
+    pub epoch: Option<String>,
+    /// Time scale of dates; UTC without.
+    pub scale: Option<Scale>,
+}
+
+/// How times are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TimeFormat {
+    /// As numbers.
+    #[default]
+    Number,
+    /// `2026-03-14T18:19:00.25Z`: year, month, day; the zone may be missing.
+    Iso8601,
+    /// `2026-073T18:19:00.25`: year and day of the year.
+    DayOfYear,
+    /// Weeks since 1980-01-06 and seconds of the week, GPS time.
+    GpsWeek,
+}
+
+/// How an attitude is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AttitudeMap {
+    /// Sensor that measures it; empty where there is one.
+    pub sensor: String,
+    /// Form.
+    pub form: AttitudeForm,
+    /// Columns, in the order of the form.
+    pub columns: Vec<String>,
+    /// What the rotation takes to what.
+    pub sense: Sense,
+    /// Unit of Euler angles; `None`: that of the units row.
+    pub unit: Option<String>,
+}
+
+/// Forms of an attitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AttitudeForm {
+    /// Four numbers of a Hamilton quaternion.
+    Quaternion(Order),
+    /// Nine numbers of a rotation matrix, row by row.
+    Matrix,
+    /// Three angles about these axes (0, 1, 2), each about the axis as the turns before it left it.
+    Euler([usize; 3]),
+    /// Modified Rodrigues parameters, `tan(angle / 4)` along the axis.
+    Mrp,
+}
+
+impl AttitudeForm {
+    /// Columns that the form needs.
+    pub fn width(self) -> usize {
+        match self {
+            Self::Quaternion(_) => 4,
+            Self::Matrix => 9,
+            Self::Euler(_) | Self::Mrp => 3,
+        }
+    }
+}
+
+/// Position of the vehicle from the centre of the attracting body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrbitMap {
+    /// Columns of x, y, z.
+    pub position: [String; 3],
+    /// Unit; `None`: that of the units row.
+    pub unit: Option<String>,
+    /// Whether the axes turn with the Earth.
+    pub earth_fixed: bool,
+}
+
+impl TelemetryMap {
+    /// Columns and a choice of rows for every file.
+    pub fn of(columns: Vec<ColumnMap>, row_filter: Vec<(String, String)>) -> Self {
+        Self {
+            all: FileMap {
+                columns,
+                row_filter,
+                ..FileMap::default()
+            },
+            files: Vec::new(),
+        }
+    }
+
+    /// Everything that holds for one file.
+    pub(crate) fn for_file(&self, path: &Path) -> FileMap {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let mut all = self.all.clone();
+        let fitting = self.files.iter().filter(|(p, _)| fits(p, &name));
+        fitting.for_each(|(_, map)| all.add(map));
+        all
+    }
+
+    /// The maps with a number for those of single files.
+    pub(crate) fn maps(&self) -> impl Iterator<Item = (Option<usize>, &FileMap)> {
+        let files = self.files.iter().enumerate();
+        std::iter::once((None, &self.all)).chain(files.map(|(k, (_, map))| (Some(k), map)))
+    }
+}
+
+impl FileMap {
+    fn add(&mut self, more: &Self) {
+        let (all, own) = (&mut self.layout, more.layout);
+        all.delimiter = own.delimiter.or(all.delimiter);
+        all.comment = own.comment.or(all.comment);
+        all.header_row = own.header_row.or(all.header_row);
+        all.units_row = own.units_row.or(all.units_row);
+        self.time = more.time.clone().or(self.time.take());
+        self.columns.extend(more.columns.iter().cloned());
+        self.attitude.extend(more.attitude.iter().cloned());
+        self.orbit = more.orbit.clone().or(self.orbit.take());
+        self.row_filter.extend(more.row_filter.iter().cloned());
+    }
+
+    /// Every column that the map names, with what it is for.
+    pub(crate) fn named(&self) -> Vec<(String, String)> {
+        let own = self.columns.iter();
+        let mut all: Vec<(String, String)> =
+            own.map(|c| (c.channel.clone(), c.column.clone())).collect();
+        let time = self.time.iter();
+        let time = time.flat_map(|t| std::iter::once(&t.column).chain(&t.week));
+        all.extend(time.map(|c| ("time".to_owned(), c.clone())));
+        for attitude in &self.attitude {
+            let name = crate::full_name(&attitude.sensor, "attitude");
+            all.extend(attitude.columns.iter().map(|c| (name.clone(), c.clone())));
+        }
+        let orbit = self.orbit.iter().flat_map(|o| &o.position);
+        all.extend(orbit.map(|c| ("orbit".to_owned(), c.clone())));
+        all
+    }
+}
+
+/// Whether a name fits a pattern in which `*` stands for any text.
+pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let first = parts.next().unwrap_or_default();
+    let Some(mut rest) = name.strip_prefix(first) else {
+        return false;
+    };
+    let mut parts = parts.peekable();
+    if parts.peek().is_none() {
+        return rest.is_empty();
+    }
+    while let Some(part) = parts.next() {
+        if parts.peek().is_none() {
+            return rest.ends_with(part);
+        }
+        match rest.find(part) {
+            Some(at) => rest = rest.get(at + part.len()..).unwrap_or_default(),
+            None => return false,
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_patterns_of_names() {
+        for (pattern, name, fit) in [
+            ("*", "a.csv", true),
+            ("tracker*.csv", "tracker_7.csv", true),
+            ("tracker*.csv", "tracker.csv.gz", false),
+            ("*_orbit*", "2026_orbit_a.csv", true),
+            ("a.csv", "a.csv", true),
+            ("a.csv", "ba.csv", false),
+            ("a*a", "a", false),
+        ] {
+            assert_eq!(fits(pattern, name), fit, "{pattern} {name}");
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! What is wrong with a map by itself, before any file is read.
+
+use crate::clock::check_time;
+use crate::unit::{list, nearest_unit};
+use crate::{
+    AttitudeMap, ChannelName, ColumnMap, Dimension, FileMap, Quantity, TelemetryError,
+    TelemetryMap, Unit, classify, parse_unit,
+};
+use std::collections::HashMap;
+
+/// A fault of a map, with the key that holds it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MapFault {
+    /// Code, of those of [`TelemetryError`].
+    pub code: &'static str,
+    /// The entry of [`TelemetryMap::files`]; `None` for what holds for every file.
+    pub file: Option<usize>,
+    /// The keys below that entry that lead to the value.
+    pub keys: Vec<String>,
+    /// Position in a list of that value.
+    pub index: Option<usize>,
+    /// The channel that is mapped.
+    pub channel: String,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl From<MapFault> for TelemetryError {
+    fn from(fault: MapFault) -> Self {
+        Self::Map {
+            code: fault.code,
+            channel: fault.channel,
+            why: format!("{}; {}", fault.problem, fault.remedy),
+        }
+    }
+}
+
+/// Code, problem, remedy.
+type Wrong = (&'static str, String, String);
+
+/// Everything that is wrong with a map.
+pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
+    let mut faults = Vec::new();
+    let all = &map.all;
+    for (file, map) in map.maps() {
+        let mut add = |keys: &[&str], index, channel: &str, wrong: Wrong| {
+            let (code, problem, remedy) = wrong;
+            faults.push(MapFault {
+                code,
+                file,
+                keys: keys.iter().map(|k| (*k).to_owned()).collect(),
+                index,
+                channel: channel.to_owned(),
+                problem,
+                remedy,
+            });
+        };
+        let units_row = map.layout.units_row.or(all.layout.units_row) == Some(true);
+        for column in &map.columns {
+            if let Err((key, wrong)) = resolve(column, units_row) {
+                let keys = ["columns", &column.channel, key];
+                let keys = if key.is_empty() { &keys[..2] } else { &keys };
+                add(keys, None, &column.channel, wrong);
+            }
+        }
+        if let Some(time) = &map.time
+            && let Err((key, problem, remedy)) = check_time(time)
+        {
+            add(&["time", key], None, "time", ("E0212", problem, remedy));
+        }
+        for (k, attitude) in map.attitude.iter().enumerate() {
+            if let Some(wrong) = attitude_fault(attitude, units_row) {
+                let name = crate::full_name(&attitude.sensor, "attitude");
+                add(&["attitude"], Some(k), &name, wrong);
+            }
+        }
+        if let Some(orbit) = &map.orbit
+            && let Some(unit) = &orbit.unit
+            && let Err(wrong) = unit_of(unit, Dimension::Length)
+        {
+            add(&["orbit", "unit"], None, "orbit", wrong);
+        }
+        if let Some((keys, channel, wrong)) = column_twice(map) {
+            let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+            add(&keys, None, &channel, wrong);
+        }
+    }
+    faults
+}
+
+/// One column cannot hold two channels.
+fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
+    let mut seen: HashMap<String, String> = HashMap::new();
+    for (channel, column) in map.named() {
+        if let Some(first) = seen.insert(column.clone(), channel.clone()) {
+            let keys = match map.columns.iter().any(|c| c.channel == channel) {
+                true => vec!["columns".to_owned(), channel.clone()],
+                false => vec![channel.rsplit('.').next().unwrap_or_default().to_owned()],
+            };
+            let problem = format!("column '{column}' is mapped to '{first}' too");
+            let remedy = "map each column once".to_owned();
+            return Some((keys, channel, ("E0210", problem, remedy)));
+        }
+    }
+    None
+}
+
+/// The unit of this dimension.
+fn unit_of(text: &str, dimension: Dimension) -> Result<Unit, Wrong> {
+    let remedy = format!("use one of: {}", list(dimension));
+    match parse_unit(text) {
+        Ok(unit) if unit.dimension == dimension => Ok(unit),
+        Ok(_) => {
+            let problem = format!("unit '{text}' does not measure it");
+            let remedy = format!(
+                "give a unit that converts to {}: {}",
+                dimension.si(),
+                list(dimension)
+            );
+            Err(("E0212", problem, remedy))
+        }
+        Err(_) => {
+            let near = nearest_unit(text, Some(dimension));
+            let problem = format!("unit '{text}' is not known");
+            Err((
+                "E0211",
+                problem,
+                format!(
+                    "did you mean '{near}'? {}{}",
+                    remedy[..1].to_uppercase(),
+                    &remedy[1..]
+                ),
+            ))
+        }
+    }
+}
+
+/// The standard name and unit of a map; else the key at fault and what is wrong. Without a unit it needs a units row.
+pub(crate) fn resolve(
+    map: &ColumnMap,
+    units_row: bool,
+) -> Result<(ChannelName, Option<Unit>), (&'static str, Wrong)> {
+    let fault =
+        |key, problem: String, remedy: &str| Err((key, ("E0212", problem, remedy.to_owned())));
+    let Some(name) = classify(&map.channel) else {
+        let problem = "not a standard channel name".to_owned();
+        return fault(
+            "",
+            problem,
+            "write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N",
+        );
+    };
+    for (key, value) in [
+        ("scale", map.scale),
+        ("counts_per_revolution", map.counts_per_revolution),
+    ] {
+        if value == Some(0.0) || value.is_some_and(|x| key != "scale" && x < 0.0) {
+            return fault(
+                key,
+                format!("the {} is not positive", key.replace('_', " ")),
+                "correct the number; sign = -1 turns the sign",
+            );
+        }
+    }
+    if map.sign.is_some_and(|s| s.abs() != 1.0) {
+        return fault(
+            "sign",
+            "the sign is neither 1 nor -1".to_owned(),
+            "write 1 or -1; scale takes any factor",
+        );
+    }
+    let time = name.quantity == Quantity::Time;
+    let changed = map.scale.or(map.offset).or(map.sign).is_some();
+    if time && (changed || map.counts_per_revolution.or(map.nominal_N).is_some()) {
+        return fault(
+            "",
+            "a time has a unit alone".to_owned(),
+            "remove the other keys, or write [telemetry] time",
+        );
+    }
+    if map.nominal_N.is_some() {
+        if name.dimension != Dimension::Force {
+            return fault(
+                "nominal_N",
+                "only a thruster has a nominal force".to_owned(),
+                "map the column with its unit",
+            );
+        }
+        if changed || map.unit.is_some() || map.counts_per_revolution.is_some() {
+            return fault(
+                "nominal_N",
+                "a flag has no unit, sign, scale or offset".to_owned(),
+                "remove them, or nominal_N",
+            );
+        }
+        return Ok((name, None));
+    }
+    if map.counts_per_revolution.is_some() {
+        if !matches!(
+            name.dimension,
+            Dimension::Angle | Dimension::AngularVelocity
+        ) {
+            return fault(
+                "counts_per_revolution",
+                "only an angle or its rate has counts per revolution".to_owned(),
+                "map the column with its unit",
+            );
+        }
+        if map.unit.is_some() {
+            return fault(
+                "unit",
+                "counts have no unit".to_owned(),
+                "remove unit or counts_per_revolution",
+            );
+        }
+        return Ok((name, None));
+    }
+    let Some(unit) = &map.unit else {
+        if units_row {
+            return Ok((name, None));
+        }
+        let remedy = format!(
+            "write unit = \"...\", one of: {}; or units_row = true where the file has a row of units",
+            list(name.dimension)
+        );
+        return fault("", "there is no unit".to_owned(), &remedy);
+    };
+    match unit_of(unit, name.dimension) {
+        Ok(unit) => Ok((name, Some(unit))),
+        Err(wrong) => Err(("unit", wrong)),
+    }
+}
+
+fn attitude_fault(map: &AttitudeMap, units_row: bool) -> Option<Wrong> {
+    use crate::AttitudeForm::Euler;
+    let fault = |problem: String, remedy: &str| Some(("E0212", problem, remedy.to_owned()));
+    let wanted = map.form.width();
+    if map.columns.len() != wanted {
+        let problem = format!(
+            "{} columns are named where the form has {wanted}",
+            map.columns.len()
+        );
+        return fault(problem, "name them in their order");
+    }
+    match (map.form, &map.unit) {
+        (Euler([a, b, c]), _) if a == b || b == c => fault(
+            "two turns in a row are about one axis".to_owned(),
+            "correct the sequence, for example \"ZYX\"",
+        ),
+        (Euler(_), Some(unit)) => unit_of(unit, Dimension::Angle).err(),
+        (Euler(_), None) if !units_row => fault(
+            "the angles have no unit".to_owned(),
+            "write unit = \"deg\" or another angle",
+        ),
+        (Euler(_), None) | (_, None) => None,
+        (_, Some(_)) => fault("only Euler angles have a unit".to_owned(), "remove it"),
+    }
+}

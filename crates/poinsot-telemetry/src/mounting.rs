@@ -1,0 +1,207 @@
+//! Columns in a sensor's own axes become channels in the axes of its body.
+#![allow(non_snake_case)]
+
+use crate::{Channel, Table};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// How a sensor stands on its body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mounting {
+    /// Name of the sensor, as before the point in `imu2.omega_x`.
+    pub sensor: String,
+    /// Whether columns without the name of a sensor are its own too.
+    pub unnamed: bool,
+    /// What its columns are called before the axis: `omega`, `domega`, `acc`, or `q` for an attitude.
+    pub prefix: &'static str,
+    /// Rotation that takes components in the sensor's axes to components in the body's, by rows.
+    pub R_BS: [[f64; 3]; 3],
+}
+
+impl Mounting {
+    /// The way back, from body axes to the sensor's.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.R_BS;
+        Self {
+            R_BS: [[a, d, g], [b, e, h], [c, f, i]],
+            ..self.clone()
+        }
+    }
+
+    fn rotation(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| {
+            self.R_BS
+                .get(i)
+                .and_then(|row| row.get(j))
+                .copied()
+                .unwrap_or(0.0)
+        })
+    }
+}
+
+/// Turns the channels of mounted sensors. A sample of a vector with a component missing is left out.
+pub fn mount(table: &mut Table, mountings: &[Mounting]) {
+    for mounting in mountings {
+        let axes: &[&str] = match mounting.prefix {
+            "q" => &["x", "y", "z", "w"],
+            _ => &["x", "y", "z"],
+        };
+        for sensor in [mounting.sensor.as_str(), ""] {
+            if sensor.is_empty() && !mounting.unnamed {
+                continue;
+            }
+            let place = |axis: &&str| {
+                let name = format!("{}_{axis}", mounting.prefix);
+                table
+                    .channels
+                    .iter()
+                    .position(|c| c.sensor == sensor && c.name == name)
+            };
+            let found: Option<Vec<usize>> = axes.iter().map(place).collect();
+            let Some(found) = found else { continue };
+            turn(&mut table.channels, &found, mounting);
+            table.repairs.push(format!(
+                "{}_{} of {}: turned from the sensor's axes to those of its body",
+                mounting.prefix,
+                axes.join(", "),
+                mounting.sensor
+            ));
+        }
+    }
+}
+
+fn turn(channels: &mut [Channel], places: &[usize], mounting: &Mounting) {
+    let Some((times, mut rows)) = complete_rows(channels, places) else {
+        return;
+    };
+    let R_BS = mounting.rotation();
+    let R = Rotation3::from_matrix_unchecked(R_BS);
+    // R_NB = R_NS R_SB.
+    let back = UnitQuaternion::from_rotation_matrix(&R).inverse();
+    for row in &mut rows {
+        match row.as_mut_slice() {
+            [x, y, z, w] => {
+                let q = UnitQuaternion::new_unchecked(Quaternion::new(*w, *x, *y, *z)) * back;
+                (*x, *y, *z, *w) = (q.i, q.j, q.k, q.w);
+            }
+            [x, y, z] => {
+                let v = R_BS * Vector3::new(*x, *y, *z);
+                (*x, *y, *z) = (v.x, v.y, v.z);
+            }
+            _ => {}
+        }
+    }
+    for (k, place) in places.iter().enumerate() {
+        if let Some(channel) = channels.get_mut(*place) {
+            channel.time_s = Arc::clone(&times);
+            channel.values = rows.iter().filter_map(|row| row.get(k).copied()).collect();
+        }
+    }
+}
+
+/// The times at which every channel has a sample, and the samples.
+fn complete_rows(channels: &[Channel], places: &[usize]) -> Option<(Arc<[f64]>, Vec<Vec<f64>>)> {
+    let all: Option<Vec<&Channel>> = places.iter().map(|k| channels.get(*k)).collect();
+    let all = all?;
+    let first = all.first()?;
+    let shared = all.iter().all(|c| c.time_s == first.time_s);
+    if shared {
+        let row = |k: usize| {
+            all.iter()
+                .filter_map(|c| c.values.get(k).copied())
+                .collect()
+        };
+        return Some((
+            Arc::clone(&first.time_s),
+            (0..first.values.len()).map(row).collect(),
+        ));
+    }
+    let mut at: HashMap<u64, Vec<f64>> = HashMap::new();
+    for channel in &all {
+        for (time, value) in channel.time_s.iter().zip(&channel.values) {
+            at.entry(time.to_bits()).or_default().push(*value);
+        }
+    }
+    let whole = |time: &&f64| {
+        at.get(&time.to_bits())
+            .is_some_and(|row| row.len() == all.len())
+    };
+    let times: Arc<[f64]> = first.time_s.iter().filter(whole).copied().collect();
+    let rows = times
+        .iter()
+        .filter_map(|t| at.get(&t.to_bits()).cloned())
+        .collect();
+    Some((times, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(name: &str, times: &[f64], values: &[f64]) -> Channel {
+        Channel {
+            name: name.to_owned(),
+            sensor: String::new(),
+            unit: String::new(),
+            frame: String::new(),
+            time_s: times.into(),
+            values: values.to_vec(),
+        }
+    }
+
+    #[test]
+    fn exact_a_gyro_turned_by_a_quarter_and_back() {
+        // The sensor's x axis is the body's y axis.
+        let gyro = Mounting {
+            sensor: "gyro".into(),
+            unnamed: true,
+            prefix: "omega",
+            R_BS: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        };
+        let mut table = Table {
+            channels: vec![
+                channel("omega_x", &[0.0, 1.0, 2.0], &[1.0, 2.0, 3.0]),
+                channel("omega_y", &[0.0, 2.0], &[4.0, 6.0]),
+                channel("omega_z", &[0.0, 1.0, 2.0], &[7.0, 8.0, 9.0]),
+            ],
+            ..Table::default()
+        };
+        mount(&mut table, std::slice::from_ref(&gyro));
+        assert_eq!(table.channels[0].values, [-4.0, -6.0]);
+        assert_eq!(table.channels[1].values, [1.0, 3.0]);
+        assert_eq!(*table.channels[2].time_s, [0.0, 2.0]);
+        mount(&mut table, &[gyro.inverse()]);
+        assert_eq!(table.channels[0].values, [1.0, 3.0]);
+    }
+
+    #[test]
+    fn exact_an_attitude_is_that_of_the_body() {
+        let R_BS = Rotation3::from_euler_angles(0.4, -0.9, 1.3);
+        let q_NB = UnitQuaternion::from_euler_angles(0.1, 0.2, -0.3);
+        let q_NS = q_NB * UnitQuaternion::from_rotation_matrix(&R_BS);
+        let tracker = Mounting {
+            sensor: "tracker".into(),
+            unnamed: true,
+            prefix: "q",
+            R_BS: [0, 1, 2].map(|i| [0, 1, 2].map(|j| R_BS[(i, j)])),
+        };
+        let part = |name: &str, x: f64| channel(name, &[0.0], &[x]);
+        let mut table = Table {
+            channels: vec![
+                part("q_x", q_NS.i),
+                part("q_y", q_NS.j),
+                part("q_z", q_NS.k),
+                part("q_w", q_NS.w),
+            ],
+            ..Table::default()
+        };
+        mount(&mut table, &[tracker]);
+        let found: Vec<f64> = table.channels.iter().map(|c| c.values[0]).collect();
+        let found = UnitQuaternion::from_quaternion(Quaternion::new(
+            found[3], found[0], found[1], found[2],
+        ));
+        assert!(found.angle_to(&q_NB) < 1e-14);
+    }
+}

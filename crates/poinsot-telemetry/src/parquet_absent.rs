@@ -1,0 +1,30 @@
+//! Parquet in a build without the feature `parquet`: refused.
+
+use crate::columns::Columns;
+use crate::error::Place;
+use crate::plan::Plan;
+use crate::read::WhenFull;
+use crate::{Channel, ReadOptions, TelemetryError};
+use std::fs::File;
+use std::path::Path;
+
+/// Why.
+const ABSENT: &str = "this program was built without Parquet (feature `parquet`)";
+
+/// Refuses the file.
+pub(crate) fn read(
+    path: &Path,
+    _: &ReadOptions,
+    _: &mut Vec<String>,
+    _: Option<&mut WhenFull>,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    Err(TelemetryError::Parquet {
+        place: Place::file(path),
+        why: ABSENT.to_owned(),
+    })
+}
+
+/// Refuses to write.
+pub(crate) fn write_parquet(_: &mut File, _: &[f64], _: &[Channel]) -> Result<(), String> {
+    Err(ABSENT.to_owned())
+}

@@ -1,0 +1,53 @@
+//! The threads that share the work of a verb.
+
+use crate::error::Error;
+use std::sync::mpsc::channel;
+use std::thread::{Builder, JoinHandle};
+
+/// Starts the threads: one a core, or fewer where `RAYON_NUM_THREADS` asks for fewer or the system starts no more.
+/// For the start of a program; libraries use what is there.
+///
+/// # Errors
+/// The system starts no thread at all.
+pub fn start_threads() -> Result<(), Error> {
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let asked = std::env::var("RAYON_NUM_THREADS")
+        .ok()
+        .and_then(|n| n.trim().parse().ok())
+        .filter(|n| *n > 0);
+    let count = startable(asked.map_or(cores, |n: usize| n.min(cores)))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count);
+    pool.build_global()
+        .map_err(|e| Error::Threads { why: e.to_string() })
+}
+
+/// How many threads of these can run at the same time.
+fn startable(wanted: usize) -> Result<usize, Error> {
+    let mut waiting = Vec::new();
+    let mut started: Vec<JoinHandle<()>> = Vec::new();
+    let mut refusal = None;
+    for _ in 0..wanted {
+        let (end, ended) = channel::<()>();
+        match Builder::new().spawn(move || {
+            let _ = ended.recv();
+        }) {
+            Ok(thread) => started.push(thread),
+            Err(error) => refusal = Some(error),
+        }
+        waiting.push(end);
+        if refusal.is_some() {
+            break;
+        }
+    }
+    drop(waiting);
+    let count = started.len();
+    for thread in started {
+        let _ = thread.join();
+    }
+    match refusal {
+        Some(error) if count == 0 => Err(Error::Threads {
+            why: error.to_string(),
+        }),
+        _ => Ok(count),
+    }
+}
