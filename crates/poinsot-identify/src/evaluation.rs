@@ -162,8 +162,8 @@ pub enum EvaluationError {
 /// let here = evaluator.at(&x)?;
 /// assert_eq!(here.jacobian.shape(), (9, x.len()));
 /// assert_eq!(here.sensors[0].sensor, "gyro");
-/// // Three samples do not determine nine numbers.
-/// assert!(here.covariance.is_none());
+/// // Three samples of three numbers each.
+/// assert_eq!(here.residuals.len(), 9);
 /// x.pop();
 /// assert!(evaluator.at(&x).unwrap_err().to_string().starts_with("E0411"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
