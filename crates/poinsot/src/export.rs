@@ -2,7 +2,7 @@
 
 use crate::compare::format_error;
 use crate::error::Error;
-use poinsot_formats::{BodyFile, read_estimate};
+use poinsot_formats::{BodyFile, EstimateFile, read_estimate};
 use poinsot_model::{LinkInertial, export_urdf, parse_urdf, read_model_text};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::path::Path;
@@ -22,11 +22,23 @@ pub struct Exported {
 /// # Errors
 /// The files cannot be read, or no body is determined.
 pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
+    let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
+    export_estimate_into_urdf(&estimate, &path, urdf)
+}
+
+/// The same with an estimate in memory; messages call it `path`.
+///
+/// # Errors
+/// As [`export_into_urdf`].
+pub fn export_estimate_into_urdf(
+    estimate: &EstimateFile,
+    path: &Path,
+    urdf: &Path,
+) -> Result<Exported, Error> {
     let fault = |path: &Path, why: String| Error::Report {
         path: path.to_owned(),
         why,
     };
-    let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
     let text = read_model_text(urdf)?;
     parse_urdf(&text, &urdf.display().to_string()).model?;
     let mut links = Vec::new();
@@ -57,7 +69,7 @@ pub fn export_into_urdf(folder: &Path, urdf: &Path) -> Result<Exported, Error> {
             "no body can be exported ({}); identify with more data, or give the URDF file of the model",
             left_out.join("; ")
         );
-        return Err(fault(&path, why));
+        return Err(fault(path, why));
     }
     Ok(Exported {
         text: exported.text,
