@@ -28,7 +28,7 @@ pub use estimate::{
     ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
-pub use read::{FormatError, read_estimate};
+pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;

@@ -194,7 +194,7 @@ fn truth(identified: &Identified) -> Option<Value> {
         return None;
     }
     let path = first.parent()?.join("truth.json");
-    let bytes = poinsot_files::read(&path, super::LARGEST_RESULT).ok()?;
+    let bytes = poinsot_files::read(&path, poinsot_formats::LARGEST_RESULT).ok()?;
     let value: Value = serde_json::from_slice(&bytes).ok()?;
     (value["schema"] == "poinsot.truth/1").then(|| {
         let system = match &value["system"] {
