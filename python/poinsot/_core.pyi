@@ -5,6 +5,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__: list[str]
+
 _Path = str | PathLike[str]
 _Array = NDArray[np.float64]
 _Progress = Callable[[str, int, int], Any] | None

@@ -116,7 +116,7 @@ class Inertia:
     @property
     def principal_moments_kg_m2(self) -> Array:
         """Principal moments about the mass centre, ascending, shape (3,)."""
-        return np.asarray(np.linalg.eigvalsh(self.inertia_kg_m2))
+        return np.asarray(np.linalg.eigvalsh(self.inertia_kg_m2), dtype=np.float64)
 
     @property
     def is_physical(self) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
+from ._core import Model as CoreModel
 
 PathLike = str | os.PathLike[str]
 
@@ -34,9 +34,9 @@ class Model:
     """
 
     __slots__ = ("_core",)
-    _core: _core.Model
+    _core: CoreModel
 
-    def __init__(self, core: _core.Model) -> None:
+    def __init__(self, core: CoreModel) -> None:
         self._core = core
 
     @classmethod
@@ -53,17 +53,17 @@ class Model:
         InputError
             The file is refused; ``lines`` holds all findings.
         """
-        return cls(_core.Model.read(path))
+        return cls(CoreModel.read(path))
 
     @classmethod
     def from_urdf(cls, path: PathLike) -> Model:
         """Read a robot from URDF. Sensors and unknowns are still to be added, see :meth:`to_dict`."""
-        return cls(_core.Model.from_urdf(path))
+        return cls(CoreModel.from_urdf(path))
 
     @classmethod
     def from_text(cls, text: str, name: str | None = None) -> Model:
         """Read the text of a model file; messages call it `name`."""
-        return cls(_core.Model.from_text(text, name))
+        return cls(CoreModel.from_text(text, name))
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> Model:
@@ -74,7 +74,7 @@ class Model:
         values
             Keys as in the file; numbers may be arrays of NumPy. Entries that are None are left out.
         """
-        return cls(_core.Model.from_dict(dict(values)))
+        return cls(CoreModel.from_dict(dict(values)))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the tables of the model file; :meth:`from_dict` takes them back."""

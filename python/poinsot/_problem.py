@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -48,9 +49,7 @@ class Evaluation:
 
     def operator(self) -> Any:
         """Return the Jacobian as a :class:`scipy.sparse.linalg.LinearOperator`."""
-        from scipy.sparse.linalg import aslinearoperator
-
-        return aslinearoperator(self.jacobian)
+        return import_module("scipy.sparse.linalg").aslinearoperator(self.jacobian)
 
 
 class Problem:

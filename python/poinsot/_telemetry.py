@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from importlib import import_module
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from ._core import Record as CoreRecord
 from ._errors import InputError
 
 PathLike: TypeAlias = str | os.PathLike[str]
@@ -42,7 +43,8 @@ def _refuse(argument: str, what: str, remedy: str) -> InputError:
 def _numbers(argument: str, values: Any) -> NDArray[np.float64]:
     """Real numbers as float64, whatever numeric type and layout they have; masked values are NaN."""
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        masked: Any = values
+        values = masked.astype(np.float64).filled(np.nan)
     try:
         array = np.asarray(values)
     except (ValueError, TypeError) as error:
@@ -110,10 +112,10 @@ class Telemetry:
     """
 
     __slots__ = ("_channels", "_core")
-    _core: _core.Record
+    _core: CoreRecord
     _channels: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] | None
 
-    def __init__(self, core: _core.Record) -> None:
+    def __init__(self, core: CoreRecord) -> None:
         self._core = core
         self._channels = None
 
@@ -128,7 +130,7 @@ class Telemetry:
         """
         if not paths:
             raise _refuse("paths", "no file", "give at least one")
-        return cls(_core.Record.of_files([os.fspath(p) for p in paths]))
+        return cls(CoreRecord.of_files([os.fspath(p) for p in paths]))
 
     @classmethod
     def from_arrays(
@@ -204,7 +206,7 @@ class Telemetry:
     def _of_table(cls, table: Mapping[str, NDArray[Any]], name: str) -> Telemetry:
         if not name.startswith("<"):
             name = f"<{name}>"
-        return cls(_core.Record.of_columns(name, list(table.items())))
+        return cls(CoreRecord.of_columns(name, list(table.items())))
 
     @classmethod
     def from_frame(cls, frame: Any, *, name: str | None = None) -> Telemetry:
@@ -224,22 +226,22 @@ class Telemetry:
                 kind = type(frame).__name__
                 raise _refuse("frame", f"{kind} is no data frame", "give pandas, polars or an Arrow stream")
             try:
-                import pyarrow
+                pyarrow: Any = import_module("pyarrow")
             except ImportError:
                 raise _refuse("frame", "an Arrow stream is read by pyarrow, which is missing", "pip install 'poinsot[frames]'") from None
             frame = pyarrow.table(frame)
-        names: Sequence[str] = list(getattr(frame, "column_names", frame.columns))
+        names: Sequence[str] = list(frame.column_names if hasattr(frame, "column_names") else frame.columns)
         table = {str(column): _frame_column(str(column), frame[column]) for column in names}
         kept = {column: values for column, values in table.items() if values is not None}
-        kind = type(frame)
-        return cls._of_table(kept, name or f"<{kind.__module__.split('.')[0]}.{kind.__name__}>")
+        of = type(frame)
+        return cls._of_table(kept, name or f"<{of.__module__.split('.')[0]}.{of.__name__}>")
 
     @classmethod
     def join(cls, *records: Telemetry) -> Telemetry:
         """Return one segment of several records, each with its own time base."""
         if not records:
             raise _refuse("records", "no record", "give at least one")
-        return cls(_core.Record.join([r._core for r in records]))
+        return cls(CoreRecord.join([r._core for r in records]))
 
     @property
     def sources(self) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from typing import Any, TypeAlias
 
 from . import _core
@@ -78,7 +79,7 @@ def _reporter(progress: Progress) -> Callable[[str, int, int], Any] | None:
     if progress is not True:
         return progress
     try:
-        from tqdm.auto import tqdm
+        tqdm: Any = import_module("tqdm.auto").tqdm
     except ImportError:
         raise InputError("E0001 progress True: tqdm is missing; pip install tqdm, or give a function of (stage, done, total)") from None
     bar = tqdm(leave=False)

@@ -129,10 +129,10 @@ def momentum_regressor(vehicle: Model, q: ArrayLike, dq: ArrayLike, V: ArrayLike
     True
     """
     dof = len(vehicle.coordinates)
-    rows, lead = _states(q=(_joints(q, dof), dof), dq=(_joints(dq, dof), dof), V=(V, 6))
+    (first, rates, twist), lead = _states(q=(_joints(q, dof), dof), dq=(_joints(dq, dof), dof), V=(V, 6))
     shape = (10 * len(vehicle.bodies), 6)
     filled = _out(out, lead, shape)
-    _core.momentum_regressor(vehicle._core, *rows, filled)
+    _core.momentum_regressor(vehicle._core, first, rates, twist, filled)
     return np.swapaxes(filled.reshape(*lead, *shape), -1, -2)
 
 
@@ -158,9 +158,9 @@ def momentum(vehicle: Model, q: ArrayLike, dq: ArrayLike, V: ArrayLike, *, param
         Linear momentum, N s, then angular momentum, N m s.
     """
     dof = len(vehicle.coordinates)
-    rows, lead = _states(q=(_joints(q, dof), dof), dq=(_joints(dq, dof), dof), V=(V, 6))
+    (first, rates, twist), lead = _states(q=(_joints(q, dof), dof), dq=(_joints(dq, dof), dof), V=(V, 6))
     filled = _out(None, lead, (6,))
-    _core.momentum(vehicle._core, *rows, filled, _parameters(vehicle, parameters))
+    _core.momentum(vehicle._core, first, rates, twist, filled, _parameters(vehicle, parameters))
     return filled.reshape(*lead, 6)
 
 
@@ -178,9 +178,9 @@ def mass_matrix(vehicle: Model, q: ArrayLike, *, parameters: ArrayLike | None = 
         ``[momentum about Bo; joint momenta] = M [V; dq]``.
     """
     dof = len(vehicle.coordinates)
-    rows, lead = _states(q=(_joints(q, dof), dof))
+    (first,), lead = _states(q=(_joints(q, dof), dof))
     filled = _out(None, lead, (6 + dof, 6 + dof))
-    _core.mass_matrix(vehicle._core, *rows, filled, _parameters(vehicle, parameters))
+    _core.mass_matrix(vehicle._core, first, filled, _parameters(vehicle, parameters))
     return filled.reshape(*lead, 6 + dof, 6 + dof)
 
 
@@ -218,11 +218,11 @@ def jacobian(
     point = np.asarray(point_m, dtype=np.float64)
     if point.shape != (3,):
         raise InputError(f"E0001 point_m: shape {point.shape}; give (3,)")
-    rows, lead = _states(q=(_joints(q, dof), dof))
+    (first,), lead = _states(q=(_joints(q, dof), dof))
     shape = (6, dof if generalised else 6 + dof)
     filled = _out(None, lead, shape)
     if filled.size:
-        _core.jacobian(vehicle._core, index, point.tolist(), *rows, filled, generalised, _parameters(vehicle, parameters))
+        _core.jacobian(vehicle._core, index, point.tolist(), first, filled, generalised, _parameters(vehicle, parameters))
     return filled.reshape(*lead, *shape)
 
 
@@ -256,7 +256,7 @@ def forward_dynamics(
         Joint accelerations.
     """
     dof = len(vehicle.coordinates)
-    rows, lead = _states(
+    (first, rates, twist, forces, pushed), lead = _states(
         q=(_joints(q, dof), dof),
         dq=(_joints(dq, dof), dof),
         V=(V, 6),
@@ -264,7 +264,7 @@ def forward_dynamics(
         wrench=(wrench, 6),
     )
     filled = _out(None, lead, (6 + dof,))
-    _core.forward_dynamics(vehicle._core, *rows, filled, _parameters(vehicle, parameters))
+    _core.forward_dynamics(vehicle._core, first, rates, twist, forces, pushed, filled, _parameters(vehicle, parameters))
     whole = filled.reshape(*lead, 6 + dof)
     return whole[..., :6], whole[..., 6:]
 
