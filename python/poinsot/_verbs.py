@@ -235,8 +235,8 @@ def inspect(
     --------
     >>> import poinsot as pn
     >>> found = pn.inspect("examples/stsat3/multiaxis/telemetry_noisy.csv")
-    >>> found["files"][0]["rows"]
-    4800
+    >>> found["sources"][0]["rows"]
+    4801
     """
     files = [os.fspath(p) for p in paths]
     if not files:

@@ -5,16 +5,14 @@ the base twist `V` of shape (..., 6). Leading axes are broadcast against each ot
 **linear part first**: `V = (v_NBo_B, w_NB_B)`, velocity of the base frame's origin and angular velocity of the base, both
 in base axes. Momenta are about the base frame's origin, in base axes. Wheels are at rest relative to their hosts.
 
-=====================  ===============================  ==========================================================
-here                   Pinocchio                        MuJoCo
-=====================  ===============================  ==========================================================
-`V`                    `v[:6]`                          `qvel[:3]` is `R_NB v_NBo_B`, `qvel[3:6]` is `w_NB_B`
-`q` (joints alone)     `q[7:]`                          `qpos[7:]`
-attitude, scalar last  `q[3:7]`                         `qpos[3:7]` has the scalar **first**
-ten parameters         `Inertia.toDynamicParameters()`  `Inertia.from_mujoco(...).to_dynamic_parameters()`
-`a_NBo_B`              `a[:3] + w x v`                  `R_NB^T qacc[:3]`
-`alpha_NB_B`           `a[3:6]`                         `qacc[3:6]`
-=====================  ===============================  ==========================================================
+| here                  | Pinocchio                       | MuJoCo                                                     |
+|-----------------------|---------------------------------|------------------------------------------------------------|
+| `V`                   | `v[:6]`                         | `qvel[:3]` is `R_NB v_NBo_B`, `qvel[3:6]` is `w_NB_B`      |
+| `q` (joints alone)    | `q[7:]`                         | `qpos[7:]`                                                 |
+| attitude, scalar last | `q[3:7]`                        | `qpos[3:7]` has the scalar **first**                       |
+| ten parameters        | `Inertia.toDynamicParameters()` | `Inertia.from_mujoco(...).to_dynamic_parameters()`         |
+| `a_NBo_B`             | `a[:3] + w x v`                 | `R_NB^T qacc[:3]`                                          |
+| `alpha_NB_B`          | `a[3:6]`                        | `qacc[3:6]`                                                |
 """
 
 from __future__ import annotations
