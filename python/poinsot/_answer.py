@@ -380,7 +380,7 @@ class Answer:
         """
         if to != "urdf":
             raise InputError(f"E0001 to '{to}': there is no such format; use urdf")
-        text, left_out = self._core.into_urdf(onto)
+        text, left_out = self._core.urdf(onto)
         for line in left_out:
             import warnings
 

@@ -190,7 +190,7 @@ impl CoreAnswer {
     }
 
     /// The URDF file with the numbers of every determined body, and the bodies left out.
-    fn into_urdf(&self, urdf: PathBuf) -> PyResult<(String, Vec<String>)> {
+    fn urdf(&self, urdf: PathBuf) -> PyResult<(String, Vec<String>)> {
         let file = estimate_file(&self.identified);
         let exported =
             poinsot::export::export_estimate_into_urdf(&file, Path::new("<answer>"), &urdf);

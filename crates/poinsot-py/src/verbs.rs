@@ -78,7 +78,7 @@ pub fn simulate(
     run(py, progress.as_ref(), move || {
         if let Some(folder) = &out {
             let written = poinsot::simulate::simulate(&case, folder)?;
-            let truth = poinsot_files_text(&written.truth)?;
+            let truth = text_of(&written.truth)?;
             let parts = vec![poinsot_telemetry::Part::File(written.telemetry)];
             return Ok((CoreRecord { parts }, truth));
         }
@@ -96,7 +96,7 @@ pub fn simulate(
     })
 }
 
-fn poinsot_files_text(path: &std::path::Path) -> Result<String, Fault> {
+fn text_of(path: &std::path::Path) -> Result<String, Fault> {
     std::fs::read_to_string(path).map_err(|source| {
         Fault::from(poinsot::Error::Io {
             path: path.to_owned(),
