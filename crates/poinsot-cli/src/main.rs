@@ -30,6 +30,7 @@ fn main() -> ExitCode {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
         Verb::Predict(a) => verbs::predict::run(a),
+        Verb::Design(a) => verbs::design::run(a),
         Verb::Validate(a) => verbs::validate::run(a),
         Verb::Compare(a) => verbs::compare::run(a),
         Verb::Report(a) => verbs::report::run(a),

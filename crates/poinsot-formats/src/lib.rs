@@ -11,6 +11,7 @@
 #![allow(non_snake_case)]
 
 mod comparison;
+mod design;
 mod diagnostics;
 mod estimate;
 mod number;
@@ -18,6 +19,10 @@ mod read;
 
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
+};
+pub use design::{
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
+    SearchFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
@@ -34,13 +39,14 @@ use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 2] = ["estimate", "comparison"];
+pub const NAMES: [&str; 3] = ["estimate", "comparison", "design"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "design" => Some(schema_for!(DesignFile).to_value()),
         _ => None,
     }
 }
