@@ -37,8 +37,14 @@ const TIME_LEFT: f64 = 0.01;
 /// How the logarithm of a sigma falls with that of the time, before two times are known: faster than the mean of
 /// independent samples, because slower motion also reaches further.
 const FALL: f64 = 1.5;
+/// By how much a shortest time reaches what is wanted: thinned rows and limits that are left to the end cost as much.
+const SURE: f64 = 0.01;
 /// Samples of the final check for each one of the case.
 const FINE: f64 = 5.0;
+/// Shares of a manoeuvre that are tried where a limit is broken by what the search does not resolve.
+const SHARES: [f64; 7] = [1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.95];
+/// By what part of itself a limit may be exceeded: the error of the integration.
+const HELD: f64 = 1.0e-6;
 /// Streams of random numbers of the vehicles that check margins; those below belong to robust designs.
 const MARGIN_STREAM: u64 = 1 << 32;
 /// Part of the evaluations of a robust design, each of which flies all its vehicles.
@@ -86,7 +92,7 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     let question = asked.question(asked.design.clone(), &asked.limits)?;
     let space = asked.space(&asked.limits, case.duration_s)?;
     let reference = asked.reference(&question);
-    let (mut space, mut found) = asked.nominal(&question, space)?;
+    let (space, mut found) = asked.nominal(&question, space)?;
     let mut evaluations = question.evaluations.load(Ordering::Relaxed);
     let mut question = question;
     let mut robust = None;
@@ -100,12 +106,14 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
         evaluations += own.evaluations.load(Ordering::Relaxed);
         question = own;
     }
-    if has_prior(&model) && !question.watch.watched.is_empty() {
+    if !question.watch.watched.is_empty() {
         asked.leave_margins(&mut question, &space, &mut found.reached);
     }
-    // Between times a refined search may have stopped elsewhere: the manoeuvre that is written counts.
-    let x = space.drawn_inside(found.reached.x.clone());
-    space.duration = rounded_up(space.duration, case.rate_hz);
+    let x = asked.held(
+        &question,
+        &space,
+        space.drawn_inside(found.reached.x.clone()),
+    )?;
     let mut designed = asked.told(&question, &space, (&x, &found), reference)?;
     designed.robust = robust;
     if !designed.is_reached() && !crate::interrupt::is_requested() {
@@ -156,7 +164,10 @@ impl<'c> Asked<'c> {
             other => other,
         };
         let tree = Tree::new(model);
-        let names = tree.coordinates.iter().map(|k| model.joints[*k].name.clone());
+        let names = tree
+            .coordinates
+            .iter()
+            .map(|k| model.joints[*k].name.clone());
         Ok(Self {
             limits: case.limits(model).map_err(refused)?,
             design,
@@ -240,11 +251,13 @@ impl<'c> Asked<'c> {
             return Err(Error::Usage {
                 option: "CASE",
                 value: self.case.path().display().to_string(),
-                why: "no manoeuvre could be evaluated before the search was stopped; give more time".to_owned(),
+                why:
+                    "no manoeuvre could be evaluated before the search was stopped; give more time"
+                        .to_owned(),
             });
         };
         match self.design.objective {
-            Objective::ShortestTime if found.reached.values.worst() <= 0.0 => {
+            Objective::ShortestTime if found.reached.values.merit() <= -SURE => {
                 Ok(self.shortest(question, space, found))
             }
             _ => Ok((space, found)),
@@ -256,7 +269,7 @@ impl<'c> Asked<'c> {
     fn shortest(&self, question: &Question, space: Space, found: Found) -> (Space, Found) {
         let part = self.design.evaluations / (2 * TIMES);
         let (mut best, mut found) = (space, found);
-        let mut long = (best.duration.ln(), found.reached.values.worst());
+        let mut long = (best.duration.ln(), found.reached.values.worst() + SURE);
         let mut short: Option<(f64, f64)> = None;
         for _ in 0..TIMES {
             let next = match short {
@@ -269,7 +282,8 @@ impl<'c> Asked<'c> {
             if short.is_some_and(|s| long.0 - s.0 < TIME_LEFT) {
                 break;
             }
-            let Ok(space) = self.space(&self.limits, rounded_up(next.exp(), self.case.rate_hz)) else {
+            let Ok(space) = self.space(&self.limits, rounded_up(next.exp(), self.case.rate_hz))
+            else {
                 break;
             };
             let from = &found.reached.x;
@@ -277,12 +291,12 @@ impl<'c> Asked<'c> {
                 break;
             };
             let time = space.duration.ln();
-            match reached.values.merit() <= 0.0 {
+            match reached.values.merit() <= -SURE {
                 true => {
-                    long = (time, reached.values.worst());
+                    long = (time, reached.values.worst() + SURE);
                     (best, found.reached) = (space, reached);
                 }
-                false => short = Some((time, reached.values.merit())),
+                false => short = Some((time, reached.values.merit() + SURE)),
             }
         }
         (best, found)
@@ -294,11 +308,21 @@ impl<'c> Asked<'c> {
             let Some(excess) = self.excess(question, space, &reached.x) else {
                 return;
             };
-            let enough = excess.iter().zip(&question.margins).all(|(e, m)| *e <= *m + 1.0e-9);
+            let (between, prior): (Vec<f64>, Vec<f64>) = excess.into_iter().unzip();
+            question.prior_margins = prior;
+            let all: Vec<f64> = between
+                .iter()
+                .zip(&question.prior_margins)
+                .map(|(a, b)| a + b)
+                .collect();
+            let enough = all
+                .iter()
+                .zip(&question.margins)
+                .all(|(e, m)| *e <= *m + HELD);
             if enough {
                 return;
             }
-            for (margin, e) in question.margins.iter_mut().zip(excess) {
+            for (margin, e) in question.margins.iter_mut().zip(all) {
                 *margin = margin.max(e);
             }
             let budget = RELAXED_STEPS * (space.len() + 2);
@@ -308,14 +332,35 @@ impl<'c> Asked<'c> {
         }
     }
 
-    /// By how much the vehicles of the prior go further than the nominal one, at most, for each watched limit.
-    fn excess(&self, question: &Question, space: &Space, x: &[f64]) -> Option<Vec<f64>> {
+    /// The manoeuvre, or the nearest one on the way from it to rest that holds every limit on the fine grid.
+    fn held(&self, question: &Question, space: &Space, x: Vec<f64>) -> Result<Vec<f64>, Error> {
+        for share in SHARES {
+            let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
+            let uses = self.uses(question, space, &nearer)?;
+            if uses.iter().all(|u| u.margin >= -HELD) {
+                return Ok(nearer);
+            }
+        }
+        Ok(x)
+    }
+
+    /// By how much the motion goes further, for each watched limit, between the rows of a candidate and with the
+    /// vehicles of the prior.
+    fn excess(&self, question: &Question, space: &Space, x: &[f64]) -> Option<Vec<(f64, f64)>> {
         let scenario = question.scenario(space, x)?;
         let worst = |model: &Model| -> Option<Vec<f64>> {
             let course = question.course(model, &scenario).ok()?;
             Some(course.worst(&question.watch).iter().map(|w| w.1).collect())
         };
         let nominal = worst(self.model)?;
+        let fine = self.fine(question, space, x).ok()??;
+        let mut between = vec![0.0_f64; nominal.len()];
+        for ((b, fine), nominal) in between.iter_mut().zip(&fine).zip(&nominal) {
+            *b = (fine.1 - nominal).max(0.0);
+        }
+        if !has_prior(self.model) {
+            return Some(between.into_iter().map(|b| (b, 0.0)).collect());
+        }
         let seed = self.design.seed;
         let all: Vec<Option<Vec<f64>>> = (0..VEHICLES)
             .into_par_iter()
@@ -327,7 +372,24 @@ impl<'c> Asked<'c> {
                 *most = most.max(x - nominal);
             }
         }
-        Some(most)
+        Some(between.into_iter().zip(most).collect())
+    }
+
+    /// Value that comes closest to each watched limit, and how far it is beyond, on a grid finer than the case's rows.
+    fn fine(
+        &self,
+        question: &Question,
+        space: &Space,
+        x: &[f64],
+    ) -> Result<Option<Vec<(f64, f64)>>, Error> {
+        let mut fine = self.case.clone();
+        (fine.duration_s, fine.rate_hz) = (space.duration, FINE * self.case.rate_hz);
+        let Some(mut scenario) = question.scenario(space, x) else {
+            return Ok(None);
+        };
+        scenario.times = fine.times();
+        let course = question.course(self.model, &scenario)?;
+        Ok(Some(course.worst(&question.watch)))
     }
 
     fn told(
@@ -382,15 +444,9 @@ impl<'c> Asked<'c> {
         if question.watch.watched.is_empty() {
             return Ok(all);
         }
-        let mut fine = self.case.clone();
-        (fine.duration_s, fine.rate_hz) = (space.duration, FINE * self.case.rate_hz);
-        if let Some(mut scenario) = question.scenario(space, x) {
-            scenario.times = fine.times();
-            let course = question.course(self.model, &scenario)?;
-            let worst = course.worst(&question.watch);
-            for ((w, (value, beyond)), margin) in
-                question.watch.watched.iter().zip(worst).zip(&question.margins)
-            {
+        if let Some(worst) = self.fine(question, space, x)? {
+            let margins = question.watch.watched.iter().zip(&question.prior_margins);
+            for ((w, margin), (value, beyond)) in margins.zip(worst) {
                 all.push(LimitUse {
                     what: w.what.clone(),
                     unit: w.unit,
@@ -424,7 +480,8 @@ impl<'c> Asked<'c> {
             unit,
             value: u.value,
             limit: u.limit,
-            margin: (u.limit - u.value).abs() / half * if inside(u, low, high) { 1.0 } else { -1.0 },
+            margin: (u.limit - u.value).abs() / half
+                * if inside(u, low, high) { 1.0 } else { -1.0 },
         }
     }
 

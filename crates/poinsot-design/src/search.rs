@@ -9,12 +9,10 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Random manoeuvres for each start of the search.
 const RANDOM: usize = 24;
-/// Steps of every start.
-const FIRST_STEPS: usize = 6;
-/// Steps of those that are followed to their end.
+/// Steps before the worse half of the starts is left out.
+const FIRST_STEPS: usize = 4;
+/// Steps of the one that is followed to its end.
 const LAST_STEPS: usize = 60;
-/// How many are.
-const FOLLOWED: usize = 2;
 /// Share of the limits that random manoeuvres use.
 const STRETCH: f64 = 0.97;
 /// A step that lowers the logarithm of the ratio by less ends the search: a tenth of a percent.
@@ -27,65 +25,109 @@ const DELTA: f64 = 0.3;
 pub struct Found {
     /// Free numbers and their values.
     pub reached: Reached,
-    /// The worst objective at the end of every start, in their order.
+    /// The worst objective of every start after its first steps, from the best of each round.
     pub starts: Vec<f64>,
 }
 
-/// Searches the whole space; `given` are manoeuvres to start from beside random ones.
-pub fn search(question: &Question, space: &Space, given: &[Vec<f64>], evaluations: usize) -> Option<Found> {
+/// Searches the whole space; `given` are manoeuvres to start from beside random ones. What is left of the evaluations when
+/// one search has settled goes into the next one, from other random manoeuvres.
+pub fn search(
+    question: &Question,
+    space: &Space,
+    given: &[Vec<f64>],
+    evaluations: usize,
+) -> Option<Found> {
     let program = Program { question, space };
-    let wanted = question.design.starts;
-    let mut pool: Vec<Vec<f64>> = given.to_vec();
     let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
-    let random = (RANDOM * wanted).min(evaluations / 4);
-    for _ in 0..random {
-        let direction: Vec<f64> = (0..space.len())
-            .map(|_| StandardNormal.sample(&mut rng))
-            .collect();
+    let mut best: Option<Found> = None;
+    let mut left = evaluations;
+    let mut given = given.to_vec();
+    loop {
+        let Some(found) = round(&program, &mut rng, std::mem::take(&mut given), &mut left) else {
+            return best;
+        };
+        let better = |b: &Found| found.reached.values.merit() < b.reached.values.merit();
+        let mut starts = best.as_ref().map_or_else(Vec::new, |b| b.starts.clone());
+        starts.extend(&found.starts);
+        match &mut best {
+            Some(b) if !better(b) => b.starts = starts,
+            _ => best = Some(Found { starts, ..found }),
+        }
+        let least = question.design.starts * FIRST_STEPS * space.len();
+        if left < least || program.stop() {
+            return best;
+        }
+    }
+}
+
+/// Random manoeuvres, a few steps from the best of them, half of those left out, and so on until one is left: that one is
+/// followed to its end.
+fn round(
+    program: &Program,
+    rng: &mut ChaCha8Rng,
+    given: Vec<Vec<f64>>,
+    left: &mut usize,
+) -> Option<Found> {
+    let space = program.space;
+    let wanted = program.question.design.starts;
+    let mut pool = given;
+    let of_case = pool.len();
+    for _ in 0..(RANDOM * wanted).min(*left / 4) {
+        let mut normal = || StandardNormal.sample(rng);
+        let direction: Vec<f64> = (0..space.len()).map(|_| normal()).collect();
         pool.push(space.stretched(&direction, STRETCH));
     }
-    let mut left = evaluations.saturating_sub(pool.len());
-    let merits = in_parts(&program, &pool);
-    let mut order: Vec<usize> = (0..pool.len()).filter(|i| merits[*i].is_some()).collect();
-    let merit = |i: &usize| merits[*i].as_ref().map_or(f64::INFINITY, Values::merit);
-    order.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
-    // What was given is always tried.
-    let first: Vec<usize> = (0..given.len()).filter(|i| merits[*i].is_some()).collect();
-    order.retain(|i| !first.contains(i));
-    let chosen: Vec<usize> = first.into_iter().chain(order).take(wanted.max(given.len())).collect();
-    let mut ends: Vec<Reached> = Vec::new();
-    for &i in &chosen {
-        let share = left / (2 * (chosen.len() - ends.len())).max(1);
-        let end = minimax(&program, &space.polytope, pool[i].clone(), options(share, FIRST_STEPS));
-        let end = end.or_else(|| unmoved(&pool[i], merits[i].as_ref()?));
-        if let Some(end) = end {
-            left = left.saturating_sub(end.evaluations);
-            ends.push(end);
-        }
-    }
-    let starts = ends.iter().map(|e| e.values.worst()).collect();
-    ends.sort_by(|a, b| a.values.merit().total_cmp(&b.values.merit()));
-    let followed = ends.len().min(FOLLOWED);
-    for k in 0..followed {
-        let share = left / (followed - k);
-        let from = ends[k].x.clone();
-        if let Some(end) = minimax(&program, &space.polytope, from, options(share, LAST_STEPS)) {
-            left = left.saturating_sub(end.evaluations);
-            if end.values.merit() <= ends[k].values.merit() {
-                ends[k] = end;
+    *left = left.saturating_sub(pool.len());
+    let values = in_parts(program, &pool);
+    let evaluated = pool.into_iter().zip(values).enumerate();
+    let mut all: Vec<(bool, Reached)> = evaluated
+        .filter_map(|(i, (x, values))| Some((i >= of_case, unmoved(x, values?))))
+        .collect();
+    // What the case itself holds is always tried.
+    let merit = |r: &Reached| r.values.merit();
+    all.sort_by(|a, b| a.0.cmp(&b.0).then(merit(&a.1).total_cmp(&merit(&b.1))));
+    let mut ends: Vec<Reached> = all.into_iter().map(|(_, r)| r).take(wanted).collect();
+    let mut starts = Vec::new();
+    while !ends.is_empty() {
+        let is_last = ends.len() == 1;
+        let steps = if is_last { LAST_STEPS } else { FIRST_STEPS };
+        for end in &mut ends {
+            let from = end.x.clone();
+            if let Some(next) = minimax(program, &space.polytope, from, options(*left, steps)) {
+                *left = left.saturating_sub(next.evaluations);
+                if merit(&next) <= merit(end) {
+                    *end = next;
+                }
             }
         }
+        ends.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+        if starts.is_empty() {
+            starts = ends.iter().map(|e| e.values.worst()).collect();
+        }
+        if is_last {
+            break;
+        }
+        ends.truncate(ends.len().div_ceil(2));
     }
-    ends.sort_by(|a, b| a.values.merit().total_cmp(&b.values.merit()));
     let reached = ends.into_iter().next()?;
     Some(Found { reached, starts })
 }
 
 /// Goes on from one manoeuvre in a space that is a little different.
-pub fn refine(question: &Question, space: &Space, from: &[f64], evaluations: usize) -> Option<Reached> {
+pub fn refine(
+    question: &Question,
+    space: &Space,
+    from: &[f64],
+    evaluations: usize,
+) -> Option<Reached> {
     let program = Program { question, space };
     let from = space.drawn_inside(from.to_vec());
-    minimax(&program, &space.polytope, from, options(evaluations, LAST_STEPS))
+    minimax(
+        &program,
+        &space.polytope,
+        from,
+        options(evaluations, LAST_STEPS),
+    )
 }
 
 fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
@@ -97,17 +139,19 @@ fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
     }
 }
 
-/// A manoeuvre from which the search could not take a step.
-fn unmoved(x: &[f64], values: &Values) -> Option<Reached> {
-    Some(Reached {
-        x: x.to_vec(),
-        values: values.clone(),
-        evaluations: 0,
+/// A manoeuvre before any step.
+fn unmoved(x: Vec<f64>, values: Values) -> Reached {
+    Reached {
+        x,
+        values,
+        evaluations: 1,
         settled: false,
-    })
+    }
 }
 
 /// Part by part, so that an interruption keeps what is done.
 fn in_parts(program: &Program, pool: &[Vec<f64>]) -> Vec<Option<Values>> {
-    pool.chunks(16).flat_map(|part| program.values(part)).collect()
+    pool.chunks(16)
+        .flat_map(|part| program.values(part))
+        .collect()
 }

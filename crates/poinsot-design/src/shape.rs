@@ -166,7 +166,11 @@ impl Space {
         for (side, of) in self.polytope.sides.iter().zip(&self.of_side) {
             let (low, high) = self.movers[of.mover].bounds[of.order as usize];
             let value = side.at(x) * of.scale + of.offset;
-            let limit = if high - value <= value - low { high } else { low };
+            let limit = if high - value <= value - low {
+                high
+            } else {
+                low
+            };
             let one = Use {
                 mover: of.mover,
                 order: of.order,
@@ -248,7 +252,8 @@ impl Space {
             if low.is_infinite() && high.is_infinite() {
                 continue;
             }
-            let middle = middle((low, high), mover.start) * f64::from(u8::from(order == Order::Value));
+            let middle =
+                middle((low, high), mover.start) * f64::from(u8::from(order == Order::Value));
             let scale = match high.is_finite() {
                 true => high - middle,
                 false => middle - low,
@@ -294,7 +299,10 @@ impl Mover {
     ) -> Result<Self, (Target, String)> {
         let (low, high) = bounds[0];
         if !(low < moved.start && moved.start < high) {
-            let why = format!("it starts at {}, outside its limits {low} to {high}", moved.start);
+            let why = format!(
+                "it starts at {}, outside its limits {low} to {high}",
+                moved.start
+            );
             return Err((target, why));
         }
         let room = f64::min(high - moved.start, moved.start - low);
@@ -308,7 +316,9 @@ impl Mover {
             } => {
                 let f = base_frequency(&form, duration);
                 let from = if at_rest { 2 } else { 1 };
-                let one: Vec<f64> = (from..=harmonics).map(|k| bound(TAU * f * k as f64)).collect();
+                let one: Vec<f64> = (from..=harmonics)
+                    .map(|k| bound(TAU * f * k as f64))
+                    .collect();
                 one.iter().chain(&one).copied().collect()
             }
             Form::Spline { nodes, returns } => vec![swing; nodes - 1 - usize::from(returns)],
@@ -337,7 +347,10 @@ impl Mover {
             let time = (0..count).map(|k| k as f64 * step).collect();
             let inner = value.iter().map(|v| self.start + v);
             let last = returns.then_some(self.start);
-            let values = std::iter::once(self.start).chain(inner).chain(last).collect();
+            let values = std::iter::once(self.start)
+                .chain(inner)
+                .chain(last)
+                .collect();
             (time, values)
         };
         match self.form {
@@ -348,7 +361,11 @@ impl Mover {
                 if at_rest {
                     let order = |k: usize| (k + 2) as f64;
                     let a: f64 = sine.iter().enumerate().map(|(k, a)| order(k) * a).sum();
-                    let b: f64 = cosine.iter().enumerate().map(|(k, b)| order(k).powi(2) * b).sum();
+                    let b: f64 = cosine
+                        .iter()
+                        .enumerate()
+                        .map(|(k, b)| order(k).powi(2) * b)
+                        .sum();
                     sine.insert(0, -a);
                     cosine.insert(0, -b);
                     offset -= cosine.iter().sum::<f64>();
@@ -390,7 +407,12 @@ impl Mover {
                     let h = (pair[1] - pair[0]) / PARTS as f64;
                     for part in 0..PARTS {
                         let t = pair[0] + h * part as f64;
-                        hull(&mut out, &p.at(t, t + 0.5 * h), &p.at(t + h, t + 0.5 * h), h);
+                        hull(
+                            &mut out,
+                            &p.at(t, t + 0.5 * h),
+                            &p.at(t + h, t + 0.5 * h),
+                            h,
+                        );
                     }
                 }
             }
@@ -544,7 +566,9 @@ mod tests {
             let space = mover(form, bounds);
             let mut closest = 0.0_f64;
             for _ in 0..50 {
-                let d: Vec<f64> = (0..space.len()).map(|_| rng.random_range(-1.0..1.0)).collect();
+                let d: Vec<f64> = (0..space.len())
+                    .map(|_| rng.random_range(-1.0..1.0))
+                    .collect();
                 let x = space.stretched(&d, 1.0);
                 let motion = space.commands(&x)[0].joint().unwrap();
                 let mut share = 0.0_f64;

@@ -10,7 +10,11 @@ const FIGURES: i32 = 2;
 /// The answer in one sentence.
 pub(crate) fn sentence(designed: &Designed) -> String {
     let seconds = significant(designed.duration_s, 4);
-    let of = format!("{} wanted numbers of {}", designed.wants.len(), designed.model.name);
+    let of = format!(
+        "{} wanted numbers of {}",
+        designed.wants.len(),
+        designed.model.name
+    );
     let hidden = designed.wants.iter().find(|r| r.sigma.is_none());
     if let Some(hidden) = hidden {
         return format!(
@@ -19,12 +23,17 @@ pub(crate) fn sentence(designed: &Designed) -> String {
         );
     }
     if let Some(broken) = designed.broken().next() {
-        return format!("No manoeuvre was found within the limits: {} is broken.", broken.what);
+        return format!(
+            "No manoeuvre was found within the limits: {} is broken.",
+            broken.what
+        );
     }
     let worst = designed.worst_ratio();
     let ratio = significant(worst, 3);
     match designed.is_reached() {
-        true => format!("{seconds} s reach all {of}: the largest sigma is {ratio} of the wanted one."),
+        true => {
+            format!("{seconds} s reach all {of}: the largest sigma is {ratio} of the wanted one.")
+        }
         false => {
             let active: Vec<&str> = designed
                 .limits
@@ -70,7 +79,10 @@ pub fn design_document(designed: &Designed) -> Document {
         true => "no further step promises more than 0.1 %",
         false => "stopped before it settled: more evaluations or minutes may find a better one",
     };
-    let mut lines = vec![format!("{} manoeuvres evaluated, {settled}", designed.evaluations)];
+    let mut lines = vec![format!(
+        "{} manoeuvres evaluated, {settled}",
+        designed.evaluations
+    )];
     if let Some(robust) = designed.robust {
         lines.push(format!(
             "worst tenth of the vehicles of the prior: largest sigma {} of the wanted one",
@@ -95,10 +107,14 @@ fn wanted(designed: &Designed) -> Section {
             r.want.name.clone(),
             sigma.unwrap_or_else(|| "not identifiable".to_owned()),
             significant(r.want.sigma, FIGURES),
-            r.sigma.map_or_else(String::new, |_| significant(r.ratio(), 3)),
+            r.sigma
+                .map_or_else(String::new, |_| significant(r.ratio(), 3)),
         ];
         if compared {
-            row.push(r.reference.map_or_else(String::new, |s| significant(s, FIGURES)));
+            row.push(
+                r.reference
+                    .map_or_else(String::new, |s| significant(s, FIGURES)),
+            );
         }
         row.push(r.want.unit.to_owned());
         table.push(row);
@@ -117,7 +133,11 @@ fn limits(designed: &Designed) -> Section {
             l.what.clone(),
             significant(l.value, 4),
             significant(l.limit, 4),
-            if l.margin < -1.0e-4 { "broken".to_owned() } else { room },
+            if l.margin < -1.0e-4 {
+                "broken".to_owned()
+            } else {
+                room
+            },
             l.unit.to_owned(),
         ]);
     }
@@ -130,7 +150,11 @@ fn flights(v: &Verification) -> Section {
         table.push(vec![
             n.name.clone(),
             significant(n.rms_ratio, 3),
-            format!("{} to {}", significant(n.band.low, 3), significant(n.band.high, 3)),
+            format!(
+                "{} to {}",
+                significant(n.band.low, 3),
+                significant(n.band.high, 3)
+            ),
         ]);
     }
     let title = format!(

@@ -6,7 +6,7 @@ use crate::watch::{Course, WINDOWS_EACH, Watch};
 use nalgebra::DMatrix;
 use poinsot::Error;
 use poinsot::bind::bind;
-use poinsot::case::{Case, Design, Objective, Scenario, Want};
+use poinsot::case::{Case, Design, Form, Objective, Scenario, Want};
 use poinsot::simulate::{run, simulate_exact_of};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Information, Problem, WantedTerm};
@@ -18,6 +18,9 @@ use std::time::Instant;
 
 /// Integration error of candidates: far below what moves a sigma.
 const TOLERANCE: f64 = 1.0e-8;
+/// Rows of a candidate for each cycle of its fastest free motion, and at least: the others repeat what these say.
+const ROWS_A_CYCLE: f64 = 40.0;
+const LEAST_ROWS: f64 = 150.0;
 /// Vehicles of the prior that a robust design looks at.
 const SCENARIOS: u64 = 64;
 /// Share of the worst scenarios whose mean a robust design minimises.
@@ -39,6 +42,8 @@ pub struct Question {
     pub watch: Watch,
     /// Added to how far each watched limit is broken: the margin for the vehicles of the prior.
     pub margins: Vec<f64>,
+    /// The part of it that the vehicles of the prior need; the rest is for what lies between the rows.
+    pub prior_margins: Vec<f64>,
     /// Vehicles of a robust design; empty otherwise.
     vehicles: Vec<Model>,
     /// When to stop.
@@ -70,13 +75,16 @@ impl Question {
         let bound = case.bind_open(&model, &open);
         let scenario = bound.map_err(poinsot::simulate::SimulateError::from)?;
         let vehicles = match design.robust {
-            true => (0..SCENARIOS).map(|k| drawn(&model, design.seed, k)).collect(),
+            true => (0..SCENARIOS)
+                .map(|k| drawn(&model, design.seed, k))
+                .collect(),
             false => Vec::new(),
         };
         Ok(Self {
             case,
             scenario,
             margins: vec![0.0; watch.watched.len()],
+            prior_margins: vec![0.0; watch.watched.len()],
             model,
             wants,
             design,
@@ -92,6 +100,7 @@ impl Question {
         let mut scenario = self.scenario.clone();
         let mut case = self.case.clone();
         case.duration_s = space.duration;
+        case.rate_hz /= thinned(&case, &self.model, &self.design);
         scenario.times = case.times();
         space.place(x, &mut scenario)?;
         Some(scenario)
@@ -103,6 +112,12 @@ impl Question {
     /// The motion cannot be computed, or a sensor that is needed is missing.
     pub fn fly(&self, model: &Model, scenario: Scenario) -> Result<Flight, Error> {
         let mut course = Course::default();
+        // Every row stands for as many of the case.
+        let step = match scenario.times.as_slice() {
+            [first, second, ..] => second - first,
+            _ => 1.0 / self.case.rate_hz,
+        };
+        let thinned = step * self.case.rate_hz;
         let efforts = self.watch.needs_efforts();
         if efforts {
             course = self.course(model, &scenario)?;
@@ -124,7 +139,7 @@ impl Question {
         let information = Information::of(&problem, self.design.priors)?;
         let terms: Vec<Vec<WantedTerm>> = self.wants.iter().map(|w| w.terms.clone()).collect();
         Ok(Flight {
-            covariance: information.covariance(&terms),
+            covariance: information.covariance(&terms) / thinned,
             course,
         })
     }
@@ -135,7 +150,11 @@ impl Question {
     /// The motion cannot be computed.
     pub fn course(&self, model: &Model, scenario: &Scenario) -> Result<Course, Error> {
         let mut course = Course::default();
-        let bodies: Vec<_> = model.bodies.iter().map(|b| b.nominal.parameters()).collect();
+        let bodies: Vec<_> = model
+            .bodies
+            .iter()
+            .map(|b| b.nominal.parameters())
+            .collect();
         let own = self.watch.needs_efforts().then_some(bodies.as_slice());
         run(&self.case, model, own, scenario, |sample, motor| {
             course.push(self.watch.values(sample, motor));
@@ -148,8 +167,11 @@ impl Question {
         let wanted = |i: usize| self.wants[i].sigma;
         if self.design.objective == Objective::LogDet {
             let n = self.wants.len();
-            let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (wanted(i) * wanted(j)));
-            let log = scaled.cholesky().map_or(f64::INFINITY, |c| c.ln_determinant());
+            let scaled =
+                DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (wanted(i) * wanted(j)));
+            let log = scaled
+                .cholesky()
+                .map_or(f64::INFINITY, |c| c.ln_determinant());
             return vec![0.5 * log / n as f64];
         }
         let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln();
@@ -178,6 +200,27 @@ impl Question {
         let values = Values { objectives, limits };
         values.merit().is_finite().then_some(values)
     }
+}
+
+/// How many rows of the case each row of a candidate stands for. Noise with a memory says more in few rows than a row
+/// alone: there all rows are used.
+fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
+    let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
+    if remembers || model.environment.random_torque.is_some() {
+        return 1.0;
+    }
+    let moved = design.joints.iter().chain(&design.wheels);
+    let cycles = moved.map(|m| match m.form {
+        Form::Fourier {
+            harmonics,
+            base_frequency_hz,
+            ..
+        } => harmonics as f64 * base_frequency_hz.map_or(1.0, |f| f * case.duration_s),
+        Form::Spline { nodes, .. } => 0.5 * nodes as f64,
+        Form::Slews { slews, .. } => slews as f64,
+    });
+    let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.fold(0.0, f64::max));
+    (case.duration_s * case.rate_hz / rows).floor().max(1.0)
 }
 
 /// Mean of the worst share: the conditional value at risk (Rockafellar and Uryasev 2000).

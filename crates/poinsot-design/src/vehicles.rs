@@ -14,7 +14,9 @@ const DRAWS: usize = 1000;
 /// Whether any mass property that is estimated has a prior: without one every draw is the nominal vehicle.
 pub fn has_prior(model: &Model) -> bool {
     let bodies = model.bodies.iter();
-    bodies.filter(|b| b.estimate.any()).any(|b| b.prior.is_some())
+    bodies
+        .filter(|b| b.estimate.any())
+        .any(|b| b.prior.is_some())
 }
 
 /// The vehicle of a number: the same bits for equal seed and number.

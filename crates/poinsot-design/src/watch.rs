@@ -55,13 +55,23 @@ impl Watch {
                 });
             }
         };
-        push("body rate".to_owned(), "rad/s", limits.body_rate, Kind::BodyRate);
+        push(
+            "body rate".to_owned(),
+            "rad/s",
+            limits.body_rate,
+            Kind::BodyRate,
+        );
         for (k, (wheel, limit)) in model.wheels.iter().zip(&limits.wheels).enumerate() {
             let what = format!("torque of {}", wheel.name);
             push(what, "N m", limit.torque, Kind::WheelTorque(k));
         }
         for (k, (name, limit)) in joint_names.iter().zip(&limits.joints).enumerate() {
-            push(format!("torque of {name}"), "N m", limit.effort, Kind::JointEffort(k));
+            push(
+                format!("torque of {name}"),
+                "N m",
+                limit.effort,
+                Kind::JointEffort(k),
+            );
         }
         for (k, cone) in limits.cones.iter().enumerate() {
             let what = format!("angle of cone {}", cone.name);
@@ -97,7 +107,10 @@ impl Watch {
             Kind::Cone(k, _) => {
                 let cone = &self.limits.cones[k];
                 let axis_N = sample.R_NB * cone.axis_B;
-                axis_N.cross(&cone.direction_N).norm().atan2(axis_N.dot(&cone.direction_N))
+                axis_N
+                    .cross(&cone.direction_N)
+                    .norm()
+                    .atan2(axis_N.dot(&cone.direction_N))
             }
             Kind::Distance(a, b) => self.distance(sample, a, b),
         };
@@ -194,7 +207,13 @@ fn between_segments(a: &[Vector3; 2], b: &[Vector3; 2]) -> f64 {
     let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
     let (uw, vw) = (u.dot(&w), v.dot(&w));
     let determinant = uu * vv - uv * uv;
-    let share = |x: f64, of: f64| if of > 0.0 { (x / of).clamp(0.0, 1.0) } else { 0.0 };
+    let share = |x: f64, of: f64| {
+        if of > 0.0 {
+            (x / of).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
     let mut s = match determinant > 1.0e-12 * uu * vv {
         true => share(uv * vw - vv * uw, determinant),
         false => 0.0,
@@ -234,7 +253,10 @@ mod tests {
                 }
             }
             let found = between_segments(&a, &b);
-            assert!(found <= least + 1.0e-12 && found > least - 0.02, "{found} {least}");
+            assert!(
+                found <= least + 1.0e-12 && found > least - 0.02,
+                "{found} {least}"
+            );
         }
     }
 }

@@ -28,7 +28,9 @@ pub(crate) fn manoeuvre_text(case: &Case, space: &Space, commands: &[(String, Co
             Target::Joint(_) => ("joint_motion", "joint"),
             Target::Wheel(_) => ("wheel_motion", "wheel"),
         };
-        let all = table.entry(list).or_insert_with(|| Value::Array(Vec::new()));
+        let all = table
+            .entry(list)
+            .or_insert_with(|| Value::Array(Vec::new()));
         if let Value::Array(all) = all {
             all.retain(|one| one.get(key).and_then(Value::as_str) != Some(name));
             all.push(Value::Table(motion(key, name, command, mover.slides)));
@@ -129,7 +131,11 @@ pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error>
 ///
 /// # Errors
 /// The model cannot be read any more, or the disk refuses; earlier files stay then.
-pub fn write_design(folder: &Path, designed: &Designed, model: &Path) -> Result<Vec<PathBuf>, Error> {
+pub fn write_design(
+    folder: &Path,
+    designed: &Designed,
+    model: &Path,
+) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(model, LARGEST_MODEL).map_err(|e| Error::Report {
         path: model.to_owned(),
         why: format!("{e}; {}", e.remedy()),
@@ -139,7 +145,10 @@ pub fn write_design(folder: &Path, designed: &Designed, model: &Path) -> Result<
     json.push('\n');
     let files: [(PathBuf, Vec<u8>); 4] = [
         ("model.toml".into(), text.into_bytes()),
-        ("commands.csv".into(), commands_csv(designed, &case.times()).into_bytes()),
+        (
+            "commands.csv".into(),
+            commands_csv(designed, &case.times()).into_bytes(),
+        ),
         ("case.toml".into(), designed.manoeuvre.clone().into_bytes()),
         // The answer last: where it stands, the others do.
         ("design.json".into(), json.into_bytes()),

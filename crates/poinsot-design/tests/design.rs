@@ -9,7 +9,9 @@ use poinsot_model::{Model, parse_model, read_model};
 use std::path::{Path, PathBuf};
 
 fn example(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/cases")
+        .join(name)
 }
 
 /// An example with its `[design]` changed.
@@ -92,7 +94,11 @@ nodes = 7
 
 #[test]
 fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates() {
-    let (case, model) = changed("xu2017_target_design.toml", "seed = 1\n", "seed = 1\nstarts = 2\nevaluations = 1500\n");
+    let (case, model) = changed(
+        "xu2017_target_design.toml",
+        "seed = 1\n",
+        "seed = 1\nstarts = 2\nevaluations = 1500\n",
+    );
     let found = designed(&case, &model);
     // Wanted is about half of what the motion of the case gives.
     for reach in &found.wants {
@@ -114,7 +120,9 @@ fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates(
         for (k, limit) in limits.iter().enumerate() {
             let angle = limit["position_rad"][1].as_float().unwrap();
             let rate = limit["rate_rad_s"].as_float().unwrap();
-            largest = largest.max(sample.q[k].abs() / angle).max(sample.rates[k].abs() / rate);
+            largest = largest
+                .max(sample.q[k].abs() / angle)
+                .max(sample.rates[k].abs() / rate);
         }
     })
     .unwrap();
@@ -151,7 +159,10 @@ fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
 fn prop_the_same_bits_on_one_thread_and_on_three() {
     let (case, model) = boxed("body_rate_rad_s = 0.05", 1.0e-3);
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| designed(&case, &model).manoeuvre)
     };
     assert_eq!(with(1), with(3));
@@ -201,10 +212,24 @@ fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_woul
     let found = designed(&case, &model);
     assert_eq!(found.exit_code(), 1);
     assert!(found.worst_ratio() > 1.0);
-    assert!(found.limits.iter().any(|l| l.is_active() && l.what.starts_with("speed of")));
-    let faster = found.relaxed.iter().find(|r| r.what == "wheel speeds").unwrap();
+    assert!(
+        found
+            .limits
+            .iter()
+            .any(|l| l.is_active() && l.what.starts_with("speed of"))
+    );
+    let faster = found
+        .relaxed
+        .iter()
+        .find(|r| r.what == "wheel speeds")
+        .unwrap();
     assert!(faster.ratio < 0.95 * found.worst_ratio(), "{faster:?}");
-    assert!(found.relaxed.iter().any(|r| r.what == "duration" && r.ratio < found.worst_ratio()));
+    assert!(
+        found
+            .relaxed
+            .iter()
+            .any(|r| r.what == "duration" && r.ratio < found.worst_ratio())
+    );
 }
 
 #[test]
@@ -236,7 +261,9 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
             "a limit must be a positive number",
         ),
         (
-            format!("{want}{speed}[design]\n[[design.wheel]]\nnodes = 7\nstart_speed_rad_s = 200.0\n"),
+            format!(
+                "{want}{speed}[design]\n[[design.wheel]]\nnodes = 7\nstart_speed_rad_s = 200.0\n"
+            ),
             "outside its limits",
         ),
     ];
@@ -248,5 +275,8 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
     }
     let unknown = format!("{base}[design]\nevalutions = 3\n");
     let error = parse_case(Path::new("box_case.toml"), unknown).unwrap_err();
-    assert!(error.to_string().contains("did you mean \"evaluations\"?"), "{error}");
+    assert!(
+        error.to_string().contains("did you mean \"evaluations\"?"),
+        "{error}"
+    );
 }

@@ -77,7 +77,10 @@ impl Information {
             let gradient = DVector::from_vec(self.gradient(sum));
             // sigma^2 = |R^-T g|^2.
             let column = self.r.tr_solve_upper_triangular(&gradient);
-            white.set_column(k, &column.unwrap_or_else(|| DVector::repeat(n, f64::INFINITY)));
+            white.set_column(
+                k,
+                &column.unwrap_or_else(|| DVector::repeat(n, f64::INFINITY)),
+            );
         }
         white.transpose() * white
     }
@@ -119,7 +122,9 @@ impl Information {
             WantedNumber::Inertia(k) => UnknownKind::CentralInertia(k),
         };
         let unknowns = p.unknowns.iter();
-        unknowns.map(|u| f64::from(u8::from(u.kind == kind))).collect()
+        unknowns
+            .map(|u| f64::from(u8::from(u.kind == kind)))
+            .collect()
     }
 }
 

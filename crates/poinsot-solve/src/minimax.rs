@@ -205,7 +205,10 @@ fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
     let limits = DMatrix::from_fn(here.limits.len(), n, |i, j| {
         slope(all[j].limits[i], here.limits[i])
     });
-    let finite = objectives.iter().chain(limits.iter()).all(|x| x.is_finite());
+    let finite = objectives
+        .iter()
+        .chain(limits.iter())
+        .all(|x| x.is_finite());
     finite.then_some(Slopes { objectives, limits })
 }
 
@@ -369,7 +372,10 @@ mod tests {
         });
         let found = minimax(&program, &Polytope::default(), vec![2.0, 2.0], OPTIONS).unwrap();
         assert!(found.settled);
-        assert!((found.values.worst() - 1.952_224_5).abs() < 1.0e-6, "{found:?}");
+        assert!(
+            (found.values.worst() - 1.952_224_5).abs() < 1.0e-6,
+            "{found:?}"
+        );
         assert!((found.x[0] - 1.1390).abs() < 1.0e-3 && (found.x[1] - 0.8996).abs() < 1.0e-3);
     }
 

@@ -9,9 +9,9 @@ use std::ops::Range;
 use toml::Spanned;
 
 /// Evaluations of a manoeuvre unless the case says otherwise.
-const EVALUATIONS: usize = 4000;
+const EVALUATIONS: usize = 5000;
 /// Starts of the search unless the case says otherwise.
-const STARTS: usize = 4;
+const STARTS: usize = 8;
 /// Most free numbers of one joint or wheel: more only follow the noise of the search.
 const MOST: usize = 64;
 
@@ -89,7 +89,13 @@ impl Case {
         let mut planner = self.planner(model);
         if let Some(control) = &self.file.control {
             let problem = "a design commands joints and wheels itself";
-            planner.refuse("E0507", "control", control.span(), problem, "leave [control] out");
+            planner.refuse(
+                "E0507",
+                "control",
+                control.span(),
+                problem,
+                "leave [control] out",
+            );
         }
         let design = planner.design(file.get_ref(), file.span());
         match planner.faults.is_empty() {
@@ -166,7 +172,13 @@ impl Planner<'_> {
     fn count(&mut self, given: Option<&Spanned<usize>>, default: usize, key: &str) -> usize {
         match given {
             Some(x) if *x.get_ref() == 0 => {
-                self.refuse("E0505", key, x.span(), "must be at least 1", "give a whole number");
+                self.refuse(
+                    "E0505",
+                    key,
+                    x.span(),
+                    "must be at least 1",
+                    "give a whole number",
+                );
                 default
             }
             Some(x) => *x.get_ref(),
@@ -202,12 +214,24 @@ impl Planner<'_> {
                 let base = table.base_frequency_hz.as_ref();
                 if let Some(f) = base.filter(|f| !(f.get_ref().is_finite() && *f.get_ref() > 0.0)) {
                     let key = format!("{key}.base_frequency_hz");
-                    self.refuse("E0505", &key, f.span(), "must be a positive number", "give one");
+                    self.refuse(
+                        "E0505",
+                        &key,
+                        f.span(),
+                        "must be a positive number",
+                        "give one",
+                    );
                 }
                 let at_rest = table.at_rest.as_ref().is_some_and(|x| *x.get_ref());
                 if at_rest && harmonics < 2 {
                     let problem = "one harmonic cannot start at rest";
-                    self.refuse("E0507", key, table.form.span(), problem, "give harmonics = 2 or more");
+                    self.refuse(
+                        "E0507",
+                        key,
+                        table.form.span(),
+                        problem,
+                        "give harmonics = 2 or more",
+                    );
                 }
                 let form = Form::Fourier {
                     harmonics,
@@ -256,7 +280,13 @@ impl Planner<'_> {
             }
             Some(x) if !(least..=MOST).contains(x.get_ref()) => {
                 let problem = format!("must lie between {least} and {MOST}");
-                self.refuse("E0505", &key, x.span(), problem, "give a number between them");
+                self.refuse(
+                    "E0505",
+                    &key,
+                    x.span(),
+                    problem,
+                    "give a number between them",
+                );
                 None
             }
             Some(x) => Some(*x.get_ref()),
@@ -269,7 +299,13 @@ impl Planner<'_> {
         let start = table.start_speed_rad_s.as_ref();
         if let Some(x) = start.filter(|x| !x.get_ref().is_finite()) {
             let key = format!("{key}.start_speed_rad_s");
-            self.refuse("E0505", &key, x.span(), "not finite", "give a finite number");
+            self.refuse(
+                "E0505",
+                &key,
+                x.span(),
+                "not finite",
+                "give a finite number",
+            );
         }
         let returns = table.returns.as_ref().is_none_or(|x| *x.get_ref());
         let form = Form::Spline { nodes, returns };

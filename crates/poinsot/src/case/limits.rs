@@ -129,8 +129,8 @@ impl Planner<'_> {
         let cones = cones.filter_map(|(i, c)| self.cone(c.get_ref(), &format!("limits.cone[{i}]")));
         let cones = cones.collect();
         let capsules = file.capsule.iter().enumerate();
-        let capsules =
-            capsules.filter_map(|(i, c)| self.capsule(c.get_ref(), &format!("limits.capsule[{i}]")));
+        let capsules = capsules
+            .filter_map(|(i, c)| self.capsule(c.get_ref(), &format!("limits.capsule[{i}]")));
         Limits {
             joints,
             wheels,
@@ -150,7 +150,13 @@ impl Planner<'_> {
             return f64::INFINITY;
         };
         if !(x.get_ref().is_finite() && *x.get_ref() > 0.0) {
-            self.refuse("E0505", key, x.span(), "a limit must be a positive number", "give one, or leave it out");
+            self.refuse(
+                "E0505",
+                key,
+                x.span(),
+                "a limit must be a positive number",
+                "give one, or leave it out",
+            );
         }
         *x.get_ref()
     }
@@ -164,7 +170,10 @@ impl Planner<'_> {
     ) -> Vec<usize> {
         match names {
             None => (0..tree.dof()).collect(),
-            Some(names) => names.iter().filter_map(|n| self.joint(tree, n, key)).collect(),
+            Some(names) => names
+                .iter()
+                .filter_map(|n| self.joint(tree, n, key))
+                .collect(),
         }
     }
 
@@ -193,7 +202,11 @@ impl Planner<'_> {
         key: &str,
         span: Range<usize>,
     ) -> Option<JointLimit> {
-        let turning = [&table.rate_rad_s, &table.acceleration_rad_s2, &table.torque_N_m];
+        let turning = [
+            &table.rate_rad_s,
+            &table.acceleration_rad_s2,
+            &table.torque_N_m,
+        ];
         let sliding = [&table.rate_m_s, &table.acceleration_m_s2, &table.force_N];
         let slides = kind == JointKind::Prismatic;
         let (own, other) = match slides {
@@ -202,8 +215,14 @@ impl Planner<'_> {
         };
         if other.0.is_some() || other.1.iter().any(|x| x.is_some()) {
             let (problem, remedy) = match slides {
-                true => ("a prismatic joint moves in metres", "use the keys of m and N"),
-                false => ("a revolute joint moves in radians", "use the keys of rad and N_m"),
+                true => (
+                    "a prismatic joint moves in metres",
+                    "use the keys of m and N",
+                ),
+                false => (
+                    "a revolute joint moves in radians",
+                    "use the keys of rad and N_m",
+                ),
             };
             self.refuse("E0507", key, span, problem, remedy);
             return None;
@@ -247,7 +266,13 @@ impl Planner<'_> {
             let v = Vector3::from(*x.get_ref());
             if !(v.norm().is_finite() && v.norm() > 0.0) {
                 let key = format!("{key}.{name}");
-                self.refuse("E0505", &key, x.span(), "a direction must not be zero", "give three finite numbers");
+                self.refuse(
+                    "E0505",
+                    &key,
+                    x.span(),
+                    "a direction must not be zero",
+                    "give three finite numbers",
+                );
                 return None;
             }
             Some(v.normalize())
@@ -259,7 +284,13 @@ impl Planner<'_> {
             (None, Some(x)) => (x, true),
             _ => {
                 let problem = "a cone needs either keep_out_rad or keep_in_rad";
-                self.refuse("E0507", key, table.name.span(), problem, "give one of the two");
+                self.refuse(
+                    "E0507",
+                    key,
+                    table.name.span(),
+                    problem,
+                    "give one of the two",
+                );
                 return None;
             }
         };
@@ -301,7 +332,10 @@ impl Planner<'_> {
 
 fn tighter(a: JointLimit, b: JointLimit) -> JointLimit {
     JointLimit {
-        position: (a.position.0.max(b.position.0), a.position.1.min(b.position.1)),
+        position: (
+            a.position.0.max(b.position.0),
+            a.position.1.min(b.position.1),
+        ),
         rate: a.rate.min(b.rate),
         acceleration: a.acceleration.min(b.acceleration),
         effort: a.effort.min(b.effort),

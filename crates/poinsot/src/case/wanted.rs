@@ -62,7 +62,12 @@ impl Planner<'_> {
         let mut wants = Vec::new();
         for (name, unit, terms) in numbers {
             if let Some(sigma) = self.wanted_sigma(table, &span, &terms, key) {
-                wants.push(Want { name, unit, terms, sigma });
+                wants.push(Want {
+                    name,
+                    unit,
+                    terms,
+                    sigma,
+                });
             }
         }
         wants
@@ -80,7 +85,8 @@ impl Planner<'_> {
             (None, Some(x)) => (x, self.scale(terms, x.span(), key)?, "relative"),
             _ => {
                 let problem = "a want needs either sigma or relative";
-                let remedy = "write sigma = X in the unit of the number, or relative = X as a share of it";
+                let remedy =
+                    "write sigma = X in the unit of the number, or relative = X as a share of it";
                 self.refuse("E0507", key, span.clone(), problem, remedy);
                 return None;
             }
@@ -90,7 +96,13 @@ impl Planner<'_> {
             return Some(sigma);
         }
         let key = format!("{key}.{name}");
-        self.refuse("E0505", &key, given.span(), "a wanted sigma must be positive", "give one");
+        self.refuse(
+            "E0505",
+            &key,
+            given.span(),
+            "a wanted sigma must be positive",
+            "give one",
+        );
         None
     }
 
@@ -128,17 +140,32 @@ impl Planner<'_> {
             };
             if !factor.is_finite() || unit.is_some_and(|u| u != *own) {
                 let problem = "the numbers have different units, or a factor is not finite";
-                self.refuse("E0507", &key, sum.span(), problem, "add numbers of one unit");
+                self.refuse(
+                    "E0507",
+                    &key,
+                    sum.span(),
+                    problem,
+                    "add numbers of one unit",
+                );
                 return Vec::new();
             }
             unit = Some(*own);
             names.push(format!("{factor} {address}"));
-            terms.extend(one.iter().map(|t| WantedTerm { factor: *factor, ..*t }));
+            terms.extend(one.iter().map(|t| WantedTerm {
+                factor: *factor,
+                ..*t
+            }));
         }
         match unit {
             Some(unit) => vec![(names.join(" + "), unit, terms)],
             None => {
-                self.refuse("E0507", &key, sum.span(), "the combination is empty", "name numbers");
+                self.refuse(
+                    "E0507",
+                    &key,
+                    sum.span(),
+                    "the combination is empty",
+                    "name numbers",
+                );
                 Vec::new()
             }
         }
@@ -188,7 +215,9 @@ impl Planner<'_> {
 }
 
 fn is_group(address: &str) -> bool {
-    GROUPS.iter().any(|(end, _)| address.ends_with(&format!(".{end}")))
+    GROUPS
+        .iter()
+        .any(|(end, _)| address.ends_with(&format!(".{end}")))
 }
 
 /// Every number of every body with its address and unit.
@@ -198,7 +227,15 @@ fn known_addresses(model: &Model) -> Vec<(String, &'static str, WantedTerm)> {
         let [mass, com, inertia] = GROUPS.map(|(end, unit)| (format!("{name}.{end}"), unit));
         let mut push = |address, unit, number| {
             let factor = 1.0;
-            all.push((address, unit, WantedTerm { body, number, factor }));
+            all.push((
+                address,
+                unit,
+                WantedTerm {
+                    body,
+                    number,
+                    factor,
+                },
+            ));
         };
         push(mass.0, mass.1, WantedNumber::Mass);
         for k in 0..3 {

@@ -1,7 +1,9 @@
 //! What is wanted beside what a manoeuvre tells.
 
 use crate::case::Want;
-use poinsot_identify::{BodyEstimate, Estimate, Source, WantedNumber, WantedTerm, axis_name, tensor_name};
+use poinsot_identify::{
+    BodyEstimate, Estimate, Source, WantedNumber, WantedTerm, axis_name, tensor_name,
+};
 
 /// A wanted number with its predicted sigma.
 #[derive(Debug, Clone, PartialEq)]
