@@ -15,6 +15,7 @@ mod design;
 mod diagnostics;
 mod estimate;
 mod number;
+mod onboard;
 mod read;
 
 pub use comparison::{
@@ -33,13 +34,14 @@ pub use estimate::{
     ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
-pub use read::{FormatError, read_estimate};
+pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
+pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 3] = ["estimate", "comparison", "design"];
+pub const NAMES: [&str; 4] = ["estimate", "comparison", "design", "onboard"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
@@ -47,6 +49,7 @@ pub fn schema(name: &str) -> Option<Value> {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
         "design" => Some(schema_for!(DesignFile).to_value()),
+        "onboard" => Some(schema_for!(OnboardFile).to_value()),
         _ => None,
     }
 }
