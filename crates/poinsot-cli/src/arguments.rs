@@ -47,6 +47,12 @@ pub enum Verb {
     ///
     /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
     Predict(Predict),
+    /// Design the manoeuvre that gives what a case wants, within its limits.
+    ///
+    /// Exit code 0: every wanted sigma is reached, and trial flights (--verify) agree. 1: not, with the limits that hold
+    /// it back. 2: bad usage, case or model. 3: disk or permission. An interruption (Ctrl-C) ends the search with the
+    /// best manoeuvre so far; a second one ends the program.
+    Design(Design),
     /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
     ///
     /// With a case: both sides under its torques, wheels and thrust; or its motion beside the telemetry. Without:
@@ -329,6 +335,28 @@ pub struct Predict {
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `design`.
+#[derive(Debug, Args)]
+pub struct Design {
+    /// Case (TOML, poinsot.case/1) with [[want]], [limits] and [design].
+    pub case: PathBuf,
+    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// End the search after this many minutes with the best manoeuvre so far.
+    #[arg(long, value_name = "N")]
+    pub minutes: Option<f64>,
+    /// Fly the manoeuvre N times with vehicles of the prior and sensor noise, identify, and compare with the prediction.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub verify: u64,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,

@@ -38,6 +38,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Verb::Identify(a) => verbs::identify::run(a),
         Verb::Simulate(a) => verbs::simulate::run(a),
         Verb::Predict(a) => verbs::predict::run(a),
+        Verb::Design(a) => verbs::design::run(a),
         Verb::Validate(a) => verbs::validate::run(a),
         Verb::Compare(a) => verbs::compare::run(a),
         Verb::Report(a) => verbs::report::run(a),

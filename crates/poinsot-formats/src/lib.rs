@@ -11,6 +11,7 @@
 #![allow(non_snake_case)]
 
 mod comparison;
+mod design;
 mod diagnostics;
 mod estimate;
 mod number;
@@ -19,6 +20,10 @@ mod read;
 
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
+};
+pub use design::{
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
+    SearchFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
@@ -36,13 +41,14 @@ use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 3] = ["estimate", "comparison", "onboard"];
+pub const NAMES: [&str; 4] = ["estimate", "comparison", "design", "onboard"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "design" => Some(schema_for!(DesignFile).to_value()),
         "onboard" => Some(schema_for!(OnboardFile).to_value()),
         _ => None,
     }
