@@ -32,6 +32,8 @@ fn main() -> ExitCode {
         Verb::Predict(a) => verbs::predict::run(a),
         Verb::Validate(a) => verbs::validate::run(a),
         Verb::Compare(a) => verbs::compare::run(a),
+        Verb::Campaign(a) => verbs::campaign::run(a),
+        Verb::Sweep(a) => verbs::sweep::run(a),
         Verb::Report(a) => verbs::report::run(a),
         Verb::Inspect(a) => verbs::inspect::run(a),
         Verb::Check(a) => verbs::check::run(a),

@@ -10,12 +10,18 @@
 //! ```
 #![allow(non_snake_case)]
 
+mod campaign;
 mod comparison;
 mod diagnostics;
 mod estimate;
 mod number;
+mod plan;
 mod read;
 
+pub use campaign::{
+    BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
+    PairNumberFile,
+};
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
 };
@@ -28,19 +34,25 @@ pub use estimate::{
     ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
+pub use plan::{
+    ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
+    REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
+};
 pub use read::{FormatError, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 2] = ["estimate", "comparison"];
+pub const NAMES: [&str; 4] = ["estimate", "comparison", "plan", "campaign"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "plan" => Some(schema_for!(PlanFile).to_value()),
+        "campaign" => Some(schema_for!(CampaignFile).to_value()),
         _ => None,
     }
 }
