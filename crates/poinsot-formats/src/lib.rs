@@ -38,7 +38,7 @@ pub use plan::{
     ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
     REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
 };
-pub use read::{FormatError, read_estimate};
+pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;

@@ -65,7 +65,7 @@ pub use held_back::{HeldBack, held_back};
 pub use impulse::{Impulse, Impulses, thrust_impulses};
 pub use linear::linear;
 pub use loss::Loss;
-pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
+pub use maximum_likelihood::{SENSITIVE, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
     Equations, ErrorGroup, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,

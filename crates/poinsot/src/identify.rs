@@ -7,7 +7,7 @@ use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, LEANS, Loss, Prediction, Problem, Status, linear,
+    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, SENSITIVE, Status, linear,
     linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
@@ -285,12 +285,12 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
 fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let found = estimate.diagnostics.as_ref();
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
-    if shift > LEANS {
+    if shift > SENSITIVE {
         estimate.doubt(format!(
-            "it hangs by {shift:.1} sigma on what the wheels did between the rows taken"
+            "it is sensitive to the wheel motion between the rows taken ({shift:.1} sigma)"
         ));
         estimate.warnings.push(format!(
-            "--every {every} leaves out what the wheels did between the rows taken, and the answer hangs on it ({shift:.1} sigma): the covariance is not trustworthy; take more rows"
+            "--every {every} leaves out wheel samples, and the answer would move by {shift:.1} sigma: the covariance is not trustworthy; take more rows"
         ));
     }
 }
