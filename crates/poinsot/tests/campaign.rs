@@ -3,8 +3,8 @@
 
 use poinsot::Error;
 use poinsot::campaign::{
-    CampaignRequest, Plan, ShardSums, campaign, fold_shards, fold_sums, looks, made_plan,
-    merge_campaign, parse_plan, run_shard,
+    CampaignRequest, Plan, ShardSums, campaign, campaign_in_memory, fold_shards, fold_sums, looks,
+    made_plan, merge_campaign, parse_plan, run_shard,
 };
 use poinsot::explain::explain;
 use poinsot::trials::{Interval, statistics_of};
@@ -92,7 +92,10 @@ fn exact_sums_are_the_same_however_a_campaign_is_run() {
     let merged = merge_campaign(&plan, shares[0].path(), &from, false).unwrap();
     assert_eq!(timeless(merged.result.unwrap()), whole);
 
-    // In memory, given in any order, through the text of their sums.
+    let memory = campaign_in_memory(&plan).unwrap().result.unwrap();
+    assert_eq!(timeless(memory), whole);
+
+    // One by one, given in any order, through the text of their sums.
     let mut sums: Vec<ShardSums> = (0..plan.shards())
         .map(|s| ShardSums::parse(&run_shard(&plan, s).unwrap().sums.text()).unwrap())
         .collect();

@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::campaign::shown;
 use crate::arguments::Sweep;
-use poinsot::campaign::{CampaignRequest, campaign, made_plan};
+use poinsot::campaign::{CampaignRequest, campaign, campaign_in_memory, made_plan};
 use poinsot::check_outputs;
 use poinsot::sweep::{SweepRequest, sweep_plan};
 use std::path::Path;
@@ -21,31 +21,22 @@ pub fn run(arguments: &Sweep) -> Outcome {
         seed: arguments.seed,
     })?;
     let plan = made_plan(file, Path::new(""))?;
-    // Without a folder to keep them the shards live as long as the command.
-    let own;
-    let out = match &arguments.out {
+    let ran = match &arguments.out {
         Some(out) => {
             let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
             check_outputs("--out", &results, &[&arguments.case])?;
-            out.clone()
+            campaign(
+                &plan,
+                &CampaignRequest {
+                    out: out.clone(),
+                    share: None,
+                    resume: arguments.resume,
+                    until: None,
+                    follow: None,
+                },
+            )?
         }
-        None => {
-            own = poinsot::campaign::own_folder()?;
-            own.path().to_owned()
-        }
+        None => campaign_in_memory(&plan)?,
     };
-    let mut ran = campaign(
-        &plan,
-        &CampaignRequest {
-            out,
-            share: None,
-            resume: arguments.resume,
-            until: None,
-            follow: None,
-        },
-    )?;
-    if arguments.out.is_none() {
-        ran.written.clear();
-    }
     shown(arguments.json, arguments.quiet, &plan, &ran)
 }

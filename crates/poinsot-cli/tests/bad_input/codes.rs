@@ -187,7 +187,7 @@ fn campaigns() -> Vec<Row> {
             "E0541",
             "a value of a plan that makes a model impossible",
             |b| plan(b, "gyro.noise\"\nvalues = [1.0", "bus.mass_kg\"\nvalues = [-1.0"),
-            &["E0115 ./truth.toml:4:11: body[0].mass_kg (body \"bus\") = -1.0: the mass is negative"],
+            &["E0115 truth.toml:7:11: body[0].mass_kg (body \"bus\") = -1.0: the mass is negative"],
         ),
         of(
             "E0542",

@@ -40,6 +40,18 @@ pub fn run_shards(
     shards: &[u64],
     watch: &(dyn Fn(u64) + Sync),
 ) -> Result<(), Error> {
+    run_each(plan, shards, &|mut result| {
+        let number = result.sums.shard;
+        result.write(out).map(|()| watch(number))
+    })
+}
+
+/// Runs shards on all cores and hands over each as it is finished.
+pub(super) fn run_each(
+    plan: &Plan,
+    shards: &[u64],
+    take: &(dyn Fn(ShardResult) -> Result<(), Error> + Sync),
+) -> Result<(), Error> {
     let total: u64 = shards.iter().map(|s| size(&plan.shard(*s))).sum();
     let total = usize::try_from(total).unwrap_or(usize::MAX);
     let queue = Mutex::new(Queue {
@@ -56,11 +68,8 @@ pub fn run_shards(
             };
             let finished = run_one(plan, &active, trial);
             step("trials", count.fetch_add(1, Ordering::Relaxed) + 1, total);
-            let written = finished.and_then(|result| match result {
-                Some(mut result) => result.write(out).map(|()| watch(active.shard.number)),
-                None => Ok(()),
-            });
-            if let Err(error) = written {
+            let taken = finished.and_then(|result| result.map_or(Ok(()), take));
+            if let Err(error) = taken {
                 stop.store(true, Ordering::Relaxed);
                 locked(&failure).get_or_insert(error);
             }

@@ -5,7 +5,7 @@ use super::shard::ShardResult;
 use super::trial::{Done, Prepared};
 use crate::error::Error;
 use poinsot_report::{Document, Section, Table, significant};
-use poinsot_telemetry::{RowCells, write_rows};
+use poinsot_telemetry::RowCells;
 
 /// Trials that are measured in a cell; the first warms the processor and is not counted.
 const MEASURED: u64 = 4;
@@ -58,7 +58,7 @@ pub fn campaign_cost(plan: &Plan) -> Result<CampaignCost, Error> {
             count += 1.0;
         }
         let result = ShardResult::new(plan, &shard, &prepared.bound(), &done);
-        bytes = bytes.max(bytes_of(&result)? / done.len() as f64);
+        bytes = bytes.max(bytes_of(&result) / done.len() as f64);
     }
     let seconds = seconds / count;
     let in_time = |s: f64| (s / seconds.max(1.0e-9)).ceil() as u64;
@@ -72,25 +72,14 @@ pub fn campaign_cost(plan: &Plan) -> Result<CampaignCost, Error> {
     })
 }
 
-/// Eight bytes a number, the text as it is; checked against what the encoder takes for a few rows, whose frame is no part
-/// of a row.
-fn bytes_of(result: &ShardResult) -> Result<f64, Error> {
-    let cell = |c: &poinsot_telemetry::RowColumn| match &c.cells {
-        RowCells::Number(x) => 8 * x.iter().flatten().count(),
-        RowCells::Count(x) => 8 * x.len(),
-        // Repeated words are held once.
+/// Bytes of the rows: eight a number. Repeated words are held once, and the frame of a file is no part of a row.
+fn bytes_of(result: &ShardResult) -> f64 {
+    let cells = |c: &poinsot_telemetry::RowColumn| match &c.cells {
+        RowCells::Number(x) => x.iter().flatten().count(),
+        RowCells::Count(x) => x.len(),
         RowCells::Text(_) => 0,
     };
-    let raw: usize = result.rows.iter().map(cell).sum();
-    let io = |source| Error::Io {
-        path: std::env::temp_dir(),
-        what: "nothing can be written into it",
-        source,
-    };
-    let mut file = tempfile::tempfile().map_err(io)?;
-    write_rows(&mut file, &result.rows).map_err(io)?;
-    let written = file.metadata().map_err(io)?.len() as f64;
-    Ok(written.min(raw as f64))
+    8.0 * result.rows.iter().map(cells).sum::<usize>() as f64
 }
 
 /// Largest resident memory of this process so far, bytes.

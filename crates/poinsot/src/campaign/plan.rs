@@ -9,6 +9,7 @@ use super::faults::PlanText;
 use super::methods::MethodChoice;
 use crate::case::CaseError;
 use crate::error::Error;
+use crate::simulate::SimulateError;
 use crate::trials::Study;
 use poinsot_formats::{
     DrawFile, NumbersFile, OfFile, PLAN, PlanFile, REPLICATES, SamplingKind, ScaleFile, VaryFile,
@@ -180,7 +181,10 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     // Every point of the grid is tried before an hour is spent on the first.
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
-        experiment.files_at(&plan, cell)?;
+        let files = experiment.files_at(&plan, cell)?;
+        if let Some(case) = &files.case {
+            case.bind(&files.truth).map_err(SimulateError::from)?;
+        }
     }
     Ok(plan)
 }

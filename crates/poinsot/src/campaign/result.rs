@@ -181,9 +181,10 @@ impl Folded {
         }
     }
 
-    /// Half the width of the widest interval of coverage, of any number by any method in any cell.
+    /// Half the width of the widest interval of coverage, of any number by any method in any cell; infinite where no trial
+    /// stated an interval.
     pub fn widest_coverage(&self, outside: f64) -> f64 {
-        let mut widest = 0.0_f64;
+        let mut widest = f64::NAN;
         for cell in &self.cells {
             for (k, sums) in cell.methods.iter().enumerate() {
                 for n in sums.numbers.iter().filter(|n| n.trials > 0) {
@@ -193,7 +194,11 @@ impl Folded {
                 }
             }
         }
-        widest
+        if widest.is_nan() {
+            f64::INFINITY
+        } else {
+            widest
+        }
     }
 }
 

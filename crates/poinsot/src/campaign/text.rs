@@ -89,8 +89,8 @@ pub(super) fn table_document(result: &CampaignFile) -> Document {
         "RMSE",
         "RMSE/bound",
         "bias/sigma",
-        "coverage % answered",
-        "coverage % all",
+        "answered %",
+        "coverage %",
         "trials",
     ]);
     for (_, cell, method) in all(result) {
@@ -102,15 +102,15 @@ pub(super) fn table_document(result: &CampaignFile) -> Document {
                     .map_or("not identifiable".to_owned(), |b| significant(b, 3)),
                 n.rmse.value.map_or("-".to_owned(), |r| significant(r, 3)),
                 interval(n.rmse_over_bound, 1.0, 3),
-                interval(n.bias, 1.0 / sigma, 3),
-                interval(n.coverage_answered, 100.0, 1),
+                plain(n.bias.value.map(|b| b / sigma), 3),
+                plain(n.coverage_answered.value.map(|c| 100.0 * c), 1),
                 interval(n.coverage_all, 100.0, 1),
                 n.trials.to_string(),
             ]);
         }
     }
     let mut section = Section::table("every number with its 95 % interval", table);
-    section.note = Some("coverage: share of stated 95 % intervals that hold the truth, of the trials that determined the number, and of all".to_owned());
+    section.note = Some("coverage: share of stated 95 % intervals that hold the truth, of all trials; answered: of the trials that determined the number. campaign.json has an interval of every statistic".to_owned());
     document.push(section);
     document.push(rates(result));
     if let Some(section) = pairs(result) {
@@ -147,6 +147,12 @@ pub(super) fn short(x: f64) -> String {
         0..=8 => plain,
         _ => significant(x, 5),
     }
+}
+
+/// A number that may be missing.
+fn plain(x: Option<f64>, decimals: usize) -> String {
+    let finite = x.filter(|x| x.is_finite());
+    finite.map_or("-".to_owned(), |x| format!("{x:.decimals$}"))
 }
 
 /// `95.1 [94.2, 95.8]`.
