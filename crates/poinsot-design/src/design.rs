@@ -1,7 +1,7 @@
 //! A design from case to manoeuvre.
 
 use crate::interrupt::Listening;
-use crate::result::{Designed, LimitUse, Reach, Relaxed};
+use crate::result::{Designed, LimitUse, Reach};
 use crate::search::{Found, refine, search};
 use crate::shape::{Order, Space, Target, Use};
 use crate::trial::Question;
@@ -26,12 +26,12 @@ use std::time::{Duration, Instant};
 const VEHICLES: u64 = 300;
 /// Rounds in which margins for these vehicles are found.
 const MARGIN_ROUNDS: usize = 3;
-/// Factor on a limit that is relaxed to see what it would give.
-const RELAXED: f64 = 1.25;
-/// Steps of such a search.
-const RELAXED_STEPS: usize = 8;
+/// Steps of a search that goes on after a small change.
+pub(crate) const FEW_STEPS: usize = 8;
 /// Times that are tried for the shortest one.
 const TIMES: usize = 12;
+/// Parts of the evaluations of a shortest time: two searches, and two divisions of the time.
+const TIME_PARTS: usize = 4;
 /// Share of the shortest time that may be left.
 const TIME_LEFT: f64 = 0.01;
 /// How the logarithm of a sigma falls with that of the time, before two times are known: faster than the mean of
@@ -72,12 +72,12 @@ pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
 }
 
 /// What stays the same over all searches.
-struct Asked<'c> {
+pub(crate) struct Asked<'c> {
     case: &'c Case,
     model: &'c Model,
-    design: Design,
+    pub design: Design,
     wants: Vec<Want>,
-    limits: Limits,
+    pub limits: Limits,
     joint_names: Vec<String>,
     deadline: Option<Instant>,
 }
@@ -197,7 +197,7 @@ impl<'c> Asked<'c> {
         })
     }
 
-    fn question(&self, design: Design, limits: &Limits) -> Result<Question, Error> {
+    pub fn question(&self, design: Design, limits: &Limits) -> Result<Question, Error> {
         let watch = Watch::new(self.model, limits, &self.joint_names);
         let what = (design, self.wants.clone());
         Question::new(self.case, self.model.clone(), what, watch, self.deadline)
@@ -239,7 +239,7 @@ impl<'c> Asked<'c> {
             false => Vec::new(),
         };
         let part = match self.design.objective {
-            Objective::ShortestTime => self.design.evaluations / 2,
+            Objective::ShortestTime => self.design.evaluations / TIME_PARTS,
             _ => self.design.evaluations,
         };
         let Some(found) = search(question, &space, &given, part) else {
@@ -258,7 +258,16 @@ impl<'c> Asked<'c> {
         };
         match self.design.objective {
             Objective::ShortestTime if found.reached.values.merit() <= -SURE => {
-                Ok(self.shortest(question, space, found))
+                let (space, found) = self.shortest(question, space, found);
+                // The best in the longest time need not lie near the best in the shortest: once more, in that time.
+                let given = [found.reached.x.clone()];
+                let merit = |f: &Found| f.reached.values.merit();
+                match search(question, &space, &given, part) {
+                    Some(again) if merit(&again) < merit(&found) => {
+                        Ok(self.shortest(question, space, again))
+                    }
+                    _ => Ok((space, found)),
+                }
             }
             _ => Ok((space, found)),
         }
@@ -267,7 +276,7 @@ impl<'c> Asked<'c> {
     /// The shortest time in which everything is reached: bracketed, then divided where a straight line in logarithms
     /// crosses.
     fn shortest(&self, question: &Question, space: Space, found: Found) -> (Space, Found) {
-        let part = self.design.evaluations / (2 * TIMES);
+        let part = self.design.evaluations / (TIME_PARTS * TIMES);
         let (mut best, mut found) = (space, found);
         let mut long = (best.duration.ln(), found.reached.values.worst() + SURE);
         let mut short: Option<(f64, f64)> = None;
@@ -325,7 +334,7 @@ impl<'c> Asked<'c> {
             for (margin, e) in question.margins.iter_mut().zip(all) {
                 *margin = margin.max(e);
             }
-            let budget = RELAXED_STEPS * (space.len() + 2);
+            let budget = FEW_STEPS * (space.len() + 2);
             if let Some(better) = refine(question, space, &reached.x, budget) {
                 *reached = better;
             }
@@ -382,12 +391,12 @@ impl<'c> Asked<'c> {
         space: &Space,
         x: &[f64],
     ) -> Result<Option<Vec<(f64, f64)>>, Error> {
-        let mut fine = self.case.clone();
-        (fine.duration_s, fine.rate_hz) = (space.duration, FINE * self.case.rate_hz);
+        let mut case = self.case.clone();
+        case.duration_s = space.duration;
         let Some(mut scenario) = question.scenario(space, x) else {
             return Ok(None);
         };
-        scenario.times = fine.times();
+        scenario.times = fine_times(&case);
         let course = question.course(self.model, &scenario)?;
         Ok(Some(course.worst(&question.watch)))
     }
@@ -484,96 +493,7 @@ impl<'c> Asked<'c> {
                 * if inside(u, low, high) { 1.0 } else { -1.0 },
         }
     }
-
-    /// What each kind of active limit would give if it were relaxed, and a longer time.
-    fn relaxed(&self, space: &Space, x: &[f64], uses: &[LimitUse]) -> Vec<Relaxed> {
-        let mut out = Vec::new();
-        for group in GROUPS {
-            let active = |u: &LimitUse| u.is_active() && u.what.starts_with(group.starts);
-            let names_time = group.starts.is_empty();
-            if !names_time && !uses.iter().any(active) {
-                continue;
-            }
-            let mut limits = self.limits.clone();
-            (group.relax)(&mut limits);
-            let factor = if names_time { RELAXED } else { 1.0 };
-            let ratio = self.ratio_with(&limits, factor * space.duration, x);
-            if let Some(ratio) = ratio {
-                out.push(Relaxed {
-                    what: group.words.to_owned(),
-                    factor: RELAXED,
-                    ratio,
-                });
-            }
-        }
-        out
-    }
-
-    fn ratio_with(&self, limits: &Limits, duration: f64, x: &[f64]) -> Option<f64> {
-        let space = Space::new(&self.design, limits, duration).ok()?;
-        let design = Design {
-            robust: false,
-            objective: Objective::WorstRatio,
-            ..self.design.clone()
-        };
-        let question = self.question(design, limits).ok()?;
-        let budget = RELAXED_STEPS * (space.len() + 2);
-        let reached = refine(&question, &space, x, budget)?;
-        Some(reached.values.worst().exp())
-    }
 }
-
-/// Limits that are relaxed together; the duration has no name among the uses.
-struct Group {
-    words: &'static str,
-    starts: &'static str,
-    relax: fn(&mut Limits),
-}
-
-const GROUPS: [Group; 7] = [
-    Group {
-        words: "joint positions",
-        starts: "position of",
-        relax: |l| {
-            for j in &mut l.joints {
-                j.position = (RELAXED * j.position.0, RELAXED * j.position.1);
-            }
-        },
-    },
-    Group {
-        words: "joint rates",
-        starts: "rate of",
-        relax: |l| l.joints.iter_mut().for_each(|j| j.rate *= RELAXED),
-    },
-    Group {
-        words: "joint accelerations",
-        starts: "acceleration of",
-        relax: |l| l.joints.iter_mut().for_each(|j| j.acceleration *= RELAXED),
-    },
-    Group {
-        words: "wheel speeds",
-        starts: "speed of",
-        relax: |l| l.wheels.iter_mut().for_each(|w| w.speed *= RELAXED),
-    },
-    Group {
-        words: "torques",
-        starts: "torque of",
-        relax: |l| {
-            l.joints.iter_mut().for_each(|j| j.effort *= RELAXED);
-            l.wheels.iter_mut().for_each(|w| w.torque *= RELAXED);
-        },
-    },
-    Group {
-        words: "body rate",
-        starts: "body rate",
-        relax: |l| l.body_rate *= RELAXED,
-    },
-    Group {
-        words: "duration",
-        starts: "",
-        relax: |_| {},
-    },
-];
 
 fn inside(u: &Use, low: f64, high: f64) -> bool {
     let slack = 1.0e-9 * u.limit.abs();
@@ -586,6 +506,13 @@ fn word(objective: Objective) -> &'static str {
         Objective::LogDet => "log_det",
         Objective::ShortestTime => "shortest_time",
     }
+}
+
+/// Times on which limits are checked in the end.
+pub(crate) fn fine_times(case: &Case) -> Vec<f64> {
+    let mut fine = case.clone();
+    fine.rate_hz *= FINE;
+    fine.times()
 }
 
 /// A duration of whole samples.

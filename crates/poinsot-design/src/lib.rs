@@ -11,6 +11,7 @@
 mod design;
 mod file;
 pub mod interrupt;
+mod relaxed;
 mod result;
 mod search;
 mod shape;

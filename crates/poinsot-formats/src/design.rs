@@ -109,7 +109,7 @@ pub struct DesignVerificationFile {
     pub numbers: Vec<VerifiedNumberFile>,
     /// Flights in which a limit was broken.
     pub limits_broken: u64,
-    /// Whether every ratio lies in its band and no flight failed or broke a limit.
+    /// Whether every ratio lies in its band, no flight failed, and at most one in a hundred broke a limit.
     pub agrees: bool,
 }
 
