@@ -361,13 +361,16 @@ class Answer:
                 file.write(page)
         return page
 
-    def export(self, to: str, path: PathLike | None = None, *, onto: PathLike) -> str:
+    def export(
+        self, to: str, path: PathLike | None = None, *, onto: PathLike | None = None
+    ) -> str:
         """Write the numbers into the file of another program.
 
         Parameters
         ----------
         to
-            ``"urdf"``.
+            ``"model"``, ``"urdf"``, ``"sdf"``, ``"mjcf"`` (changed in place, need `onto`), ``"basilisk"``, ``"apm"``,
+            ``"acm"``, ``"csv"`` or ``"onboard"``.
         path
             File to write.
         onto
@@ -378,9 +381,7 @@ class Answer:
         str
             The text of the file. Bodies that are not fully determined keep their numbers; a warning names them.
         """
-        if to != "urdf":
-            raise InputError(f"E0001 to '{to}': there is no such format; use urdf")
-        text, left_out = self._core.urdf(onto)
+        text, left_out = self._core.export(to, onto)
         for line in left_out:
             import warnings
 

@@ -189,11 +189,13 @@ impl CoreAnswer {
         })
     }
 
-    /// The URDF file with the numbers of every determined body, and the bodies left out.
-    fn urdf(&self, urdf: PathBuf) -> PyResult<(String, Vec<String>)> {
+    /// The file of another program with the determined numbers, and what was left out.
+    #[pyo3(signature = (to, onto=None))]
+    fn export(&self, to: &str, onto: Option<PathBuf>) -> PyResult<(String, Vec<String>)> {
+        let to: poinsot::export::Target = to.parse().map_err(Fault::from)?;
         let file = estimate_file(&self.identified);
-        let exported =
-            poinsot::export::export_estimate_into_urdf(&file, Path::new("<answer>"), &urdf);
+        let path = Path::new("<answer>");
+        let exported = poinsot::export::export_estimate(&file, path, to, onto.as_deref());
         let exported = exported.map_err(Fault::from)?;
         Ok((exported.text, exported.left_out))
     }
