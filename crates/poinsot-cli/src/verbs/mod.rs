@@ -1,8 +1,10 @@
 //! One file per verb.
 
+pub mod campaign;
 pub mod check;
 pub mod compare;
 pub mod completions;
+pub mod design;
 pub mod explain;
 pub mod export;
 pub mod identify;
@@ -14,6 +16,7 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod sweep;
 pub mod units;
 pub mod validate;
 
