@@ -5,7 +5,31 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+__all__ = [
+    "Answer",
+    "Model",
+    "Problem",
+    "Record",
+    "after_fork",
+    "command",
+    "compare",
+    "error_codes",
+    "explain",
+    "forward_dynamics",
+    "identify",
+    "inspect",
+    "integrate",
+    "jacobian",
+    "mass_matrix",
+    "methods",
+    "momentum",
+    "momentum_regressor",
+    "predict",
+    "simulate",
+    "units",
+    "validate",
+    "version",
+]
 
 _Path = str | PathLike[str]
 _Array = NDArray[np.float64]
