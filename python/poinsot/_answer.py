@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -253,10 +254,11 @@ class Answer:
     def sensitivities(self) -> dict[str, float]:
         """How far an assumption moves the answer, in sigma, by the name of the assumption.
 
-        Empty where the method does not test its assumptions.
+        ``"wheel motion between samples"``: torque constant against speed smooth. Empty where the method does not test its
+        assumptions, or there is no wheel.
         """
-        found = self._document.get("diagnostics") or {}
-        return {k: float(v) for k, v in found.items() if k.startswith("shift_") and isinstance(v, (int, float))}
+        wheels = self._core.wheel_sensitivity
+        return {} if wheels is None else {"wheel motion between samples": wheels}
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -361,9 +363,7 @@ class Answer:
                 file.write(page)
         return page
 
-    def export(
-        self, to: str, path: PathLike | None = None, *, onto: PathLike | None = None
-    ) -> str:
+    def export(self, to: str, path: PathLike | None = None, *, onto: PathLike | None = None) -> str:
         """Write the numbers into the file of another program.
 
         Parameters
@@ -383,8 +383,6 @@ class Answer:
         """
         text, left_out = self._core.export(to, onto)
         for line in left_out:
-            import warnings
-
             warnings.warn(line, stacklevel=2)
         if path is not None:
             with open(path, "w", encoding="utf-8", newline="") as file:

@@ -5,7 +5,31 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+__all__ = [
+    "Answer",
+    "Model",
+    "Problem",
+    "Record",
+    "after_fork",
+    "command",
+    "compare",
+    "error_codes",
+    "explain",
+    "forward_dynamics",
+    "identify",
+    "inspect",
+    "integrate",
+    "jacobian",
+    "mass_matrix",
+    "methods",
+    "momentum",
+    "momentum_regressor",
+    "predict",
+    "simulate",
+    "units",
+    "validate",
+    "version",
+]
 
 _Path = str | PathLike[str]
 _Array = NDArray[np.float64]
@@ -67,6 +91,8 @@ class Answer:
     def predictions(self) -> list[dict[str, Any]]: ...
     @property
     def exit_code(self) -> int: ...
+    @property
+    def wheel_sensitivity(self) -> float | None: ...
 
 @final
 class Problem:

@@ -326,7 +326,7 @@ def compare(answers: Iterable[Answer | PathLike]) -> Document:
     return Document(*_core.compare([a._core if isinstance(a, Answer) else os.fspath(a) for a in answers]))
 
 
-def export(answer: Answer, to: str, path: PathLike | None = None, *, onto: PathLike) -> str:
+def export(answer: Answer, to: str, path: PathLike | None = None, *, onto: PathLike | None = None) -> str:
     """Write the numbers of an answer into the file of another program; see :meth:`Answer.export`."""
     return answer.export(to, path, onto=onto)
 

@@ -76,6 +76,7 @@ def test_exact_answer_holds_the_document(answer):
     body, entry = answer.bodies["spacecraft"], document["bodies"]["spacecraft"]
     assert answer.status == document["status"] == "converged"
     assert answer.acceptable and answer.evidence == ()
+    assert 0.0 <= answer.sensitivities["wheel motion between samples"] < 1.0
     tensor = entry["inertia_kg_m2"]
     assert body.inertia_kg_m2[0, 1] == body.inertia_kg_m2[1, 0] == tensor["value"]["xy"]
     assert body.inertia_sigma_kg_m2[2, 2] == tensor["sigma"]["zz"]

@@ -153,6 +153,14 @@ impl CoreAnswer {
         self.identified.exit_code()
     }
 
+    /// How far other wheel motion between samples would move the answer, sigmas; `None` where it was not tried.
+    #[getter]
+    fn wheel_sensitivity(&self) -> Option<f64> {
+        let found = self.identified.estimate.diagnostics.as_ref()?;
+        let wheels = !self.identified.model.wheels.is_empty();
+        wheels.then_some(found.shift_between_readings)
+    }
+
     /// The report, one HTML page.
     fn html(&self, py: Python<'_>) -> PyResult<String> {
         let identified = Arc::clone(&self.identified);
