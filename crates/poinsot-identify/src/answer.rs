@@ -2,6 +2,7 @@
 
 use crate::answer_body::{Judge, body, system};
 use crate::answer_covariance::{covariance, covariance_rows};
+use crate::answer_known::known_numbers;
 use crate::answer_momentum::{momentum, nuisances};
 use crate::combination::split;
 use crate::estimate::{
@@ -92,6 +93,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         fit: solved.fit.clone(),
         covariance_trustworthy: trust.doubts.is_empty(),
         doubts: trust.doubts,
+        known_numbers: known_numbers(problem.model, solved, &rows),
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }

@@ -7,6 +7,7 @@
 mod answer;
 mod answer_body;
 mod answer_covariance;
+mod answer_known;
 mod answer_momentum;
 mod bound;
 mod coarse;
@@ -26,6 +27,7 @@ mod information;
 mod information_tests;
 mod input_curves;
 mod input_noise;
+mod known;
 mod likelihood;
 mod linear;
 mod loss;
@@ -57,7 +59,8 @@ pub use diagnosis::{
     Suspect,
 };
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MethodReport,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect, KnownNumbers,
+    MethodReport,
     MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
 };
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
@@ -68,7 +71,7 @@ pub use loss::Loss;
 pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
-    Equations, ErrorGroup, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
+    Equations, ErrorGroup, KnownUnknown, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
     tensor_name,
 };
 pub use poinsot_solve::{NotFinite, Spectrum};

@@ -9,6 +9,7 @@ mod check;
 mod check_body;
 mod check_joint;
 mod check_name;
+mod check_known;
 mod check_rest;
 mod check_rotation;
 mod check_sensor;
@@ -20,6 +21,7 @@ mod document;
 mod file;
 mod finding;
 mod kinematic;
+mod known;
 mod number;
 mod read;
 mod schema;
@@ -32,6 +34,7 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
+pub use known::{KnownNumber, Knowledge, LIKE_WHEELS, Origin, Uncertain, across};
 pub use number::rounded;
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{

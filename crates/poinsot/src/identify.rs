@@ -352,6 +352,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
             (estimate, predictions)
         }
     };
+    repairs_of_known_numbers(&model, &mut estimate);
     let findings = match is_own(&question.method) {
         true => mixups::rates(&problem, &tables, &estimate)
             .into_iter()
@@ -383,6 +384,22 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         ignored,
         findings,
     })
+}
+
+/// What a method took of the known numbers.
+fn repairs_of_known_numbers(model: &Model, estimate: &mut Estimate) {
+    let uncertain = model.uncertain().next().is_some();
+    estimate.known_numbers.exact = !uncertain;
+    let taken = !estimate.known_numbers.effects.is_empty() || !estimate.known_numbers.sigma_data.is_empty();
+    match uncertain {
+        false => estimate
+            .assumptions
+            .push("all known numbers taken as exact, as the model declares".to_owned()),
+        true if !taken && estimate.method != "maximum_likelihood" => estimate.assumptions.push(
+            "known numbers taken as exact: this method does not use their uncertainties; its sigmas hold the noise of the sensors alone".to_owned(),
+        ),
+        true => {}
+    }
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
