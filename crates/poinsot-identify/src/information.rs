@@ -6,7 +6,7 @@
 
 use crate::coordinates::Coordinates;
 use crate::input_curves::InputCurves;
-use crate::known::Centre;
+use crate::known::{Centre, KeptColumns, columns_at};
 use crate::likelihood::{Evaluated, Head, HeadColumns, KnownColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
 use crate::motion::Grid;
@@ -45,6 +45,8 @@ pub(crate) struct Experiment<'a> {
     pub fineness: Fineness,
     /// Columns of the known numbers, where they are unknowns.
     pub known: Option<Arc<KnownColumns>>,
+    /// The last of them that were made.
+    pub kept: KeptColumns,
     /// Whether evaluations keep every whitened row.
     pub keep_rows: bool,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
@@ -88,6 +90,7 @@ impl<'a> Experiment<'a> {
             wheels_smooth: false,
             fineness: Fineness::default(),
             known: None,
+            kept: KeptColumns::default(),
             keep_rows: false,
             grids: Arc::default(),
             curves: Arc::default(),
@@ -108,6 +111,7 @@ impl<'a> Experiment<'a> {
             wheels_smooth: self.wheels_smooth,
             fineness: self.fineness,
             known: self.known.clone(),
+            kept: Arc::clone(&self.kept),
             keep_rows: self.keep_rows,
             grids: Arc::clone(&self.grids),
             curves: Arc::clone(&self.curves),
@@ -120,6 +124,7 @@ impl<'a> Experiment<'a> {
             problem,
             curves: Arc::default(),
             grids: Arc::default(),
+            kept: KeptColumns::default(),
             ..self.with_parameters(self.parameters)
         }
     }
@@ -216,7 +221,10 @@ impl<'a> Experiment<'a> {
         // The vehicle with its known numbers where the point has them.
         let centre = Centre::at(self.problem, self.parameters, &at.x)?;
         let problem = centre.problem(self.problem);
-        let there = self.of_vehicle(&problem, &centre.parameters);
+        let mut there = self.of_vehicle(&problem, &centre.parameters);
+        if with_sensitivities {
+            there.known = Some(columns_at(self, at)?);
+        }
         there.evaluate_here(at, with_sensitivities)
     }
 

@@ -2,8 +2,8 @@
 //!
 //! A known number enters the predictions through the model alone. So its column is a difference of two whole evaluations at
 //! the end of the fit, the same way for a mass, a joint axis or a mounting. The fit goes on from there with these columns
-//! beside its own and the declared covariance as a prior, every prediction being that of the vehicle with the numbers moved;
-//! where they move far the columns are made again. What the data say of a number shrinks its prior; where they say
+//! beside its own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers moved, and
+//! the columns are made again where they have moved. What the data say of a number shrinks its prior; where they say
 //! nothing it stays where it is and its prior goes into the covariance (a consider parameter: Schmidt 1966). One sigma of
 //! a known number is therefore no misfit.
 
@@ -24,19 +24,19 @@ use poinsot_dynamics::Tree;
 use poinsot_model::{KnownNumber, LIKE_WHEELS, Model, SensorKind, rounded};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-/// Step of a difference, sigmas of the number: its square is far below what matters, its round-off too.
-const STEP: f64 = 0.01;
+/// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
+/// a step and its round-off must both stay far below the noise.
+const STEP: f64 = 1.0e-5;
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 const SILENT: f64 = 1.0e-3;
-/// Change of the cost from one set of columns to the next, below which the fit has settled.
-const MOVED: f64 = 0.1;
-/// Iterations with one set of columns.
-const TRIED: usize = 3;
-/// Most times that the columns are made; and as often where a misfit stays that they do not explain.
-const ROUNDS: usize = 6;
-const HOPED: usize = 2;
+/// Most iterations with known numbers among the unknowns.
+const TRIED: usize = 30;
+/// Sigmas by which a known number may have moved since its columns were made.
+const FRESH: f64 = 1.0e-3;
+/// Fall of chi-square that a full step may still promise where the columns are differences.
+const SETTLED: f64 = 1.0e-3;
 /// Sigmas between a known number and what the data say of it, from which they contradict each other.
 const FAR: f64 = 5.0;
 /// Least share of a prior variance that the data leave to judge it by.
@@ -137,7 +137,7 @@ fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, chang
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
-    columns: Arc<KnownColumns>,
+    kept: KeptColumns,
     /// All unknowns, the known numbers last.
     parameters: Parameters,
     pub fitted: Fitted,
@@ -150,18 +150,32 @@ pub(crate) struct KnownFit {
 impl KnownFit {
     /// The experiment of which [`Self::fitted`] is the fit.
     pub fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
-        with_columns(experiment, &self.parameters, &self.columns)
+        let mut own = experiment.with_parameters(&self.parameters);
+        own.kept = Arc::clone(&self.kept);
+        own
     }
 }
 
-fn with_columns<'b>(
-    experiment: &'b Experiment<'b>,
-    parameters: &'b Parameters,
-    columns: &Arc<KnownColumns>,
-) -> Experiment<'b> {
-    let mut own = experiment.with_parameters(parameters);
-    own.known = Some(Arc::clone(columns));
-    own
+/// Columns with the values of the known numbers where they were made, sigmas.
+pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
+
+/// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
+pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<KnownColumns>> {
+    let unknowns = &experiment.parameters.unknowns;
+    let places = places(experiment.parameters);
+    let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
+    let here: Vec<f64> = places.iter().map(value).collect();
+    let close = |old: &[f64]| {
+        let mut pairs = old.iter().zip(&here);
+        old.len() == here.len() && pairs.all(|(a, b)| (a - b).abs() < FRESH)
+    };
+    let mut kept = experiment.kept.lock().ok()?;
+    if let Some((_, columns)) = kept.as_ref().filter(|(old, _)| close(old)) {
+        return Some(Arc::clone(columns));
+    }
+    let columns = Arc::new(slopes(experiment, at)?);
+    *kept = Some((here, Arc::clone(&columns)));
+    Some(columns)
 }
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
@@ -171,53 +185,51 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     }
     let problem = experiment.problem;
     let all = unknowns(problem.model);
-    let behind = |all: &[Unknown]| Point {
-        x: {
-            let nominal = all.iter().map(|u| u.nominal);
-            fitted.at.x.iter().copied().chain(nominal).collect()
-        },
-        heads: fitted.at.heads.clone(),
-    };
-    let (all, columns) = columns(experiment, &behind(&all), all)?;
-    let mut columns = Arc::new(columns);
-    let first = behind(&all);
+    let all = shown(experiment, &fitted.at, all)?;
     let parameters = extended(problem, experiment.parameters, &all);
-    let mut at = first.clone();
-    let mut before = experiment.cost_of(fitted);
-    for round in 1..=ROUNDS {
-        let wide = with_columns(experiment, &parameters, &columns);
-        let found = fit_from(&wide, at, TRIED)?;
-        let (worst, per_number) = contradicted(&wide, &found);
-        let cost = wide.cost_of(&found);
-        let done = (before - cost).abs() < MOVED;
-        let lost = per_number > EXPLAINED && (worst.is_some() || !done);
-        if !done && round < ROUNDS && !(lost && round > HOPED) {
-            // The columns were made where the answer is no longer.
-            before = cost;
-            columns = Arc::new(slopes(experiment, &found.at, &all)?);
-            at = found.at;
-            continue;
-        }
-        // What known numbers cannot explain within their uncertainty is looked for elsewhere.
-        let fitted = match lost {
-            true => Fitted {
-                settled: true,
-                ..fit_from(&wide, first, 0)?
-            },
-            false => Fitted {
-                settled: done,
-                ..found
-            },
-        };
-        return Some(KnownFit {
-            fitted,
-            left: lost,
-            contradiction: worst.filter(|_| !lost),
-            columns,
-            parameters,
-        });
+    let mut wide = experiment.with_parameters(&parameters);
+    wide.kept = KeptColumns::default();
+    let first = behind(&fitted.at, &all);
+    let found = fit_from(&wide, first.clone(), TRIED)?;
+    let done = found.settled || promised(&found) < SETTLED;
+    let (worst, per_number) = contradicted(&wide, &found);
+    // What known numbers cannot explain within their uncertainty is looked for elsewhere.
+    let left = per_number > EXPLAINED && (worst.is_some() || !done);
+    let fitted = match left {
+        true => Fitted {
+            settled: true,
+            ..fit_from(&wide, first, 0)?
+        },
+        false => Fitted {
+            settled: done,
+            ..found
+        },
+    };
+    let kept = Arc::clone(&wide.kept);
+    Some(KnownFit {
+        kept,
+        fitted,
+        left,
+        contradiction: worst.filter(|_| !left && done),
+        parameters,
+    })
+}
+
+/// How much a full step would still lower chi-square.
+fn promised(fitted: &Fitted) -> f64 {
+    let shared = &fitted.shared;
+    let last = shared.nuisances + shared.mass;
+    let nuisances = (0..shared.nuisances).map(|i| shared.r[(i, last)].powi(2));
+    nuisances.sum::<f64>() + fitted.spectrum.decrease(&shared.rhs(), 0.0)
+}
+
+/// A point of the fit without the known numbers, with these at the values of the model.
+fn behind(at: &Point, all: &[Unknown]) -> Point {
+    let nominal = all.iter().map(|u| u.nominal);
+    Point {
+        x: at.x.iter().copied().chain(nominal).collect(),
+        heads: at.heads.clone(),
     }
-    None
 }
 
 /// Uncertain known numbers as unknowns.
@@ -274,16 +286,13 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
     out
 }
 
-/// The numbers that show in the predictions, and their columns.
-fn columns(
-    experiment: &Experiment,
-    at: &Point,
-    all: Vec<Unknown>,
-) -> Option<(Vec<Unknown>, KnownColumns)> {
+/// The numbers that show in the predictions.
+fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<Unknown>> {
     if all.is_empty() {
         return None;
     }
-    let mut columns = slopes(experiment, at, &all)?;
+    let whole = extended(experiment.problem, experiment.parameters, &all);
+    let columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
     let shows = |k: usize| {
         let sensors = columns.slopes.iter().flatten();
         let square: f64 = sensors
@@ -294,42 +303,37 @@ fn columns(
         square.sqrt() * all[k].natural > SILENT
     };
     let keep: Vec<bool> = (0..all.len()).map(shows).collect();
-    let kept = |k: usize| keep.get(k).copied().unwrap_or(false);
-    for numbers in columns.slopes.iter_mut().flatten() {
-        let mut place = 0..;
-        numbers.retain(|_| place.next().is_some_and(kept));
-    }
-    let mut place = 0..;
-    let all: Vec<Unknown> = all
-        .into_iter()
-        .filter(|_| place.next().is_some_and(kept))
-        .collect();
-    (!all.is_empty()).then_some((all, columns))
+    let all: Vec<Unknown> = all.into_iter().zip(keep).filter_map(|(u, k)| k.then_some(u)).collect();
+    (!all.is_empty()).then_some(all)
 }
 
-/// Slopes of all whitened predictions over each number, by differences, at a value of all unknowns: those of the experiment,
-/// then the known numbers.
-fn slopes(experiment: &Experiment, at: &Point, all: &[Unknown]) -> Option<KnownColumns> {
-    let (problem, own) = (experiment.problem, experiment.parameters);
-    let (x, known) = at.x.split_at(own.len());
+/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns.
+fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
+    let (own, kept) = experiment.parameters.without_known();
     let base = Point {
-        x: x.to_vec(),
+        x: kept.iter().map(|k| at.x[*k]).collect(),
         heads: at.heads.clone(),
     };
+    let places = places(experiment.parameters);
+    let numbers: Vec<(&Unknown, f64)> = places
+        .iter()
+        .map(|p| (&experiment.parameters.unknowns[*p], at.x[*p]))
+        .collect();
     let evaluated = |moved: Option<(usize, f64)>| {
-        let changes = all.iter().zip(known).enumerate().filter_map(|(k, (u, x))| {
+        let changes = numbers.iter().enumerate().filter_map(|(k, (u, x))| {
             let number = u.kind.known()?;
             let step = moved.filter(|m| m.0 == k).map_or(0.0, |m| m.1);
             Some((number.number, number.component, x - u.nominal + step))
         });
-        let centre = Centre::new(problem, own, &changes.collect::<Vec<_>>())?;
+        let problem = experiment.problem;
+        let centre = Centre::new(problem, &own, &changes.collect::<Vec<_>>())?;
         let there = centre.problem(problem);
         let there = experiment.of_vehicle(&there, &centre.parameters);
         there.evaluate(&base, false)
     };
     let here = evaluated(None)?;
     let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
-        let step = STEP * all[k].natural;
+        let step = STEP * numbers[k].0.natural;
         let evaluated = evaluated(Some((k, step)))?;
         let segments = here.iter().zip(&evaluated);
         let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
@@ -345,7 +349,7 @@ fn slopes(experiment: &Experiment, at: &Point, all: &[Unknown]) -> Option<KnownC
             })
             .collect()
     };
-    let by_number: Vec<Option<_>> = (0..all.len()).into_par_iter().map(differences).collect();
+    let by_number: Vec<Option<_>> = (0..numbers.len()).into_par_iter().map(differences).collect();
     let mut out = KnownColumns::default();
     for (s, one) in here.iter().enumerate() {
         let names = one.channels.iter().map(|c| c.name.clone());
