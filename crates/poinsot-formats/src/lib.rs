@@ -24,11 +24,12 @@ pub use diagnostics::{
 };
 pub use estimate::{
     BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile,
-    EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, MomentumFile, PrincipalFile,
-    ReportedNumberFile, SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile, UndeterminedFile,
+    EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, MomentumFile,
+    PrincipalFile, ReportedNumberFile, SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile,
+    UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
-pub use read::{FormatError, read_estimate};
+pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;

@@ -46,7 +46,7 @@ fn schema_found(found: &str) -> String {
     }
 }
 /// Largest file that is read, bytes.
-const LARGEST: u64 = 256 << 20;
+pub const LARGEST_RESULT: u64 = 256 << 20;
 
 /// Reads `estimate.json`, or the folder that holds it; gives the path of the file too.
 ///
@@ -57,7 +57,7 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
         true => path.join("estimate.json"),
         false => path.to_owned(),
     };
-    let bytes = match poinsot_files::read(&path, LARGEST) {
+    let bytes = match poinsot_files::read(&path, LARGEST_RESULT) {
         Ok(bytes) => bytes,
         Err(InputError::Missing(_)) => return Err(FormatError::Missing { path }),
         Err(InputError::System(source)) => return Err(FormatError::Io { path, source }),

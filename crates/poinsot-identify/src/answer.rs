@@ -205,13 +205,17 @@ fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identif
             })
         })
         .collect();
+    let absent = words::absent(&solved.parameters);
+    let mut open = words::open_directions(problem, solved);
+    let numbers: usize = absent.iter().map(|c| c.coefficients.len()).sum();
+    open.extend(absent);
     Identifiability {
-        parameters: m,
+        parameters: m + numbers,
         rank: spectrum.rank,
         structural_rank: spectrum.structural_rank,
         sigmas_natural: spectrum.certificate.clone(),
         determined,
-        open: words::open_directions(problem, solved),
+        open,
     }
 }
 

@@ -60,12 +60,12 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
         .collect()
 }
 
-/// Whether an unknown is a number of its own in the answer. One gust of a random torque is nobody's question.
+/// Whether an unknown is a number of its own in the answer.
 pub(crate) fn is_answered(kind: &UnknownKind) -> bool {
     match kind {
         UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
         // A known number has a table of its own.
-        UnknownKind::RandomTorque(_) | UnknownKind::Known(_) => false,
+        UnknownKind::Known(_) => false,
         kind => kind.is_nuisance(),
     }
 }

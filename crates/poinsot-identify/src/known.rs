@@ -303,7 +303,11 @@ fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<U
         square.sqrt() * all[k].natural > SILENT
     };
     let keep: Vec<bool> = (0..all.len()).map(shows).collect();
-    let all: Vec<Unknown> = all.into_iter().zip(keep).filter_map(|(u, k)| k.then_some(u)).collect();
+    let all: Vec<Unknown> = all
+        .into_iter()
+        .zip(keep)
+        .filter_map(|(u, k)| k.then_some(u))
+        .collect();
     (!all.is_empty()).then_some(all)
 }
 
@@ -349,7 +353,10 @@ fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
             })
             .collect()
     };
-    let by_number: Vec<Option<_>> = (0..numbers.len()).into_par_iter().map(differences).collect();
+    let by_number: Vec<Option<_>> = (0..numbers.len())
+        .into_par_iter()
+        .map(differences)
+        .collect();
     let mut out = KnownColumns::default();
     for (s, one) in here.iter().enumerate() {
         let names = one.channels.iter().map(|c| c.name.clone());
@@ -444,7 +451,10 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         let change = fitted.at.x[*place] - unknown.nominal;
         let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
         // What the data alone say, the declared uncertainty taken out again.
-        let alone = (unknown.nominal + change / left, posterior[(k, k)].max(0.0) / left);
+        let alone = (
+            unknown.nominal + change / left,
+            posterior[(k, k)].max(0.0) / left,
+        );
         Some((z, unknown, sigma, alone))
     });
     let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));

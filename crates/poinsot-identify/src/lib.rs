@@ -59,20 +59,20 @@ pub use diagnosis::{
     Suspect,
 };
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect, KnownNumbers,
-    MethodReport,
-    MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,
+    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, OpenCombination, Principal,
+    SegmentFit, Source, Status,
 };
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
 pub use impulse::{Impulse, Impulses, thrust_impulses};
 pub use linear::linear;
 pub use loss::Loss;
-pub use maximum_likelihood::{LEANS, maximum_likelihood, maximum_likelihood_with};
+pub use maximum_likelihood::{SENSITIVE, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
-    Equations, ErrorGroup, KnownUnknown, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
-    tensor_name,
+    Equations, ErrorGroup, KnownUnknown, Parameters, ParametersError, TENSOR, Unknown, UnknownKind,
+    axis_name, tensor_name,
 };
 pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::{

@@ -263,7 +263,7 @@ fn conclude(
         warnings: Vec::new(),
         adds_up: impulse::adds_up(problem),
         not_rigid: false,
-        leans: None,
+        sensitive_to: Vec::new(),
         held: None,
         diagnostics: None,
         assumptions: Vec::new(),

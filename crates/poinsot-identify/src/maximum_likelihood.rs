@@ -28,8 +28,8 @@ use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::{LeastSquares, Spectrum};
 use poinsot_spatial::Vector3;
 
-/// Sigmas by which an answer may hang on how wheels run between their readings.
-pub const LEANS: f64 = 1.0;
+/// Shift of the answer by another wheel motion between samples, sigmas, from which the answer is sensitive to it.
+pub const SENSITIVE: f64 = 1.0;
 
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
@@ -79,8 +79,6 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
         }
         Err(other) => return Err(other),
     };
-    let mut parameters = parameters;
-    parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;
@@ -94,8 +92,8 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
         shift = between.shift;
         assumptions.push(
             match experiment.wheels_smooth {
-                true => "wheel speeds taken as smooth between readings",
-                false => "wheel torques taken as held between readings",
+                true => "wheel speed smooth between samples",
+                false => "wheel torque constant between samples (zero-order hold)",
             }
             .to_owned(),
         );
@@ -129,40 +127,35 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
         solved.warnings.push(warning);
     }
     solved.wheels_smooth = experiment.wheels_smooth;
-    if shift > LEANS {
+    if shift > SENSITIVE {
         // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
         let mut segments = problem.segments.iter();
         let seldom = segments.any(|s| s.observations.between_readings);
-        solved.leans = seldom.then_some("how wheels run between their readings");
-        let warning = leaning(shift, experiment.wheels_smooth, seldom);
+        let wheels = seldom.then_some("the wheel motion between samples");
+        solved.sensitive_to.extend(wheels);
+        let warning = wheel_warning(shift, experiment.wheels_smooth, seldom);
         solved.warnings.extend(warning);
     }
     if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
-        solved.leans = Some("what drove the vehicle beyond the readings");
+        solved
+            .sensitive_to
+            .push("inputs beyond the first and last sample");
         solved.warnings.push(warning);
     }
     if let Some(error) = step_error {
-        solved.leans = Some("the steps of the integration");
+        solved.sensitive_to.push("the integration steps");
         solved.warnings.push(error.words());
     }
     if let Some(found) = &mut solved.diagnostics {
         found.shift_between_readings = shift;
     }
-    Ok(Ended {
-        solved,
-        at,
-        centre,
-    })
+    Ok(Ended { solved, at, centre })
 }
 
 /// Diagnoses a fit and concludes. `looked_at` is diagnosed instead, where known numbers do not explain a misfit.
 fn judged(
     experiment: &Experiment,
-    (fitted, looked_at, contradiction): (
-        Fitted,
-        Option<(&Experiment, &Fitted)>,
-        Option<Conflict>,
-    ),
+    (fitted, looked_at, contradiction): (Fitted, Option<(&Experiment, &Fitted)>, Option<Conflict>),
     explained: Option<f64>,
     undiagnosed: bool,
 ) -> (Solved, Point) {
@@ -186,22 +179,22 @@ fn judged(
     (solved, at)
 }
 
-/// What is said where the answer hangs on how wheels run between their readings. Smooth speeds that the data prefer err by
-/// far less than the two ways differ, if the wheels are read as often as all else.
-fn leaning(shift: f64, smooth: bool, distrusted: bool) -> Option<String> {
-    let (taken, other) = match smooth {
-        true => ("wheel speeds are taken as smooth", "straight"),
-        false => ("wheel torques are taken as held", "smooth"),
+/// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that the data prefer err
+/// by far less than the two ways differ, if the wheels are sampled as often as all else.
+fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
+    let (assumed, other) = match smooth {
+        true => ("wheel speed smooth between samples", "constant torque"),
+        false => ("wheel torque constant between samples", "smooth speed"),
     };
-    let consequence = match (distrusted, smooth) {
+    let consequence = match (seldom, smooth) {
         (true, _) => {
-            "the wheels are read more seldom than other sensors, so it hangs on what nobody read and the covariance is not trustworthy"
+            ", and the wheels are sampled less often than other sensors: the covariance is not trustworthy"
         }
-        (false, false) => "it stands and falls with torques that change at the readings alone",
+        (false, false) => "",
         (false, true) => return None,
     };
     Some(format!(
-        "{taken} between readings; with {other} wheel speeds the answer would move by {shift:.1} sigma: {consequence}; read the wheels more often"
+        "assumed: {assumed}; with {other} the answer would move by {shift:.1} sigma{consequence}; sample the wheels more often"
     ))
 }
 
@@ -430,7 +423,7 @@ pub(crate) fn conclude(
         diagnostics: Some(found),
         assumptions: Vec::new(),
         wheels_smooth: false,
-        leans: None,
+        sensitive_to: Vec::new(),
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
         rows,

@@ -5,7 +5,7 @@ mod kind;
 mod nuisances;
 mod sensor_errors;
 
-pub use kind::{Gust, KnownUnknown, UnknownKind};
+pub use kind::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
 pub(crate) use sensor_errors::{declared, reading_unit};
 
@@ -177,7 +177,9 @@ impl Parameters {
     /// The same unknowns of a vehicle whose known numbers differ; `None` where the question cannot be asked of it.
     pub(crate) fn of_vehicle(&self, model: &Model, tree: &Tree) -> Option<Self> {
         let fires = self.unknowns.iter();
-        let fires = fires.clone().any(|u| matches!(u.kind, UnknownKind::MassCentre(_)));
+        let fires = fires
+            .clone()
+            .any(|u| matches!(u.kind, UnknownKind::MassCentre(_)));
         let other = Self::new(model, tree, self.equations, fires).ok()?;
         let mut out = self.clone();
         (out.known, out.nominal) = (other.known, other.nominal);

@@ -234,7 +234,7 @@ pub(crate) struct Solved {
     pub iterations: usize,
     pub settled: bool,
     pub warnings: Vec<String>,
-    /// Whether wheel speeds were taken as smooth between readings.
+    /// Whether wheel speeds are assumed smooth between samples.
     pub wheels_smooth: bool,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
@@ -246,10 +246,10 @@ pub(crate) struct Solved {
     pub conflict: Option<Conflict>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
     pub adds_up: bool,
-    /// What nobody read, and the answer hangs on.
-    pub leans: Option<&'static str>,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
+    /// What is not measured well enough for the answer to be relied on.
+    pub sensitive_to: Vec<&'static str>,
     /// Whether the residual speaks against a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.

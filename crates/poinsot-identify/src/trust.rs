@@ -58,7 +58,8 @@ impl Trust {
                 chi2.sqrt()
             ));
         }
-        doubts.extend(solved.leans.map(|what| format!("it hangs on {what}")));
+        let sensitive = solved.sensitive_to.iter();
+        doubts.extend(sensitive.map(|what| format!("it is sensitive to {what}")));
         if solved.not_rigid {
             doubts.push("a line in the residual says that the vehicle is not rigid".to_owned());
         }

@@ -2,7 +2,7 @@
 
 use crate::combination::{Combination, split};
 use crate::estimate::OpenCombination;
-use crate::parameters::{Equations, TENSOR, UnknownKind};
+use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, axis_name};
 use crate::problem::Problem;
 use crate::rows::parameters_in_base;
 use crate::solved::Solved;
@@ -66,6 +66,47 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
         }
     }
     found
+}
+
+/// Numbers that are asked for and do not enter the equations of a rotation: mass, and without thrust the mass centre.
+pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
+    if parameters.equations != Equations::Rotation {
+        return Vec::new();
+    }
+    let asked = parameters.estimate.iter().zip(&parameters.body_names);
+    let mut all = Vec::new();
+    let shown_by_thrust = |axis: &usize| {
+        let mut unknowns = parameters.unknowns.iter();
+        unknowns.any(|u| u.kind == UnknownKind::MassCentre(*axis))
+    };
+    for (asked, body) in asked {
+        let mut open = |number: String, what: &str, reason: &str, remedy: &str| {
+            all.push(OpenCombination {
+                text: format!("{number} cannot be determined"),
+                coefficients: vec![(format!("{body}.{what}"), 1.0)],
+                reason: reason.to_owned(),
+                remedy: remedy.to_owned(),
+            });
+        };
+        if asked.mass {
+            open(
+                format!("mass of {body}"),
+                "m",
+                "only rotation is measured, and it does not depend on the mass",
+                "measure velocity or position while a known force acts",
+            );
+        }
+        for axis in (0..3).filter(|axis| asked.com && !shown_by_thrust(axis)) {
+            let axis = axis_name(axis);
+            open(
+                format!("{axis} of the mass centre of {body}"),
+                &format!("com_{axis}"),
+                "only rotation is measured, no thruster fires, and the rotation does not depend on the mass centre",
+                "fire a thruster of known force, or add an accelerometer",
+            );
+        }
+    }
+    all
 }
 
 /// A preference for which unknowns stand as the open ones: products before moments.

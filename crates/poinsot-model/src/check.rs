@@ -2,8 +2,8 @@
 //! finds and leaves out what it refuses.
 
 use crate::check_body::{check_bodies, check_massless, check_together};
-use crate::check_known::check_known;
 use crate::check_joint::check_joints;
+use crate::check_known::check_known;
 use crate::check_name::check_names;
 use crate::check_rest::{check_environment, check_momentum, check_thrusters, check_wheels};
 use crate::check_sensor::check_sensors;

@@ -127,7 +127,10 @@ impl KnownNumber {
         match self {
             Self::Mass(k) => of(body(k), "mass"),
             Self::MassCentre(k) => of(body(k), &format!("com_{axis}")),
-            Self::Inertia(k) => of(body(k), &format!("inertia_{}", ELEMENT_NAMES[component % 6])),
+            Self::Inertia(k) => of(
+                body(k),
+                &format!("inertia_{}", ELEMENT_NAMES[component % 6]),
+            ),
             Self::SpinInertia(k) => of(wheel(k), "spin_inertia"),
             Self::WheelAxis(k) => of(wheel(k), &format!("axis_{across}")),
             Self::JointOrigin(k) => of(joint(k), &format!("origin_{axis}")),
@@ -176,7 +179,10 @@ impl KnownNumber {
             Self::Mass(_) | Self::SpinInertia(_) => sigma * self.value(model, 0).abs(),
             Self::Inertia(k) => {
                 let (i, j) = ELEMENTS[component % 6];
-                let I = model.bodies.get(k).map_or(Matrix3::zeros(), |b| b.nominal.I_BBcm_B);
+                let I = model
+                    .bodies
+                    .get(k)
+                    .map_or(Matrix3::zeros(), |b| b.nominal.I_BBcm_B);
                 sigma * (I[(i, i)] * I[(j, j)]).max(0.0).sqrt()
             }
             _ => sigma,
@@ -186,21 +192,29 @@ impl KnownNumber {
     /// Whether the model takes it as known: it is neither estimated nor given an error of its own.
     pub fn is_known(self, model: &Model) -> bool {
         let known = || match self {
-            Self::Mass(k) => model.bodies.get(k).map(|b| !b.estimate.mass && b.nominal.mass > 0.0),
-            Self::MassCentre(k) => {
-                model.bodies.get(k).map(|b| !b.estimate.com && b.nominal.mass > 0.0)
-            }
-            Self::Inertia(k) => {
-                model.bodies.get(k).map(|b| !b.estimate.inertia && b.nominal.mass > 0.0)
-            }
+            Self::Mass(k) => model
+                .bodies
+                .get(k)
+                .map(|b| !b.estimate.mass && b.nominal.mass > 0.0),
+            Self::MassCentre(k) => model
+                .bodies
+                .get(k)
+                .map(|b| !b.estimate.com && b.nominal.mass > 0.0),
+            Self::Inertia(k) => model
+                .bodies
+                .get(k)
+                .map(|b| !b.estimate.inertia && b.nominal.mass > 0.0),
             Self::SpinInertia(k) => model.wheels.get(k).map(|w| !w.estimate),
-            Self::WheelAxis(k) => model.wheels.get(k).map(|w| w.misalignment == Nuisance::Known),
+            Self::WheelAxis(k) => model
+                .wheels
+                .get(k)
+                .map(|w| w.misalignment == Nuisance::Known),
             Self::JointOrigin(k) => model.joints.get(k).map(|_| true),
-            Self::JointAxis(k) => {
-                model.joints.get(k).map(|j| j.axis_C != Vector3::zeros())
-            }
+            Self::JointAxis(k) => model.joints.get(k).map(|j| j.axis_C != Vector3::zeros()),
             Self::Force(k) => model.thrusters.get(k).map(|t| t.scale == Nuisance::Known),
-            Self::ForceDirection(k) | Self::ForcePosition(k) => model.thrusters.get(k).map(|_| true),
+            Self::ForceDirection(k) | Self::ForcePosition(k) => {
+                model.thrusters.get(k).map(|_| true)
+            }
             Self::Mounting(k) => model.sensors.get(k).map(|s| {
                 let own = match s.kind {
                     SensorKind::Attitude => s.bias,
@@ -278,7 +292,10 @@ const ELEMENT_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 /// The two directions across a unit vector: the coordinate axis most across it, made square to it, and the one that
 /// completes the triad.
 pub fn across(a: &Vector3) -> [Vector3; 2] {
-    let least = (0..3).fold(0, |best, k| if a[k].abs() < a[best].abs() { k } else { best });
+    let least = (0..3).fold(
+        0,
+        |best, k| if a[k].abs() < a[best].abs() { k } else { best },
+    );
     let mut e = Vector3::zeros();
     e[least] = 1.0;
     let first = (e - a * a.dot(&e)).normalize();
@@ -293,7 +310,11 @@ fn turned(a: &Vector3, nominal: &Vector3, component: usize, angle: f64) -> Vecto
 /// The sensor whose axes are those of its body: a body has no other marks. The first gyro, else the first tracker, else
 /// the first accelerometer.
 fn reference_of(model: &Model, body: usize) -> Option<usize> {
-    let kinds = [SensorKind::Gyro, SensorKind::Attitude, SensorKind::Accelerometer];
+    let kinds = [
+        SensorKind::Gyro,
+        SensorKind::Attitude,
+        SensorKind::Accelerometer,
+    ];
     let first = |kind: SensorKind| {
         let mut all = model.sensors.iter();
         all.position(|s| s.kind == kind && s.body == body)

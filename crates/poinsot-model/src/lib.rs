@@ -8,8 +8,8 @@
 mod check;
 mod check_body;
 mod check_joint;
-mod check_name;
 mod check_known;
+mod check_name;
 mod check_rest;
 mod check_rotation;
 mod check_sensor;
@@ -34,7 +34,7 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
-pub use known::{KnownNumber, Knowledge, LIKE_WHEELS, Origin, Uncertain, across};
+pub use known::{Knowledge, KnownNumber, LIKE_WHEELS, Origin, Uncertain, across};
 pub use number::rounded;
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{

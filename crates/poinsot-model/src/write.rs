@@ -70,7 +70,11 @@ pub fn write_model(model: &Model) -> String {
     for (k, sensor) in model.sensors.iter().enumerate() {
         write_sensor(&mut out, model, sensor);
         if sensor.turns() {
-            uncertainty(&mut out, model, &[("mounting_rad", KnownNumber::Mounting(k))]);
+            uncertainty(
+                &mut out,
+                model,
+                &[("mounting_rad", KnownNumber::Mounting(k))],
+            );
         }
     }
     section(&mut out, "[momentum]");

@@ -7,8 +7,8 @@ use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, LEANS, Loss, Prediction, Problem, Status, linear_predicted,
-    maximum_likelihood_predicted, predicted_by,
+    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, SENSITIVE, Status,
+    linear_predicted, maximum_likelihood_predicted, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_papers::{answered, method};
@@ -282,12 +282,12 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
 fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let found = estimate.diagnostics.as_ref();
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
-    if shift > LEANS {
+    if shift > SENSITIVE {
         estimate.doubt(format!(
-            "it hangs by {shift:.1} sigma on what the wheels did between the rows taken"
+            "it is sensitive to the wheel motion between the rows taken ({shift:.1} sigma)"
         ));
         estimate.warnings.push(format!(
-            "--every {every} leaves out what the wheels did between the rows taken, and the answer hangs on it ({shift:.1} sigma): the covariance is not trustworthy; take more rows"
+            "--every {every} leaves out wheel samples, and the answer would move by {shift:.1} sigma: the covariance is not trustworthy; take more rows"
         ));
     }
 }
@@ -390,7 +390,8 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
 fn repairs_of_known_numbers(model: &Model, estimate: &mut Estimate) {
     let uncertain = model.uncertain().next().is_some();
     estimate.known_numbers.exact = !uncertain;
-    let taken = !estimate.known_numbers.effects.is_empty() || !estimate.known_numbers.sigma_data.is_empty();
+    let taken =
+        !estimate.known_numbers.effects.is_empty() || !estimate.known_numbers.sigma_data.is_empty();
     match uncertain {
         false => estimate
             .assumptions

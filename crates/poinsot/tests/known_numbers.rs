@@ -28,8 +28,11 @@ fn errors(answer: &Identified, truth: &Model) -> Vec<f64> {
     let given = &truth.bodies[0].nominal;
     let com = base.com.iter().zip(given.p_BoBcm_B.iter().copied());
     let inertia = base.inertia.iter().zip(TENSOR.map(|e| given.I_BBcm_B[e]));
-    let all = std::iter::once((&base.mass, given.mass)).chain(com).chain(inertia);
-    all.map(|(n, t)| (n.value.unwrap() - t) / n.sigma.unwrap()).collect()
+    let all = std::iter::once((&base.mass, given.mass))
+        .chain(com)
+        .chain(inertia);
+    all.map(|(n, t)| (n.value.unwrap() - t) / n.sigma.unwrap())
+        .collect()
 }
 
 fn largest(errors: &[f64]) -> f64 {
@@ -43,9 +46,21 @@ fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
     let exact = arm(11);
     let model = exact.clone().with_usual_uncertainty(Origin::Cad);
     let wrong: [(&str, Vec<(KnownNumber, usize, f64)>); 3] = [
-        ("mass", vec![(KnownNumber::Mass(1), 0, -0.003 * exact.bodies[1].nominal.mass)]),
+        (
+            "mass",
+            vec![(
+                KnownNumber::Mass(1),
+                0,
+                -0.003 * exact.bodies[1].nominal.mass,
+            )],
+        ),
         ("origin", vec![(KnownNumber::JointOrigin(0), 0, 5.0e-4)]),
-        ("spin", (0..3).map(|k| (KnownNumber::SpinInertia(k), 0, 0.01 * 0.05)).collect()),
+        (
+            "spin",
+            (0..3)
+                .map(|k| (KnownNumber::SpinInertia(k), 0, 0.01 * 0.05))
+                .collect(),
+        ),
     ];
     for (what, changes) in wrong {
         let mut truth = exact.clone();
@@ -56,7 +71,10 @@ fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
         let covered = ask(&model, vec![table.clone()], "maximum_likelihood");
         let z = largest(&errors(&covered, &truth));
         let blind = ask(&exact, vec![table], "maximum_likelihood");
-        println!("{what}: {z:.2} sigma; exact: {:?} {:?}", blind.estimate.status, blind.estimate.doubts);
+        println!(
+            "{what}: {z:.2} sigma; exact: {:?} {:?}",
+            blind.estimate.status, blind.estimate.doubts
+        );
         assert_eq!(covered.estimate.doubts, Vec::<String>::new(), "{what}");
         assert_eq!(covered.estimate.exit_code(), 0, "{what}");
         assert!(z < 4.0, "{what}: {z}");
@@ -84,7 +102,11 @@ fn drawn(model: &Model, dice: &mut Dice) -> Vec<(Uncertain, usize, f64)> {
                 }
                 _ => own,
             };
-            all.push((*u, component, z * u.number.absolute(model, component, u.sigma)));
+            all.push((
+                *u,
+                component,
+                z * u.number.absolute(model, component, u.sigma),
+            ));
         }
     }
     all
@@ -147,7 +169,13 @@ fn judged(answer: &Identified, truth: &Model) -> (f64, usize) {
 fn stat_intervals_hold_with_exact_and_with_uncertain_known_numbers() {
     let trials = std::env::var("POINSOT_TRIALS").ok();
     let trials: u64 = trials.and_then(|n| n.parse().ok()).unwrap_or(4);
-    let may_withhold = |origin| if origin == Some(Origin::Cad) { trials as usize } else { 0 };
+    let may_withhold = |origin| {
+        if origin == Some(Origin::Cad) {
+            trials as usize
+        } else {
+            0
+        }
+    };
     for origin in [None, Some(Origin::Measured), Some(Origin::Cad)] {
         let exact = arm(11);
         let model = match origin {
@@ -178,7 +206,10 @@ fn stat_intervals_hold_with_exact_and_with_uncertain_known_numbers() {
         // Four standard deviations of a mean of chi-square over ten, and of a binomial count.
         let n = f64::from(n);
         let spread = 4.0 * (2.0 / n.max(1.0)).sqrt();
-        assert!(answered == 0 || (mean - 1.0).abs() < spread, "{origin:?}: {mean}");
+        assert!(
+            answered == 0 || (mean - 1.0).abs() < spread,
+            "{origin:?}: {mean}"
+        );
         let least = 0.95 * n - 4.0 * (0.95 * 0.05 * n).sqrt() - 1.0;
         assert!(inside as f64 >= least, "{origin:?}: {inside} of {n}");
         assert_eq!(doubted, 0, "{origin:?}");

@@ -51,9 +51,7 @@ impl Effects {
         Ok(Some(Self {
             shift: shift.collect(),
             covariance: covariance(parameters, fitted),
-            declared: (0..places.len())
-                .map(|k| declared[(k, k)].sqrt())
-                .collect(),
+            declared: (0..places.len()).map(|k| declared[(k, k)].sqrt()).collect(),
             exact,
             places,
         }))

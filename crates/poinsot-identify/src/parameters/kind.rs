@@ -41,8 +41,6 @@ pub enum UnknownKind {
     WheelTilt(usize, usize),
     /// Component in N of a constant force, N. Only tested for.
     InertialForce(usize),
-    /// Component in N of a random torque about the mass centre during a stretch of time, N m.
-    RandomTorque(Gust),
     /// A number that the model takes as known, within its uncertainty.
     Known(KnownUnknown),
 }
@@ -60,17 +58,6 @@ pub struct KnownUnknown {
     pub slopes: Vec<(usize, f64)>,
 }
 
-/// A stretch of time in which the random torque is one number an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Gust {
-    /// Index of the segment.
-    pub segment: usize,
-    /// First and last interval between grid times.
-    pub span: (usize, usize),
-    /// Axis of N.
-    pub axis: usize,
-}
-
 impl UnknownKind {
     /// Whether it belongs to a sensor or the surroundings: projected out before anything is judged.
     pub fn is_nuisance(&self) -> bool {
@@ -86,7 +73,6 @@ impl UnknownKind {
                 | Self::ThrusterLag(_)
                 | Self::WheelTilt(..)
                 | Self::InertialForce(_)
-                | Self::RandomTorque(_)
                 | Self::Known(_)
         )
     }
@@ -106,7 +92,6 @@ impl UnknownKind {
             Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
                 | Self::DragTorque(_)
-                | Self::RandomTorque(_)
                 | Self::InertialForce(_)
         )
     }

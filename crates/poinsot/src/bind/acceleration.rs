@@ -1,13 +1,11 @@
 //! Accelerations at the times of the samples, where they are measured: for Xu 2017.
 
 use super::channels::Channels;
+use super::sensors::SAME;
 use poinsot_identify::{Accelerations, Samples};
 use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::Channel;
-
-/// Times closer than this are one time, s.
-const SAME: f64 = 1.0e-9;
 
 /// Channels of accelerations: `domega` and the accelerometer's.
 pub fn acceleration_channels() -> impl Iterator<Item = String> {

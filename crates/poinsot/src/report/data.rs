@@ -191,7 +191,7 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
 fn truth(identified: &Identified) -> Option<Value> {
     let first = identified.inputs.first()?.first()?;
     let path = Path::new(&first.path).parent()?.join("truth.json");
-    let bytes = poinsot_files::read(&path, super::LARGEST_RESULT).ok()?;
+    let bytes = poinsot_files::read(&path, poinsot_formats::LARGEST_RESULT).ok()?;
     let value: Value = serde_json::from_slice(&bytes).ok()?;
     (value["schema"] == "poinsot.truth/1").then(|| {
         let system = match &value["system"] {

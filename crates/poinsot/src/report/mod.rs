@@ -19,7 +19,7 @@ pub use data::{REPORT_SCHEMA, ReportData, report_data};
 use crate::error::{Error, no_page, unreadable};
 use crate::output::{OutputFile, write_files};
 use poinsot_files::read;
-use poinsot_formats::{ESTIMATE, EstimateFile};
+use poinsot_formats::{ESTIMATE, EstimateFile, LARGEST_RESULT};
 use poinsot_report::{FigureFormat, Page, PageError, Part};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -31,9 +31,6 @@ pub(crate) struct Answer {
     pub data: ReportData,
     pub truth: Truth,
 }
-
-/// Largest file of `identify` that is read, bytes.
-pub(crate) const LARGEST_RESULT: u64 = 256 << 20;
 
 /// Writes `report.html` from the files of `identify` in a folder, and every figure of the page as a file of its own
 /// into `figures` below it, in each format given. All of them or none. Returns their paths.

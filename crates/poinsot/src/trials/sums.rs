@@ -7,7 +7,7 @@ use super::band::sigmas_of_interval;
 use super::{Trial, estimated_numbers};
 use crate::error::Error;
 use crate::output::write_file;
-use crate::report::LARGEST_RESULT;
+use poinsot_formats::LARGEST_RESULT;
 use poinsot_identify::{Estimate, Status};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
