@@ -62,6 +62,18 @@ pub(crate) fn check_known(
         });
     }
     out.uncertain.retain(|u| u.sigma > 0.0);
+    out.nominal_within = file.nominal_within.filter(|factor| {
+        let right = *factor > 1.0;
+        if !right {
+            findings.refuse(
+                "E0108",
+                &Key::top("nominal_within"),
+                "the factor must be greater than 1".to_owned(),
+                "give 3 for a third to three times the nominal numbers",
+            );
+        }
+        right
+    });
     out
 }
 

@@ -69,7 +69,14 @@ pub struct Knowledge {
     pub uncertain: Vec<Uncertain>,
     /// Whether some table says nothing of its source, so that "cad" is assumed.
     pub assumed: bool,
+    /// How far an answer may be from nominal: a factor of masses and principal moments, and as many radii of gyration of a
+    /// mass centre; `None`: [`NOMINAL_WITHIN`].
+    pub nominal_within: Option<f64>,
 }
+
+/// How far an answer may be from nominal unless the model says otherwise. Who knows a vehicle well enough to name its bodies
+/// knows their masses within a factor of three.
+pub const NOMINAL_WITHIN: f64 = 3.0;
 
 /// Correlation of two spin inertias of wheels with the same nominal one: they come from one drawing or one test stand.
 pub const LIKE_WHEELS: f64 = 0.7;

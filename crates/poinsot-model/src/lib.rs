@@ -34,7 +34,7 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
-pub use known::{Knowledge, KnownNumber, LIKE_WHEELS, Origin, Uncertain, across};
+pub use known::{Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across};
 pub use number::rounded;
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{

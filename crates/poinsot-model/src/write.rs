@@ -20,6 +20,9 @@ pub fn write_model(model: &Model) -> String {
     } else if !model.knowledge.assumed {
         line(&mut out, "source", quoted(Origin::Cad.word()));
     }
+    if let Some(factor) = model.knowledge.nominal_within {
+        line(&mut out, "nominal_within", number(factor));
+    }
     for (k, body) in model.bodies.iter().enumerate() {
         write_body(&mut out, body);
         let numbers = [

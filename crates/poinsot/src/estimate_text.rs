@@ -127,12 +127,14 @@ fn verdict(identified: &Identified) -> String {
         doubts: &e.doubts,
         chi2: e.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max),
     };
+    let combinations = match e.status {
+        Status::Rejected | Status::IterationLimit => String::new(),
+        _ => format!("{} of {} combinations; ", i.rank, i.parameters),
+    };
     format!(
-        "{}: {} ({} of {} combinations; method {})",
+        "{}: {} ({combinations}method {})",
         identified.model.name,
         standing.headline(),
-        i.rank,
-        i.parameters,
         e.method
     )
 }

@@ -168,7 +168,7 @@ fn judged(answer: &Identified, truth: &Model) -> (f64, usize) {
 #[test]
 fn stat_intervals_hold_with_exact_and_with_uncertain_known_numbers() {
     let trials = std::env::var("POINSOT_TRIALS").ok();
-    let trials: u64 = trials.and_then(|n| n.parse().ok()).unwrap_or(4);
+    let trials: u64 = trials.and_then(|n| n.parse().ok()).unwrap_or(2);
     let may_withhold = |origin| {
         if origin == Some(Origin::Cad) {
             trials as usize

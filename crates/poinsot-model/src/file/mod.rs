@@ -51,6 +51,9 @@ pub(crate) struct ModelFile {
     pub source: Option<SourceFile>,
     /// true takes all known numbers as exact, in every table that does not say otherwise.
     pub exact: Option<bool>,
+    /// How far an answer may be from nominal before that counts against it: a factor above 1 of masses and principal moments,
+    /// and as many radii of gyration of a mass centre. Default 3.
+    pub nominal_within: Option<f64>,
     /// Bodies; the first is the base.
     #[schemars(required)]
     pub body: Option<Vec<BodyFile>>,
