@@ -39,6 +39,13 @@ pub(crate) fn check_known(
                 );
                 continue;
             }
+            if !number.is_known(model) {
+                findings.note(
+                    &key.at("uncertainty").at(name),
+                    "the uncertainty has no effect: the number is estimated, or it defines the axes of its body; remove it"
+                        .to_owned(),
+                );
+            }
             out.uncertain.push(Uncertain { number, sigma });
             continue;
         }
