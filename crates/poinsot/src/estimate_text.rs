@@ -87,6 +87,9 @@ pub fn estimate_document(identified: &Identified) -> Document {
     }
     if let Some(section) = sensitivities(e) {
         document.push(section);
+    } else if e.known_numbers.exact {
+        let line = "all taken as exact, as the model declares".to_owned();
+        document.push(Section::list("known numbers", vec![line]));
     }
     document.push(fit(identified));
     let found: Vec<String> = identified

@@ -352,7 +352,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
             (estimate, predictions)
         }
     };
-    repairs_of_known_numbers(&model, &mut estimate);
+    known_as_exact(&model, &mut estimate);
     let findings = match is_own(&question.method) {
         true => mixups::rates(&problem, &tables, &estimate)
             .into_iter()
@@ -386,20 +386,14 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     })
 }
 
-/// What a method took of the known numbers.
-fn repairs_of_known_numbers(model: &Model, estimate: &mut Estimate) {
+/// Says where a method takes uncertain known numbers as exact.
+fn known_as_exact(model: &Model, estimate: &mut Estimate) {
     let uncertain = model.uncertain().next().is_some();
     estimate.known_numbers.exact = !uncertain;
-    let taken =
-        !estimate.known_numbers.effects.is_empty() || !estimate.known_numbers.sigma_data.is_empty();
-    match uncertain {
-        false => estimate
-            .assumptions
-            .push("all known numbers taken as exact, as the model declares".to_owned()),
-        true if !taken && estimate.method != "maximum_likelihood" => estimate.assumptions.push(
-            "known numbers taken as exact: this method does not use their uncertainties; its sigmas hold the noise of the sensors alone".to_owned(),
-        ),
-        true => {}
+    if uncertain && estimate.method != "maximum_likelihood" {
+        estimate.assumptions.push(
+            "known numbers taken as exact: this method does not use their uncertainties, its sigmas hold the noise of the sensors alone".to_owned(),
+        );
     }
 }
 
