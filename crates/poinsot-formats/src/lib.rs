@@ -11,13 +11,19 @@
 #![allow(non_snake_case)]
 
 mod comparison;
+mod design;
 mod diagnostics;
 mod estimate;
 mod number;
+mod onboard;
 mod read;
 
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
+};
+pub use design::{
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
+    SearchFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
@@ -29,19 +35,22 @@ pub use estimate::{
     UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
+pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 2] = ["estimate", "comparison"];
+pub const NAMES: [&str; 4] = ["estimate", "comparison", "design", "onboard"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "design" => Some(schema_for!(DesignFile).to_value()),
+        "onboard" => Some(schema_for!(OnboardFile).to_value()),
         _ => None,
     }
 }
