@@ -41,6 +41,8 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Verb::Design(a) => verbs::design::run(a),
         Verb::Validate(a) => verbs::validate::run(a),
         Verb::Compare(a) => verbs::compare::run(a),
+        Verb::Campaign(a) => verbs::campaign::run(a),
+        Verb::Sweep(a) => verbs::sweep::run(a),
         Verb::Report(a) => verbs::report::run(a),
         Verb::Inspect(a) => verbs::inspect::run(a),
         Verb::Check(a) => verbs::check::run(a),

@@ -2,6 +2,7 @@
 #![allow(non_snake_case)]
 
 pub mod bind;
+pub mod campaign;
 pub mod case;
 pub mod compare;
 mod diagnostics_file;
@@ -20,6 +21,7 @@ mod propose;
 pub mod report;
 mod schema;
 pub mod simulate;
+pub mod sweep;
 mod threads;
 pub mod trials;
 pub mod validate;
@@ -33,7 +35,7 @@ pub use identify::{
     identify_tables, segment_files,
 };
 pub use output::{
-    check_outputs, estimate_text, write_estimate, write_file, write_files, write_result,
+    OutputFile, check_outputs, estimate_text, write_estimate, write_file, write_files, write_result,
 };
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;

@@ -1,5 +1,6 @@
 //! One file per verb.
 
+pub mod campaign;
 pub mod check;
 pub mod compare;
 pub mod completions;
@@ -15,6 +16,7 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod sweep;
 pub mod units;
 pub mod validate;
 
