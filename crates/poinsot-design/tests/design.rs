@@ -29,6 +29,7 @@ fn designed(case: &Case, model: &Model) -> Designed {
 
 const BOX: &str = r#"
 schema = "poinsot.model/1"
+exact = true
 name = "box with three wheels"
 [[body]]
 name = "box"

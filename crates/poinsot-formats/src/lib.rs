@@ -36,8 +36,9 @@ pub use diagnostics::{
 };
 pub use estimate::{
     BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile,
-    EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile, PrincipalFile,
-    ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
+    EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, MomentumFile,
+    PrincipalFile, ReportedNumberFile, SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile,
+    UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};

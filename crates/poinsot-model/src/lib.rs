@@ -8,6 +8,7 @@
 mod check;
 mod check_body;
 mod check_joint;
+mod check_known;
 mod check_name;
 mod check_rest;
 mod check_rotation;
@@ -20,6 +21,7 @@ mod document;
 mod file;
 mod finding;
 mod kinematic;
+mod known;
 mod number;
 mod patch;
 mod read;
@@ -33,6 +35,7 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
+pub use known::{Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across};
 pub use number::rounded;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_telemetry::TelemetryMap;

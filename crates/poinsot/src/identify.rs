@@ -427,6 +427,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
             (estimate, predictions)
         }
     };
+    known_as_exact(&model, &mut estimate);
     let findings = match is_own(&question.method) {
         true => mixups::rates(&problem, &tables, &estimate)
             .into_iter()
@@ -458,6 +459,17 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         ignored,
         findings,
     })
+}
+
+/// Says where a method takes uncertain known numbers as exact.
+fn known_as_exact(model: &Model, estimate: &mut Estimate) {
+    let uncertain = model.uncertain().next().is_some();
+    estimate.known_numbers.exact = !uncertain;
+    if uncertain && estimate.method != "maximum_likelihood" {
+        estimate.assumptions.push(
+            "known numbers taken as exact: this method does not use their uncertainties, its sigmas hold the noise of the sensors alone".to_owned(),
+        );
+    }
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
