@@ -3,6 +3,7 @@
 use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
+use poinsot::export::Target;
 use std::path::PathBuf;
 
 /// Exit codes with their meaning.
@@ -46,6 +47,12 @@ pub enum Verb {
     ///
     /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
     Predict(Predict),
+    /// Design the manoeuvre that gives what a case wants, within its limits.
+    ///
+    /// Exit code 0: every wanted sigma is reached, and trial flights (--verify) agree. 1: not, with the limits that hold
+    /// it back. 2: bad usage, case or model. 3: disk or permission. An interruption (Ctrl-C) ends the search with the
+    /// best manoeuvre so far; a second one ends the program.
+    Design(Design),
     /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
     ///
     /// With a case: both sides under its torques, wheels and thrust; or its motion beside the telemetry. Without:
@@ -234,10 +241,10 @@ pub struct Export {
     /// Kind of file.
     #[arg(long, value_enum)]
     pub to: Format,
-    /// The file that the vehicle came from: bodies are found by the names of its links, and nothing but their
-    /// mass properties changes.
-    #[arg(long, value_name = "ROBOT.urdf")]
-    pub onto: PathBuf,
+    /// The file that the vehicle came from, for model, urdf, sdf and mjcf: bodies are found by their names, and nothing
+    /// but their mass properties changes.
+    #[arg(long, value_name = "FILE")]
+    pub onto: Option<PathBuf>,
     /// File to write; standard output without.
     #[arg(long, short = 'o', value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -252,8 +259,41 @@ pub struct Export {
 /// Files of other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
-    /// Robot description of ROS.
+    /// Model file of Poinsot, changed in place.
+    Model,
+    /// Robot description of ROS, changed in place.
     Urdf,
+    /// Robot description of Gazebo and Drake, changed in place.
+    Sdf,
+    /// Model of MuJoCo, changed in place.
+    Mjcf,
+    /// Python that sets the hub of a Basilisk spacecraft.
+    Basilisk,
+    /// Attitude parameter message, CCSDS 504.0-B-2: inertia.
+    Apm,
+    /// Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia.
+    Acm,
+    /// Table, one row a number.
+    Csv,
+    /// On-board table with covariance, JSON.
+    Onboard,
+}
+
+impl Format {
+    /// What the library calls it.
+    pub fn target(self) -> Target {
+        match self {
+            Self::Model => Target::Model,
+            Self::Urdf => Target::Urdf,
+            Self::Sdf => Target::Sdf,
+            Self::Mjcf => Target::Mjcf,
+            Self::Basilisk => Target::Basilisk,
+            Self::Apm => Target::Apm,
+            Self::Acm => Target::Acm,
+            Self::Csv => Target::Csv,
+            Self::Onboard => Target::Onboard,
+        }
+    }
 }
 
 /// Arguments of `explain`.
@@ -306,6 +346,28 @@ pub struct Predict {
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `design`.
+#[derive(Debug, Args)]
+pub struct Design {
+    /// Case (TOML, poinsot.case/1) with [[want]], [limits] and [design].
+    pub case: PathBuf,
+    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// End the search after this many minutes with the best manoeuvre so far.
+    #[arg(long, value_name = "N")]
+    pub minutes: Option<f64>,
+    /// Fly the manoeuvre N times with vehicles of the prior and sensor noise, identify, and compare with the prediction.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub verify: u64,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,

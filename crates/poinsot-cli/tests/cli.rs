@@ -453,6 +453,7 @@ fn cli_a_massless_unknown_that_moves_is_refused() {
     std::fs::write(
         &model,
         r#"schema = "poinsot.model/1"
+exact = true
 [[body]]
 name = "bus"
 mass_kg = 10.0

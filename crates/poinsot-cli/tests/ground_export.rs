@@ -21,6 +21,7 @@ const ANOMALY_RAD: f64 = 0.6;
 fn vehicle(com: &str, inertia: &str) -> String {
     let mut text = format!(
         r#"schema = "poinsot.model/1"
+exact = true
 name = "sat312"
 
 [[body]]

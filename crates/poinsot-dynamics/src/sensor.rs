@@ -116,3 +116,13 @@ pub struct Sensor {
     /// thrusters of the vehicle, ascending. Empty for all other kinds.
     pub of: Vec<usize>,
 }
+
+impl Sensor {
+    /// Whether it measures in axes of its own, which stand somehow on its body.
+    pub fn turns(&self) -> bool {
+        matches!(
+            self.kind,
+            SensorKind::Gyro | SensorKind::Attitude | SensorKind::Accelerometer
+        )
+    }
+}

@@ -52,6 +52,9 @@ pub struct EstimateFile {
     /// Tests of the residuals; null of a method that makes none.
     #[serde(default)]
     pub diagnostics: Option<DiagnosticsFile>,
+    /// How the answer depends on numbers that the model gives as known.
+    #[serde(default)]
+    pub known_numbers: KnownNumbersFile,
     /// Whether the covariance is stated and no evidence contradicts it.
     pub covariance_trustworthy: bool,
     /// Evidence against relying on the answer, most important first.
@@ -237,6 +240,47 @@ pub struct SensorFitFile {
     pub chi2_per_number: Option<f64>,
     /// Probability that a white residual is as correlated in time.
     pub whiteness_p: Option<f64>,
+}
+
+/// How the answer depends on numbers that the model gives as known. Every sigma of the answer holds their uncertainty:
+/// sigma = hypot(sigma_data, sigma_known).
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct KnownNumbersFile {
+    /// Whether every known number is taken as exact.
+    #[serde(default)]
+    pub exact: bool,
+    /// Whether some known number has no declared source, so that the uncertainty of a drawing is assumed.
+    #[serde(default)]
+    pub source_assumed: bool,
+    /// One sigma of numbers of the answer if every known number were exact, by name of the covariance.
+    #[serde(default)]
+    pub sigma_data: IndexMap<String, f64>,
+    /// Uncertain known numbers on which the readings depend, the largest share of a variance first.
+    #[serde(default)]
+    pub sensitivities: Vec<SensitivityFile>,
+}
+
+/// What one known number does to the answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SensitivityFile {
+    /// Name of the known number, for example "link1.mass".
+    pub number: String,
+    /// Unit.
+    pub unit: String,
+    /// Value in the model; 0 for a small turn, 1 for a factor.
+    pub value: f64,
+    /// Declared one sigma.
+    pub sigma: f64,
+    /// Value with the data, where they bring its sigma below 0.7 of the declared one; else null.
+    pub estimate: Option<f64>,
+    /// One sigma of the same.
+    pub estimate_sigma: Option<f64>,
+    /// Step of the number for `change`: "1 %", "1 mm" or "1 mrad".
+    pub step: String,
+    /// Change of the numbers of the answer with that step, the readings held, by name of the covariance.
+    pub change: IndexMap<String, f64>,
+    /// Share of their variance.
+    pub variance_share: IndexMap<String, f64>,
 }
 
 /// Numbers that a published method prints.

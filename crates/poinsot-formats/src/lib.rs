@@ -12,9 +12,11 @@
 
 mod campaign;
 mod comparison;
+mod design;
 mod diagnostics;
 mod estimate;
 mod number;
+mod onboard;
 mod plan;
 mod read;
 
@@ -25,15 +27,21 @@ pub use campaign::{
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
 };
+pub use design::{
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
+    SearchFile, VerifiedNumberFile,
+};
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
 };
 pub use estimate::{
     BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile,
-    EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile, PrincipalFile,
-    ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
+    EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, MomentumFile,
+    PrincipalFile, ReportedNumberFile, SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile,
+    UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
+pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use plan::{
     ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
     REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
@@ -44,13 +52,22 @@ use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 4] = ["estimate", "comparison", "plan", "campaign"];
+pub const NAMES: [&str; 6] = [
+    "estimate",
+    "comparison",
+    "design",
+    "onboard",
+    "plan",
+    "campaign",
+];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "design" => Some(schema_for!(DesignFile).to_value()),
+        "onboard" => Some(schema_for!(OnboardFile).to_value()),
         "plan" => Some(schema_for!(PlanFile).to_value()),
         "campaign" => Some(schema_for!(CampaignFile).to_value()),
         _ => None,

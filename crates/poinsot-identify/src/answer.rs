@@ -2,6 +2,7 @@
 
 use crate::answer_body::{Judge, body, system};
 use crate::answer_covariance::{covariance, covariance_rows};
+use crate::answer_known::known_numbers;
 use crate::answer_momentum::{momentum, nuisances};
 use crate::combination::split;
 use crate::estimate::{
@@ -14,6 +15,8 @@ use crate::remedies;
 use crate::solved::Solved;
 use crate::trust::{MISFIT, NOISE_FREE, Trust};
 use crate::words;
+use poinsot_model::NOMINAL_WITHIN;
+use poinsot_spatial::MassProperties;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
@@ -66,6 +69,14 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         let why = "the data contradict the rigid model".to_owned();
         trust.doubts.insert(0, why);
     }
+    if !rejected {
+        let given = problem.model.bodies.iter().map(|b| &b.nominal);
+        let within = problem.model.knowledge.nominal_within;
+        let within = within.unwrap_or(NOMINAL_WITHIN);
+        let pairs = bodies.iter().zip(given);
+        let far = pairs.filter_map(|(found, given)| far_from_nominal(found, given, within));
+        trust.doubts.extend(far);
+    }
     let identifiability = identifiability(problem, solved, &judge);
     let status = status(&bodies, &identifiability, rejected, solved.settled);
     let nuisance = nuisances(&judge, solved);
@@ -92,6 +103,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         fit: solved.fit.clone(),
         covariance_trustworthy: trust.doubts.is_empty(),
         doubts: trust.doubts,
+        known_numbers: known_numbers(problem.model, solved, &rows),
         diagnostics: solved.diagnostics.clone(),
         method_report: None,
     }
@@ -136,6 +148,49 @@ fn pressed(solved: &Solved, bad_fit: bool) -> bool {
     held.is_some_and(|h| {
         let beyond = ChiSquared::new(h.conditions as f64);
         bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)
+    })
+}
+
+/// What of a body lies further from nominal than the model allows, by more than two sigma.
+fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -> Option<String> {
+    if !found.asked {
+        return None;
+    }
+    let name = &found.name;
+    let times = |value: f64, sigma: f64, nominal: f64| {
+        let nearer = if value > nominal { -2.0 } else { 2.0 };
+        let ratio = (value + nearer * sigma) / nominal;
+        let far = nominal > 0.0 && (ratio > within || ratio < 1.0 / within);
+        far.then(|| value / nominal)
+    };
+    let said = |what: &str, ratio: f64| {
+        format!(
+            "{what} of {name} is {ratio:.2} times the nominal one, beyond the factor {within} that the model allows (nominal_within)"
+        )
+    };
+    if let (Some(m), Some(sigma)) = (found.mass.value, found.mass.sigma)
+        && let Some(ratio) = times(m, sigma, given.mass)
+    {
+        return Some(said("the mass", ratio));
+    }
+    let sigmas = found.inertia.iter().filter_map(|n| n.sigma);
+    let sigma = sigmas.fold(0.0, f64::max);
+    if let Some(principal) = &found.principal {
+        let pairs = principal.moments.into_iter().zip(given.principal().0);
+        let mut far = pairs.filter_map(|(value, nominal)| times(value, sigma, nominal));
+        if let Some(ratio) = far.next() {
+            return Some(said("a principal moment", ratio));
+        }
+    }
+    let apart = |k: usize| Some(found.com[k].value? - given.p_BoBcm_B[k]);
+    let [x, y, z] = [apart(0)?, apart(1)?, apart(2)?];
+    let sigma = found.com.iter().filter_map(|n| n.sigma).fold(0.0, f64::max);
+    let (away, gyration) = (x.hypot(y).hypot(z), given.radius_of_gyration());
+    (gyration > 0.0 && away - 2.0 * sigma > within * gyration).then(|| {
+        format!(
+            "the mass centre of {name} is {:.1} radii of gyration from the nominal one, beyond the {within} that the model allows (nominal_within)",
+            away / gyration
+        )
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::estimate::{BodyEstimate, Number, Principal, Source};
 use crate::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
-use crate::solved::Solved;
+use crate::solved::{HeadSolution, Solved, head};
 use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_model::EstimateSet;
@@ -25,6 +25,8 @@ pub(crate) struct Judge<'a> {
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,
     rejected: bool,
+    /// Nuisances as functions of the mass properties, and what they scatter by beside.
+    nuisances: HeadSolution,
 }
 
 impl<'a> Judge<'a> {
@@ -53,7 +55,29 @@ impl<'a> Judge<'a> {
             swung,
             inflation,
             rejected,
+            nuisances: head(
+                &solved.shared.r,
+                solved.shared.nuisances,
+                &solved.x[..solved.shared.mass],
+            ),
         }
+    }
+
+    /// A gradient over all unknowns as one over the mass properties, and the variance that the known numbers in it add.
+    fn folded(&self, gradient: &[f64]) -> (Vec<f64>, f64) {
+        let m = self.spectrum.natural.len();
+        let (used, behind) = gradient.split_at(m.min(gradient.len()));
+        let mut used = used.to_vec();
+        let mut own = 0.0;
+        for (i, a) in behind.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            for (sum, slope) in used.iter_mut().zip(&self.nuisances.slope[i]) {
+                *sum += a * slope;
+            }
+            for (j, b) in behind.iter().enumerate().filter(|(_, b)| **b != 0.0) {
+                own += a * b * self.nuisances.covariance[(i, j)];
+            }
+        }
+        (used, own)
     }
 
     /// The number for a quantity; `at` evaluates it for other values of the unknowns.
@@ -63,8 +87,9 @@ impl<'a> Judge<'a> {
         nominal: f64,
         at: impl Fn(&[f64]) -> f64,
     ) -> Number {
-        let used = &quantity.gradient[..self.spectrum.natural.len()];
-        if used.iter().all(|g| *g == 0.0) {
+        let (used, own) = self.folded(&quantity.gradient);
+        let used = used.as_slice();
+        if own == 0.0 && used.iter().all(|g| *g == 0.0) {
             return Number::known(quantity.value);
         }
         if self.rejected || !quantity.value.is_finite() {
@@ -79,7 +104,8 @@ impl<'a> Judge<'a> {
         let stiff = |x: &Vec<f64>| (at(x) - quantity.value).abs() <= STIFF * slope;
         match self.spectrum.sigma(used) {
             Some(sigma) if self.swung.iter().all(stiff) => {
-                let mut number = Number::data(quantity.value, sigma * self.inflation, nominal);
+                let sigma = sigma.hypot(own.sqrt()) * self.inflation;
+                let mut number = Number::data(quantity.value, sigma, nominal);
                 if self.data_alone.is_some_and(|d| d.sigma(used).is_none()) {
                     number.source = Source::Prior;
                 }
@@ -94,11 +120,9 @@ impl<'a> Judge<'a> {
         if self.rejected {
             return None;
         }
-        let used = gradient
-            .get(..self.spectrum.natural.len())
-            .unwrap_or(gradient);
-        let sigma = self.spectrum.sigma(used)?;
-        Some((sigma * sigma + own).sqrt() * self.inflation)
+        let (used, known) = self.folded(gradient);
+        let sigma = self.spectrum.sigma(&used)?;
+        Some((sigma * sigma + own + known).sqrt() * self.inflation)
     }
 }
 

@@ -11,9 +11,9 @@ pub(crate) struct Row {
     pub name: String,
     pub unit: &'static str,
     /// Slope over the mass properties, spin inertias and thruster scales.
-    gradient: Vec<f64>,
+    pub gradient: Vec<f64>,
     /// Index among the nuisances of sensors and surroundings, which have a variance of their own as well.
-    nuisance: Option<usize>,
+    pub nuisance: Option<usize>,
 }
 
 /// Names, units and slopes of mass, mass centre and central inertia of every body asked for and of the nuisances,

@@ -64,6 +64,8 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
 pub(crate) fn is_answered(kind: &UnknownKind) -> bool {
     match kind {
         UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
+        // A known number has a table of its own.
+        UnknownKind::Known(_) => false,
         kind => kind.is_nuisance(),
     }
 }

@@ -244,6 +244,51 @@ pub struct ChannelFit {
     pub octaves: Vec<Octave>,
 }
 
+/// How the answer depends on numbers that the model gives as known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct KnownNumbers {
+    /// Whether the model takes every known number as exact.
+    pub exact: bool,
+    /// Whether the model leaves the source of some known number open, so that "cad" is assumed.
+    pub assumed: bool,
+    /// One sigma of each number of the covariance if every known number were exact; `None` of one that is itself known.
+    pub sigma_data: Vec<Option<f64>>,
+    /// Uncertain known numbers on which the readings depend, the largest share first.
+    pub effects: Vec<KnownEffect>,
+}
+
+/// What one known number does to the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownEffect {
+    /// Name, for example `link1.mass`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value in the model; zero for a small turn, one for a factor.
+    pub value: f64,
+    /// Declared one sigma.
+    pub sigma: f64,
+    /// Value and one sigma where the data are needed to state it: they shrink the declared sigma below 0.7.
+    pub estimated: Option<(f64, f64)>,
+    /// A step of it: 1 %, 1 mm or 1 mrad, in its unit.
+    pub step: f64,
+    /// The same in words.
+    pub step_words: &'static str,
+    /// Change of each number of the covariance with that step, the readings held; `None` of a number that is known.
+    pub changes: Vec<Option<f64>>,
+    /// Share of the variance of each number of the covariance.
+    pub shares: Vec<Option<f64>>,
+}
+
+impl KnownEffect {
+    /// The number of the covariance whose variance it has most of, and the share.
+    pub fn largest(&self) -> Option<(usize, f64)> {
+        let shares = self.shares.iter().enumerate();
+        let present = shares.filter_map(|(k, s)| Some((k, (*s)?)));
+        present.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
 /// Numbers of a published method in its own terms, beside the answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodReport {
@@ -293,6 +338,8 @@ pub struct Estimate {
     pub assumptions: Vec<String>,
     /// What the residuals say beyond the fit; `None` of a method that does not ask them.
     pub diagnostics: Option<Diagnostics>,
+    /// How it depends on numbers that are known.
+    pub known_numbers: KnownNumbers,
     /// A published method's own numbers.
     pub method_report: Option<MethodReport>,
 }

@@ -258,6 +258,7 @@ pub(crate) struct Held {
 }
 
 /// Where the iteration ended.
+#[derive(Clone)]
 pub(crate) struct Fitted {
     pub at: Point,
     pub evaluated: Vec<Evaluated>,
@@ -422,7 +423,7 @@ fn linearised(
 ) -> Result<Linearised<Local>, ProblemError> {
     let stacked = experiment.stack(at, &evaluated, true);
     let shared = Shared::new(experiment.parameters, &stacked);
-    let spectrum = experiment.spectrum(&shared, &evaluated)?;
+    let (spectrum, _) = experiment.spectra(&stacked, &shared, &evaluated)?;
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
@@ -458,7 +459,7 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
     let data_alone = if experiment.has_design_prior() {
         let stacked = experiment.stack(&at, &local.evaluated, false);
         let own = Shared::new(experiment.parameters, &stacked);
-        Some(experiment.spectrum(&own, &local.evaluated)?)
+        Some(experiment.spectra(&stacked, &own, &local.evaluated)?.0)
     } else {
         None
     };

@@ -6,7 +6,8 @@
 
 use crate::coordinates::Coordinates;
 use crate::input_curves::InputCurves;
-use crate::likelihood::{Evaluated, Head, HeadColumns, Setting, Sight, evaluate};
+use crate::known::{Centre, KeptColumns, columns_at};
+use crate::likelihood::{Evaluated, Head, HeadColumns, KnownColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
 use crate::motion::Grid;
 use crate::parameters::Parameters;
@@ -42,6 +43,10 @@ pub(crate) struct Experiment<'a> {
     pub wheels_smooth: bool,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
+    /// Columns of the known numbers, where they are unknowns.
+    pub known: Option<Arc<KnownColumns>>,
+    /// The last of them that were made.
+    pub kept: KeptColumns,
     /// Whether evaluations keep every whitened row.
     pub keep_rows: bool,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
@@ -84,6 +89,8 @@ impl<'a> Experiment<'a> {
             coordinates: Coordinates::default(),
             wheels_smooth: false,
             fineness: Fineness::default(),
+            known: None,
+            kept: KeptColumns::default(),
             keep_rows: false,
             grids: Arc::default(),
             curves: Arc::default(),
@@ -103,6 +110,8 @@ impl<'a> Experiment<'a> {
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
             fineness: self.fineness,
+            known: self.known.clone(),
+            kept: Arc::clone(&self.kept),
             keep_rows: self.keep_rows,
             grids: Arc::clone(&self.grids),
             curves: Arc::clone(&self.curves),
@@ -115,7 +124,23 @@ impl<'a> Experiment<'a> {
             problem,
             curves: Arc::default(),
             grids: Arc::default(),
+            kept: KeptColumns::default(),
             ..self.with_parameters(self.parameters)
+        }
+    }
+
+    /// The same readings of a vehicle whose known numbers differ: the steps of the motion stay.
+    pub fn of_vehicle<'b>(
+        &'b self,
+        problem: &'b Problem<'b>,
+        parameters: &'b Parameters,
+    ) -> Experiment<'b> {
+        let wheels = problem.model.wheels.iter();
+        Experiment {
+            problem,
+            nominal_spin: wheels.map(|w| w.spin_inertia).collect(),
+            thrusters: problem.model.thrusters.clone(),
+            ..self.with_parameters(parameters)
         }
     }
 
@@ -134,6 +159,7 @@ impl<'a> Experiment<'a> {
             grids: self.grids(),
             factor: self.fineness.factor,
             bends: self.bends(),
+            known: self.known.as_deref(),
             keep_rows: self.keep_rows,
             // More segments keep the cores busy, and so do other problems solved at the same time.
             split: self.problem.segments.len() == 1
@@ -190,6 +216,20 @@ impl<'a> Experiment<'a> {
 
     /// All segments at a point; `None` where the vehicle cannot move as predicted.
     pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        if !self.parameters.has_known() {
+            return self.evaluate_here(at, with_sensitivities);
+        }
+        // The vehicle with its known numbers where the point has them.
+        let centre = Centre::at(self.problem, self.parameters, &at.x)?;
+        let problem = centre.problem(self.problem);
+        let mut there = self.of_vehicle(&problem, &centre.parameters);
+        if with_sensitivities {
+            there.known = Some(columns_at(self, at)?);
+        }
+        there.evaluate_here(at, with_sensitivities)
+    }
+
+    fn evaluate_here(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
         let setting = self.setting();
         let one = |((segment, head), unknown): ((_, &Head), &HeadColumns)| {
             evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
@@ -244,6 +284,23 @@ impl<'a> Experiment<'a> {
             });
         }
         stacked.finish()
+    }
+
+    /// Spectrum of the shared unknowns within the directions that the data determine where every known number is exact;
+    /// beside it the one of exact known numbers, where any is uncertain.
+    pub fn spectra(
+        &self,
+        stacked: &Triangle,
+        shared: &Shared,
+        evaluated: &[Evaluated],
+    ) -> Result<(Spectrum, Option<Spectrum>), NotFinite> {
+        if !self.parameters.has_known() {
+            return Ok((self.spectrum(shared, evaluated)?, None));
+        }
+        let exact = self.spectrum(&Shared::exact(self.parameters, stacked), evaluated)?;
+        let nothing = vec![0.0; shared.mass * shared.mass];
+        let own = Spectrum::within(&shared.block(), &nothing, &exact)?;
+        Ok((own, Some(exact)))
     }
 
     /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy is for the judge of the answer; held to it,

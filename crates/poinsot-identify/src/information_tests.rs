@@ -19,6 +19,7 @@ use poinsot_model::{Model, SensorKind, parse_model};
 
 const MODEL: &str = r#"
 schema = "poinsot.model/1"
+exact = true
 name = "everything unknown"
 
 [[body]]

@@ -7,6 +7,7 @@
 mod answer;
 mod answer_body;
 mod answer_covariance;
+mod answer_known;
 mod answer_momentum;
 mod bound;
 mod coarse;
@@ -26,6 +27,7 @@ mod information;
 mod information_tests;
 mod input_curves;
 mod input_noise;
+mod known;
 mod likelihood;
 mod linear;
 mod loss;
@@ -46,6 +48,7 @@ mod sensors;
 mod solved;
 mod trust;
 mod vehicle;
+mod wanted;
 mod words;
 
 pub use bound::cramer_rao;
@@ -57,8 +60,9 @@ pub use diagnosis::{
     Suspect,
 };
 pub use estimate::{
-    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, MethodReport,
-    MomentumEstimate, NamedNumber, Number, OpenCombination, Principal, SegmentFit, Source, Status,
+    BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,
+    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, OpenCombination, Principal,
+    SegmentFit, Source, Status,
 };
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};
 pub use held_back::{HeldBack, held_back};
@@ -68,8 +72,8 @@ pub use loss::Loss;
 pub use maximum_likelihood::{SENSITIVE, maximum_likelihood, maximum_likelihood_with};
 pub use octaves::Octave;
 pub use parameters::{
-    Equations, ErrorGroup, Parameters, ParametersError, TENSOR, Unknown, UnknownKind, axis_name,
-    tensor_name,
+    Equations, ErrorGroup, KnownUnknown, Parameters, ParametersError, TENSOR, Unknown, UnknownKind,
+    axis_name, tensor_name,
 };
 pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::{
@@ -81,3 +85,4 @@ pub use segment::{
     Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, SensorRecord,
     SensorSample, SensorValue, Translation,
 };
+pub use wanted::{Information, WantedNumber, WantedTerm};

@@ -1,11 +1,14 @@
 //! Predicted against measured: whitened residuals of one segment and their sensitivities.
 
+mod carried;
 mod colour;
 mod follow;
 mod head;
 mod rate_noise;
 mod side_by_side;
 
+use carried::Carried;
+pub(crate) use carried::KnownColumns;
 pub(crate) use head::{Head, HeadColumns, Sight, start};
 
 use crate::input_curves::InputCurves;
@@ -26,6 +29,7 @@ use rate_noise::RateNoise;
 use side_by_side::compare_all;
 
 /// What stays the same over all evaluations.
+#[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
     pub tree: &'a Tree,
     pub thrusters: &'a [Thruster],
@@ -45,6 +49,8 @@ pub(crate) struct Setting<'a> {
     pub bends: bool,
     /// Whether every whitened row is kept beside the triangle.
     pub keep_rows: bool,
+    /// How the known numbers move the predictions, where that is asked.
+    pub known: Option<&'a KnownColumns>,
     /// Whether a second thread may follow the motion while this one compares.
     pub split: bool,
 }
@@ -73,6 +79,7 @@ pub(crate) struct ChannelResidual {
 }
 
 /// One segment at one value of all unknowns.
+#[derive(Clone)]
 pub(crate) struct Evaluated {
     pub triangle: Option<Triangle>,
     /// Weighted sum of squares; plain for the Gaussian loss.
@@ -125,6 +132,45 @@ pub(crate) fn evaluate(
     unknown: HeadColumns,
     with_sensitivities: bool,
 ) -> Option<Evaluated> {
+    // Known numbers do not enter the motion: their columns come ready, and act on what is compared.
+    let whole = setting.parameters;
+    if !whole.has_known() {
+        return evaluate_driven(
+            setting,
+            (index, segment),
+            x,
+            head,
+            (unknown, with_sensitivities),
+            None,
+        );
+    }
+    let (reduced, kept) = whole.without_known();
+    let carried = Carried::new(setting, (index, segment), x, kept);
+    let driving = carried.driving(x);
+    let setting = Setting {
+        parameters: &reduced,
+        ..*setting
+    };
+    let asked = (unknown, with_sensitivities);
+    evaluate_driven(
+        &setting,
+        (index, segment),
+        &driving,
+        head,
+        asked,
+        Some(carried),
+    )
+}
+
+/// The same of unknowns that drive the motion or the sensors; `carried` ones act on what is compared alone.
+fn evaluate_driven(
+    setting: &Setting,
+    (index, segment): (usize, &Segment),
+    x: &[f64],
+    head: &Head,
+    (unknown, with_sensitivities): (HeadColumns, bool),
+    carried: Option<Carried>,
+) -> Option<Evaluated> {
     let tree = tilted(setting.tree, setting.parameters, x);
     let mut vehicle = Vehicle::new(
         &tree,
@@ -147,6 +193,7 @@ pub(crate) fn evaluate(
     };
     let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
+    compare.carry(carried);
     let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
     let noise = (setting.noise, setting.random_torque);
     compare.inputs = InputNoise::new(noise, segment, forced, compare.followed());
@@ -181,6 +228,8 @@ struct Compare<'a> {
     kept: KeptRows,
     /// Grid time in hand.
     now: usize,
+    /// Known numbers, where they are unknowns.
+    carried: Option<Carried<'a>>,
 }
 
 impl<'a> Compare<'a> {
@@ -206,7 +255,22 @@ impl<'a> Compare<'a> {
             ideal: Ideal::default(),
             kept: KeptRows::default(),
             now: 0,
+            carried: None,
         }
+    }
+
+    /// Takes known numbers in: the triangle gets their columns.
+    fn carry(&mut self, carried: Option<Carried<'a>>) {
+        self.carried = carried;
+        if self.qr.is_some() {
+            self.qr = Some(BlockQr::new(self.width()));
+        }
+    }
+
+    /// Columns of the triangle: head, all unknowns, residual.
+    fn width(&self) -> usize {
+        let own = self.head + self.setting.parameters.len() + 1;
+        own + self.carried.as_ref().map_or(0, Carried::len)
     }
 
     /// Sequences that go through the filter of the inputs: sensitivities and the residual.
@@ -244,6 +308,7 @@ impl<'a> Compare<'a> {
     /// `noise` is the covariance of what is new at this time, `sensor` the part of it that no input causes.
     fn take(
         &mut self,
+        i: usize,
         slopes: &[Vector3],
         noise: &Matrix3,
         sensor: &Matrix3,
@@ -269,6 +334,10 @@ impl<'a> Compare<'a> {
         let inverse_root = root.solve_lower_triangular(&Matrix3::identity())?;
         self.inputs
             .take(slopes, &correlation, &inverse_root, &mut rows);
+        if let Some(carried) = self.carried.as_ref().filter(|_| self.qr.is_some()) {
+            let reading = self.followers[i].channel.white.len();
+            rows = carried.widened(&rows, (i, reading), (self.head, weight.sqrt()));
+        }
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| rows[j][i]);
         }
@@ -286,7 +355,7 @@ impl<'a> Compare<'a> {
         let sigma = std::f64::consts::PI;
         let residual = -R_NB.scaled_axis() / sigma;
         self.log_det += residual.norm_squared();
-        let last = self.followed() - 1;
+        let last = self.width() - 1;
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| match j {
                 j if j == i => 1.0 / sigma,

@@ -244,6 +244,7 @@ fn conclude(
     let accuracy = problem.relative_accuracy;
     let spectrum = Spectrum::new(&block, &natural, &block_noise, size, accuracy)?;
     let mut solved = Solved {
+        known: None,
         method: "linear",
         x: parameters.nominal_vector(),
         parameters,

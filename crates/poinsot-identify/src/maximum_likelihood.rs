@@ -6,13 +6,14 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
-use crate::conflict::{self, conflict};
+use crate::conflict::{self, Conflict, conflict};
 use crate::coordinates::FitOptions;
 use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
 use crate::information::{Experiment, Point};
 use crate::input_curves::beyond_the_readings;
+use crate::known::{Centre, Effects, fit_known};
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
@@ -46,15 +47,21 @@ pub fn maximum_likelihood_with(
     problem: &Problem,
     options: impl Into<FitOptions>,
 ) -> Result<Estimate, ProblemError> {
-    let (solved, _) = solve(problem, options.into())?;
-    Ok(answer::write(problem, &solved))
+    let ended = solve(problem, options.into())?;
+    Ok(answer::write(problem, &ended.solved))
 }
 
-/// The solved problem, and the value of all unknowns where the fit ended.
-pub(crate) fn solve(
-    problem: &Problem,
-    options: FitOptions,
-) -> Result<(Solved, Point), ProblemError> {
+/// A solved problem.
+pub(crate) struct Ended {
+    pub solved: Solved,
+    /// Value of all unknowns where the fit ended.
+    pub at: Point,
+    /// The vehicle with its known numbers where the data and their uncertainty put them.
+    pub centre: Option<Centre>,
+}
+
+/// The solved problem, and where the fit ended.
+pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
     let (parameters, linear) = match solve_linear(problem) {
@@ -96,22 +103,25 @@ pub(crate) fn solve(
         Some(solved) => solved.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
-    let mut found = if options.undiagnosed {
-        Diagnostics::default()
-    } else {
-        diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted))
-    };
-    let (conflict, freed) = conflict(&experiment, &fitted, !options.undiagnosed);
-    if let Some(conflict) = &conflict {
-        if let Some(freed) = freed {
-            (found.suspects, found.findings) = (freed.suspects, freed.findings);
-            (found.lags, found.drift, found.lines) = (freed.lags, freed.drift, freed.lines);
+    let known = fit_known(&experiment, &fitted);
+    let (mut solved, at) = match &known {
+        None => {
+            let end = (fitted, None, None);
+            judged(&experiment, end, explained, options.undiagnosed)
         }
-        found.findings.insert(0, conflict::finding(conflict));
-    }
-    let at = fitted.at.clone();
-    let mut solved = conclude(&experiment, fitted, explained, found);
-    solved.conflict = conflict;
+        Some(known) => {
+            let wide = known.experiment(&experiment);
+            let looked_at = known.left.then_some((&experiment, &fitted));
+            let end = known.fitted.clone();
+            let contradiction = known.contradiction.clone();
+            let end = (end, looked_at, contradiction);
+            judged(&wide, end, explained, options.undiagnosed)
+        }
+    };
+    let centre = match &known {
+        Some(_) => Centre::at(problem, &solved.parameters, &at.x),
+        None => None,
+    };
     solved.assumptions = assumptions;
     if let Some(warning) = crate::input_noise::approximate(problem) {
         solved.warnings.push(warning);
@@ -139,7 +149,34 @@ pub(crate) fn solve(
     if let Some(found) = &mut solved.diagnostics {
         found.shift_between_readings = shift;
     }
-    Ok((solved, at))
+    Ok(Ended { solved, at, centre })
+}
+
+/// Diagnoses a fit and concludes. `looked_at` is diagnosed instead, where known numbers do not explain a misfit.
+fn judged(
+    experiment: &Experiment,
+    (fitted, looked_at, contradiction): (Fitted, Option<(&Experiment, &Fitted)>, Option<Conflict>),
+    explained: Option<f64>,
+    undiagnosed: bool,
+) -> (Solved, Point) {
+    let (of, end) = looked_at.unwrap_or((experiment, &fitted));
+    let mut found = match undiagnosed {
+        true => Diagnostics::default(),
+        false => diagnose(of, end, fitted_numbers(of, end)),
+    };
+    let (conflict, freed) = conflict(of, end, !undiagnosed);
+    let conflict = conflict.or(contradiction);
+    if let Some(conflict) = &conflict {
+        if let Some(freed) = freed {
+            (found.suspects, found.findings) = (freed.suspects, freed.findings);
+            (found.lags, found.drift, found.lines) = (freed.lags, freed.drift, freed.lines);
+        }
+        found.findings.insert(0, conflict::finding(conflict));
+    }
+    let at = fitted.at.clone();
+    let mut solved = conclude(experiment, fitted, explained, found);
+    solved.conflict = conflict;
+    (solved, at)
 }
 
 /// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that the data prefer err
@@ -354,15 +391,21 @@ pub(crate) fn conclude(
                 .collect(),
         })
         .collect();
-    // The fit moves whatever the data hold; what counts as known is asked afterwards.
+    // The fit moves whatever the data hold; what counts as known is asked afterwards, of exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
+    let known = Effects::new(experiment, &fitted).ok().flatten();
+    let nothing = vec![0.0; fitted.shared.mass * fitted.shared.mass];
+    let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), &nothing, &k.exact).ok();
+    let spectrum = known.as_ref().and_then(within);
+    let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));
     Solved {
         method: "maximum_likelihood",
         residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
         x: fitted.at.x,
         shared: fitted.shared,
-        spectrum: judged(fitted.spectrum),
+        spectrum,
+        known,
         data_alone: fitted.data_alone.map(judged),
         conflict: None,
         explained,
@@ -391,7 +434,12 @@ pub(crate) fn conclude(
 /// directions of the mass properties that are not left open.
 pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
     let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
-    heads + fitted.spectrum.rank + fitted.shared.nuisances
+    let known = crate::known::places(experiment.parameters).len();
+    let of_known = match known {
+        0 => 0.0,
+        _ => crate::known::determined(experiment.parameters, fitted),
+    };
+    heads + fitted.spectrum.rank + fitted.shared.nuisances - known + of_known.round() as usize
 }
 
 pub(crate) fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {

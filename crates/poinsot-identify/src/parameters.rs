@@ -5,7 +5,7 @@ mod kind;
 mod nuisances;
 mod sensor_errors;
 
-pub use kind::UnknownKind;
+pub use kind::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
 pub(crate) use sensor_errors::{declared, reading_unit};
 
@@ -172,6 +172,38 @@ impl Parameters {
         };
         parameters.add_nuisances(model, tree);
         parameters
+    }
+
+    /// The same unknowns of a vehicle whose known numbers differ; `None` where the question cannot be asked of it.
+    pub(crate) fn of_vehicle(&self, model: &Model, tree: &Tree) -> Option<Self> {
+        let fires = self.unknowns.iter();
+        let fires = fires
+            .clone()
+            .any(|u| matches!(u.kind, UnknownKind::MassCentre(_)));
+        let other = Self::new(model, tree, self.equations, fires).ok()?;
+        let mut out = self.clone();
+        (out.known, out.nominal) = (other.known, other.nominal);
+        out.nominal_properties = other.nominal_properties;
+        out.wheel_axes = other.wheel_axes;
+        let own = out.unknowns.iter_mut().zip(other.unknowns);
+        for (unknown, new) in own.take(self.mass_unknowns) {
+            unknown.kind = new.kind;
+        }
+        Some(out)
+    }
+
+    /// These unknowns without the known numbers, and the place of each in the whole list.
+    pub(crate) fn without_known(&self) -> (Self, Vec<usize>) {
+        let asked = |k: &usize| self.unknowns[*k].kind.known().is_none();
+        let kept: Vec<usize> = (0..self.len()).filter(asked).collect();
+        let mut out = self.clone();
+        out.unknowns.retain(|u| u.kind.known().is_none());
+        (out, kept)
+    }
+
+    /// Whether any known number is among the unknowns.
+    pub(crate) fn has_known(&self) -> bool {
+        self.unknowns.iter().any(|u| u.kind.known().is_some())
     }
 
     fn push(
@@ -364,7 +396,8 @@ impl Parameters {
         self.unknowns
             .iter()
             .map(|unknown| match &unknown.kind {
-                UnknownKind::Barycentric(column) => column
+                UnknownKind::Barycentric(column)
+                | UnknownKind::Known(KnownUnknown { slopes: column, .. }) => column
                     .iter()
                     .filter_map(|(at, c)| slot(at).map(|g| c * g))
                     .sum(),

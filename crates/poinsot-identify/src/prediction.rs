@@ -9,7 +9,7 @@ use crate::fit::fit_starts;
 use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, Head, start};
 use crate::linear::{linear, solve_linear};
-use crate::maximum_likelihood::solve;
+use crate::maximum_likelihood::{Ended, solve};
 use crate::motion::{Instant, Motion, State};
 use crate::parameters::{Equations, Parameters, ParametersError, reading_unit};
 use crate::problem::{Problem, ProblemError};
@@ -95,8 +95,9 @@ pub fn maximum_likelihood_predicted(
     options: impl Into<FitOptions>,
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
-    let (solved, at) = solve(problem, options.into())?;
-    let mut experiment = Experiment::new(problem, &solved.parameters);
+    let Ended { solved, at, centre } = solve(problem, options.into())?;
+    let moved = centre.as_ref().map(|c| c.problem(problem));
+    let mut experiment = Experiment::new(moved.as_ref().unwrap_or(problem), &solved.parameters);
     experiment.wheels_smooth = solved.wheels_smooth;
     let predictions = predict(&experiment, &at, points);
     Ok((answer::write_with_remedies(problem, &solved), predictions))

@@ -64,6 +64,7 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
         let joint = problem.tree.coordinates.get(k)?;
         reads(SensorKind::JointPosition, &[*joint])
     };
+    known_numbers(parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let around = &problem.model.environment;
         let declared = match unknown.kind {
@@ -100,6 +101,28 @@ fn declared_of(unknown: &Unknown, sigma: f64) -> Declared {
         unit: unknown.unit,
         nominal: unknown.nominal,
         sigma,
+    }
+}
+
+/// Known numbers about the values of the model: deviations over the root of their declared covariance.
+fn known_numbers(parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
+    let places = crate::known::places(parameters);
+    if places.is_empty() {
+        return;
+    }
+    let covariance = crate::known::declared_covariance(parameters);
+    let n = places.len();
+    let root = covariance.cholesky().map(|c| c.l());
+    let inverse = root.and_then(|l| l.solve_lower_triangular(&DMatrix::identity(n, n)));
+    let Some(inverse) = inverse else { return };
+    for i in 0..n {
+        let mut gradient = vec![0.0; x.len()];
+        let mut residual = 0.0;
+        for (j, place) in places.iter().enumerate().take(i + 1) {
+            gradient[*place] = inverse[(i, j)];
+            residual -= inverse[(i, j)] * (x[*place] - parameters.unknowns[*place].nominal);
+        }
+        out.push(gradient, residual, None);
     }
 }
 

@@ -504,6 +504,7 @@ impl<'a> Ground<'a> {
             curves.push(InputCurves::new(o, &trial.noise));
         }
         let setting = Setting {
+            known: None,
             tree: self.problem.tree,
             thrusters: &trial.thrusters,
             parameters: &self.parameters,

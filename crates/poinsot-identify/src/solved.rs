@@ -3,6 +3,7 @@
 use crate::conflict::Conflict;
 use crate::estimate::SegmentFit;
 use crate::fit::Held;
+use crate::known::Effects;
 use crate::parameters::Parameters;
 use crate::rows::StartMomentum;
 use faer::Mat;
@@ -12,6 +13,7 @@ use poinsot_solve::{BlockQr, Spectrum, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.
+#[derive(Clone)]
 pub(crate) struct Shared {
     pub r: Mat<f64>,
     /// Number of nuisances in front.
@@ -35,6 +37,17 @@ impl Shared {
             nuisances: front.len(),
             mass: back.len(),
         }
+    }
+
+    /// The same with every known number held at its value.
+    pub fn exact(parameters: &Parameters, stacked: &Triangle) -> Self {
+        let (reduced, kept) = parameters.without_known();
+        let last = stacked.r.ncols() - 1;
+        let mut fewer = BlockQr::new(kept.len() + 1);
+        fewer.push(stacked.r.nrows(), |i, j| {
+            stacked.r[(i, kept.get(j).copied().unwrap_or(last))]
+        });
+        Self::new(&reduced, &fewer.finish())
     }
 
     /// The same with a damping of the nuisances, in units of which are given: `damping |b / unit|^2` is added.
@@ -233,6 +246,8 @@ pub(crate) struct Solved {
     pub conflict: Option<Conflict>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
     pub adds_up: bool,
+    /// How the answer depends on the known numbers, where any is uncertain.
+    pub known: Option<Effects>,
     /// What is not measured well enough for the answer to be relied on.
     pub sensitive_to: Vec<&'static str>,
     /// Whether the residual speaks against a rigid vehicle.

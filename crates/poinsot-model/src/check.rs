@@ -3,6 +3,7 @@
 
 use crate::check_body::{check_bodies, check_massless, check_together};
 use crate::check_joint::check_joints;
+use crate::check_known::check_known;
 use crate::check_name::check_names;
 use crate::check_rest::{check_environment, check_momentum, check_thrusters, check_wheels};
 use crate::check_sensor::check_sensors;
@@ -10,6 +11,7 @@ use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
 use crate::file::ModelFile;
 use crate::finding::{Findings, Key};
+use crate::known::Knowledge;
 use crate::vehicle::Model;
 
 /// More bodies than this are refused.
@@ -84,7 +86,7 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         findings,
     );
     let sensors = check_sensors(file, &resolve, &body_names, findings);
-    let model = Model {
+    let mut model = Model {
         name: file.name.clone().unwrap_or_else(|| "vehicle".to_owned()),
         bodies: model_bodies,
         joints,
@@ -94,8 +96,10 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         momentum: check_momentum(file.momentum.as_ref()),
         environment: check_environment(file.environment.as_ref(), findings),
         telemetry: check_telemetry(file.telemetry.as_ref(), Some(file), findings),
+        knowledge: Knowledge::default(),
         notes: Vec::new(),
     };
+    model.knowledge = check_known(file, &model, findings);
     // These read the whole tree, which exists only if every body and joint was accepted.
     if model.bodies.len() == bodies.len() && model.joints.len() == joint_files.len() {
         check_massless(&model, &order, findings);

@@ -83,7 +83,7 @@ pub(crate) fn check_sensors(
 /// Smallest noise that is taken for one.
 const SMALLEST_NOISE: f64 = 1e-100;
 
-fn kind_of(file: SensorType) -> SensorKind {
+pub(crate) fn kind_of(file: SensorType) -> SensorKind {
     match file {
         SensorType::Gyro => SensorKind::Gyro,
         SensorType::Attitude => SensorKind::Attitude,

@@ -8,6 +8,7 @@
 mod check;
 mod check_body;
 mod check_joint;
+mod check_known;
 mod check_name;
 mod check_rest;
 mod check_rotation;
@@ -20,7 +21,9 @@ mod document;
 mod file;
 mod finding;
 mod kinematic;
+mod known;
 mod number;
+mod patch;
 mod read;
 mod schema;
 mod shape;
@@ -32,12 +35,14 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
+pub use known::{Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across};
 pub use number::rounded;
+pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{
     MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
 };
 pub use schema::model_schema;
-pub use urdf::{LinkInertial, Urdf, UrdfDefect, UrdfExport, export_urdf, parse_urdf, read_urdf};
+pub use urdf::{Urdf, UrdfDefect, parse_urdf, read_urdf};
 pub use vehicle::*;
 pub use write::write_model;

@@ -1,5 +1,6 @@
 //! The vehicle as the rest of the program sees it: checked, in SI, names resolved to indices.
 
+use crate::known::{Knowledge, across};
 pub use poinsot_dynamics::{Nuisance, Orbit, Sensor, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
@@ -25,6 +26,8 @@ pub struct Model {
     pub environment: Environment,
     /// How columns of a telemetry file become channels.
     pub telemetry: TelemetryMap,
+    /// How well the known numbers are known.
+    pub knowledge: Knowledge,
     /// What the reader changed or found remarkable, in plain words; never an error.
     pub notes: Vec<String>,
 }
@@ -159,17 +162,7 @@ impl Wheel {
     /// axis that lies most across it, made square to it, and the one that completes `axis, first, second` to a
     /// right-handed triad.
     pub fn tilt_axes(&self) -> [Vector3; 2] {
-        let a = self.axis_B;
-        let across = a
-            .iter()
-            .enumerate()
-            .fold((0, f64::INFINITY), |best, (k, x)| {
-                if x.abs() < best.1 { (k, x.abs()) } else { best }
-            });
-        let mut e = Vector3::zeros();
-        e[across.0] = 1.0;
-        let first = (e - a * a.dot(&e)).normalize();
-        [first, a.cross(&first)]
+        across(&self.axis_B)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A checked vehicle as a `poinsot.model/1` file that reads back equal.
 
+use crate::known::{KnownNumber, Origin};
 use crate::vehicle::{
     Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
 };
@@ -14,13 +15,32 @@ pub fn write_model(model: &Model) -> String {
     let mut out = String::new();
     line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));
     line(&mut out, "name", quoted(&model.name));
-    for body in &model.bodies {
+    if model.knowledge.uncertain.is_empty() {
+        line(&mut out, "exact", "true".to_owned());
+    } else if !model.knowledge.assumed {
+        line(&mut out, "source", quoted(Origin::Cad.word()));
+    }
+    if let Some(factor) = model.knowledge.nominal_within {
+        line(&mut out, "nominal_within", number(factor));
+    }
+    for (k, body) in model.bodies.iter().enumerate() {
         write_body(&mut out, body);
+        let numbers = [
+            ("mass", KnownNumber::Mass(k)),
+            ("com_m", KnownNumber::MassCentre(k)),
+            ("inertia", KnownNumber::Inertia(k)),
+        ];
+        uncertainty(&mut out, model, &numbers);
     }
-    for joint in &model.joints {
+    for (k, joint) in model.joints.iter().enumerate() {
         write_joint(&mut out, model, joint);
+        let numbers = [
+            ("origin_m", KnownNumber::JointOrigin(k)),
+            ("axis_rad", KnownNumber::JointAxis(k)),
+        ];
+        uncertainty(&mut out, model, &numbers);
     }
-    for wheel in &model.wheels {
+    for (k, wheel) in model.wheels.iter().enumerate() {
         section(&mut out, "[[wheel]]");
         line(&mut out, "name", quoted(&wheel.name));
         line(&mut out, "body", body_name(model, wheel.body));
@@ -30,17 +50,35 @@ pub fn write_model(model: &Model) -> String {
             line(&mut out, "estimate", "true".to_owned());
         }
         nuisance(&mut out, "misalignment", wheel.misalignment, "sigma_rad");
+        let numbers = [
+            ("spin_inertia", KnownNumber::SpinInertia(k)),
+            ("axis_rad", KnownNumber::WheelAxis(k)),
+        ];
+        uncertainty(&mut out, model, &numbers);
     }
-    for thruster in &model.thrusters {
+    for (k, thruster) in model.thrusters.iter().enumerate() {
         section(&mut out, "[[thruster]]");
         line(&mut out, "name", quoted(&thruster.name));
         line(&mut out, "body", body_name(model, thruster.body));
         line(&mut out, "position_m", vector(&thruster.p_BoT_B));
         line(&mut out, "force_direction", vector(&thruster.direction_B));
         nuisance(&mut out, "scale", thruster.scale, "sigma");
+        let numbers = [
+            ("force", KnownNumber::Force(k)),
+            ("direction_rad", KnownNumber::ForceDirection(k)),
+            ("position_m", KnownNumber::ForcePosition(k)),
+        ];
+        uncertainty(&mut out, model, &numbers);
     }
-    for sensor in &model.sensors {
+    for (k, sensor) in model.sensors.iter().enumerate() {
         write_sensor(&mut out, model, sensor);
+        if sensor.turns() {
+            uncertainty(
+                &mut out,
+                model,
+                &[("mounting_rad", KnownNumber::Mounting(k))],
+            );
+        }
     }
     section(&mut out, "[momentum]");
     line(&mut out, "linear_N_s", momentum(model.momentum.linear));
@@ -48,6 +86,25 @@ pub fn write_model(model: &Model) -> String {
     write_environment(&mut out, model);
     crate::write_telemetry::write_telemetry(&mut out, &model.telemetry);
     out
+}
+
+/// Uncertainties of one table that are not those of a drawing.
+fn uncertainty(out: &mut String, model: &Model, numbers: &[(&str, KnownNumber)]) {
+    let knowledge = &model.knowledge;
+    if knowledge.uncertain.is_empty() {
+        return;
+    }
+    let entries: Vec<String> = numbers
+        .iter()
+        .filter_map(|(key, of)| {
+            let found = knowledge.uncertain.iter().find(|u| u.number == *of);
+            let sigma = found.map_or(0.0, |u| u.sigma);
+            (sigma != of.usual_sigma(Origin::Cad)).then(|| format!("{key} = {}", number(sigma)))
+        })
+        .collect();
+    if !entries.is_empty() {
+        line(out, "uncertainty", format!("{{ {} }}", entries.join(", ")));
+    }
 }
 
 fn write_body(out: &mut String, body: &Body) {

@@ -4,9 +4,9 @@ use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
 use poinsot_formats::{
     BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, Elements,
-    EpochFile, EstimateFile, IdentifiabilityFile, InputFile, MethodReportFile, MomentumFile,
-    NumberFile, PrincipalFile, ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile,
-    TensorFile, UndeterminedFile, VectorFile, finite,
+    EpochFile, EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile,
+    MomentumFile, NumberFile, PrincipalFile, ReportedNumberFile, SegmentFitFile, SensitivityFile,
+    SensorFitFile, SystemFile, TensorFile, UndeterminedFile, VectorFile, finite,
 };
 use poinsot_identify::{
     BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, SegmentFit,
@@ -40,6 +40,7 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         identifiability: identifiability(&e.identifiability),
         fit: e.fit.iter().map(segment_fit).collect(),
         diagnostics: e.diagnostics.as_ref().map(diagnostics_file),
+        known_numbers: known_numbers(e),
         covariance_trustworthy: e.covariance_trustworthy,
         doubts: e.doubts.clone(),
         method_report: e.method_report.as_ref().map(method_report),
@@ -161,6 +162,36 @@ fn nuisance(e: &Estimate) -> indexmap::IndexMap<String, NumberFile> {
         (format!("{}{unit}", n.name), number(&n.number))
     })
     .collect()
+}
+
+fn known_numbers(e: &Estimate) -> KnownNumbersFile {
+    let known = &e.known_numbers;
+    let named = |list: &[Option<f64>]| {
+        let pairs = e.covariance_names.iter().zip(list);
+        pairs
+            .filter_map(|(name, x)| Some((name.clone(), (*x).and_then(finite)?)))
+            .collect()
+    };
+    KnownNumbersFile {
+        exact: known.exact,
+        source_assumed: known.assumed,
+        sigma_data: named(&known.sigma_data),
+        sensitivities: known
+            .effects
+            .iter()
+            .map(|n| SensitivityFile {
+                number: n.name.clone(),
+                unit: n.unit.to_owned(),
+                value: n.value,
+                sigma: n.sigma,
+                estimate: n.estimated.map(|e| e.0),
+                estimate_sigma: n.estimated.map(|e| e.1),
+                step: n.step_words.to_owned(),
+                change: named(&n.changes),
+                variance_share: named(&n.shares),
+            })
+            .collect(),
+    }
 }
 
 /// What the data determine and what they do not, as in the result file.

@@ -3,8 +3,12 @@
 use crate::estimate_file::{component, inertia_entries};
 use crate::identify::Identified;
 use crate::verdict::Standing;
-use poinsot_identify::{BodyEstimate, Number, OpenCombination, Source, Status};
+use poinsot_identify::{BodyEstimate, Estimate, Number, OpenCombination, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
+
+/// What is said where the model leaves open how good its known numbers are.
+pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are uncertain as those of a drawing (\"cad\"). \
+     Write source = \"measured\", source = \"cad\" or exact = true into the model.";
 
 /// Combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
@@ -18,6 +22,10 @@ pub fn estimate_document(identified: &Identified) -> Document {
         _ => Tone::Bad,
     };
     let mut document = Document::new(verdict(identified)).toned(tone);
+    if e.known_numbers.assumed {
+        let line = vec![ASSUMED.to_owned()];
+        document.push(Section::list("known numbers", line).toned(Tone::Fair));
+    }
     for body in e.bodies.iter().filter(|b| b.asked) {
         document.push(body_section(body, e.status));
     }
@@ -77,6 +85,12 @@ pub fn estimate_document(identified: &Identified) -> Document {
         section.note = Some(report.note.clone());
         document.push(section);
     }
+    if let Some(section) = sensitivities(e) {
+        document.push(section);
+    } else if e.known_numbers.exact {
+        let line = "all taken as exact, as the model declares".to_owned();
+        document.push(Section::list("known numbers", vec![line]));
+    }
     document.push(fit(identified));
     let found: Vec<String> = identified
         .findings
@@ -116,12 +130,14 @@ fn verdict(identified: &Identified) -> String {
         doubts: &e.doubts,
         chi2: e.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max),
     };
+    let combinations = match e.status {
+        Status::Rejected | Status::IterationLimit => String::new(),
+        _ => format!("{} of {} combinations; ", i.rank, i.parameters),
+    };
     format!(
-        "{}: {} ({} of {} combinations; method {})",
+        "{}: {} ({combinations}method {})",
         identified.model.name,
         standing.headline(),
-        i.rank,
-        i.parameters,
         e.method
     )
 }
@@ -224,6 +240,55 @@ fn determined(identified: &Identified) -> Section {
         ));
     }
     section
+}
+
+/// Known numbers and the number of the answer whose variance each has most of.
+fn sensitivities(e: &Estimate) -> Option<Section> {
+    let known = &e.known_numbers;
+    if known.effects.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(&[
+        "known number",
+        "1 sigma",
+        "with the data",
+        "unit",
+        "most sensitive",
+        "step",
+        "change",
+        "share of variance",
+    ]);
+    for n in known.effects.iter().take(LISTED) {
+        let Some((at, share)) = n.largest() else {
+            continue;
+        };
+        let change = n.changes.get(at).copied().flatten().unwrap_or(0.0);
+        let unit = e.covariance_units.get(at).copied().unwrap_or("");
+        table.push(vec![
+            n.name.clone(),
+            format!("{:.1e}", n.sigma),
+            n.estimated.map_or_else(
+                || "as declared".to_owned(),
+                |(value, sigma)| {
+                    let (value, sigma) = number_with_sigma(Some(value), Some(sigma));
+                    format!("{value} ± {sigma}")
+                },
+            ),
+            n.unit.to_owned(),
+            e.covariance_names.get(at).cloned().unwrap_or_default(),
+            n.step_words.to_owned(),
+            format!("{change:+.2e} {unit}"),
+            format!("{:.0} %", 100.0 * share),
+        ]);
+    }
+    let mut section = Section::table("sensitivity to known numbers", table);
+    if known.effects.len() > LISTED {
+        section.note = Some(format!(
+            "and {} more known numbers in the result file",
+            known.effects.len() - LISTED
+        ));
+    }
+    Some(section)
 }
 
 fn fit(identified: &Identified) -> Section {

@@ -148,6 +148,8 @@ pub struct Validation {
     pub model: String,
     /// Path of the estimate, with its status.
     pub estimate: Option<(String, String)>,
+    /// Whether the estimate says that it may be relied on; true of a model.
+    pub relied_on: bool,
     /// What it was compared with.
     pub against: String,
     /// Path of the case.
@@ -169,10 +171,8 @@ pub struct Validation {
 impl Validation {
     /// Exit code of the command.
     pub fn exit_code(&self) -> u8 {
-        u8::from(matches!(
-            self.verdict,
-            Verdict::Differs | Verdict::Undetermined
-        ))
+        let failed = matches!(self.verdict, Verdict::Differs | Verdict::Undetermined);
+        u8::from(failed || !self.relied_on)
     }
 }
 
@@ -223,6 +223,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
     validation.model = path.display().to_string();
     if let (Some(path), Some(estimated)) = (&request.estimate, &estimated) {
         validation.estimate = Some((path.display().to_string(), estimated.status.clone()));
+        validation.relied_on = estimated.trustworthy;
         if !estimated.trustworthy {
             let warning =
                 "the estimate says that its covariance is not trustworthy; see its warnings";
@@ -285,9 +286,9 @@ impl Asked<'_> {
         let effect = self
             .completion
             .map(|c| held_back_effect(self.model, c, &table, found.chi2_per_dof));
-        let verdict = match found.chi2_per_dof <= MISFIT {
-            true => Verdict::Agrees,
-            false => Verdict::Differs,
+        let verdict = match found.beyond_noise {
+            false => Verdict::Agrees,
+            true => Verdict::Differs,
         };
         let kind = Against::HeldBack;
         let mut validation = self.answer(kind, found.compared, verdict, effect.transpose()?);
@@ -322,6 +323,7 @@ impl Asked<'_> {
             verdict: if open { Verdict::Undetermined } else { verdict },
             model: String::new(),
             estimate: None,
+            relied_on: true,
             against: self.request.against.clone(),
             case: None,
             compared,

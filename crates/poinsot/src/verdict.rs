@@ -1,5 +1,8 @@
 //! The verdict in words: one source for the terminal and the page.
 
+/// Chi-square per degree of freedom below which the declared noise is too large.
+const NOISE_TOO_LARGE: f64 = 0.5;
+
 /// What an answer says of itself; the names are those of `estimate.json`.
 pub(crate) struct Standing<'a> {
     pub status: &'a str,
@@ -32,7 +35,7 @@ impl Standing<'_> {
             let all = self.doubts.join("; ");
             return format!("The stated uncertainty is not to be relied on: {all}.");
         }
-        let words = match (self.covariance_trustworthy, self.chi2 < 0.5) {
+        let words = match (self.covariance_trustworthy, self.chi2 < NOISE_TOO_LARGE) {
             (false, _) => "The method states no uncertainty that could be relied on.",
             (true, true) => {
                 "The residuals are far smaller than the declared noise (a noise-free file, or noise declared too large); the stated uncertainty follows the declared noise."
@@ -42,6 +45,18 @@ impl Standing<'_> {
             }
         };
         words.to_owned()
+    }
+
+    /// Tone and word of the stated uncertainty: good only where numbers are stated and the residuals have the size of the
+    /// declared noise.
+    pub fn uncertainty(&self) -> (&'static str, &'static str) {
+        match self.status {
+            "rejected" | "iteration_limit" | "not_identifiable" => ("bad", "none stated"),
+            _ if !self.doubts.is_empty() => ("bad", "not to be relied on"),
+            _ if !self.covariance_trustworthy => ("fair", "none that could be relied on"),
+            _ if self.chi2 < NOISE_TOO_LARGE => ("fair", "noise declared too large"),
+            _ => ("good", "as the declared noise"),
+        }
     }
 
     /// Tone and word of the badge.
@@ -63,6 +78,24 @@ impl Standing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn regress_an_uncertainty_is_good_only_where_numbers_and_noise_are() {
+        let of = |status, chi2| {
+            let standing = Standing {
+                status,
+                covariance_trustworthy: true,
+                doubts: &[],
+                chi2,
+            };
+            standing.uncertainty().0
+        };
+        assert_eq!(of("converged", 1.0), "good");
+        assert_eq!(of("converged", 2.0e-14), "fair");
+        for status in ["rejected", "iteration_limit", "not_identifiable"] {
+            assert_eq!(of(status, 1.0), "bad");
+        }
+    }
 
     #[test]
     fn prop_no_words_call_an_answer_good_that_anything_speaks_against() {

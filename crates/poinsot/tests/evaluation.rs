@@ -198,6 +198,7 @@ fn unit_short_and_ragged_arrays_are_errors_with_a_code() {
 
 const TUG: &str = r#"
 schema = "poinsot.model/1"
+exact = true
 name = "tug"
 
 [[body]]

@@ -14,6 +14,7 @@ use std::path::Path;
 /// A tug with an arm; the true numbers.
 const VEHICLE: &str = r#"
 schema = "poinsot.model/1"
+exact = true
 name = "tug with arm"
 
 [[body]]

@@ -9,7 +9,7 @@ use std::path::Path;
 
 fn record() -> (Model, Table) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3");
-    let model = read_model(&folder.join("model.toml")).unwrap();
+    let model = read_model(folder.join("model.toml")).unwrap();
     let options = read_options(&model, &model.telemetry, false, false);
     let table = read(&[folder.join("multiaxis/telemetry_noisy.csv")], &options).unwrap();
     (model, table)

@@ -23,6 +23,7 @@ fn load(name: &str) -> (Case, Model) {
 
 /// A bus with an arm on a hinge, a sliding mass on a spring, a rod that spins about itself, and a plate.
 const MODEL: &str = r#"schema = "poinsot.model/1"
+exact = true
 [[body]]
 name = "bus"
 mass_kg = 100.0

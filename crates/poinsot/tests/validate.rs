@@ -224,6 +224,7 @@ fn exact_histories_and_their_file() {
         kind: Against::Model,
         verdict: Verdict::Compared,
         model: "a.toml".into(),
+        relied_on: true,
         estimate: None,
         against: "b.toml".into(),
         case: Some("c.toml".into()),

@@ -23,6 +23,7 @@ pub fn model(bodies: &[KitBody], wheels: &[KitWheel]) -> Model {
         momentum: Momentum::default(),
         environment: Environment::default(),
         telemetry: TelemetryMap::default(),
+        knowledge: poinsot_model::Knowledge::default(),
         notes: Vec::new(),
     };
     for (i, body) in bodies.iter().enumerate() {

@@ -6,7 +6,8 @@ use crate::likelihood::Sight;
 use crate::parameters::{ErrorGroup, Unknown, UnknownKind, axis_name};
 use crate::problem::Problem;
 use crate::segment::InputErrors;
-use poinsot_model::{JointKind, Model, SensorKind};
+use poinsot_dynamics::SensorError;
+use poinsot_model::{JointKind, KnownNumber, Model, SensorKind};
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
@@ -59,7 +60,33 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let fitted = &experiment.parameters.unknowns;
     let has = |kind: &UnknownKind| fitted.iter().any(|u| u.kind == *kind);
     list.retain(|c| !c.unknowns.iter().any(|u| has(&u.kind)));
+    // A known number within its uncertainty is an unknown already, and is tested against that.
+    let known = |kind: &UnknownKind| {
+        let number = known_number(experiment.problem.model, kind);
+        let mut all = fitted.iter().filter_map(|u| u.kind.known());
+        number.is_some_and(|n| all.any(|k| k.number == n))
+    };
+    list.retain(|c| !c.unknowns.iter().any(|u| known(&u.kind)));
     list
+}
+
+/// The number of the model that an unknown changes.
+fn known_number(model: &Model, kind: &UnknownKind) -> Option<KnownNumber> {
+    match kind {
+        UnknownKind::SpinInertia(k) => Some(KnownNumber::SpinInertia(*k)),
+        UnknownKind::WheelTilt(k, _) => Some(KnownNumber::WheelAxis(*k)),
+        UnknownKind::ThrusterScale(k) => Some(KnownNumber::Force(*k)),
+        UnknownKind::Sensor { sensor, error } => {
+            let attitude = model.sensors.get(*sensor)?.kind == SensorKind::Attitude;
+            let turns = match error {
+                SensorError::Misalignment(_) => !attitude,
+                SensorError::Bias(_) => attitude,
+                _ => false,
+            };
+            turns.then_some(KnownNumber::Mounting(*sensor))
+        }
+        _ => None,
+    }
 }
 
 /// Sensors of the model that have samples in any segment, with their names in results.

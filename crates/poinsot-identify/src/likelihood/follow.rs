@@ -156,7 +156,7 @@ impl Compare<'_> {
         self.coloured(i, sample.to, &mut rows, &mut new.errors);
         let sensor = &record.covariance;
         let common = joint_rates.take(&new.gains, sensor, &mut rows, &mut new.errors);
-        if let Some(white) = self.take(&new.errors, &(sensor + common), sensor, rows) {
+        if let Some(white) = self.take(i, &new.errors, &(sensor + common), sensor, rows) {
             self.note(i, &residual, white);
         }
     }

@@ -1,6 +1,7 @@
 //! What an unknown can be.
 
 use poinsot_dynamics::SensorError;
+use poinsot_model::KnownNumber;
 
 /// What an unknown is.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +41,21 @@ pub enum UnknownKind {
     WheelTilt(usize, usize),
     /// Component in N of a constant force, N. Only tested for.
     InertialForce(usize),
+    /// A number that the model takes as known, within its uncertainty.
+    Known(KnownUnknown),
+}
+
+/// A component of a known number with its uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownUnknown {
+    /// Which number.
+    pub number: KnownNumber,
+    /// Which component of it.
+    pub component: usize,
+    /// One sigma, in the unit of the component.
+    pub sigma: f64,
+    /// Slope of the barycentric parameters: index `10 body + k` and slope.
+    pub slopes: Vec<(usize, f64)>,
 }
 
 impl UnknownKind {
@@ -57,7 +73,16 @@ impl UnknownKind {
                 | Self::ThrusterLag(_)
                 | Self::WheelTilt(..)
                 | Self::InertialForce(_)
+                | Self::Known(_)
         )
+    }
+
+    /// The known number that it is.
+    pub fn known(&self) -> Option<&KnownUnknown> {
+        match self {
+            Self::Known(known) => Some(known),
+            _ => None,
+        }
     }
 
     /// Whether it is a force or torque from outside.

@@ -8,6 +8,7 @@ use poinsot_spatial::{UnitQuaternion, Vector3};
 
 pub const VEHICLE: &str = r#"
 schema = "poinsot.model/1"
+exact = true
 name = "two bodies"
 
 [[body]]

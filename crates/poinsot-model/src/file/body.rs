@@ -1,3 +1,4 @@
+use super::{BodyUncertaintyFile, SourceFile};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -20,6 +21,12 @@ pub(crate) struct BodyFile {
     pub estimate: Option<EstimateFile>,
     /// One sigma of the nominal values. No prior unless given.
     pub prior: Option<PriorFile>,
+    /// Where the known numbers come from: "measured" or "cad" (default). It sets how uncertain they are.
+    pub source: Option<SourceFile>,
+    /// true takes all known numbers of this table as exact.
+    pub exact: Option<bool>,
+    /// One sigma of known numbers, before the source and `exact` are asked.
+    pub uncertainty: Option<BodyUncertaintyFile>,
 }
 
 /// Inertia tensor about the mass centre, kg m2. Off-diagonal entries are tensor elements

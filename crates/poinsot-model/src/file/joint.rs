@@ -1,3 +1,4 @@
+use super::{JointUncertaintyFile, SourceFile};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -34,6 +35,12 @@ pub(crate) struct JointFile {
     /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it then
     /// moves by itself: slosh as a pendulum, a hinged panel.
     pub spring_damper: Option<SpringDamperFile>,
+    /// Where the known numbers come from: "measured" or "cad" (default). It sets how uncertain they are.
+    pub source: Option<SourceFile>,
+    /// true takes all known numbers of this table as exact.
+    pub exact: Option<bool>,
+    /// One sigma of known numbers, before the source and `exact` are asked.
+    pub uncertainty: Option<JointUncertaintyFile>,
 }
 
 /// Torque `-stiffness (q - rest) - damping q'` on the child about the joint axis (prismatic: force along it).

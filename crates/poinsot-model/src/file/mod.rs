@@ -6,6 +6,7 @@
 mod body;
 mod environment;
 mod joint;
+mod known;
 mod momentum;
 mod nuisance;
 mod sensor;
@@ -16,6 +17,10 @@ mod wheel;
 pub(crate) use body::{BodyFile, EstimateFile, InertiaFile, Parameter};
 pub(crate) use environment::{EnvironmentFile, Gravity, OrbitFile, RandomTorqueFile};
 pub(crate) use joint::{JointFile, JointType, SpringDamperFile};
+pub(crate) use known::{
+    BodyUncertaintyFile, JointUncertaintyFile, SensorUncertaintyFile, SourceFile,
+    ThrusterUncertaintyFile, WheelUncertaintyFile,
+};
 pub(crate) use momentum::{MomentumFile, MomentumVectorFile, MomentumWord};
 pub(crate) use nuisance::{NuisanceFile, NuisanceWord};
 pub(crate) use sensor::{NamesFile, NoiseFile, SensorFile, SensorType};
@@ -41,6 +46,14 @@ pub(crate) struct ModelFile {
     pub schema: Option<String>,
     /// Name of the vehicle. Default "vehicle".
     pub name: Option<String>,
+    /// Where the known numbers come from, for every table that does not say it: "measured" or "cad" (default). It sets how
+    /// uncertain they are.
+    pub source: Option<SourceFile>,
+    /// true takes all known numbers as exact, in every table that does not say otherwise.
+    pub exact: Option<bool>,
+    /// How far an answer may be from nominal before that counts against it: a factor above 1 of masses and principal moments,
+    /// and as many radii of gyration of a mass centre. Default 3.
+    pub nominal_within: Option<f64>,
     /// Bodies; the first is the base.
     #[schemars(required)]
     pub body: Option<Vec<BodyFile>>,

@@ -1,4 +1,4 @@
-use super::NuisanceFile;
+use super::{NuisanceFile, SourceFile, ThrusterUncertaintyFile};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -20,4 +20,10 @@ pub(crate) struct ThrusterFile {
     pub force_direction: Option<[f64; 3]>,
     /// Factor between declared and true thrust: "none" (default: exact), "estimate", or { sigma = x }.
     pub scale: Option<NuisanceFile>,
+    /// Where the known numbers come from: "measured" or "cad" (default). It sets how uncertain they are.
+    pub source: Option<SourceFile>,
+    /// true takes all known numbers of this table as exact.
+    pub exact: Option<bool>,
+    /// One sigma of known numbers, before the source and `exact` are asked.
+    pub uncertainty: Option<ThrusterUncertaintyFile>,
 }

@@ -1,4 +1,4 @@
-use super::NuisanceFile;
+use super::{NuisanceFile, SourceFile, WheelUncertaintyFile};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -23,4 +23,10 @@ pub(crate) struct WheelFile {
     /// Small tilt of the spin axis about the two directions across it: "none" (default), "estimate", or
     /// { sigma_rad = x }.
     pub misalignment: Option<NuisanceFile>,
+    /// Where the known numbers come from: "measured" or "cad" (default). It sets how uncertain they are.
+    pub source: Option<SourceFile>,
+    /// true takes all known numbers of this table as exact.
+    pub exact: Option<bool>,
+    /// One sigma of known numbers, before the source and `exact` are asked.
+    pub uncertainty: Option<WheelUncertaintyFile>,
 }

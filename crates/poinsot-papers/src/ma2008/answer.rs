@@ -276,6 +276,7 @@ fn write(
         warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
         assumptions: Vec::new(),
         diagnostics: None,
+        known_numbers: Default::default(),
         method_report: Some(MethodReport {
             note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
             numbers: report(solved)

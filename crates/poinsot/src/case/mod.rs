@@ -6,23 +6,31 @@
 mod actuators;
 mod bind;
 mod control;
+mod designed;
 mod fault;
 mod file;
 mod joints;
+mod limits;
 mod planner;
 mod sensor_output;
 mod torques;
+mod wanted;
 
 pub use bind::Scenario;
 pub use control::Control;
+pub use designed::{Design, Form, Moved};
 pub use fault::{CaseError, CaseFault};
-pub use file::Format;
+pub use file::{Format, Objective};
+pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
 pub use sensor_output::SensorOutput;
 pub(crate) use sensor_output::unit_suffix;
+pub use wanted::Want;
 
 pub(crate) use fault::{CaseText, did_you_mean};
 use file::CaseFile;
+use planner::Planner;
 use poinsot_dynamics::Tolerance;
+use poinsot_model::Model;
 use poinsot_telemetry::rounded;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -179,6 +187,16 @@ impl Case {
         // A duration of whole periods must not lose its last row to round-off.
         let rows = (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor();
         (0..=rows as u64).map(|k| k as f64 / self.rate_hz).collect()
+    }
+
+    /// Collects what is wrong with the case for a model.
+    fn planner<'c>(&'c self, model: &'c Model) -> Planner<'c> {
+        Planner {
+            text: &self.text,
+            model,
+            open_wheels: &[],
+            faults: Vec::new(),
+        }
     }
 }
 

@@ -35,6 +35,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         "identifiability.html",
         include_str!("templates/identifiability.html"),
         context! {
+            withheld => answer.estimate.is_withheld(),
             spectrum => spectrum.html()?.value(),
             rank => i.rank,
             structural_rank => i.structural_rank,
@@ -67,13 +68,12 @@ fn spectrum(answer: &Answer) -> Plot {
             .map(|(k, s)| if (k < i.rank) == wanted { *s } else { f64::NAN })
             .collect()
     };
-    let mut series = vec![Series::new(
-        "identifiable",
-        Mark::Bars,
-        2,
-        &order,
-        &keep(true),
-    )];
+    // Of a model that the data contradict nothing is determined.
+    let (word, colour) = match answer.estimate.is_withheld() {
+        true => ("identifiable only if the model were right", 1),
+        false => ("identifiable", 2),
+    };
+    let mut series = vec![Series::new(word, Mark::Bars, colour, &order, &keep(true))];
     if i.rank < sigmas.len() {
         series.push(Series::new(
             "not identifiable",

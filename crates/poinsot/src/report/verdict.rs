@@ -31,7 +31,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             segments => e.fit.len(),
             span => plain((span * 10.0).round() / 10.0),
             chi2 => significant(standing.chi2, 3),
-            trustworthy => e.covariance_trustworthy,
+            uncertainty_tone => standing.uncertainty().0,
+            uncertainty => standing.uncertainty().1,
             warnings => e.warnings.len(),
         },
     )?;

@@ -15,6 +15,7 @@ use poinsot_identify::{
 use poinsot_model::{JointKind, Model, Sensor, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Most points of a curve of held-back telemetry.
 const POINTS: usize = 100_000;
@@ -215,12 +216,19 @@ fn quaternion(rows: &[Vec<f64>], k: usize) -> UnitQuaternion {
     UnitQuaternion::new_normalize(Quaternion::new(part(3), part(0), part(1), part(2)))
 }
 
+/// Chi-square per degree of freedom of noise a tenth larger than declared: nobody knows it better.
+const ALLOWED: f64 = 1.21;
+/// Probability by chance from which a misfit counts.
+const BY_CHANCE: f64 = 1.0e-6;
+
 /// What the comparison with held-back telemetry says beside the numbers.
 pub struct HeldBackFindings {
     /// One per quantity and segment.
     pub compared: Vec<Compared>,
     /// Chi-square per degree of freedom, the worst over the segments.
     pub chi2_per_dof: f64,
+    /// Whether that of any segment is more than noise of so many numbers explains.
+    pub beyond_noise: bool,
     /// What the residuals say, and whether the start of the record could be fitted.
     pub warnings: Vec<String>,
     /// What was assumed in reading.
@@ -246,6 +254,7 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
     Ok(HeldBackFindings {
         compared: compared(&found),
         chi2_per_dof: worst(&found),
+        beyond_noise: !found.settled || found.fit.iter().any(beyond_noise),
         warnings,
         repairs,
     })
@@ -254,6 +263,15 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
 /// Chi-square per degree of freedom alone, the worst over the segments.
 pub(super) fn held_back_chi2(mover: &Mover, tables: &[Table]) -> Result<f64, Error> {
     Ok(worst(&look(mover, tables, None)?.0))
+}
+
+/// Whether a segment fits worse than noise a tenth larger than declared, and than one record in a million does by chance.
+fn beyond_noise(fit: &SegmentFit) -> bool {
+    let octaves = fit.channels.iter().flat_map(|c| &c.octaves);
+    let numbers = octaves.map(|o| o.numbers).sum::<usize>() as f64;
+    let chance =
+        ChiSquared::new(numbers.max(1.0)).map_or(1.0, |c| c.sf(fit.chi2_per_dof * numbers));
+    fit.chi2_per_dof.is_nan() || fit.chi2_per_dof > ALLOWED && chance < BY_CHANCE
 }
 
 /// Infinite where the start of a record could not be fitted.

@@ -42,6 +42,10 @@ fn sentence(validation: &Validation) -> String {
         (Verdict::Agrees, _) => "agree within the declared noise",
         (Verdict::Differs, _) => "differ by more than the declared noise",
     };
+    let verdict = match validation.relied_on {
+        true => verdict.to_owned(),
+        false => format!("{verdict}; the estimate itself says that it is not to be relied on"),
+    };
     match (&validation.case, validation.chi2_per_dof) {
         (Some(case), _) => format!("{own} against {against} in {case}: {verdict}"),
         (None, Some(chi2)) => format!(

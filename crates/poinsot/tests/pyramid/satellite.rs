@@ -55,6 +55,7 @@ fn axes() -> [Vector3<f64>; 4] {
 pub fn model(case: &Case) -> Model {
     let mut text = format!(
         r#"schema = "poinsot.model/1"
+exact = true
 name = "pyramid"
 [[body]]
 name = "bus"

@@ -97,6 +97,7 @@ pub fn tree(seed: u64, joints: &str) -> Model {
         momentum: Momentum::default(),
         environment: Environment::default(),
         telemetry: TelemetryMap::default(),
+        knowledge: poinsot_model::Knowledge::default(),
         notes: Vec::new(),
     };
     for (k, letter) in joints.chars().enumerate() {

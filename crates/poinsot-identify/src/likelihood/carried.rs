@@ -1,0 +1,86 @@
+//! Known numbers as unknowns: columns that differences of whole evaluations gave.
+
+use super::Setting;
+use crate::segment::Segment;
+use poinsot_spatial::Vector3;
+
+/// How the whitened predictions of every reading move with each known number.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KnownColumns {
+    /// By segment: names of the sensors compared there.
+    pub sensors: Vec<Vec<String>>,
+    /// By segment, sensor and number: slope of each whitened prediction.
+    pub slopes: Vec<Vec<Vec<Vec<Vector3>>>>,
+}
+
+/// The columns of one segment in the course of an evaluation.
+pub(super) struct Carried<'a> {
+    /// By sensor of the segment: slopes of each number.
+    sensors: Vec<Option<&'a [Vec<Vector3>]>>,
+    /// Places of the other unknowns in the whole list.
+    kept: Vec<usize>,
+    /// Places of the known numbers.
+    places: Vec<usize>,
+}
+
+impl<'a> Carried<'a> {
+    pub fn new(
+        setting: &Setting<'a>,
+        (index, segment): (usize, &Segment),
+        x: &[f64],
+        kept: Vec<usize>,
+    ) -> Self {
+        let places: Vec<usize> = (0..x.len()).filter(|k| !kept.contains(k)).collect();
+        let known = setting.known;
+        let slopes = |name: &str| {
+            let names = known?.sensors.get(index)?;
+            let which = names.iter().position(|n| n == name)?;
+            Some(known?.slopes.get(index)?.get(which)?.as_slice())
+        };
+        Self {
+            sensors: {
+                let records = segment.observations.sensors.iter();
+                records.map(|r| slopes(&r.name)).collect()
+            },
+            kept,
+            places,
+        }
+    }
+
+    /// Values of the unknowns that drive the motion.
+    pub fn driving(&self, x: &[f64]) -> Vec<f64> {
+        self.kept.iter().map(|k| x[*k]).collect()
+    }
+
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    fn slope(&self, number: usize, (sensor, reading): (usize, usize)) -> Vector3 {
+        let of = self.sensors.get(sensor).copied().flatten();
+        let column = of.and_then(|all| all.get(number));
+        let slope = column.and_then(|c| c.get(reading));
+        slope.copied().unwrap_or_default()
+    }
+
+    /// The rows of one reading with the columns of the known numbers in their places, all whitened; the residual last.
+    /// `weight` is the root of what a robust loss leaves of the reading.
+    pub fn widened(
+        &self,
+        rows: &[Vector3],
+        at: (usize, usize),
+        (head, weight): (usize, f64),
+    ) -> Vec<Vector3> {
+        let mut out = vec![Vector3::zeros(); rows.len() + self.places.len()];
+        let last = out.len() - 1;
+        out[last] = rows.last().copied().unwrap_or_default();
+        out[..head].copy_from_slice(&rows[..head]);
+        for (from, to) in self.kept.iter().enumerate() {
+            out[head + to] = rows[head + from];
+        }
+        for (k, to) in self.places.iter().enumerate() {
+            out[head + to] = self.slope(k, at) * weight;
+        }
+        out
+    }
+}
