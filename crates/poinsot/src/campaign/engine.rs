@@ -14,10 +14,16 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
+/// What the trials of a cell share, made by the first of them.
+type Shared = Arc<OnceLock<Result<Prepared, String>>>;
+
+/// Numbers of shards that are damaged, with the reason.
+pub type Damaged = Vec<(u64, String)>;
+
 /// A shard whose trials are being run.
 struct Active {
     shard: Shard,
-    prepared: Arc<OnceLock<Result<Prepared, String>>>,
+    prepared: Shared,
     done: Mutex<Vec<Option<Done>>>,
     left: AtomicUsize,
 }
@@ -27,7 +33,7 @@ struct Queue {
     shards: VecDeque<u64>,
     current: Option<(Arc<Active>, u64)>,
     /// What the last cell's trials share, for the next shard of the same cell.
-    last: Option<(u64, Arc<OnceLock<Result<Prepared, String>>>)>,
+    last: Option<(u64, Shared)>,
 }
 
 /// Runs shards into the folder of a campaign; `watch` is called after each.
@@ -105,7 +111,7 @@ pub fn missing_shards(
     plan: &Plan,
     out: &Path,
     shards: impl Iterator<Item = u64>,
-) -> Result<(Vec<u64>, Vec<(u64, String)>), Error> {
+) -> Result<(Vec<u64>, Damaged), Error> {
     let (mut missing, mut damaged) = (Vec::new(), Vec::new());
     for number in shards {
         match find(plan, out, &plan.shard(number))? {

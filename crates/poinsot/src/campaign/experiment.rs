@@ -2,7 +2,7 @@
 
 use super::address::{Documents, edit};
 use super::faults::PlanText;
-use super::plan::{Apply, Plan, hex};
+use super::plan::{Changes, Plan, hex};
 use crate::case::{Case, parse_case, read_case};
 use crate::error::Error;
 use crate::identify::{Question, read_options};
@@ -151,10 +151,7 @@ impl Experiment {
     ///
     /// # Errors
     /// As [`Self::files_at`].
-    pub fn files(
-        &self,
-        changes: &dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)>,
-    ) -> Result<FilesAt, Error> {
+    pub fn files(&self, changes: &Changes<'_>) -> Result<FilesAt, Error> {
         let mut documents = self.documents.clone();
         let mut changed = false;
         changes(&mut |address, of, change| {

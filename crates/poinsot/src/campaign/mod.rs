@@ -36,7 +36,7 @@ mod text;
 mod trial;
 mod until;
 
-pub use engine::{missing_shards, run_shard, run_shards};
+pub use engine::{Damaged, missing_shards, run_shard, run_shards};
 pub use estimate::{CampaignCost, campaign_cost, cost_document};
 pub use pairs::{PairNumberSums, PairSums};
 pub use plan::{Plan, Shard, made_plan, parse_plan, read_plan};

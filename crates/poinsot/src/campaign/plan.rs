@@ -243,7 +243,7 @@ fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
     }
     if given
         .replicates
-        .is_some_and(|n| n < REPLICATES || n > MOST_POINTS)
+        .is_some_and(|n| !(REPLICATES..=MOST_POINTS).contains(&n))
     {
         let what = "bands come from the scatter between replicates: too few, or too many to count";
         let remedy = format!("give {REPLICATES} to {MOST_POINTS}");
@@ -306,7 +306,7 @@ fn axis(
                 );
             }
             match (count, sampling) {
-                (Some(n), _) if n < 2 || n > MOST_CELLS => {
+                (Some(n), _) if !(2..=MOST_CELLS).contains(&n) => {
                     refuse("count", "a range has at least two values", "give 2 or more");
                 }
                 (Some(n), _) => grid.push(GridAxis {
@@ -470,7 +470,10 @@ impl Plan {
     /// # Errors
     /// The plan is a sampling, whose replicates are whole.
     pub fn set_trials(&mut self, trials: u64) -> Result<(), Error> {
-        if self.sampling.is_some_and(|s| trials % s.points != 0) {
+        if self
+            .sampling
+            .is_some_and(|s| !trials.is_multiple_of(s.points))
+        {
             return Err(Error::Usage {
                 option: "--trials",
                 value: trials.to_string(),
@@ -575,6 +578,9 @@ impl Plan {
         Ok(())
     }
 }
+
+/// All changes of a cell or trial, put in by [`Apply`].
+pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
 
 /// Puts one change into the files.
 pub(crate) type Apply<'a> = dyn FnMut(&str, Of, Edit<'_>) -> Result<(), (String, String)> + 'a;

@@ -83,21 +83,21 @@ pub(super) fn table_document(result: &CampaignFile) -> Document {
         Tone::Bad
     };
     let mut document = Document::new(headline(result)).toned(tone);
-    let mut table = Table::new(&[
-        "",
-        "bound",
-        "RMSE",
-        "RMSE/bound",
-        "bias/sigma",
-        "answered %",
-        "coverage %",
-        "trials",
-    ]);
     for (_, cell, method) in all(result) {
+        let mut table = Table::new(&[
+            "",
+            "bound",
+            "RMSE",
+            "RMSE/bound",
+            "bias/sigma",
+            "answered %",
+            "coverage %",
+            "trials",
+        ]);
         for (name, n) in &method.numbers {
             let sigma = n.bound.or(n.stated).unwrap_or(f64::NAN);
             table.push(vec![
-                format!("{}{name}", prefix(result, cell, method)),
+                name.clone(),
                 n.bound
                     .map_or("not identifiable".to_owned(), |b| significant(b, 3)),
                 n.rmse.value.map_or("-".to_owned(), |r| significant(r, 3)),
@@ -108,10 +108,16 @@ pub(super) fn table_document(result: &CampaignFile) -> Document {
                 n.trials.to_string(),
             ]);
         }
+        let of = prefix(result, cell, method);
+        let title = match of.trim_end_matches(": ") {
+            "" => "every number with its 95 % interval".to_owned(),
+            of => format!("every number with its 95 % interval, {of}"),
+        };
+        document.push(Section::table(&title, table));
     }
-    let mut section = Section::table("every number with its 95 % interval", table);
-    section.note = Some("coverage: share of stated 95 % intervals that hold the truth, of all trials; answered: of the trials that determined the number. campaign.json has an interval of every statistic".to_owned());
-    document.push(section);
+    if let Some(last) = document.sections.last_mut() {
+        last.note = Some("coverage: share of stated 95 % intervals that hold the truth, of all trials; answered: of the trials that determined the number. campaign.json has an interval of every statistic".to_owned());
+    }
     document.push(rates(result));
     if let Some(section) = pairs(result) {
         document.push(section);
