@@ -202,17 +202,7 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
 #[pyfunction]
 pub fn methods() -> String {
     let all = poinsot::methods::methods();
-    let list = all.iter().map(|m| {
-        let variants = m.variants.iter();
-        let variants =
-            variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
-        serde_json::json!({
-            "name": m.name,
-            "summary": m.summary,
-            "paper": m.paper,
-            "variants": variants.collect::<Vec<_>>(),
-        })
-    });
+    let list = all.iter().map(poinsot::methods::MethodText::json);
     serde_json::Value::Array(list.collect()).to_string()
 }
 

@@ -17,6 +17,26 @@ pub struct MethodText {
     pub settings: &'static [SettingText],
 }
 
+impl MethodText {
+    /// The method as JSON.
+    pub fn json(&self) -> serde_json::Value {
+        let variants = self.variants.iter();
+        let variants =
+            variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
+        let settings = self.settings.iter();
+        let settings = settings.map(
+            |s| serde_json::json!({ "key": s.key, "summary": s.summary, "default": s.default }),
+        );
+        serde_json::json!({
+            "name": self.name,
+            "summary": self.summary,
+            "paper": self.paper,
+            "variants": variants.collect::<Vec<_>>(),
+            "settings": settings.collect::<Vec<_>>(),
+        })
+    }
+}
+
 /// Methods of this project: name, what they do, whether they take a loss.
 const OWN: [(&str, &str, bool); 3] = [
     (

@@ -21,28 +21,13 @@ pub fn run(arguments: &Methods) -> Outcome {
         }
     }
     if arguments.json {
-        let list: Vec<_> = listed.iter().map(json).collect();
+        let list: Vec<_> = listed.iter().map(MethodText::json).collect();
         print_json(&list);
     } else if !arguments.quiet {
         let texts: Vec<String> = listed.iter().map(text).collect();
         print(&texts.join("\n"));
     }
     Ok(0)
-}
-
-fn json(method: &MethodText) -> serde_json::Value {
-    let variants = method.variants.iter();
-    let variants = variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
-    let settings = method.settings.iter();
-    let settings = settings
-        .map(|s| serde_json::json!({ "key": s.key, "summary": s.summary, "default": s.default }));
-    serde_json::json!({
-        "name": method.name,
-        "summary": method.summary,
-        "paper": method.paper,
-        "variants": variants.collect::<Vec<_>>(),
-        "settings": settings.collect::<Vec<_>>(),
-    })
 }
 
 /// The method, its paper, its variants with the default first.
