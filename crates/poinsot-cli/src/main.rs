@@ -40,6 +40,7 @@ fn main() -> ExitCode {
         Verb::Explain(a) => verbs::explain::run(a),
         Verb::Units(a) => verbs::units::run(a),
         Verb::Methods(a) => verbs::methods::run(a),
+        Verb::Study(a) => verbs::study::run(a),
         Verb::Schema(a) => verbs::schema::run(a),
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),

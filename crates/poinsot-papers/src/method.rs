@@ -2,6 +2,7 @@
 
 use crate::kim2010::{Kim2010, Kim2010ProblemError};
 use crate::ma2008::{Ma2008, Ma2008Error};
+use crate::study::Study;
 use crate::xu2017::{Xu2017, Xu2017Error};
 use poinsot_identify::{Estimate, Problem};
 
@@ -16,6 +17,9 @@ pub trait Method: Sync {
     /// The variant is unknown, or the problem does not suit the method. What the data do not determine is part of the
     /// estimate.
     fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError>;
+
+    /// The studies of its paper, see [`crate::study`].
+    fn studies(&self) -> &'static [Study];
 }
 
 /// Every published method, by name.

@@ -20,6 +20,7 @@ mod propose;
 pub mod report;
 mod schema;
 pub mod simulate;
+pub mod study;
 mod threads;
 pub mod trials;
 pub mod validate;

@@ -14,6 +14,7 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod study;
 pub mod units;
 pub mod validate;
 

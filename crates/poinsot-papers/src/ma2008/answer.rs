@@ -6,6 +6,7 @@ use super::influence::Directions;
 use super::words::*;
 use super::{Given, Raw, Vehicle, tensor};
 use crate::method::{About, Method, MethodError, Named};
+use crate::study::Study;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
@@ -61,6 +62,10 @@ impl Method for Ma2008 {
     fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         Ok(identify(problem, variant)?)
+    }
+
+    fn studies(&self) -> &'static [Study] {
+        super::studies::STUDIES
     }
 }
 

@@ -38,6 +38,7 @@ mod roles;
 pub mod sensitivity;
 mod sequence;
 mod single_body;
+pub mod studies;
 pub mod swarm;
 mod two_body;
 mod words;
@@ -53,6 +54,7 @@ use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
 use crate::method::{About, Method, MethodError, Named};
+use crate::study::Study;
 use nalgebra::SMatrix;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
@@ -129,6 +131,10 @@ impl Method for Xu2017 {
     fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         Ok(identify(problem, variant)?)
+    }
+
+    fn studies(&self) -> &'static [Study] {
+        studies::STUDIES
     }
 }
 

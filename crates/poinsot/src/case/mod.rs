@@ -146,6 +146,11 @@ impl Case {
         &self.text.path
     }
 
+    /// The text the case was read from.
+    pub fn text(&self) -> &str {
+        &self.text.text
+    }
+
     /// Times of the rows, s: `k / rate_hz` up to the duration.
     pub fn times(&self) -> Vec<f64> {
         // A duration of whole periods must not lose its last row to round-off.
