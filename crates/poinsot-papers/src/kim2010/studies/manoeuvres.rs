@@ -13,7 +13,7 @@ const TRIALS: u64 = 20;
 /// Where each of the six stands in the answer's order xx, xy, yy, xz, yz, zz.
 const PLACE: [usize; 6] = [0, 2, 5, 1, 4, 3];
 /// Name of the tables, title, case file.
-const CASES: [(&str, [&'static str; 2], &str); 3] = [
+const CASES: [(&str, [&str; 2], &str); 3] = [
     (
         "one slew of 17 deg",
         ["products_one", "errors_one"],

@@ -141,7 +141,7 @@ pub fn orders(context: &Context) -> Result<Findings, StudyError> {
     let sums = slew.noisy(PAPER.1, &[PAPER.0])?.swap_remove(0);
     let one = &sums[0];
     // First answer and order of each reading that differs from those before.
-    let mut tried: Vec<([f64; 6], [(usize, usize); 6])> = Vec::new();
+    let mut tried: Vec<([f64; 6], Order)> = Vec::new();
     let (mut order, mut count) = (VISITED, 0);
     permutations(&mut order, 0, &mut |order| {
         count += 1;
@@ -179,13 +179,11 @@ pub fn orders(context: &Context) -> Result<Findings, StudyError> {
     Ok(Findings::of(table))
 }
 
-type Visit<'v> = &'v mut dyn FnMut(&[(usize, usize); 6]) -> Result<(), Kim2010Error>;
+/// Rows and columns of the six products, in the order in which they are computed.
+type Order = [(usize, usize); 6];
+type Visit<'v> = &'v mut dyn FnMut(&Order) -> Result<(), Kim2010Error>;
 
-fn permutations(
-    order: &mut [(usize, usize); 6],
-    from: usize,
-    visit: Visit,
-) -> Result<(), Kim2010Error> {
+fn permutations(order: &mut Order, from: usize, visit: Visit) -> Result<(), Kim2010Error> {
     if from == order.len() {
         return visit(order);
     }
@@ -245,7 +243,7 @@ fn symmetric_fit(n: &Vector3, g: &Vector3) -> Matrix3 {
     g * n.transpose() + n * g.transpose() - n * n.transpose() * g.dot(n)
 }
 
-/// Title of each column, with what is printed last.
+/// Titles of a table with a column for each of the paper's.
 pub(super) fn titles() -> Vec<&'static str> {
     std::iter::once("").chain(COLUMNS).collect()
 }
