@@ -100,4 +100,5 @@ def main():
     print(f"{name}_peak_memory,{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.1f},MiB")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -3,6 +3,7 @@
 use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
+use poinsot::export::Target;
 use std::path::PathBuf;
 
 /// Exit codes with their meaning.
@@ -227,10 +228,10 @@ pub struct Export {
     /// Kind of file.
     #[arg(long, value_enum)]
     pub to: Format,
-    /// The file that the vehicle came from: bodies are found by the names of its links, and nothing but their
-    /// mass properties changes.
-    #[arg(long, value_name = "ROBOT.urdf")]
-    pub onto: PathBuf,
+    /// The file that the vehicle came from, for model, urdf, sdf and mjcf: bodies are found by their names, and nothing
+    /// but their mass properties changes.
+    #[arg(long, value_name = "FILE")]
+    pub onto: Option<PathBuf>,
     /// File to write; standard output without.
     #[arg(long, short = 'o', value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -245,8 +246,41 @@ pub struct Export {
 /// Files of other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
-    /// Robot description of ROS.
+    /// Model file of Poinsot, changed in place.
+    Model,
+    /// Robot description of ROS, changed in place.
     Urdf,
+    /// Robot description of Gazebo and Drake, changed in place.
+    Sdf,
+    /// Model of MuJoCo, changed in place.
+    Mjcf,
+    /// Python that sets the hub of a Basilisk spacecraft.
+    Basilisk,
+    /// Attitude parameter message, CCSDS 504.0-B-2: inertia.
+    Apm,
+    /// Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia.
+    Acm,
+    /// Table, one row a number.
+    Csv,
+    /// On-board table with covariance, JSON.
+    Onboard,
+}
+
+impl Format {
+    /// What the library calls it.
+    pub fn target(self) -> Target {
+        match self {
+            Self::Model => Target::Model,
+            Self::Urdf => Target::Urdf,
+            Self::Sdf => Target::Sdf,
+            Self::Mjcf => Target::Mjcf,
+            Self::Basilisk => Target::Basilisk,
+            Self::Apm => Target::Apm,
+            Self::Acm => Target::Acm,
+            Self::Csv => Target::Csv,
+            Self::Onboard => Target::Onboard,
+        }
+    }
 }
 
 /// Arguments of `explain`.

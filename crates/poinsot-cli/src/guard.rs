@@ -1,6 +1,6 @@
 //! A fault of the program becomes one line and exit code 4.
 
-use crate::verbs::{Failure, Outcome};
+use crate::verbs::Failure;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
 use std::sync::Mutex;
 
@@ -12,7 +12,10 @@ static LAST: Mutex<String> = Mutex::new(String::new());
 
 /// Runs a verb; a panic inside becomes a failure. Panics that are caught deeper (the Parquet decoder's) print
 /// nothing.
-pub fn guarded(verb: impl FnOnce() -> Outcome) -> Outcome {
+///
+/// # Errors
+/// Those of the verb, or E0009 and E0006 of a panic.
+pub fn guarded<T>(verb: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     set_hook(Box::new(remember));
     catch_unwind(AssertUnwindSafe(verb)).unwrap_or_else(|_| {
         let what = match LAST.lock() {
@@ -53,7 +56,7 @@ mod tests {
     #[test]
     #[allow(clippy::panic)]
     fn exact_a_panic_is_one_line_and_exit_code_4() {
-        let failure = guarded(|| panic!("two\nlines"))
+        let failure = guarded::<u8>(|| panic!("two\nlines"))
             .err()
             .map(|f| (f.exit_code, f.message));
         let (code, message) = failure.unwrap_or_default();

@@ -1,4 +1,69 @@
-//! The words of the command line, for the program, its man pages and the book.
+//! The command `poinsot`: arguments in, one verb, exit code out. The program, its man pages, the book and the Python
+//! package share it.
 
 pub mod arguments;
+mod guard;
+mod progress;
+mod signals;
+mod terminal;
+mod verbs;
 mod words;
+
+pub use guard::guarded;
+pub use verbs::Failure;
+
+use arguments::{Arguments, Verb};
+use clap::{CommandFactory, FromArgMatches};
+use progress::Progress;
+use std::ffi::OsString;
+
+/// Runs the command with these words, the name of the program first, and gives its exit code. For the start of a
+/// program: it takes over signals, panics and the threads of the process.
+pub fn run(words: Vec<OsString>) -> u8 {
+    signals::install();
+    verbs::remember(&words);
+    let parsed = Arguments::command()
+        .try_get_matches_from(words)
+        .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
+    let (arguments, matches) = match parsed {
+        Ok(parsed) => parsed,
+        Err(usage) => return terminal::usage_exit(&usage),
+    };
+    let quiet = matches
+        .subcommand()
+        .and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten())
+        .is_some_and(|q| *q);
+    let progress = Progress::start(quiet);
+    let result = guard::guarded(|| match &arguments.verb {
+        Verb::Identify(a) => verbs::identify::run(a),
+        Verb::Simulate(a) => verbs::simulate::run(a),
+        Verb::Predict(a) => verbs::predict::run(a),
+        Verb::Validate(a) => verbs::validate::run(a),
+        Verb::Compare(a) => verbs::compare::run(a),
+        Verb::Report(a) => verbs::report::run(a),
+        Verb::Inspect(a) => verbs::inspect::run(a),
+        Verb::Check(a) => verbs::check::run(a),
+        Verb::Import(a) => verbs::import::run(a),
+        Verb::Export(a) => verbs::export::run(a),
+        Verb::Explain(a) => verbs::explain::run(a),
+        Verb::Units(a) => verbs::units::run(a),
+        Verb::Methods(a) => verbs::methods::run(a),
+        Verb::Study(a) => verbs::study::run(a),
+        Verb::Schema(a) => verbs::schema::run(a),
+        Verb::Completions(a) => verbs::completions::run(a),
+        Verb::Man(a) => verbs::man::run(a),
+    });
+    progress.clear();
+    match result.and_then(verbs::printed) {
+        Ok(code) => code,
+        Err(failure) => {
+            let message = terminal::error_text(&failure.message);
+            // A closed standard error leaves nobody to tell.
+            let _ = std::io::Write::write_all(
+                &mut std::io::stderr(),
+                format!("{message}\n").as_bytes(),
+            );
+            failure.exit_code
+        }
+    }
+}

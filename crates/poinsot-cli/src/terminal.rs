@@ -5,7 +5,6 @@ use anstream::{AutoStream, ColorChoice};
 use poinsot_files::error_line;
 use poinsot_report::{Document, TextStyle};
 use std::io::{IsTerminal, Write};
-use std::process::ExitCode;
 
 /// Exit code of a command that cannot be understood.
 const USAGE: u8 = 2;
@@ -29,14 +28,14 @@ pub fn document_text(document: &Document) -> String {
 }
 
 /// Prints what clap says: help as it is, a refusal with its lines short and safe to show.
-pub fn usage_exit(usage: &clap::Error) -> ExitCode {
+pub fn usage_exit(usage: &clap::Error) -> u8 {
     if !usage.use_stderr() {
         usage.exit();
     }
     let text = usage.render().to_string();
     let lines: Vec<String> = text.lines().map(error_line).collect();
     let _ = writeln!(std::io::stderr(), "{}", lines.join("\n"));
-    ExitCode::from(USAGE)
+    USAGE
 }
 
 /// The lines of an error, each short and safe to show, with its code marked where standard error shows colours.

@@ -14,6 +14,7 @@ mod comparison;
 mod diagnostics;
 mod estimate;
 mod number;
+mod onboard;
 mod read;
 
 pub use comparison::{
@@ -28,19 +29,21 @@ pub use estimate::{
     ReportedNumberFile, SegmentFitFile, SensorFitFile, SystemFile, UndeterminedFile,
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
+pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 2] = ["estimate", "comparison"];
+pub const NAMES: [&str; 3] = ["estimate", "comparison", "onboard"];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "onboard" => Some(schema_for!(OnboardFile).to_value()),
         _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! Bytes as a URDF file.
 
 use crate::model::check_model;
-use poinsot_model::{LinkInertial, export_urdf, parse_urdf};
+use poinsot_model::{BodyProperties, parse_urdf, patch_urdf};
 
 /// Bytes as a URDF file. A file that is taken must make a sound model, and take its own inertials back.
 pub fn urdf(bytes: &[u8]) {
@@ -20,16 +20,19 @@ pub fn urdf(bytes: &[u8]) {
         }
     };
     check_model(&model);
-    let links: Vec<LinkInertial> = model
+    let links: Vec<BodyProperties> = model
         .bodies
         .iter()
         .filter(|body| body.nominal.mass > 0.0)
-        .map(|body| LinkInertial {
-            link: body.name.clone(),
+        .map(|body| BodyProperties {
+            body: body.name.clone(),
             properties: body.nominal,
         })
         .collect();
-    let exported = export_urdf(text, &links);
+    let patched = patch_urdf(text, &links);
+    let Ok(exported) = patched else {
+        panic!("a file that was read is not XML: {patched:?}");
+    };
     let again = parse_urdf(&exported.text, "exported.urdf").model;
     let bodies = again.as_ref().map(|m| m.bodies.len());
     assert_eq!(bodies.ok(), Some(model.bodies.len()), "{}", exported.text);

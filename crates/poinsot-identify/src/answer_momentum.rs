@@ -60,11 +60,10 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
         .collect()
 }
 
-/// Whether an unknown is a number of its own in the answer. One gust of a random torque is nobody's question.
+/// Whether an unknown is a number of its own in the answer.
 pub(crate) fn is_answered(kind: &UnknownKind) -> bool {
     match kind {
         UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
-        UnknownKind::RandomTorque(_) => false,
         kind => kind.is_nuisance(),
     }
 }

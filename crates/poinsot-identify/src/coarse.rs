@@ -5,7 +5,6 @@
 
 use crate::fit::is_close;
 use crate::information::{Experiment, Point};
-use crate::parameters::UnknownKind;
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample};
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
@@ -22,11 +21,6 @@ const ITERATIONS: usize = 60;
 /// Where a fit of a few readings from a far point ends; `None` where the point is close, or the record too short or of a
 /// kind that cannot be thinned.
 pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
-    let mut unknowns = experiment.parameters.unknowns.iter();
-    if unknowns.any(|u| matches!(u.kind, UnknownKind::RandomTorque(_))) {
-        // Its spans count grid times.
-        return None;
-    }
     let whole = experiment.problem.segments;
     let segments = whole.iter().map(thinned).collect::<Option<Vec<_>>>()?;
     let times =

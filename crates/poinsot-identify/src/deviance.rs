@@ -8,7 +8,7 @@ use crate::information::Experiment;
 use crate::prior;
 
 /// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and
-/// calibrations, determinants of the sensors' noise, of the random torque's and of the calibrations', and that of the information.
+/// calibrations, determinants of the sensors' noise with the random torque, of the calibrations', and that of the information.
 /// The noise of joints and wheels counts in chi-square alone.
 pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
     let mut sum: f64 = fitted.evaluated.iter().map(|e| e.cost).sum();
@@ -24,7 +24,6 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
     let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);
     sum += calibration.chi2;
     for row in &calibration.rows {
-        // A row is about its last entry: a stretch of the random torque, or the one number of a calibration.
         let last = row.gradient.iter().rev().find(|g| **g != 0.0);
         sum -= 2.0 * last.map_or(0.0, |g| g.abs().ln());
     }

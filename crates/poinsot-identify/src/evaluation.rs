@@ -188,10 +188,9 @@ impl<'a> Evaluator<'a> {
             .iter()
             .try_for_each(|s| check(problem, s))?;
         problem.check_observations()?;
-        let mut parameters = problem
+        let parameters = problem
             .likelihood_parameters()
             .map_err(ProblemError::from)?;
-        parameters.add_random_torque(problem.model, problem.segments);
         let experiment = Experiment::new(problem, &parameters);
         let start = experiment.nominal_point();
         let mut unknowns = Vec::new();

@@ -347,7 +347,8 @@ impl Experiment<'_> {
     fn covariance_moves(&self) -> f64 {
         let noise = self.problem.noise;
         let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
-        match inputs.into_iter().flatten().any(|v| *v > 0.0) {
+        let noisy = inputs.into_iter().flatten().any(|v| *v > 0.0);
+        match noisy || self.problem.model.environment.random_torque.is_some() {
             true => COVARIANCE,
             false => 0.0,
         }

@@ -129,6 +129,7 @@ impl<'a> Experiment<'a> {
             noise: self.problem.noise,
             loss: self.loss,
             wheels_smooth: self.wheels_smooth,
+            random_torque: self.problem.model.environment.random_torque,
             curves: self.curves(),
             grids: self.grids(),
             factor: self.fineness.factor,

@@ -7,7 +7,7 @@ use crate::information::{Experiment, Point};
 use crate::linear::linear;
 use crate::loss::Loss;
 use crate::maximum_likelihood::maximum_likelihood;
-use crate::parameters::{Equations, Gust, Parameters, Unknown, UnknownKind};
+use crate::parameters::{Equations, Parameters};
 use crate::problem::Problem;
 use crate::segment::{
     Firing, Noise, Observations, Samples, Segment, SensorRecord, SensorSample, SensorValue,
@@ -322,18 +322,7 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
         noise: &noise,
         relative_accuracy: 1.0,
     };
-    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
-    parameters.unknowns.push(Unknown {
-        kind: UnknownKind::RandomTorque(Gust {
-            segment: 0,
-            span: (2, 4),
-            axis: 1,
-        }),
-        name: "gust".to_owned(),
-        unit: "N m",
-        nominal: 0.0,
-        natural: 1.0,
-    });
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     let mut experiment = Experiment::new(&problem, &parameters);
     experiment.loss = loss;
     let mut point = experiment.nominal_point();
@@ -408,51 +397,6 @@ fn exact_sensitivity_of_every_unknown_is_the_slope_of_chi2() {
             );
         }
     }
-}
-
-/// An instrument that reads late in one segment is driven by the random torque of that segment.
-#[test]
-fn regress_a_late_instrument_feels_the_random_torque_of_its_own_segment() {
-    let model = parse_model(MODEL, "test").unwrap();
-    let tree = Tree::new(&model);
-    let segments = [segment(&model, &tree, true), segment(&model, &tree, true)];
-    let noise = noise(&tree);
-    let problem = Problem {
-        model: &model,
-        tree: &tree,
-        segments: &segments,
-        noise: &noise,
-        relative_accuracy: 1.0,
-    };
-    let mut parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
-    parameters.unknowns.push(Unknown {
-        kind: UnknownKind::RandomTorque(Gust {
-            segment: 0,
-            span: (2, 6),
-            axis: 1,
-        }),
-        name: "gust".to_owned(),
-        unit: "N m",
-        nominal: 0.0,
-        natural: 1.0,
-    });
-    let experiment = Experiment::new(&problem, &parameters);
-    let mut point = experiment.nominal_point();
-    let late = |name: &str| name == "acc of hand.lag" || name == "increments.lag";
-    for (x, unknown) in point.x.iter_mut().zip(&parameters.unknowns) {
-        if late(&unknown.name) {
-            *x = 0.05;
-        }
-    }
-    let chi2 = |torque: f64| {
-        let mut there = point.clone();
-        *there.x.last_mut().unwrap() = torque;
-        let evaluated = experiment.evaluate(&there, false).unwrap();
-        [evaluated[0].chi2, evaluated[1].chi2]
-    };
-    let (calm, blown) = (chi2(0.0), chi2(3.0));
-    assert_ne!(calm[0], blown[0]);
-    assert_eq!(calm[1], blown[1]);
 }
 
 /// The weights of a robust loss in the rows are what makes them its slope.

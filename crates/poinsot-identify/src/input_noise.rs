@@ -19,8 +19,11 @@
 //! own. Where there is one, the filter's state holds the errors of a window of grid times, those ahead included, and the
 //! errors of joint rates with them. A velocity increment leans on two instants: what erred at its beginning is kept
 //! until it ends.
+//!
+//! A random torque about the mass centre stands in the state beside the errors and drives the momentum ([`random_torque`]).
 
 mod points;
+mod random_torque;
 
 pub(crate) use points::approximate;
 
@@ -28,6 +31,7 @@ use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_cha
 use crate::segment::{InputErrors, Noise, Segment};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::JointSlopes;
+use poinsot_model::RandomTorque;
 use poinsot_spatial::{Vector3, Vector6};
 
 /// An input whose readings err.
@@ -54,10 +58,14 @@ struct Slopes {
 /// The filter along one segment.
 #[derive(Default)]
 pub(crate) struct InputNoise {
+    random_torque: Option<RandomTorque>,
+    step: Option<random_torque::Step>,
     inputs: Vec<(Input, f64)>,
     memory: Vec<InputErrors>,
     /// Components of `s` that inputs can reach.
     active: Vec<usize>,
+    /// Number of these and of the components of the random torque, which follow them.
+    lead: usize,
     /// Grid times on each side of the one in hand whose errors are held.
     reach: usize,
     /// Joints whose rate is made of their positions.
@@ -77,7 +85,12 @@ pub(crate) struct InputNoise {
 
 impl InputNoise {
     /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
-    pub fn new(noise: &Noise, segment: &Segment, forced: bool, followed: usize) -> Self {
+    pub fn new(
+        (noise, random_torque): (&Noise, Option<RandomTorque>),
+        segment: &Segment,
+        forced: bool,
+        followed: usize,
+    ) -> Self {
         let o = &segment.observations;
         let increments = points::increments(&o.sensors);
         let translation = o.reads_translation() || increments > 0;
@@ -107,7 +120,9 @@ impl InputNoise {
                 memory.push(errors);
             }
         }
-        let active = match (inputs.is_empty(), translation, forced) {
+        let torque = random_torque.is_some();
+        let silent = inputs.is_empty() && !torque;
+        let active = match (silent, translation, forced || torque) {
             (true, _, _) => Vec::new(),
             (_, false, false) => (0..3).collect(),
             (_, false, true) => (0..3).chain(9..12).collect(),
@@ -118,9 +133,13 @@ impl InputNoise {
             true => 0,
             false => points::reach(o, &derived),
         };
-        let size = active.len() + (2 * reach + 1) * inputs.len() + 3 * increments;
-        let size = if inputs.is_empty() { 0 } else { size };
+        let lead = active.len() + 3 * usize::from(torque);
+        let size = lead + (2 * reach + 1) * inputs.len() + 3 * increments;
+        let size = if silent { 0 } else { size };
         Self {
+            random_torque,
+            step: None,
+            lead,
             reach,
             tracks_rates,
             derived,
@@ -141,9 +160,14 @@ impl InputNoise {
         }
     }
 
-    /// Whether there is nothing to do: no input errs.
+    /// Whether there is nothing to do: no input errs and no random torque acts.
     pub fn is_silent(&self) -> bool {
-        self.inputs.is_empty()
+        self.filter.size == 0
+    }
+
+    /// Place of the random torque in the filter's state.
+    fn torque_at(&self) -> Option<usize> {
+        self.random_torque.map(|_| self.active.len())
     }
 
     /// Whether the filter knows the noise of joint rates, so that rows need not.
@@ -154,7 +178,7 @@ impl InputNoise {
     /// Place in the filter's state of an input's error, so many grid times after the one in hand.
     fn place(&self, input: usize, after: isize) -> usize {
         let block = self.reach.saturating_add_signed(after);
-        self.active.len() + block * self.inputs.len() + input
+        self.lead + block * self.inputs.len() + input
     }
 
     /// Carries the filter to grid time k, where the motion has just given its velocity.
@@ -273,6 +297,10 @@ impl InputNoise {
 
     /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
     fn begin(&mut self, now: &Slopes) {
+        if let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) {
+            let variance = torque.sigma_N_m * torque.sigma_N_m;
+            (0..3).for_each(|axis| self.filter.add(at + axis, variance));
+        }
         for (c, (_, variance)) in self.inputs.iter().enumerate() {
             let mut vector = vec![0.0; self.filter.size];
             for (x, &row) in vector.iter_mut().zip(&self.active) {
@@ -295,7 +323,7 @@ impl InputNoise {
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
     fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
-        let n = self.active.len();
+        let n = self.lead;
         let (size, ahead) = (self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;
         let push = before.push.as_ref();
@@ -314,7 +342,8 @@ impl InputNoise {
                 upper[i * size + j] = own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
             }
         }
-        let mut fresh = Vec::with_capacity(self.inputs.len() * n);
+        let torque = self.torque_rows(&A, h, &mut upper);
+        let mut fresh = Vec::with_capacity(self.inputs.len() * self.active.len());
         for (c, a) in faded.iter().enumerate() {
             let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
             let ends = [before, now].map(|s| {
@@ -336,7 +365,8 @@ impl InputNoise {
             }
         }
         if ahead {
-            return self.shift(&upper, k);
+            self.shift(&upper, k);
+            return self.renew(&torque);
         }
         // What began an increment stays.
         faded.resize(size - n, 1.0);
@@ -346,11 +376,53 @@ impl InputNoise {
             let new = variance * (1.0 - a * a);
             if new > 0.0 {
                 vector.fill(0.0);
-                vector[..n].copy_from_slice(&fresh[c * n..(c + 1) * n]);
+                let reached = self.active.len();
+                vector[..reached].copy_from_slice(&fresh[c * reached..(c + 1) * reached]);
                 vector[n + c] = 1.0;
                 self.filter.add_outer(&vector, new);
             }
         }
+        self.renew(&torque);
+    }
+
+    /// Fills the columns of the random torque, and gives what comes anew, one vector each.
+    fn torque_rows(
+        &mut self,
+        A: &impl Fn(usize, usize) -> f64,
+        h: f64,
+        upper: &mut [f64],
+    ) -> Vec<Vec<f64>> {
+        let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) else {
+            return Vec::new();
+        };
+        let size = self.filter.size;
+        let step = self.step.filter(|s| s.lasts(h));
+        let step = step.unwrap_or_else(|| random_torque::Step::new(torque, h));
+        self.step = Some(step);
+        let mut fresh = Vec::with_capacity(9);
+        for axis in 0..3 {
+            // Torque, momentum and its integral in the state: the integral turns the base.
+            let spread = |x: &nalgebra::Vector3<f64>| {
+                let mut vector = vec![0.0; size];
+                for (i, &row) in self.active.iter().enumerate() {
+                    let own = if row == 9 + axis { x[1] } else { 0.0 };
+                    vector[i] = own + A(row, 9 + axis) * x[2];
+                }
+                vector[at + axis] = x[0];
+                vector
+            };
+            let kept = spread(&step.kept);
+            for (i, x) in kept.iter().enumerate().take(self.lead) {
+                upper[i * size + at + axis] = *x;
+            }
+            fresh.extend((0..3).map(|c| spread(&step.fresh.column(c).into())));
+        }
+        fresh
+    }
+
+    /// What the random torque brings anew.
+    fn renew(&mut self, torque: &[Vec<f64>]) {
+        torque.iter().for_each(|v| self.filter.add_outer(v, 1.0));
     }
 
     /// Correlation of the errors so far with readings, one row per error.
@@ -408,6 +480,11 @@ impl Filter {
                     .for_each(|(p, b)| *p += a * b * variance);
             }
         }
+    }
+
+    /// More variance of one component.
+    fn add(&mut self, at: usize, variance: f64) {
+        self.covariance[at * self.size + at] += variance;
     }
 
     /// `P = F P F^T`, and every mean `F m`: the upper rows of `F` are given, below it is diagonal.

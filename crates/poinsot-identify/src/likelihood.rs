@@ -19,7 +19,7 @@ use crate::vehicle::{Steps, Vehicle, tilted};
 use follow::Follower;
 use nalgebra::Cholesky;
 use poinsot_dynamics::Tree;
-use poinsot_model::{SensorKind, Thruster};
+use poinsot_model::{RandomTorque, SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rate_noise::RateNoise;
@@ -35,6 +35,8 @@ pub(crate) struct Setting<'a> {
     pub loss: Loss,
     /// Whether wheel speeds run smoothly between the readings.
     pub wheels_smooth: bool,
+    /// Random torque of the surroundings, where one is declared.
+    pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
     /// Integration steps, one grid per segment, how many steps for each, and whether wheel speeds bend within an interval.
@@ -143,15 +145,16 @@ pub(crate) fn evaluate(
     } else {
         Vec::new()
     };
-    let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count(), index);
+    let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
     let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
     let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
-    compare.inputs = InputNoise::new(setting.noise, segment, forced, compare.followed());
+    let noise = (setting.noise, setting.random_torque);
+    compare.inputs = InputNoise::new(noise, segment, forced, compare.followed());
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }
     let late: Vec<bool> = compare.followers.iter().map(|f| f.late).collect();
-    compare.ideal = Ideal::new(&vehicle, (index, segment), &state, &late)?;
+    compare.ideal = Ideal::new(&vehicle, segment, &state, &late)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {

@@ -72,8 +72,6 @@ pub(crate) fn solve(
         }
         Err(other) => return Err(other),
     };
-    let mut parameters = parameters;
-    parameters.add_random_torque(problem.model, problem.segments);
     let linear = linear.map(|solved| padded(solved, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;

@@ -21,7 +21,6 @@ pub(crate) use grid::Grid;
 pub(crate) use place::{JointEffect, Place};
 pub(crate) use variation::{Matrix6x12, pose_change};
 
-use crate::parameters::Gust;
 use crate::segment::{Observations, Segment};
 use crate::vehicle::{Vehicle, thrust_by_interval};
 use chord::{Chord, ColumnChord};
@@ -122,11 +121,6 @@ pub(crate) struct Motion<'a> {
     twist_columns: Vec<Vector6>,
     /// Index in `columns` of the first unknown.
     head: usize,
-    /// Random torque in the interval after each grid time, N, N m; empty where there is none.
-    gusts: Vec<Vector3>,
-    /// Index of the segment, and grid time of the interval in hand.
-    segment: usize,
-    now: usize,
     /// Boxed: it is large, and changes hands at every step.
     ready: Option<Box<Ready>>,
 }
@@ -193,7 +187,6 @@ impl<'a> Motion<'a> {
         segment: &'a Segment,
         columns: Vec<Column>,
         head: usize,
-        index: usize,
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
@@ -215,9 +208,6 @@ impl<'a> Motion<'a> {
             steps_left: steps_allowed(o),
             observations: o,
             head,
-            gusts: gusts(vehicle, index, o.time_s.len()),
-            segment: index,
-            now: 0,
             twist_columns: vec![Vector6::zeros(); columns.len()],
             columns,
             vehicle,
@@ -367,10 +357,6 @@ impl<'a> Motion<'a> {
         })
     }
 
-    fn blows(&self, gust: &Gust) -> bool {
-        gust.segment == self.segment && gust.span.0 <= self.now && self.now <= gust.span.1
-    }
-
     /// Thrusters with their arms from the system's mass centre.
     fn forces(&self, thrust: &[(usize, f64)], centre: &Centre) -> Vec<Force> {
         let kinematics = &self.site.kinematics;
@@ -426,16 +412,4 @@ pub(crate) fn small_turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 
 /// Matrix of a unit quaternion.
 pub(crate) fn matrix(R: &UnitQuaternion) -> Matrix3 {
     *R.to_rotation_matrix().matrix()
-}
-
-/// Random torque in the interval after each grid time of a segment; empty where there is none.
-fn gusts(vehicle: &Vehicle, segment: usize, times: usize) -> Vec<Vector3> {
-    let mut all = Vec::new();
-    for (gust, value) in vehicle.gusts.iter().filter(|g| g.0.segment == segment) {
-        all.resize(times, Vector3::zeros());
-        for torque in all.iter_mut().take(gust.span.1 + 1).skip(gust.span.0) {
-            torque[gust.axis] += value;
-        }
-    }
-    all
 }

@@ -5,7 +5,7 @@ mod kind;
 mod nuisances;
 mod sensor_errors;
 
-pub use kind::{Gust, UnknownKind};
+pub use kind::UnknownKind;
 pub use sensor_errors::ErrorGroup;
 pub(crate) use sensor_errors::{declared, reading_unit};
 

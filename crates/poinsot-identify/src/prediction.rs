@@ -199,14 +199,14 @@ fn segment(
     vehicle.curves = setting.curves.get(at);
     vehicle.steps = setting.steps(at);
     let (mut state, _) = start(head, experiment.unknown[at], x.len());
-    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, at);
+    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let late: Vec<bool> = segment
         .observations
         .sensors
         .iter()
         .map(|r| experiment.parameters.sensor_errors(x, r.sensor).lag_s != 0.0)
         .collect();
-    let ideal = Ideal::new(&vehicle, (at, segment), &state, &late)?;
+    let ideal = Ideal::new(&vehicle, segment, &state, &late)?;
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {

@@ -50,12 +50,6 @@ impl PriorRows {
         let residual = (declared.nominal - quantity.value) / sigma;
         self.push(gradient, residual, Some(declared));
     }
-
-    /// A stretch of a process: nobody declared this one number.
-    fn process(&mut self, quantity: &Quantity, sigma: f64) {
-        let gradient = quantity.gradient.iter().map(|g| g / sigma).collect();
-        self.push(gradient, -quantity.value / sigma, None);
-    }
 }
 
 /// Priors of sensors and thrusters: calibration, part of the experiment.
@@ -70,7 +64,6 @@ pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64])
         let joint = problem.tree.coordinates.get(k)?;
         reads(SensorKind::JointPosition, &[*joint])
     };
-    random_torque(problem, parameters, x, &mut out);
     for (at, unknown) in parameters.unknowns.iter().enumerate() {
         let around = &problem.model.environment;
         let declared = match unknown.kind {
@@ -107,37 +100,6 @@ fn declared_of(unknown: &Unknown, sigma: f64) -> Declared {
         unit: unknown.unit,
         nominal: unknown.nominal,
         sigma,
-    }
-}
-
-/// The random torque as a Gauss-Markov process: from stretch to stretch `t' = a t + sqrt(1 - a^2) sigma n` with
-/// `a = exp(-dt/T)` (Jazwinski 1970, example 3.19); within a stretch it is constant.
-fn random_torque(problem: &Problem, parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
-    let Some(random) = problem.model.environment.random_torque else {
-        return;
-    };
-    let mut before: [Option<(usize, crate::parameters::Gust)>; 3] = [None; 3];
-    for (at, unknown) in parameters.unknowns.iter().enumerate() {
-        let UnknownKind::RandomTorque(gust) = unknown.kind else {
-            continue;
-        };
-        let middle = |g: &crate::parameters::Gust| {
-            let t = &problem.segments[g.segment].observations.time_s;
-            0.5 * (t[g.span.0] + t[g.span.1 + 1])
-        };
-        let mut gradient = vec![0.0; x.len()];
-        gradient[at] = 1.0;
-        let mut value = x[at];
-        let mut sigma = random.sigma_N_m;
-        let last = before[gust.axis].filter(|(_, g)| g.segment == gust.segment);
-        if let Some((k, earlier)) = last {
-            let a = (-(middle(&gust) - middle(&earlier)) / random.correlation_s).exp();
-            gradient[k] = -a;
-            value -= a * x[k];
-            sigma *= (1.0 - a * a).sqrt();
-        }
-        out.process(&Quantity { value, gradient }, sigma);
-        before[gust.axis] = Some((at, gust));
     }
 }
 

@@ -511,6 +511,7 @@ impl<'a> Ground<'a> {
             noise: &trial.noise,
             loss: Loss::Gaussian,
             wheels_smooth: self.wheels_smooth,
+            random_torque: self.problem.model.environment.random_torque,
             curves: &curves,
             grids: &[],
             factor: 1,

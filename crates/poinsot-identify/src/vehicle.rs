@@ -2,7 +2,7 @@
 
 use crate::input_curves::InputCurves;
 use crate::motion::Grid;
-use crate::parameters::{Gust, Parameters, UnknownKind};
+use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Firing, Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
@@ -42,8 +42,6 @@ pub(crate) struct Vehicle<'a> {
     pub tilt_slopes: Vec<Vector3>,
     /// Thrusters that act late: the unknown, which thrusters, by how much, s.
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
-    /// Random torques.
-    pub gusts: Vec<(Gust, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
 }
@@ -114,15 +112,6 @@ impl<'a> Vehicle<'a> {
             wheels_smooth: false,
             steps: Steps::default(),
             noisy_joints: Vec::new(),
-            gusts: parameters
-                .unknowns
-                .iter()
-                .zip(x)
-                .filter_map(|(u, value)| match u.kind {
-                    UnknownKind::RandomTorque(gust) => Some((gust, *value)),
-                    _ => None,
-                })
-                .collect(),
             input_faults: parameters
                 .unknowns
                 .iter()

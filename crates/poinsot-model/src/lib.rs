@@ -21,6 +21,7 @@ mod file;
 mod finding;
 mod kinematic;
 mod number;
+mod patch;
 mod read;
 mod schema;
 mod shape;
@@ -33,11 +34,12 @@ mod write_telemetry;
 pub use describe::*;
 pub use finding::{Finding, ModelError};
 pub use number::rounded;
+pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{
     MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
 };
 pub use schema::model_schema;
-pub use urdf::{LinkInertial, Urdf, UrdfDefect, UrdfExport, export_urdf, parse_urdf, read_urdf};
+pub use urdf::{Urdf, UrdfDefect, parse_urdf, read_urdf};
 pub use vehicle::*;
 pub use write::write_model;

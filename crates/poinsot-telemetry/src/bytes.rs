@@ -2,6 +2,7 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
+use crate::memory::{MemoryColumns, Values};
 use crate::packing::is_standard_input;
 use poinsot_files::{InputError, standard_input};
 use sha2::{Digest, Sha256};
@@ -169,6 +170,20 @@ impl<R: Read> Read for TextBytes<R> {
 }
 
 /// SHA-256 of a whole file, hexadecimal.
+/// SHA-256 of columns in memory: of every name and its values, little-endian.
+pub(crate) fn sha256_of_columns(memory: &MemoryColumns) -> String {
+    let mut hash = Sha256::new();
+    for (name, values) in &memory.columns {
+        hash.update(name.as_bytes());
+        hash.update([0]);
+        match values {
+            Values::Numbers(numbers) => numbers.iter().for_each(|x| hash.update(x.to_le_bytes())),
+            Values::Nanoseconds(times) => times.iter().for_each(|t| hash.update(t.to_le_bytes())),
+        }
+    }
+    hex(hash)
+}
+
 pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];

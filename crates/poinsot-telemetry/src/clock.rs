@@ -156,6 +156,18 @@ impl Clock {
         Ok(Cell::Number(origin.seconds_to(at)))
     }
 
+    /// Seconds of a small number that counts from an unknown epoch; `None` where its decimals matter.
+    pub(crate) fn small(&mut self, number: f64) -> Option<f64> {
+        let counts = self.format == TimeFormat::Number && self.since == Since::Own;
+        let seconds = self.unit.to_si(number);
+        let own = self.origin.is_none_or(|o| o == Origin::OWN);
+        if !counts || !own || seconds.is_nan() || seconds.abs() >= COUNTED_S {
+            return None;
+        }
+        self.origin = Some(Origin::OWN);
+        Some(seconds)
+    }
+
     /// A count from an unknown epoch: as it stands where it is small.
     fn own_seconds(&mut self, cell: &[u8]) -> Result<Cell, NoNumber> {
         let plain = number::parse(cell)?;

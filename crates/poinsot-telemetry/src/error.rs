@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 pub struct Place {
     /// The file as it was named.
     pub path: PathBuf,
-    /// Line of a CSV file (1 = header), or row of a Parquet file (1 = first); 0 where it concerns the whole file.
+    /// Line of a CSV file (1 = header), or row of a Parquet file or of columns in memory (1 = first); 0 where it
+    /// concerns the whole file.
     pub row: u64,
     /// The column as the file writes it; empty where it concerns the whole row.
     pub column: String,
@@ -45,7 +46,8 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", escaped(&self.path.display().to_string()))?;
         let parquet = (self.path.extension()).is_some_and(|e| e == "parquet" || e == "pq");
-        match (self.row, parquet) {
+        let memory = self.path.to_string_lossy().starts_with('<');
+        match (self.row, parquet || memory) {
             (0, _) => {}
             (row, true) => write!(f, " row {row}")?,
             (row, false) => write!(f, ":{row}")?,

@@ -25,6 +25,7 @@ mod inspect_text;
 mod instant;
 mod map;
 mod map_faults;
+mod memory;
 mod mounting;
 mod noise;
 mod number;
@@ -68,9 +69,10 @@ pub use map::{
     TimeMap,
 };
 pub use map_faults::{MapFault, map_faults};
+pub use memory::{MemoryColumns, Part, Values};
 pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
-pub use read::{Encoding, MEMORY_MIB, ReadOptions, read};
+pub use read::{Encoding, MEMORY_MIB, ReadOptions, read, read_parts};
 pub use resample::{hold, resample, resample_attitude, resample_hermite};
 pub use suggest::{Suggestion, suggest};
 pub use time_base::median_step;

@@ -6,8 +6,8 @@ use crate::packing::{is_standard_input, unpacked_name};
 use crate::plan::Plan;
 use crate::size::{Limit, Rows};
 use crate::{
-    Mounting, Origin, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
-    check_conventions, csv_reader, mount, parquet_reader, plan, time_base,
+    Mounting, Origin, Part, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
+    check_conventions, csv_reader, memory, mount, parquet_reader, plan, time_base,
 };
 use poinsot_files::standard_input;
 use std::collections::BTreeSet;
@@ -135,17 +135,26 @@ pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), Telemetry
 /// # Errors
 /// The first fault found, with its place; see [`TelemetryError`].
 pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table, TelemetryError> {
-    let paths: Vec<PathBuf> = paths.iter().map(|p| p.as_ref().to_owned()).collect();
+    let file = |path: &P| Part::File(path.as_ref().to_owned());
+    read_parts(&paths.iter().map(file).collect::<Vec<_>>(), options)
+}
+
+/// Reads the parts of one segment into one table, files and columns in memory alike; see [`read()`].
+///
+/// # Errors
+/// The first fault found, with its place; see [`TelemetryError`].
+pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, TelemetryError> {
     plan::check_maps(options)?;
     let mut table = Table::default();
     let mut found = assemble::Found::default();
     let mut unused = plan::Unused::new(options);
-    for path in &paths {
+    for part in parts {
+        let path = part.path();
         let options = &ReadOptions {
             origin: table.origin.or(options.origin),
             ..options.clone()
         };
-        let (plan, mut columns, sha256) = read_file(path, options, &mut table.repairs)?;
+        let (plan, mut columns, sha256) = read_part(part, options, &mut table.repairs)?;
         table.origin = columns.origin.or(options.origin);
         unused.mark(&plan);
         for column in plan.missing_filters() {
@@ -188,6 +197,7 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
         });
         assemble::add(path, &plan, columns, options.strict, &mut found, &mut table)?;
     }
+    let paths: Vec<PathBuf> = parts.iter().map(|p| p.path().to_owned()).collect();
     unused.check(&paths, &mut table.repairs)?;
     mount(&mut table, &options.mountings);
     if options.check_conventions {
@@ -215,12 +225,16 @@ pub(crate) fn read_file_in_parts(
     decode(path, &options, repairs, Some(take))
 }
 
-fn read_file(
-    path: &Path,
+fn read_part(
+    part: &Part,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let (plan, columns, sha256) = decode(path, options, repairs, None)?;
+    let path = part.path();
+    let (plan, columns, sha256) = match part {
+        Part::File(path) => decode(path, options, repairs, None)?,
+        Part::Memory(columns) => memory::read(columns, options)?,
+    };
     if columns.time_s.is_empty()
         && let Some((column, text)) = options.map.for_file(path).row_filter.first()
     {

@@ -38,7 +38,15 @@ pub fn compare(request: &CompareRequest) -> Result<ComparisonFile, Error> {
         .iter()
         .map(|path| read_estimate(path).map_err(format_error))
         .collect::<Result<Vec<_>, _>>()?;
-    let [(_, first), others @ ..] = answers.as_slice() else {
+    compare_estimates(&answers)
+}
+
+/// The same with answers in memory, each with its name.
+///
+/// # Errors
+/// Fewer than two answers, or answers of different vehicles.
+pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<ComparisonFile, Error> {
+    let [(_, first), others @ ..] = answers else {
         return Err(too_few(0));
     };
     if others.is_empty() {
@@ -98,7 +106,7 @@ fn too_few(found: usize) -> Error {
 }
 
 /// A result file that cannot be read, as an error of this program.
-pub(crate) fn format_error(error: FormatError) -> Error {
+pub fn format_error(error: FormatError) -> Error {
     let why = error.to_string();
     match error {
         FormatError::Io { path, source } => Error::Io {

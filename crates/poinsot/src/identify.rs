@@ -1,6 +1,6 @@
 //! The verb `identify`: model and telemetry in, mass properties out.
 
-use crate::bind::{BindError, acceleration_channels, bind, mountings, wanted_channels};
+use crate::bind::{BindError, Bound, acceleration_channels, bind, mountings, wanted_channels};
 use crate::error::Error;
 use crate::methods::{is_own, methods};
 use crate::mixups;
@@ -13,7 +13,7 @@ use poinsot_identify::{
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
 use poinsot_papers::{answered, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
-use poinsot_telemetry::{Encoding, Origin, ReadOptions, Source, Table, read};
+use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::path::{Path, PathBuf};
 
 /// One-sigma accuracy in natural units that counts as identified unless told otherwise (CONTRACT).
@@ -149,10 +149,44 @@ impl Identified {
 /// # Errors
 /// Invalid arguments, model or telemetry. What the data do not determine is part of the answer.
 pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
-    let (question, reading) = (&request.question, &request.reading);
+    check_method(&request.question)?;
+    policies(&request.question)?;
+    let model = read_model(&request.model)?;
+    let file = |path: &PathBuf| Part::File(path.clone());
+    let segments = request.segments.iter();
+    let records: Vec<Vec<Part>> = segments.map(|f| f.iter().map(file).collect()).collect();
+    identify_records(model, &records, &request.reading, &request.question)
+}
+
+/// The same with a model and records that need not be files, one list of parts per segment.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_records(
+    model: Model,
+    records: &[Vec<Part>],
+    reading: &Reading,
+    question: &Question,
+) -> Result<Identified, Error> {
     check_method(question)?;
     policies(question)?;
-    let mut model = read_model(&request.model)?;
+    let (model, tables) = read_records(model, records, reading, question)?;
+    let segments = tables.len();
+    let identified = identify_tables(model, tables, question);
+    let mut identified = identified.map_err(|error| join_files(error, segments))?;
+    if reading.every > 1 {
+        distrust_thinned(&mut identified.estimate, reading.every);
+    }
+    Ok(identified)
+}
+
+/// The tables of all records as the model asks for them, and the model with the map that was used.
+fn read_records(
+    mut model: Model,
+    records: &[Vec<Part>],
+    reading: &Reading,
+    question: &Question,
+) -> Result<(Model, Vec<Table>), Error> {
     if let Some(map) = &reading.map {
         model.telemetry = read_telemetry_map(map)?;
     }
@@ -170,21 +204,50 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     {
         wanted.extend(acceleration_channels());
     }
-    let segments = request.segments.len();
-    let mut tables = Vec::with_capacity(segments);
-    for (done, files) in request.segments.iter().enumerate() {
-        step("reading segments", done, segments);
-        let table = read(files, &options)?;
+    let mut tables = Vec::with_capacity(records.len());
+    for (done, parts) in records.iter().enumerate() {
+        step("reading segments", done, records.len());
+        let table = read_parts(parts, &options)?;
         // All segments count from one instant.
         options.origin = table.origin;
         tables.push(table);
     }
-    let identified = identify_tables(model, tables, question);
-    let mut identified = identified.map_err(|error| join_files(error, segments))?;
-    if reading.every > 1 {
-        distrust_thinned(&mut identified.estimate, reading.every);
-    }
-    Ok(identified)
+    Ok((model, tables))
+}
+
+/// What an estimator of one's own needs: the model and its records behind the same gate as [`identify`].
+pub struct Gated {
+    /// The vehicle.
+    pub model: Model,
+    /// Its kinematics.
+    pub tree: Tree,
+    /// Segments and noise.
+    pub bound: Bound,
+    /// What the checks of the telemetry found.
+    pub findings: Vec<Finding>,
+}
+
+/// Reads and checks records as [`identify`] does, and binds them to the model.
+///
+/// # Errors
+/// As [`identify`].
+pub fn gated(
+    model: Model,
+    records: &[Vec<Part>],
+    reading: &Reading,
+    question: &Question,
+) -> Result<Gated, Error> {
+    check_method(question)?;
+    let (model, mut tables) = read_records(model, records, reading, question)?;
+    let findings = gate(&model, &mut tables, question)?;
+    let tree = Tree::new(&model);
+    let bound = bind(&model, &tree, &tables)?;
+    Ok(Gated {
+        model,
+        tree,
+        bound,
+        findings,
+    })
 }
 
 /// Several `--telemetry` are several segments: a channel that one of them lacks may stand in the file of another.
@@ -210,23 +273,8 @@ pub fn identify_tables(
 ) -> Result<Identified, Error> {
     check_method(question)?;
     let policies = policies(question)?;
-    refuse_twice(&tables)?;
-    step("preparing", 0, 0);
-    let mut findings = Vec::new();
-    for table in &mut tables {
-        let label = table_label(table);
-        findings.extend(checks::apply(table, &label, &policies)?);
-    }
     let labels = tables.iter().map(table_label).collect::<Vec<_>>().join(",");
-    if is_own(&question.method)
-        && let Some(mut finding) = mixups::times(&model, &tables)
-    {
-        finding.policy = policies.of(finding.check);
-        if finding.policy == Policy::Refuse {
-            return Err(checks::refused(&labels, &finding).into());
-        }
-        findings.push(finding);
-    }
+    let findings = gate(&model, &mut tables, question)?;
     let mut identified = answer(model, tables, question)?;
     for f in &findings {
         let share = f.count as f64 / f.of.max(1) as f64;
@@ -237,6 +285,29 @@ pub fn identify_tables(
     let by_the_fit = std::mem::replace(&mut identified.findings, findings);
     against_model(&mut identified, by_the_fit, &policies, &labels)?;
     Ok(identified)
+}
+
+/// Everything that telemetry must pass before anything is estimated.
+fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<Finding>, Error> {
+    let policies = policies(question)?;
+    refuse_twice(tables)?;
+    step("preparing", 0, 0);
+    let mut findings = Vec::new();
+    for table in &mut *tables {
+        let label = table_label(table);
+        findings.extend(checks::apply(table, &label, &policies)?);
+    }
+    if is_own(&question.method)
+        && let Some(mut finding) = mixups::times(model, tables)
+    {
+        finding.policy = policies.of(finding.check);
+        if finding.policy == Policy::Refuse {
+            let labels: Vec<String> = tables.iter().map(table_label).collect();
+            return Err(checks::refused(&labels.join(","), &finding).into());
+        }
+        findings.push(finding);
+    }
+    Ok(findings)
 }
 
 fn policies(question: &Question) -> Result<Policies, Error> {

@@ -30,12 +30,15 @@ pub use error::Error;
 pub use estimate_file::{estimate_file, estimate_json};
 pub use estimate_text::estimate_document;
 pub use identify::{
-    Identified, IdentifyRequest, Question, Reading, identify, identify_tables, segment_files,
+    Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
+    identify_tables, segment_files,
 };
-pub use output::{check_outputs, write_estimate, write_file, write_files, write_result};
+pub use output::{
+    check_outputs, estimate_text, write_estimate, write_file, write_files, write_result,
+};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
-pub use propose::proposed_map;
+pub use propose::{inspect, inspection_json, proposed_map};
 pub use report::write_report;
 pub use schema::schema;
 pub use threads::start_threads;

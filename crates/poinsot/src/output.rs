@@ -62,7 +62,11 @@ pub fn write_result(
     Ok(asked)
 }
 
-fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
+/// The text of `estimate.json` as it is written into a folder.
+///
+/// # Errors
+/// The answer cannot be written as JSON.
+pub fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, Error> {
     json(
         folder,
         serde_json::to_string_pretty(&estimate_file(identified)),

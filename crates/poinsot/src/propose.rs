@@ -1,9 +1,13 @@
 //! A `[telemetry]` table for a CSV file that nobody has described: what its first lines suggest, and what they leave open.
 
-use poinsot_telemetry::{Dimension, classify, parse_unit, suggest};
+use crate::error::Error;
+use poinsot_model::parse_telemetry_map;
+use poinsot_telemetry::{
+    Dimension, Inspection, ReadOptions, classify, inspect_files, parse_unit, suggest,
+};
 use std::fmt::Write;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Bytes and lines of a file that are looked at.
 const BYTES: u64 = 1 << 18;
@@ -20,6 +24,43 @@ struct Head {
     header: Vec<String>,
     units: Option<Vec<String>>,
     first: Vec<String>,
+}
+
+/// What the files of one segment hold, and a `[telemetry]` table for them where nobody has described them. Files that
+/// cannot be read as they are are read as proposed.
+///
+/// # Errors
+/// The files cannot be read either way.
+pub fn inspect(
+    files: &[PathBuf],
+    options: &ReadOptions,
+    described: bool,
+) -> Result<(Inspection, Option<String>), Error> {
+    let proposal = (!described).then(|| proposed_map(files)).flatten();
+    let inspection = match (inspect_files(files, options), &proposal) {
+        (Ok(inspection), _) => inspection,
+        (Err(error), Some(map)) => {
+            let Ok(map) = parse_telemetry_map(map, "the proposed map") else {
+                return Err(error.into());
+            };
+            let proposed = ReadOptions {
+                map,
+                ..options.clone()
+            };
+            inspect_files(files, &proposed).map_err(|_| error)?
+        }
+        (Err(error), None) => return Err(error.into()),
+    };
+    Ok((inspection, proposal))
+}
+
+/// The same as JSON.
+pub fn inspection_json(inspection: &Inspection, proposal: Option<String>) -> serde_json::Value {
+    let mut value = serde_json::to_value(inspection).unwrap_or_default();
+    if let (Some(map), Some(object)) = (proposal, value.as_object_mut()) {
+        object.insert("proposed_map".to_owned(), map.into());
+    }
+    value
 }
 
 /// A table to paste; lines that are unsure say so. `None` where the file is no text, or has standard names in SI.

@@ -1,19 +1,16 @@
 //! `poinsot export`
 
 use super::{Outcome, note, print_file, written};
-use crate::arguments::{Export, Format};
+use crate::arguments::Export;
 use poinsot::check_outputs;
-use poinsot::export::export_into_urdf;
+use poinsot::export::export;
 
 pub fn run(arguments: &Export) -> Outcome {
-    let Format::Urdf = arguments.to;
     let estimate = arguments.folder.join("estimate.json");
-    check_outputs(
-        "-o",
-        arguments.out.as_slice(),
-        &[&estimate, &arguments.onto],
-    )?;
-    let exported = export_into_urdf(&arguments.folder, &arguments.onto)?;
+    let onto = arguments.onto.as_deref();
+    let inputs: Vec<&std::path::Path> = std::iter::once(estimate.as_path()).chain(onto).collect();
+    check_outputs("-o", arguments.out.as_slice(), &inputs)?;
+    let exported = export(&arguments.folder, arguments.to.target(), onto)?;
     for line in exported.left_out.iter().filter(|_| !arguments.quiet) {
         note(line);
     }

@@ -1,6 +1,6 @@
 //! `poinsot identify`
 
-use super::{Failure, Outcome, formats, note, print_document, print_json, step};
+use super::{Failure, Outcome, command_line, formats, note, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
@@ -44,13 +44,13 @@ pub fn run(arguments: &Identify) -> Outcome {
     }
     let identified = identify(&request)?;
     let written = match &arguments.out {
-        Some(folder) => {
-            let words = std::env::args_os().skip(1);
-            let command: Vec<String> = std::iter::once("poinsot".to_owned())
-                .chain(words.map(|a| a.to_string_lossy().into_owned()))
-                .collect();
-            write_result(folder, &identified, &command, arguments.report, &figures)?
-        }
+        Some(folder) => write_result(
+            folder,
+            &identified,
+            command_line(),
+            arguments.report,
+            &figures,
+        )?,
         None => Vec::new(),
     };
     if arguments.json {

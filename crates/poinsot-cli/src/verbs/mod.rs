@@ -18,7 +18,7 @@ pub mod study;
 pub mod units;
 pub mod validate;
 
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 use crate::arguments::FigureFile;
 use poinsot_files::{error_line, escaped_lines, json_escaped};
@@ -44,6 +44,25 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
             message: error.to_string(),
         }
     }
+}
+
+/// The words of the command line, for the record of an answer.
+static WORDS: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Keeps the words of the command line; its first is the program.
+pub fn remember(words: &[std::ffi::OsString]) {
+    let words = words
+        .iter()
+        .skip(1)
+        .map(|w| w.to_string_lossy().into_owned());
+    let command = std::iter::once("poinsot".to_owned()).chain(words).collect();
+    // Kept once: a process runs one command.
+    let _ = WORDS.set(command);
+}
+
+/// The words of the command line.
+pub fn command_line() -> &'static [String] {
+    WORDS.get().map_or(&[], Vec::as_slice)
 }
 
 /// The step through the rows of telemetry.

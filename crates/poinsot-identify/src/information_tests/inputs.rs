@@ -83,7 +83,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let mut vehicle = Vehicle::new(&tree, &model.thrusters, &parameters, &spin, &x);
         vehicle.noisy_joints = vec![true; 2];
         vehicle.wheels_smooth = case.smooth;
-        let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0, 0);
+        let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
         let (mut state, _) = start(
             head,
             HeadColumns {

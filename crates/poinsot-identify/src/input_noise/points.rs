@@ -70,7 +70,7 @@ impl InputNoise {
         let mut rows: Vec<Vec<(usize, f64)>> = upper.chunks_exact(size).map(sparse).collect();
         let errors = 2 * self.reach * inputs;
         rows.extend((0..errors).map(|_| Vec::new()));
-        let from = self.active.len();
+        let from = self.lead;
         for (i, row) in rows.iter_mut().enumerate().skip(from) {
             row.push((i + inputs, 1.0));
         }
@@ -150,6 +150,9 @@ impl InputNoise {
                 }
             }
         }
+        if let Some(at) = self.torque_at() {
+            (0..3).for_each(|axis| slopes[at + axis] += around.outside_torque(axis));
+        }
         if self.derived.contains(&true) {
             let of = |joint: usize| match self.derived[joint] {
                 true => (around.joint_rate(joint), around.joint_acceleration(joint)),
@@ -204,7 +207,7 @@ impl InputNoise {
     }
 
     fn kept(&self, which: usize) -> usize {
-        self.active.len() + (2 * self.reach + 1) * self.inputs.len() + 3 * which
+        self.lead + (2 * self.reach + 1) * self.inputs.len() + 3 * which
     }
 }
 

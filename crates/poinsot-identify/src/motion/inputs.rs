@@ -34,7 +34,6 @@ pub(super) struct OutsideChange {
 impl Motion<'_> {
     /// Inputs within the interval after grid time k, their faults taken off.
     pub(super) fn inputs(&mut self, k: usize, at: f64) {
-        self.now = k;
         self.set_orbit(k, at);
         let site = &mut self.site;
         fill_inputs(self.observations, self.vehicle, k, at, site);
@@ -122,7 +121,6 @@ impl Motion<'_> {
     /// only what they would do to it has two sides.
     pub(super) fn other_side(&mut self, ready: &mut Ready, k: usize) {
         ready.at = (k, 0.0);
-        self.now = k;
         if self.vehicle.input_faults.is_empty() {
             return;
         }

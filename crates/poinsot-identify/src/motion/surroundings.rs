@@ -21,14 +21,13 @@ impl Motion<'_> {
     /// Whether a torque of the surroundings acts.
     fn surrounded(&self) -> bool {
         let v = self.vehicle;
-        v.has_surroundings() || v.torque_N != Vector3::zeros() || !self.gusts.is_empty()
+        v.has_surroundings() || v.torque_N != Vector3::zeros()
     }
 
     /// Torque of the surroundings about the system's mass centre, in B, N m.
     pub(super) fn surroundings(&self, state: &State, w: &Vector3, centre: &Centre) -> Vector3 {
         let to_base = state.R_NB.inverse();
-        let gust = self.gusts.get(self.now).copied().unwrap_or_default();
-        let mut torque = self.vehicle.torque(w) + to_base * (self.vehicle.torque_N + gust);
+        let mut torque = self.vehicle.torque(w) + to_base * self.vehicle.torque_N;
         if let Some(gm) = self.vehicle.gm {
             let r_B = to_base * self.site.orbit_N;
             torque += gravity_gradient_torque(gm, &r_B, &centre.I_SScm_B);
@@ -52,19 +51,11 @@ impl Motion<'_> {
         }
         let to_base = state.R_NB.inverse();
         // R^T a moves by a x dphi when the base turns.
-        let gust = self.gusts.get(self.now).copied().unwrap_or_default();
-        let inertial = to_base * (v.torque_N + gust);
+        let inertial = to_base * v.torque_N;
         let mut change = v.torque_change(w, dw, kind) + inertial.cross(dphi);
         if let Some(UnknownKind::InertialTorque(k)) = kind {
             let mut e = Vector3::zeros();
             e[*k] = 1.0;
-            change += to_base * e;
-        }
-        if let Some(UnknownKind::RandomTorque(gust)) = kind
-            && self.blows(gust)
-        {
-            let mut e = Vector3::zeros();
-            e[gust.axis] = 1.0;
             change += to_base * e;
         }
         if let Some(gm) = v.gm {

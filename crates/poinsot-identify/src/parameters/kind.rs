@@ -40,19 +40,6 @@ pub enum UnknownKind {
     WheelTilt(usize, usize),
     /// Component in N of a constant force, N. Only tested for.
     InertialForce(usize),
-    /// Component in N of a random torque about the mass centre during a stretch of time, N m.
-    RandomTorque(Gust),
-}
-
-/// A stretch of time in which the random torque is one number an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Gust {
-    /// Index of the segment.
-    pub segment: usize,
-    /// First and last interval between grid times.
-    pub span: (usize, usize),
-    /// Axis of N.
-    pub axis: usize,
 }
 
 impl UnknownKind {
@@ -70,7 +57,6 @@ impl UnknownKind {
                 | Self::ThrusterLag(_)
                 | Self::WheelTilt(..)
                 | Self::InertialForce(_)
-                | Self::RandomTorque(_)
         )
     }
 
@@ -81,7 +67,6 @@ impl UnknownKind {
             Self::DisturbanceTorque(_)
                 | Self::InertialTorque(_)
                 | Self::DragTorque(_)
-                | Self::RandomTorque(_)
                 | Self::InertialForce(_)
         )
     }

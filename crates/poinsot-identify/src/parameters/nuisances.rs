@@ -1,14 +1,9 @@
 //! Unknowns of sensors, actuators and surroundings, as the model declares them.
 
 use super::sensor_errors::ErrorGroup;
-use super::{AXES, Gust, Parameters, UnknownKind};
-use crate::segment::Segment;
+use super::{AXES, Parameters, UnknownKind};
 use poinsot_dynamics::Tree;
 use poinsot_model::{JointKind, Model, Nuisance, SensorKind};
-
-/// Stretch of time in which a random torque is one number, over its correlation time. Half of it was too coarse: where
-/// the stretches began moved the inertia of a thrown body by 2 %.
-const STRETCH: f64 = 0.2;
 
 impl Parameters {
     pub(super) fn add_nuisances(&mut self, model: &Model, tree: &Tree) {
@@ -50,26 +45,6 @@ impl Parameters {
             "drag",
             "kg m2",
         );
-    }
-
-    /// Adds the random torque of the surroundings: one number an axis for every stretch of a correlation time.
-    pub fn add_random_torque(&mut self, model: &Model, segments: &[Segment]) {
-        let Some(random) = model.environment.random_torque else {
-            return;
-        };
-        for (at, segment) in segments.iter().enumerate() {
-            for span in stretches(&segment.observations.time_s, random.correlation_s) {
-                for axis in 0..3 {
-                    let gust = Gust {
-                        segment: at,
-                        span,
-                        axis,
-                    };
-                    let name = format!("random torque in segment {at} from {}", span.0);
-                    self.push(UnknownKind::RandomTorque(gust), name, "N m", 0.0, 1.0);
-                }
-            }
-        }
     }
 
     fn add_axes(
@@ -150,18 +125,4 @@ impl Parameters {
             self.push(kind, format!("{owner}.lag"), "s", 0.0, 1.0);
         }
     }
-}
-
-/// Intervals between grid times in stretches of a share of the correlation time, first and last of each: an even
-/// number of stretches in all would do, but a grid with gaps has no even ones.
-fn stretches(time_s: &[f64], correlation_s: f64) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    let mut from = 0;
-    for k in 0..time_s.len().saturating_sub(1) {
-        if time_s[k + 1] - time_s[from] >= STRETCH * correlation_s || k + 2 == time_s.len() {
-            found.push((from, k));
-            from = k + 1;
-        }
-    }
-    found
 }

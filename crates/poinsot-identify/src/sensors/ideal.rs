@@ -22,7 +22,7 @@ impl Ideal {
     /// Follows the motion for the sensors wanted, one entry a sensor of the segment. `None` where the vehicle cannot move.
     pub fn new(
         vehicle: &Vehicle,
-        (index, segment): (usize, &Segment),
+        segment: &Segment,
         start: &State,
         wanted: &[bool],
     ) -> Option<Self> {
@@ -33,7 +33,7 @@ impl Ideal {
         if !wanted.contains(&true) {
             return Some(Self { series });
         }
-        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0, index);
+        let mut motion = Motion::new(vehicle, segment, Vec::new(), 0);
         let samples = o.time_s.len();
         let mut state = *start;
         for k in 0..samples {

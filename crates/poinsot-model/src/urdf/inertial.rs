@@ -9,7 +9,7 @@ use poinsot_files::excerpt;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// Fixed-axis roll, pitch, yaw: the rotation `Rz(yaw) Ry(pitch) Rx(roll)` from the frame to its parent.
-pub(super) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
+pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> Matrix3 {
     let (sr, cr) = roll.sin_cos();
     let (sp, cp) = pitch.sin_cos();
     let (sy, cy) = yaw.sin_cos();

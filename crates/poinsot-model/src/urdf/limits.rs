@@ -10,13 +10,13 @@ const NAMESPACES: usize = 64;
 
 /// What is beyond a limit, and the byte where it is.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Excess {
+pub(crate) struct Excess {
     pub byte: usize,
     pub problem: String,
 }
 
 /// The first excess of a text. Text that is not well-formed gives none, or one: the XML reader refuses it anyway.
-pub(super) fn excess(text: &str) -> Option<Excess> {
+pub(crate) fn excess(text: &str) -> Option<Excess> {
     let (mut depth, mut namespaces, mut at) = (0_usize, 0_usize, 0_usize);
     let over = |byte, count: &str, limit| {
         Some(Excess {

@@ -1,15 +1,16 @@
-//! URDF, the robot description of ROS: read into a [`Model`], and mass properties written back into the file.
+//! URDF, the robot description of ROS, read into a [`Model`].
 //!
 //! No recursion on what the file holds, no DTD, no file is opened that it names.
 
 mod build;
-mod export;
 mod inertial;
 mod limits;
 mod raw;
 mod tree;
 
-pub use export::{LinkInertial, UrdfExport, export_urdf};
+pub(crate) use inertial::rotation;
+pub(crate) use limits::excess;
+pub(crate) use raw::ELEMENTS;
 
 use crate::finding::{Finding, ModelError};
 use crate::read::read_model_text;

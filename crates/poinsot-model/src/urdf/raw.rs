@@ -55,7 +55,7 @@ pub(super) struct Joint {
 }
 
 /// Names of the elements of an inertia in the order of [`Inertial::elements`].
-pub(super) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+pub(crate) const ELEMENTS: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
 
 /// Reads the text; `None` where there is no robot in it.
 pub(super) fn read(text: &str, remarks: &mut Vec<Remark>) -> Option<Robot> {

@@ -1,9 +1,9 @@
 //! How the errors of joint and wheel readings hang together in time.
 //!
-//! A rounded reading errs by up to half a step, and by the same amount for as long as it stays. Where it moves by
-//! a share `d` of a step from one reading to the next, two errors correlate by `1 - 6 d + 6 d^2` (the mean over the
-//! phase of the product of two sawtooth errors), so a reading that moves on by more than a fifth of a step errs anew
-//! each time.
+//! A rounded sample errs by up to half a step. Where the quantity moves by a share `d` of a step from one sample to the
+//! next, two errors correlate by `1 - 6 d + 6 d^2` (the mean over the phase of the product of two sawtooth errors), so
+//! the error of a quantity that moves by more than a fifth of a step is new at each sample. In a run of `n` equal samples
+//! `d` is at most `1 / n`: a quantity at rest and one that drifts by a whole step during the run read alike.
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;
@@ -11,8 +11,6 @@ use poinsot_identify::InputErrors;
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
-/// Equal readings in a row that make a rest.
-const RESTING: usize = 20;
 /// White noise, in steps, from which rounding errs anew each time even at rest.
 const DITHER: f64 = 0.25;
 /// Share of a step within which two readings are one.
@@ -153,11 +151,8 @@ fn errors(channel: &Channel, sensor: Option<&Sensor>, grid: &[f64]) -> InputErro
     }
 }
 
-/// Correlation of neighbouring errors in a run of equal readings: one in a rest; `None` for a short one.
+/// Correlation of neighbouring errors in a run of equal samples; `None` for a short one.
 fn memory_of_run(length: usize) -> Option<f64> {
-    if length >= RESTING {
-        return Some(1.0);
-    }
     let d = 1.0 / length as f64;
     let correlation = 1.0 - 6.0 * d + 6.0 * d * d;
     (length >= 5 && correlation > 0.0).then_some(correlation)
@@ -187,7 +182,6 @@ mod tests {
             [(0, 1), (2, 4), (5, 5)]
         );
         assert_eq!(runs(&[], 1.0), []);
-        assert_eq!(memory_of_run(30), Some(1.0));
         assert_eq!(memory_of_run(3), None);
         assert!((memory_of_run(10).unwrap_or(0.0) - 0.46).abs() < 1.0e-12);
     }

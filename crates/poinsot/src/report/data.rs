@@ -189,8 +189,11 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
 
 /// A `truth.json` of a simulation beside the first telemetry file.
 fn truth(identified: &Identified) -> Option<Value> {
-    let first = identified.inputs.first()?.first()?;
-    let path = Path::new(&first.path).parent()?.join("truth.json");
+    let first = Path::new(&identified.inputs.first()?.first()?.path);
+    if !first.is_file() {
+        return None;
+    }
+    let path = first.parent()?.join("truth.json");
     let bytes = poinsot_files::read(&path, poinsot_formats::LARGEST_RESULT).ok()?;
     let value: Value = serde_json::from_slice(&bytes).ok()?;
     (value["schema"] == "poinsot.truth/1").then(|| {

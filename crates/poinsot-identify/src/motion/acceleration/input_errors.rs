@@ -1,7 +1,7 @@
 //! How the specific force at a point answers to small errors of state and inputs.
 
 use super::{Inputs, Moving, Point, RateSlopes, lower, stack, upper};
-use crate::motion::{Column, Instant, Motion, State};
+use crate::motion::{Column, Instant, Motion, State, matrix};
 use crate::vehicle::slope_weights;
 use poinsot_dynamics::{Accelerations, Kinematics};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
@@ -78,6 +78,13 @@ impl ForceAround<'_, '_> {
             .first()
             .map_or_else(Vector3::zeros, |f| f * dw);
         self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r) + direct)
+    }
+
+    /// A torque about an axis of N.
+    pub fn outside_torque(&self, axis: usize) -> Vector3 {
+        let torque: Vector3 = matrix(&self.state.R_NB).row(axis).transpose();
+        let base = self.instant.inverse_inertia * stack(&Vector3::zeros(), &torque);
+        self.R.transpose() * (upper(&base) + lower(&base).cross(&self.r))
     }
 
     /// A joint's position, the twist held.

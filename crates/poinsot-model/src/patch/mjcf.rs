@@ -1,0 +1,94 @@
+//! MJCF, the model file of MuJoCo.
+
+use super::xml::{Edits, document, named};
+use super::{BodyProperties, Patched};
+use crate::patch::xml::child;
+use poinsot_spatial::MassProperties;
+use roxmltree::{Document, Node};
+
+/// Attributes that turn the axes of an `<inertial>`, or state a diagonal tensor: a full tensor excludes them.
+const AXES: [&str; 6] = [
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "diaginertia",
+];
+/// Settings of `<compiler>` by which MuJoCo changes the inertias that a file states, and values that leave them.
+const OVERRIDES: [(&str, &[&str]); 3] = [
+    ("inertiafromgeom", &["auto", "false"]),
+    ("balanceinertia", &["false"]),
+    ("settotalmass", &["-1"]),
+];
+
+/// Puts mass properties into the text of an MJCF file, in the axes of each body.
+///
+/// # Errors
+/// The text is not XML, or its `<compiler>` changes inertias after reading.
+pub fn patch_mjcf(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+    let document = document(text)?;
+    refuse_overrides(&document)?;
+    let mut edits = Edits::new(text);
+    let mut missing = Vec::new();
+    for new in bodies {
+        match named(&document, "body", &new.body) {
+            Some(body) => edit_body(body, &new.properties, &mut edits),
+            None => missing.push(new.body.clone()),
+        }
+    }
+    Ok(Patched {
+        text: edits.finish(),
+        missing,
+    })
+}
+
+fn refuse_overrides(document: &Document<'_>) -> Result<(), String> {
+    for compiler in document
+        .descendants()
+        .filter(|n| n.has_tag_name("compiler"))
+    {
+        for (name, harmless) in OVERRIDES {
+            let value = compiler.attribute(name).map(str::trim);
+            if let Some(value) = value.filter(|v| !harmless.contains(v)) {
+                return Err(format!(
+                    "with <compiler {name}=\"{value}\"> MuJoCo replaces the inertias that the file states; write \"{}\"",
+                    harmless[0]
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn edit_body(body: Node<'_, '_>, new: &MassProperties, edits: &mut Edits) {
+    let (c, i) = (&new.p_BoBcm_B, &new.I_BBcm_B);
+    let attributes = [
+        ("pos", format!("{:?} {:?} {:?}", c.x, c.y, c.z)),
+        ("mass", format!("{:?}", new.mass)),
+        (
+            "fullinertia",
+            format!(
+                "{:?} {:?} {:?} {:?} {:?} {:?}",
+                i[(0, 0)],
+                i[(1, 1)],
+                i[(2, 2)],
+                i[(0, 1)],
+                i[(0, 2)],
+                i[(1, 2)]
+            ),
+        ),
+    ];
+    match child(body, "inertial") {
+        Some(inertial) => {
+            AXES.iter().for_each(|name| edits.remove(inertial, name));
+            for (name, value) in &attributes {
+                edits.set(inertial, name, value);
+            }
+        }
+        None => {
+            let all = attributes.map(|(name, value)| format!(" {name}=\"{value}\""));
+            edits.insert_inside(body, &format!("<inertial{}/>", all.concat()));
+        }
+    }
+}

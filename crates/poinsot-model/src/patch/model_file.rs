@@ -1,0 +1,73 @@
+//! The model file of Poinsot: comments, order and every other key stay.
+
+use super::{BodyProperties, Patched};
+use poinsot_spatial::MassProperties;
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
+
+/// Tensor elements with their places.
+const ELEMENTS: [(&str, (usize, usize)); 6] = [
+    ("xx", (0, 0)),
+    ("yy", (1, 1)),
+    ("zz", (2, 2)),
+    ("xy", (0, 1)),
+    ("xz", (0, 2)),
+    ("yz", (1, 2)),
+];
+
+/// Puts mass properties into the text of a model file.
+///
+/// # Errors
+/// The text is not TOML, or has no `[[body]]`.
+pub fn patch_model(text: &str, bodies: &[BodyProperties]) -> Result<Patched, String> {
+    let mut document: DocumentMut = text
+        .parse()
+        .map_err(|error| format!("this is not TOML: {error}; give the model file"))?;
+    let tables = document
+        .get_mut("body")
+        .and_then(Item::as_array_of_tables_mut)
+        .ok_or("it has no [[body]]; give the model file of the vehicle")?;
+    let mut missing = Vec::new();
+    for new in bodies {
+        let mut same = tables
+            .iter_mut()
+            .filter(|t| t.get("name").and_then(Item::as_str) == Some(&new.body));
+        match (same.next(), same.next()) {
+            (Some(table), None) => edit_body(table, &new.properties),
+            _ => missing.push(new.body.clone()),
+        }
+    }
+    Ok(Patched {
+        text: document.to_string(),
+        missing,
+    })
+}
+
+fn edit_body(table: &mut Table, new: &MassProperties) {
+    set(table.entry("mass_kg"), new.mass.into());
+    let centre = Array::from_iter(new.p_BoBcm_B.iter().copied());
+    set(table.entry("com_m"), centre.into());
+    let inertia = table
+        .entry("inertia_kg_m2")
+        .or_insert_with(|| Item::Value(InlineTable::new().into()));
+    if let Some(elements) = inertia.as_table_like_mut() {
+        for (name, at) in ELEMENTS {
+            let value = Value::from(new.I_BBcm_B[at]);
+            set(elements.entry(name), value);
+        }
+    }
+}
+
+/// Sets a value; blanks and comments around an old one stay.
+fn set(entry: toml_edit::Entry<'_>, mut new: Value) {
+    match entry {
+        toml_edit::Entry::Occupied(mut old) => {
+            if let Some(value) = old.get().as_value() {
+                *new.decor_mut() = value.decor().clone();
+            }
+            old.insert(Item::Value(new));
+        }
+        toml_edit::Entry::Vacant(vacant) => {
+            vacant.insert(Item::Value(new));
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Changes of an XML text that leave every other byte as it is.
+
+use crate::urdf::excess;
+use roxmltree::{Document, Node};
+use std::ops::Range;
+
+/// Reads an XML text after its limits were checked.
+pub(super) fn document(text: &str) -> Result<Document<'_>, String> {
+    if let Some(excess) = excess(text) {
+        let line = 1 + text.as_bytes()[..excess.byte.min(text.len())]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count();
+        return Err(format!(
+            "line {line}: {}; simplify the file",
+            excess.problem
+        ));
+    }
+    Document::parse(text)
+        .map_err(|error| format!("this is not XML: {error}; give the robot's file"))
+}
+
+/// The first child element of a name.
+pub(super) fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children()
+        .find(|n| n.is_element() && n.tag_name().name() == name)
+}
+
+/// The element of a tag and a `name`, anywhere in the document; `None` without one, or where there are several.
+pub(super) fn named<'a, 'i>(
+    document: &'a Document<'i>,
+    tag: &str,
+    name: &str,
+) -> Option<Node<'a, 'i>> {
+    let mut found = document
+        .descendants()
+        .filter(|n| n.has_tag_name(tag) && n.attribute("name") == Some(name));
+    let first = found.next()?;
+    found.next().is_none().then_some(first)
+}
+
+/// Changes of a text, collected and then made at once.
+pub(super) struct Edits<'t> {
+    text: &'t str,
+    edits: Vec<(Range<usize>, String)>,
+}
+
+impl<'t> Edits<'t> {
+    pub fn new(text: &'t str) -> Self {
+        Self {
+            text,
+            edits: Vec::new(),
+        }
+    }
+
+    /// Replaces the value of an attribute, or adds it after the tag's name.
+    pub fn set(&mut self, node: Node<'_, '_>, name: &str, value: &str) {
+        match node.attribute_node(name) {
+            Some(attribute) => self.edits.push((attribute.range_value(), value.to_owned())),
+            None => {
+                let at = node.range().start + 1 + node.tag_name().name().len();
+                self.edits.push((at..at, format!(" {name}=\"{value}\"")));
+            }
+        }
+    }
+
+    /// Takes an attribute out, with the blank before it.
+    pub fn remove(&mut self, node: Node<'_, '_>, name: &str) {
+        if let Some(attribute) = node.attribute_node(name) {
+            let range = attribute.range();
+            let before = self.text.get(..range.start).unwrap_or_default();
+            let blank = before.len() - before.trim_end().len();
+            self.edits
+                .push((range.start - blank..range.end, String::new()));
+        }
+    }
+
+    /// Replaces an element.
+    pub fn replace(&mut self, node: Node<'_, '_>, element: String) {
+        self.edits.push((node.range(), element));
+    }
+
+    /// Puts an element first inside of another, whose tag may close itself.
+    pub fn insert_inside(&mut self, node: Node<'_, '_>, element: &str) {
+        let range = node.range();
+        if let Some(first) = node.first_child() {
+            let at = first.range().start;
+            self.edits.push((at..at, element.to_owned()));
+            return;
+        }
+        let whole = self.text.get(range.clone()).unwrap_or_default();
+        let name = node.tag_name().name();
+        if whole.ends_with("/>") {
+            let at = range.end - 2;
+            self.edits
+                .push((at..range.end, format!(">{element}</{name}>")));
+        } else if let Some(close) = whole.rfind("</") {
+            let at = range.start + close;
+            self.edits.push((at..at, element.to_owned()));
+        }
+    }
+
+    /// The text with all changes.
+    pub fn finish(mut self) -> String {
+        self.edits.sort_by_key(|e| e.0.start);
+        let mut out = String::with_capacity(self.text.len() + 256);
+        let mut at = 0;
+        for (range, new) in &self.edits {
+            out.push_str(self.text.get(at..range.start).unwrap_or_default());
+            out.push_str(new);
+            at = range.end;
+        }
+        out.push_str(self.text.get(at..).unwrap_or_default());
+        out
+    }
+}

@@ -1,0 +1,436 @@
+//! Kernels over many states: the arrays of the Python package, C-contiguous, one state a row, filled in place.
+//!
+//! Blocks of states go to all cores; between blocks the interpreter is asked for signals.
+
+use crate::arrays::rows;
+use crate::fault::Fault;
+use crate::model::CoreModel;
+use numpy::{PyReadonlyArrayDyn, PyReadwriteArrayDyn};
+use poinsot_dynamics::{
+    Driven, DrivenPlan, ForceProfile, ForwardDynamics, Integrator, JointDrive, JointInput,
+    Kinematics, MassMatrix, PiecewisePolynomial, SpringDamper, Start, StartVelocity, Tolerance,
+    Tree, WheelMotion, generalise_jacobian, joint_jacobian, point_of_body,
+};
+use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3, Vector6};
+use pyo3::prelude::*;
+
+/// States between two looks at signals: a few hundredths of a second.
+const BLOCK: usize = 1 << 15;
+/// Fewest states for which a thread is started.
+const SHARE: usize = 1 << 11;
+
+type Input<'py> = PyReadonlyArrayDyn<'py, f64>;
+type Output<'py> = PyReadwriteArrayDyn<'py, f64>;
+
+/// Fills `width` numbers of `out` per state by `one(scratch, state, row)`, which may refuse a state.
+fn fill<S>(
+    py: Python<'_>,
+    out: &mut [f64],
+    width: usize,
+    scratch: impl Fn() -> S + Sync,
+    one: impl Fn(&mut S, usize, &mut [f64]) -> Result<(), Fault> + Sync,
+) -> PyResult<()> {
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    for (block, part) in out.chunks_mut(BLOCK * width).enumerate() {
+        let (scratch, one) = (&scratch, &one);
+        py.detach(|| {
+            let states = part.len() / width.max(1);
+            let share = states.div_ceil(cores).max(SHARE);
+            let work = |k: usize, rows: &mut [f64]| {
+                let mut scratch = scratch();
+                let first = block * BLOCK + k * share;
+                let mut rows = rows.chunks_exact_mut(width).enumerate();
+                rows.try_for_each(|(i, row)| one(&mut scratch, first + i, row))
+            };
+            if states <= share {
+                return work(0, part);
+            }
+            std::thread::scope(|scope| {
+                let pieces = part.chunks_mut(share * width).enumerate();
+                let threads: Vec<_> = pieces
+                    .map(|(k, rows)| scope.spawn(move || work(k, rows)))
+                    .collect();
+                let ended = threads.into_iter().map(|t| t.join().unwrap_or(Ok(())));
+                ended.collect::<Result<Vec<()>, Fault>>().map(|_| ())
+            })
+        })?;
+        py.check_signals()?;
+    }
+    Ok(())
+}
+
+/// The contiguous numbers of an output.
+fn output<'a>(out: &'a mut Output<'_>) -> Result<&'a mut [f64], Fault> {
+    out.as_slice_mut()
+        .map_err(|_| Fault::argument("out", "", "it is not C-contiguous; use np.empty"))
+}
+
+/// Inertial parameters of each body: those given, ten a body, else the nominal ones.
+fn bodies(model: &CoreModel, given: Option<&Input<'_>>) -> Result<Vec<InertialParameters>, Fault> {
+    let Some(given) = given else {
+        return Ok(model.nominal.clone());
+    };
+    let numbers = rows("parameters", given, 10)?;
+    let sets: Vec<_> = numbers
+        .as_chunks::<10>()
+        .0
+        .iter()
+        .map(InertialParameters::from_array)
+        .collect();
+    if sets.len() != model.nominal.len() {
+        let why = format!(
+            "{} sets, expected {}; give ten numbers a body",
+            sets.len(),
+            model.nominal.len()
+        );
+        return Err(Fault::argument("parameters", sets.len().to_string(), why));
+    }
+    Ok(sets)
+}
+
+/// Joint positions, rates and base twists of many states.
+struct States<'a> {
+    tree: &'a Tree,
+    q: &'a [f64],
+    dq: &'a [f64],
+    V: &'a [f64],
+}
+
+impl<'a> States<'a> {
+    fn new(
+        model: &'a CoreModel,
+        q: &'a Input<'_>,
+        dq: &'a Input<'_>,
+        V: &'a Input<'_>,
+    ) -> Result<Self, Fault> {
+        let tree = &model.tree;
+        Ok(Self {
+            tree,
+            q: rows("q", q, tree.dof())?,
+            dq: rows("dq", dq, tree.dof())?,
+            V: rows("V", V, 6)?,
+        })
+    }
+
+    fn q(&self, k: usize) -> &[f64] {
+        let n = self.tree.dof();
+        self.q.get(k * n..(k + 1) * n).unwrap_or_default()
+    }
+
+    fn dq(&self, k: usize) -> &[f64] {
+        let n = self.tree.dof();
+        self.dq.get(k * n..(k + 1) * n).unwrap_or_default()
+    }
+
+    fn twist(&self, k: usize) -> (Vector3, Vector3) {
+        let V = self.V.get(6 * k..6 * k + 6).unwrap_or(&[0.0; 6]);
+        (
+            Vector3::from_column_slice(&V[..3]),
+            Vector3::from_column_slice(&V[3..]),
+        )
+    }
+
+    /// Places the bodies and gives them their velocities.
+    fn move_to(&self, kinematics: &mut Kinematics, k: usize) {
+        let (v, w) = self.twist(k);
+        kinematics.place(self.tree, self.q(k));
+        kinematics.set_velocities(self.tree, &v, &w, self.dq(k));
+    }
+}
+
+/// `out`: `(n, 10 bodies, 6)`.
+#[pyfunction]
+pub fn momentum_regressor(
+    py: Python<'_>,
+    model: &CoreModel,
+    q: Input<'_>,
+    dq: Input<'_>,
+    V: Input<'_>,
+    mut out: Output<'_>,
+) -> PyResult<()> {
+    let states = States::new(model, &q, &dq, &V)?;
+    let width = 60 * states.tree.bodies();
+    let scratch = || Kinematics::new(states.tree);
+    fill(
+        py,
+        output(&mut out)?,
+        width,
+        scratch,
+        |kinematics, k, row| {
+            states.move_to(kinematics, k);
+            poinsot_dynamics::momentum_regressor(kinematics, row.as_chunks_mut::<6>().0);
+            Ok(())
+        },
+    )
+}
+
+/// `out`: `(n, 6)`.
+#[pyfunction]
+#[pyo3(signature = (model, q, dq, V, out, parameters=None))]
+pub fn momentum(
+    py: Python<'_>,
+    model: &CoreModel,
+    q: Input<'_>,
+    dq: Input<'_>,
+    V: Input<'_>,
+    mut out: Output<'_>,
+    parameters: Option<Input<'_>>,
+) -> PyResult<()> {
+    let states = States::new(model, &q, &dq, &V)?;
+    let bodies = bodies(model, parameters.as_ref())?;
+    let scratch = || Kinematics::new(states.tree);
+    fill(py, output(&mut out)?, 6, scratch, |kinematics, k, row| {
+        states.move_to(kinematics, k);
+        let momentum = poinsot_dynamics::momentum(&bodies, kinematics);
+        row.copy_from_slice(momentum.as_slice());
+        Ok(())
+    })
+}
+
+/// `out`: `(n, 6 + dof, 6 + dof)`.
+#[pyfunction]
+#[pyo3(signature = (model, q, out, parameters=None))]
+pub fn mass_matrix(
+    py: Python<'_>,
+    model: &CoreModel,
+    q: Input<'_>,
+    mut out: Output<'_>,
+    parameters: Option<Input<'_>>,
+) -> PyResult<()> {
+    let tree = &*model.tree;
+    let q = rows("q", &q, tree.dof())?;
+    let bodies = bodies(model, parameters.as_ref())?;
+    let (dof, size) = (tree.dof(), 6 + tree.dof());
+    let scratch = || (Kinematics::new(tree), MassMatrix::new(tree));
+    fill(
+        py,
+        output(&mut out)?,
+        size * size,
+        scratch,
+        |(kinematics, H), k, row| {
+            kinematics.place(tree, q.get(k * dof..(k + 1) * dof).unwrap_or_default());
+            H.set(tree, &bodies, kinematics);
+            for i in 0..6 {
+                for j in 0..6 {
+                    row[i * size + j] = H.H_b[(i, j)];
+                }
+                for j in 0..dof {
+                    row[i * size + 6 + j] = H.H_bm[j][i];
+                    row[(6 + j) * size + i] = H.H_bm[j][i];
+                }
+            }
+            for i in 0..dof {
+                let from = &H.H_m[i * dof..(i + 1) * dof];
+                row[(6 + i) * size + 6..(7 + i) * size].copy_from_slice(from);
+            }
+            Ok(())
+        },
+    )
+}
+
+/// `out`: `(n, 6, 6 + dof)`, or `(n, 6, dof)` without momentum.
+#[pyfunction]
+#[pyo3(signature = (model, body, point, q, out, generalised=false, parameters=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn jacobian(
+    py: Python<'_>,
+    model: &CoreModel,
+    body: usize,
+    point: [f64; 3],
+    q: Input<'_>,
+    mut out: Output<'_>,
+    generalised: bool,
+    parameters: Option<Input<'_>>,
+) -> PyResult<()> {
+    let tree = &*model.tree;
+    let q = rows("q", &q, tree.dof())?;
+    let bodies = bodies(model, parameters.as_ref())?;
+    let dof = tree.dof();
+    let base = if generalised { 0 } else { 6 };
+    let width = 6 * (base + dof);
+    let point = Vector3::from(point);
+    let scratch = || {
+        let columns = vec![Vector6::zeros(); dof];
+        (Kinematics::new(tree), MassMatrix::new(tree), columns)
+    };
+    fill(
+        py,
+        output(&mut out)?,
+        width,
+        scratch,
+        |(kinematics, H, J), k, row| {
+            kinematics.place(tree, q.get(k * dof..(k + 1) * dof).unwrap_or_default());
+            let place = point_of_body(kinematics, body, &point);
+            joint_jacobian(tree, kinematics, body, &place, J);
+            if generalised {
+                H.set(tree, &bodies, kinematics);
+                generalise_jacobian(H, &place, J)
+                    .ok_or_else(|| singular(k, "the vehicle has no mass or no inertia"))?;
+            } else {
+                let J_b = poinsot_dynamics::base_jacobian(&place);
+                for i in 0..6 {
+                    for j in 0..6 {
+                        row[i * (6 + dof) + j] = J_b[(i, j)];
+                    }
+                }
+            }
+            for (j, column) in J.iter().enumerate() {
+                for i in 0..6 {
+                    row[i * (base + dof) + base + j] = column[i];
+                }
+            }
+            Ok(())
+        },
+    )
+}
+
+fn singular(state: usize, why: &str) -> Fault {
+    Fault::argument(
+        "state",
+        state.to_string(),
+        format!("{why}; give it mass and inertia"),
+    )
+}
+
+/// `out`: `(n, 6 + dof)`: `a_NBo_B`, `alpha_NB_B`, joint accelerations. `wrench` on the base about `Bo`.
+#[pyfunction]
+#[pyo3(signature = (model, q, dq, V, tau, wrench, out, parameters=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn forward_dynamics(
+    py: Python<'_>,
+    model: &CoreModel,
+    q: Input<'_>,
+    dq: Input<'_>,
+    V: Input<'_>,
+    tau: Input<'_>,
+    wrench: Input<'_>,
+    mut out: Output<'_>,
+    parameters: Option<Input<'_>>,
+) -> PyResult<()> {
+    let states = States::new(model, &q, &dq, &V)?;
+    let (tree, dof) = (states.tree, states.tree.dof());
+    let tau = rows("tau", &tau, dof)?;
+    let wrench = rows("wrench", &wrench, 6)?;
+    let bodies = bodies(model, parameters.as_ref())?;
+    let scratch = || {
+        let inputs = vec![JointInput::Force(0.0); dof];
+        (Kinematics::new(tree), ForwardDynamics::new(tree), inputs)
+    };
+    fill(
+        py,
+        output(&mut out)?,
+        6 + dof,
+        scratch,
+        |(kinematics, dynamics, inputs), k, row| {
+            states.move_to(kinematics, k);
+            for (input, force) in inputs.iter_mut().zip(&tau[k * dof..]) {
+                *input = JointInput::Force(*force);
+            }
+            dynamics.set_bodies(tree, &bodies, kinematics);
+            let w = &wrench[6 * k..6 * k + 6];
+            let (force, torque) = (
+                Vector3::from_column_slice(&w[..3]),
+                Vector3::from_column_slice(&w[3..]),
+            );
+            dynamics.add_wrench(0, &force, &torque);
+            let (base, joints) = row.split_at_mut(6);
+            let solved = dynamics.solve(tree, kinematics, states.dq(k), inputs, joints);
+            solved.map_err(|e| singular(k, &e.to_string()))?;
+            let (a, alpha) = dynamics.acceleration(0);
+            base[..3].copy_from_slice(a.as_slice());
+            base[3..].copy_from_slice(alpha.as_slice());
+            Ok(())
+        },
+    )
+}
+
+/// Motion under constant joint torques: rows of `out`, one per state, hold `times` times
+/// `q, dq, v_NBo_N, w_NB_B, q_NB xyzw, p_NoBo_N`; `start` holds `V, q_NB xyzw, p_NoBo_N`.
+#[pyfunction]
+#[pyo3(signature = (model, times, q, dq, start, tau, out, parameters=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn integrate(
+    py: Python<'_>,
+    model: &CoreModel,
+    times: Vec<f64>,
+    q: Input<'_>,
+    dq: Input<'_>,
+    start: Input<'_>,
+    tau: Input<'_>,
+    mut out: Output<'_>,
+    parameters: Option<Input<'_>>,
+) -> PyResult<()> {
+    let dof = model.tree.dof();
+    let q = rows("q", &q, dof)?;
+    let dq = rows("dq", &dq, dof)?;
+    let tau = rows("tau", &tau, dof)?;
+    let start = rows("start", &start, 13)?;
+    let bodies = bodies(model, parameters.as_ref())?;
+    let wheels = model.model.wheels.len();
+    let spin: Vec<f64> = model.model.wheels.iter().map(|w| w.spin_inertia).collect();
+    let one_time = 2 * dof + 13;
+    let width = one_time * times.len();
+    fill(
+        py,
+        output(&mut out)?,
+        width,
+        || (),
+        |(), k, row| {
+            let joint = |j: usize| JointDrive::Force {
+                motor: ForceProfile::Nodes(PiecewisePolynomial::constant(tau[k * dof + j])),
+                spring: SpringDamper::default(),
+                initial_position: q[k * dof + j],
+                initial_rate: dq[k * dof + j],
+            };
+            let plan = DrivenPlan {
+                joints: (0..dof).map(joint).collect(),
+                wheels: vec![WheelMotion::constant(0.0); wheels],
+                firings: Vec::new(),
+            };
+            let refused = |e: poinsot_dynamics::MotionError| singular(k, &e.to_string());
+            let tree = (*model.tree).clone();
+            let driven = Driven::from_parts(tree, bodies.clone(), spin.clone(), Vec::new(), &plan);
+            let driven = driven.map_err(refused)?;
+            let mut rows = row.chunks_exact_mut(one_time);
+            let integrator = Integrator::DormandPrince8(Tolerance::default());
+            let start = start_of(&start[13 * k..13 * k + 13]);
+            driven
+                .run(&start, &times, integrator, |sample| {
+                    if let Some(row) = rows.next() {
+                        put(row, dof, &sample.motion);
+                    }
+                })
+                .map_err(refused)
+        },
+    )
+}
+
+/// Twist in B, attitude scalar last, position.
+fn start_of(numbers: &[f64]) -> Start {
+    let vector = |k: usize| Vector3::from_column_slice(&numbers[k..k + 3]);
+    let q = &numbers[6..10];
+    let R_NB = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[3], q[0], q[1], q[2]));
+    Start {
+        R_NB,
+        p_NoBo_N: vector(10),
+        velocity: StartVelocity::Twist {
+            v_NBo_N: R_NB * vector(0),
+            w_NB_B: vector(3),
+        },
+    }
+}
+
+fn put(row: &mut [f64], dof: usize, motion: &poinsot_dynamics::MotionSample) {
+    row[..dof].copy_from_slice(&motion.q);
+    row[dof..2 * dof].copy_from_slice(&motion.rates);
+    let v_NBo_B = motion.R_NB.inverse() * motion.v_NBo_N;
+    let q = motion.R_NB.coords;
+    let rest = [
+        v_NBo_B.as_slice(),
+        motion.w_NB_B.as_slice(),
+        q.as_slice(),
+        motion.p_NoBo_N.as_slice(),
+    ]
+    .concat();
+    row[2 * dof..].copy_from_slice(&rest);
+}

@@ -1,0 +1,151 @@
+//! The vehicle.
+
+use crate::fault::Fault;
+use crate::value::{parse_toml, to_toml};
+use poinsot_dynamics::Tree;
+use poinsot_model::{
+    JointKind, Model, describe, parse_model, read_model, read_telemetry_map, read_urdf, write_model,
+};
+use poinsot_spatial::InertialParameters;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What messages call a model that was not read from a file.
+const IN_MEMORY: &str = "<model>";
+
+/// A checked vehicle.
+#[pyclass(name = "Model", frozen, module = "poinsot._core")]
+pub struct CoreModel {
+    /// The vehicle.
+    pub model: Model,
+    /// Its kinematics.
+    pub tree: Arc<Tree>,
+    /// Nominal parameters of each body.
+    pub nominal: Vec<InertialParameters>,
+}
+
+impl From<Model> for CoreModel {
+    fn from(model: Model) -> Self {
+        let nominal = model.bodies.iter().map(|b| b.nominal.parameters());
+        Self {
+            tree: Arc::new(Tree::new(&model)),
+            nominal: nominal.collect(),
+            model,
+        }
+    }
+}
+
+#[pymethods]
+impl CoreModel {
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        Ok(read_model(&path).map_err(Fault::from)?.into())
+    }
+
+    #[staticmethod]
+    fn from_urdf(path: PathBuf) -> PyResult<Self> {
+        Ok(read_urdf(&path).model.map_err(Fault::from)?.into())
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (text, name=None))]
+    fn from_text(text: &str, name: Option<&str>) -> PyResult<Self> {
+        let model = parse_model(text, name.unwrap_or(IN_MEMORY));
+        Ok(model.map_err(Fault::from)?.into())
+    }
+
+    #[staticmethod]
+    fn from_dict(values: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let value = to_toml(values, "", 0)?;
+        let text = toml::to_string(&value)
+            .map_err(|e| Fault::argument("model", IN_MEMORY, format!("{e}; give a dictionary")))?;
+        Self::from_text(&text, None)
+    }
+
+    /// The same vehicle with the `[telemetry]` table of a file.
+    fn with_map(&self, path: PathBuf) -> PyResult<Self> {
+        let mut model = self.model.clone();
+        model.telemetry = read_telemetry_map(&path).map_err(Fault::from)?;
+        Ok(model.into())
+    }
+
+    fn to_toml(&self) -> String {
+        write_model(&self.model)
+    }
+
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        parse_toml(py, &write_model(&self.model))
+    }
+
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        let text = write_model(&self.model);
+        Ok(poinsot::write_file(&path, text.as_bytes()).map_err(Fault::from)?)
+    }
+
+    /// JSON and text of `poinsot check`.
+    fn check(&self) -> PyResult<(String, String)> {
+        let description = describe(&self.model);
+        let json = serde_json::to_string(&description);
+        let what = |e: serde_json::Error| poinsot::Error::Internal {
+            what: e.to_string(),
+        };
+        let json = json.map_err(what).map_err(Fault::from)?;
+        Ok((json, description.to_string()))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.model.name
+    }
+
+    #[getter]
+    fn bodies(&self) -> Vec<&str> {
+        self.model.bodies.iter().map(|b| b.name.as_str()).collect()
+    }
+
+    /// Names of the joint coordinates, in the order of `q`.
+    #[getter]
+    fn coordinates(&self) -> Vec<&str> {
+        let joints = self.model.joints.iter();
+        let moving = joints.filter(|j| j.kind != JointKind::Fixed);
+        moving.map(|j| j.name.as_str()).collect()
+    }
+
+    /// Units of the joint coordinates.
+    #[getter]
+    fn coordinate_units(&self) -> Vec<&str> {
+        let joints = self.model.joints.iter();
+        let moving = joints.filter(|j| j.kind != JointKind::Fixed);
+        let unit = |j: &poinsot_model::Joint| match j.kind {
+            JointKind::Prismatic => "m",
+            _ => "rad",
+        };
+        moving.map(unit).collect()
+    }
+
+    #[getter]
+    fn wheels(&self) -> Vec<&str> {
+        self.model.wheels.iter().map(|w| w.name.as_str()).collect()
+    }
+
+    #[getter]
+    fn thrusters(&self) -> Vec<&str> {
+        let all = self.model.thrusters.iter();
+        all.map(|t| t.name.as_str()).collect()
+    }
+
+    #[getter]
+    fn sensors(&self) -> Vec<&str> {
+        self.model.sensors.iter().map(|s| s.name.as_str()).collect()
+    }
+
+    /// Nominal parameters, ten a body.
+    #[getter]
+    fn parameters(&self) -> Vec<[f64; 10]> {
+        self.nominal
+            .iter()
+            .map(InertialParameters::to_array)
+            .collect()
+    }
+}

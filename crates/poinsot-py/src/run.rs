@@ -1,0 +1,182 @@
+//! A verb beside the interpreter: other Python threads go on, Ctrl-C ends it, and progress is told.
+//!
+//! The verb works on a thread of its own, which knows nothing of Python. The calling thread looks at it every
+//! [`POLL`], passes progress on and asks for signals. A call that is interrupted returns at once; its thread unwinds at
+//! its next report of progress, of which every iteration of a fit makes one.
+
+use crate::fault::Fault;
+use poinsot_cli::guarded;
+use pyo3::prelude::*;
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::thread::Builder;
+use std::time::Duration;
+use tracing::field::{Field, Visit};
+use tracing::span::{Attributes, Id, Record};
+use tracing::{Event, Metadata, Subscriber};
+
+/// How often the calling thread looks; a tenth of the 0.2 s within which Ctrl-C acts.
+const POLL: Duration = Duration::from_millis(20);
+/// Stack of a verb, that of a main thread.
+const STACK: usize = 8 << 20;
+/// Where the crates below report.
+const TARGET: &str = "poinsot::progress";
+
+/// Whether this process is the child of a fork: threads of the parent's pool do not exist here.
+static FORKED: AtomicBool = AtomicBool::new(false);
+/// Whether the pool of threads was started.
+static STARTED: OnceLock<()> = OnceLock::new();
+
+/// Called by the interpreter in the child after a fork.
+#[pyfunction]
+pub fn after_fork() {
+    FORKED.store(true, Ordering::Release);
+}
+
+/// What the verb has done last.
+#[derive(Debug, Default, Clone, PartialEq, Eq)]
+struct Step {
+    stage: String,
+    done: u64,
+    total: u64,
+}
+
+impl Visit for Step {
+    fn record_str(&mut self, field: &Field, value: &str) {
+        if field.name() == "stage" {
+            value.clone_into(&mut self.stage);
+        }
+    }
+
+    fn record_u64(&mut self, field: &Field, value: u64) {
+        match field.name() {
+            "done" => self.done = value,
+            "total" => self.total = value,
+            _ => {}
+        }
+    }
+
+    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
+}
+
+/// What the two threads share.
+#[derive(Default)]
+struct Watch {
+    interrupted: AtomicBool,
+    last: Mutex<Step>,
+}
+
+/// Payload of the unwinding that ends an interrupted verb.
+struct Interrupted;
+
+struct Listener(Arc<Watch>);
+
+impl Subscriber for Listener {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        metadata.is_event() && metadata.target() == TARGET
+    }
+
+    fn event(&self, event: &Event<'_>) {
+        if self.0.interrupted.load(Ordering::Acquire) {
+            resume_unwind(Box::new(Interrupted));
+        }
+        let mut step = Step::default();
+        event.record(&mut step);
+        if let Ok(mut last) = self.0.last.lock() {
+            *last = step;
+        }
+    }
+
+    fn new_span(&self, _: &Attributes<'_>) -> Id {
+        Id::from_u64(1)
+    }
+
+    fn record(&self, _: &Id, _: &Record<'_>) {}
+    fn record_follows_from(&self, _: &Id, _: &Id) {}
+    fn enter(&self, _: &Id) {}
+    fn exit(&self, _: &Id) {}
+}
+
+/// Runs a verb without the interpreter's lock; `progress(stage, done, total)` is called as it goes.
+///
+/// # Errors
+/// Those of the verb, an exception of the callback, or that of a signal.
+pub fn run<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    verb: impl FnOnce() -> Result<T, Fault> + Send + 'static,
+) -> PyResult<T> {
+    let watch = Arc::new(Watch::default());
+    let (send, mut receive) = channel();
+    let theirs = Arc::clone(&watch);
+    let work = move || {
+        // Nobody listens to a verb that was interrupted.
+        let _ = send.send(watched(theirs, verb));
+    };
+    let started = Builder::new().stack_size(STACK).spawn(work);
+    started.map_err(|e| Fault::from(poinsot::Error::Threads { why: e.to_string() }))?;
+    let mut told = Step::default();
+    loop {
+        let (back, waited) = py.detach(move || {
+            let waited = receive.recv_timeout(POLL);
+            (receive, waited)
+        });
+        receive = back;
+        match waited {
+            Ok(result) => return result.map_err(PyErr::from),
+            Err(RecvTimeoutError::Disconnected) => {
+                let what = "a verb ended without an answer".to_owned();
+                return Err(Fault::from(poinsot::Error::Internal { what }).into());
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        let looked = tell(progress, &watch, &mut told).and_then(|()| py.check_signals());
+        if let Err(error) = looked {
+            watch.interrupted.store(true, Ordering::Release);
+            return Err(error);
+        }
+    }
+}
+
+/// Passes the last step on where it is new.
+fn tell(progress: Option<&Bound<'_, PyAny>>, watch: &Watch, told: &mut Step) -> PyResult<()> {
+    let Some(progress) = progress else {
+        return Ok(());
+    };
+    let last = match watch.last.lock() {
+        Ok(last) => last.clone(),
+        Err(_) => return Ok(()),
+    };
+    if last == *told {
+        return Ok(());
+    }
+    *told = last.clone();
+    progress.call1((last.stage, last.done, last.total))?;
+    Ok(())
+}
+
+/// The verb under its listener; panics become faults.
+fn watched<T: Send>(
+    watch: Arc<Watch>,
+    verb: impl FnOnce() -> Result<T, Fault> + Send,
+) -> Result<T, Fault> {
+    let listened = move || {
+        let dispatch = tracing::Dispatch::new(Listener(watch));
+        tracing::dispatcher::with_default(&dispatch, || {
+            guarded(|| verb().map_err(Fault::into_failure)).map_err(Fault::of)
+        })
+    };
+    if FORKED.load(Ordering::Acquire) {
+        let pool = rayon::ThreadPoolBuilder::new().build();
+        let pool = pool.map_err(|e| poinsot::Error::Threads { why: e.to_string() })?;
+        return pool.install(listened);
+    }
+    if STARTED.get().is_none() {
+        // Whoever comes second finds the pool there.
+        let _ = poinsot::start_threads();
+        let _ = STARTED.set(());
+    }
+    listened()
+}

@@ -1,0 +1,128 @@
+//! Dictionaries of Python to TOML and back, for the model file as data.
+
+use crate::fault::Fault;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString};
+use toml::Value;
+
+/// Deepest nesting that is read; a model file has five levels.
+const DEEPEST: usize = 32;
+
+/// A value of Python as TOML: dictionaries, sequences, arrays, text, numbers and flags. `None` entries are left out.
+///
+/// # Errors
+/// A value of another type; the message names its key.
+pub fn to_toml(value: &Bound<'_, PyAny>, key: &str, depth: usize) -> PyResult<Value> {
+    if depth > DEEPEST {
+        return Err(refused(
+            key,
+            "nested too deep",
+            "give plain dictionaries and lists",
+        ));
+    }
+    if let Ok(flag) = value.cast::<PyBool>() {
+        return Ok(Value::Boolean(flag.is_true()));
+    }
+    if let Ok(number) = value.cast::<PyInt>() {
+        let number = number.extract::<i64>();
+        return number
+            .map(Value::Integer)
+            .map_err(|_| refused(key, "an integer beyond 64 bits", "give a float"));
+    }
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(Value::Float(number.value()));
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(Value::String(text.to_string()));
+    }
+    if let Ok(table) = value.cast::<PyDict>() {
+        return table_of(table, key, depth);
+    }
+    // Arrays and numbers of NumPy.
+    if value.hasattr("tolist")? {
+        return to_toml(&value.call_method0("tolist")?, key, depth + 1);
+    }
+    if value.hasattr("__fspath__")? {
+        return to_toml(&value.call_method0("__fspath__")?, key, depth + 1);
+    }
+    let Ok(items) = value.try_iter() else {
+        let kind = value.get_type().name()?.to_string();
+        let what = format!("a value of type {kind}");
+        return Err(refused(
+            key,
+            &what,
+            "give a number, text, list or dictionary",
+        ));
+    };
+    let mut list = Vec::new();
+    for (k, item) in items.enumerate() {
+        list.push(to_toml(&item?, &format!("{key}[{k}]"), depth + 1)?);
+    }
+    Ok(Value::Array(list))
+}
+
+fn table_of(table: &Bound<'_, PyDict>, key: &str, depth: usize) -> PyResult<Value> {
+    let mut out = toml::Table::new();
+    for (name, item) in table.iter() {
+        let Ok(name) = name.extract::<String>() else {
+            return Err(refused(
+                key,
+                "a key that is no text",
+                "name every entry by text",
+            ));
+        };
+        if item.is_none() {
+            continue;
+        }
+        let within = match key {
+            "" => name.clone(),
+            key => format!("{key}.{name}"),
+        };
+        out.insert(name, to_toml(&item, &within, depth + 1)?);
+    }
+    Ok(Value::Table(out))
+}
+
+fn refused(key: &str, what: &str, remedy: &str) -> PyErr {
+    Fault::argument("model", key, format!("{what}; {remedy}")).into()
+}
+
+/// The same back.
+///
+/// # Errors
+/// The interpreter has no memory.
+pub fn from_toml<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::String(text) => text.into_pyobject(py)?.into_any(),
+        Value::Integer(number) => number.into_pyobject(py)?.into_any(),
+        Value::Float(number) => number.into_pyobject(py)?.into_any(),
+        Value::Boolean(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
+        Value::Datetime(date) => date.to_string().into_pyobject(py)?.into_any(),
+        Value::Array(items) => {
+            let list = PyList::empty(py);
+            for item in items {
+                list.append(from_toml(py, item)?)?;
+            }
+            list.into_any()
+        }
+        Value::Table(table) => {
+            let out = PyDict::new(py);
+            for (name, item) in table {
+                out.set_item(name, from_toml(py, item)?)?;
+            }
+            out.into_any()
+        }
+    })
+}
+
+/// A text of TOML as a dictionary.
+///
+/// # Errors
+/// It is no TOML.
+pub fn parse_toml<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    let table: toml::Table = text
+        .parse()
+        .map_err(|e: toml::de::Error| PyTypeError::new_err(e.to_string()))?;
+    from_toml(py, &Value::Table(table))
+}

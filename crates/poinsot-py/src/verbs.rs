@@ -1,0 +1,244 @@
+//! The verbs beside `identify`: documents as JSON and as the text of the command.
+
+use crate::answer::CoreAnswer;
+use crate::fault::Fault;
+use crate::record::{CoreRecord, encoding, record_of};
+use crate::run::run;
+use poinsot::bind::mountings;
+use poinsot::case::read_case;
+use poinsot::compare::{compare_estimates, comparison_document};
+use poinsot::predict::{prediction_document, prediction_json};
+use poinsot::simulate::{SimulateError, simulate_case};
+use poinsot::validate::{ValidateRequest, validation_document, validation_json, write_validation};
+use poinsot::{estimate_file, inspection_json};
+use poinsot_formats::{EstimateFile, read_estimate};
+use poinsot_model::{read_model, read_telemetry_map};
+use poinsot_report::{Document, TextStyle};
+use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount, units as all_units};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// JSON, text, exit code.
+type Printed = (String, String, u8);
+
+fn text(document: &Document) -> String {
+    document.text(&TextStyle {
+        width: None,
+        colour: false,
+    })
+}
+
+/// Version of the program.
+#[pyfunction]
+pub fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}
+
+/// `poinsot inspect`: JSON and text.
+#[pyfunction]
+#[pyo3(signature = (paths, map=None, recover=false, time_s=None, every=1, memory_mib=None, encoded="utf8"))]
+#[allow(clippy::too_many_arguments)]
+pub fn inspect(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    map: Option<PathBuf>,
+    recover: bool,
+    time_s: Option<[f64; 2]>,
+    every: usize,
+    memory_mib: Option<usize>,
+    encoded: &str,
+) -> PyResult<(String, String)> {
+    let mut options = ReadOptions {
+        encoding: encoding(encoded)?,
+        recover,
+        time_s,
+        every,
+        memory_mib: memory_mib.unwrap_or(MEMORY_MIB),
+        ..ReadOptions::default()
+    };
+    run(py, None, move || {
+        if let Some(path) = &map {
+            options.map = read_telemetry_map(path)?;
+        }
+        let (inspection, proposal) = poinsot::inspect(&paths, &options, map.is_some())?;
+        let printed = inspection.to_string();
+        Ok((inspection_json(&inspection, proposal).to_string(), printed))
+    })
+}
+
+/// `poinsot simulate` in memory, and into a folder where one is given: record, truth as JSON.
+#[pyfunction]
+#[pyo3(signature = (case, out=None, progress=None))]
+pub fn simulate(
+    py: Python<'_>,
+    case: PathBuf,
+    out: Option<PathBuf>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(CoreRecord, String)> {
+    run(py, progress.as_ref(), move || {
+        if let Some(folder) = &out {
+            let written = poinsot::simulate::simulate(&case, folder)?;
+            let truth = text_of(&written.truth)?;
+            let parts = vec![poinsot_telemetry::Part::File(written.telemetry)];
+            return Ok((CoreRecord { parts }, truth));
+        }
+        let read = read_case(&case).map_err(SimulateError::from)?;
+        let model = read_model(&read.model)?;
+        let mut simulation = simulate_case(&read, &model)?;
+        // Files are in the axes of the sensors, tables in those of the bodies.
+        let back: Vec<Mounting> = mountings(&model).iter().map(Mounting::inverse).collect();
+        mount(&mut simulation.table, &back);
+        let name = format!("<simulation of {}>", case.display());
+        Ok((
+            record_of(&name, &simulation.table),
+            simulation.truth.to_string(),
+        ))
+    })
+}
+
+fn text_of(path: &std::path::Path) -> Result<String, Fault> {
+    std::fs::read_to_string(path).map_err(|source| {
+        Fault::from(poinsot::Error::Io {
+            path: path.to_owned(),
+            what: "cannot be read",
+            source,
+        })
+    })
+}
+
+/// `poinsot predict`.
+#[pyfunction]
+#[pyo3(signature = (case, relative_accuracy=1.0, progress=None))]
+pub fn predict(
+    py: Python<'_>,
+    case: PathBuf,
+    relative_accuracy: f64,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Printed> {
+    run(py, progress.as_ref(), move || {
+        let found = poinsot::predict::predict(&case, relative_accuracy)?;
+        Ok((
+            prediction_json(&found).to_string(),
+            text(&prediction_document(&found)),
+            found.exit_code(),
+        ))
+    })
+}
+
+/// `poinsot validate`.
+#[pyfunction]
+#[pyo3(signature = (against, case=None, model=None, estimate=None, map=None, within_m=None, within_rad=None, strict=false, recover=false, out=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn validate(
+    py: Python<'_>,
+    against: String,
+    case: Option<PathBuf>,
+    model: Option<PathBuf>,
+    estimate: Option<PathBuf>,
+    map: Option<PathBuf>,
+    within_m: Option<f64>,
+    within_rad: Option<f64>,
+    strict: bool,
+    recover: bool,
+    out: Option<PathBuf>,
+) -> PyResult<Printed> {
+    let request = ValidateRequest {
+        model,
+        estimate,
+        against,
+        case,
+        map,
+        within_m,
+        within_rad,
+        strict,
+        recover,
+    };
+    run(py, None, move || {
+        let found = poinsot::validate::validate(&request)?;
+        if let Some(folder) = &out {
+            write_validation(folder, &found)?;
+        }
+        Ok((
+            validation_json(&found).to_string(),
+            text(&validation_document(&found)),
+            found.exit_code(),
+        ))
+    })
+}
+
+/// An answer in memory, or the folder of one.
+#[derive(FromPyObject)]
+pub enum AnswerOrPath<'py> {
+    /// In memory.
+    Answer(Bound<'py, CoreAnswer>),
+    /// In a folder.
+    Path(PathBuf),
+}
+
+/// `poinsot compare`.
+#[pyfunction]
+pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Printed> {
+    let mut files: Vec<(PathBuf, EstimateFile)> = Vec::new();
+    for (k, answer) in answers.into_iter().enumerate() {
+        files.push(match answer {
+            AnswerOrPath::Answer(answer) => {
+                let name = format!("<answer {}>", k + 1);
+                (name.into(), estimate_file(&answer.get().identified))
+            }
+            AnswerOrPath::Path(path) => read_estimate(&path)
+                .map_err(poinsot::compare::format_error)
+                .map_err(Fault::from)?,
+        });
+    }
+    run(py, None, move || {
+        let found = compare_estimates(&files)?;
+        let json = serde_json::json!(found).to_string();
+        let agree = found.verdict == "agree" && found.doubts.is_empty();
+        Ok((json, text(&comparison_document(&found)), u8::from(!agree)))
+    })
+}
+
+/// `poinsot methods` as JSON.
+#[pyfunction]
+pub fn methods() -> String {
+    let all = poinsot::methods::methods();
+    let list = all.iter().map(|m| {
+        let variants = m.variants.iter();
+        let variants =
+            variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
+        serde_json::json!({
+            "name": m.name,
+            "summary": m.summary,
+            "paper": m.paper,
+            "variants": variants.collect::<Vec<_>>(),
+        })
+    });
+    serde_json::Value::Array(list.collect()).to_string()
+}
+
+/// `poinsot units` as JSON.
+#[pyfunction]
+pub fn units() -> String {
+    let list = all_units().map(|unit| {
+        let mut value = serde_json::json!(unit);
+        value["si"] = unit.dimension.si().into();
+        value
+    });
+    serde_json::Value::Array(list.collect()).to_string()
+}
+
+/// Meaning, usual cause and remedy of a code; `None` for an unknown one.
+#[pyfunction]
+pub fn explain(code: &str) -> Option<(&'static str, &'static str, &'static str, &'static str)> {
+    let found = poinsot::explain::explain(code)?;
+    Some((found.code, found.meaning, found.cause, found.remedy))
+}
+
+/// All codes.
+#[pyfunction]
+pub fn error_codes() -> Vec<&'static str> {
+    poinsot::explain::error_codes()
+        .iter()
+        .map(|c| c.code)
+        .collect()
+}

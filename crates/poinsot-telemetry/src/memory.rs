@@ -1,0 +1,262 @@
+//! Columns that are in memory already: they take the way of a file, with its names, units, checks and limits.
+
+use crate::bytes::sha256_of_columns;
+use crate::columns::Columns;
+use crate::error::{Place, shown};
+use crate::number::Cell;
+use crate::plan::{self, Plan};
+use crate::size::Rows;
+use crate::{ReadOptions, TelemetryError};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Values of one column, one per row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers in the unit of the column; NaN where there is no sample.
+    Numbers(Vec<f64>),
+    /// Times as whole nanoseconds, which a double cannot hold.
+    Nanoseconds(Vec<i64>),
+}
+
+impl Values {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(values) => values.len(),
+            Self::Nanoseconds(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value of a row as a file would write it.
+    fn text(&self, row: usize) -> String {
+        match self {
+            Self::Numbers(values) => match values.get(row) {
+                Some(x) if !x.is_nan() => x.to_string(),
+                _ => String::new(),
+            },
+            Self::Nanoseconds(values) => values.get(row).map_or(String::new(), |ns| {
+                let sign = if *ns < 0 { "-" } else { "" };
+                let ns = ns.unsigned_abs();
+                format!("{sign}{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
+            }),
+        }
+    }
+}
+
+/// Columns with their names, as a file with one header row would hold them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MemoryColumns {
+    /// What messages call them, for example `<arrays>`.
+    pub name: String,
+    /// Name and values of each column.
+    pub columns: Vec<(String, Values)>,
+}
+
+/// One source of the telemetry of a segment.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Part {
+    /// A file.
+    File(PathBuf),
+    /// Columns in memory.
+    Memory(Arc<MemoryColumns>),
+}
+
+impl Part {
+    /// The path, or the name in messages.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::File(path) => path,
+            Self::Memory(columns) => Path::new(&columns.name),
+        }
+    }
+}
+
+/// Takes the planned columns.
+///
+/// # Errors
+/// A column is longer or shorter than the first, a time is no time, or there is more than fits.
+pub(crate) fn read(
+    memory: &MemoryColumns,
+    options: &ReadOptions,
+) -> Result<(Plan, Columns, String), TelemetryError> {
+    let path = Path::new(&memory.name);
+    let rows = check_lengths(path, memory)?;
+    if rows == 0 {
+        let place = Place::file(path);
+        return Err(TelemetryError::Empty { place });
+    }
+    let header: Vec<String> = memory.columns.iter().map(|c| c.0.clone()).collect();
+    let plan = plan::build(path, &header, None, options)?;
+    let declared = Rows::Declared(rows as u64);
+    options
+        .limit()
+        .check_ahead(path, &plan, options, declared)?;
+    let mut columns = Columns::with_channels(plan.channels.len());
+    columns.rows_read = rows;
+    let kept = take_times(path, memory, &plan, options, &mut columns)?;
+    for (k, channel) in plan.channels.iter().enumerate() {
+        let Some((_, values)) = memory.columns.get(channel.index) else {
+            continue;
+        };
+        let Values::Numbers(values) = values else {
+            return Err(TelemetryError::Format {
+                place: Place::cell(path, 0, &channel.column),
+                why: "whole nanoseconds are a time, and this column is none; give numbers".into(),
+            });
+        };
+        for row in &kept {
+            let cell = match values.get(*row) {
+                Some(x) if !x.is_nan() => Cell::Number(*x),
+                _ => Cell::Empty,
+            };
+            columns.push(k, *row as u64 + 1, channel.conversion.number(cell));
+        }
+    }
+    let selection = options.selection();
+    selection.check(path, &plan, &mut columns, declared, None)?;
+    Ok((plan, columns, sha256_of_columns(memory)))
+}
+
+/// Rows of all columns.
+fn check_lengths(path: &Path, memory: &MemoryColumns) -> Result<usize, TelemetryError> {
+    let rows = memory.columns.first().map_or(0, |c| c.1.len());
+    let first = memory.columns.first().map_or("", |c| c.0.as_str());
+    match memory.columns.iter().find(|c| c.1.len() != rows) {
+        None => Ok(rows),
+        Some((name, values)) => Err(TelemetryError::Format {
+            place: Place::cell(path, 0, name),
+            why: format!(
+                "{} values, and column '{first}' has {rows}; give every column one value per time, NaN where there is no sample",
+                values.len()
+            ),
+        }),
+    }
+}
+
+/// Times of the rows that are chosen, and which rows those are.
+fn take_times(
+    path: &Path,
+    memory: &MemoryColumns,
+    plan: &Plan,
+    options: &ReadOptions,
+    columns: &mut Columns,
+) -> Result<Vec<usize>, TelemetryError> {
+    let column = |index: usize| memory.columns.get(index).map(|c| &c.1);
+    let mut clock = plan.clock.clone();
+    let mut selection = options.selection();
+    let mut kept = Vec::new();
+    for row in 0..columns.rows_read {
+        let text = |index: usize| column(index).map_or(String::new(), |values| values.text(row));
+        let mut chosen = true;
+        for (k, (index, wanted)) in plan.filter.iter().enumerate() {
+            let found = text(*index);
+            if k == 0 {
+                columns.saw(&found);
+            }
+            chosen &= found == *wanted;
+        }
+        if !chosen {
+            continue;
+        }
+        let plain = match column(plan.time_index) {
+            Some(Values::Numbers(times)) => times.get(row).and_then(|x| clock.small(*x)),
+            _ => None,
+        };
+        let time = match plain {
+            Some(seconds) => Ok(Cell::Number(seconds)),
+            None => {
+                let week = plan.week_index.map(text);
+                let week = week.as_deref().map(str::as_bytes);
+                clock.seconds(text(plan.time_index).as_bytes(), week)
+            }
+        };
+        let time = time.map_err(|why| TelemetryError::Number {
+            place: Place::cell(path, row as u64 + 1, &plan.time_column),
+            value: shown(text(plan.time_index).as_bytes()),
+            why: why.text(true),
+        })?;
+        let time_s = match time {
+            Cell::Number(x) => x,
+            Cell::Empty | Cell::NotANumber => f64::NAN,
+        };
+        columns.origin = clock.origin;
+        if selection.keeps(time_s + columns.own_zero_s()) {
+            columns.time_s.push(time_s);
+            columns.rows.push(row as u64 + 1);
+            kept.push(row);
+        }
+    }
+    Ok(kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{read, read_parts};
+
+    fn memory(columns: Vec<(&str, Values)>) -> Part {
+        let columns = columns.into_iter().map(|(n, v)| (n.to_owned(), v));
+        Part::Memory(Arc::new(MemoryColumns {
+            name: "<arrays>".to_owned(),
+            columns: columns.collect(),
+        }))
+    }
+
+    fn numbers(values: &[f64]) -> Values {
+        Values::Numbers(values.to_vec())
+    }
+
+    #[test]
+    fn exact_memory_is_the_table_of_the_same_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rates.csv");
+        let text = "time_s,omega_x,omega_y\n0.1,0.3,1\n0.2,,2\n0.3,0.1,3\n";
+        std::fs::write(&path, text).unwrap();
+        let options = ReadOptions::default();
+        let file = read(&[&path], &options).unwrap();
+        let part = memory(vec![
+            ("time_s", numbers(&[0.1, 0.2, 0.3])),
+            ("omega_x", numbers(&[0.3, f64::NAN, 0.1])),
+            ("omega_y", numbers(&[1.0, 2.0, 3.0])),
+        ]);
+        let table = read_parts(&[part], &options).unwrap();
+        assert_eq!(table.channels, file.channels);
+        assert_eq!(table.origin, file.origin);
+        assert_eq!(table.sources[0].rows, 3);
+        assert_eq!(table.sources[0].sha256.len(), 64);
+    }
+
+    #[test]
+    fn exact_nanoseconds_lose_nothing() {
+        let start = 1_773_512_340_100_000_000_i64;
+        let part = memory(vec![
+            (
+                "time_s",
+                Values::Nanoseconds(vec![start, start + 1, start + 1_000_000_001]),
+            ),
+            ("omega_x", numbers(&[1.0, 2.0, 3.0])),
+        ]);
+        let table = read_parts(&[part], &ReadOptions::default()).unwrap();
+        let times = &table.channels[0].time_s;
+        assert_eq!(times.as_ref(), [0.0, 1.0e-9, 1.000_000_001]);
+    }
+
+    #[test]
+    fn unit_columns_of_different_length_are_refused() {
+        let part = memory(vec![
+            ("time_s", numbers(&[0.0, 1.0])),
+            ("omega_x", numbers(&[0.0])),
+        ]);
+        let error = read_parts(&[part], &ReadOptions::default()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "E0202 <arrays> column 'omega_x': 1 values, and column 'time_s' has 2; give every column one value per time, NaN where there is no sample"
+        );
+    }
+}

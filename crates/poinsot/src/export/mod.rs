@@ -1,0 +1,255 @@
+//! The verb `export`: the answer of `identify` in the file of another program.
+//!
+//! A number that is not determined is never written: a body keeps the numbers of the file and is named, or the export is
+//! refused.
+
+mod basilisk;
+mod ccsds;
+mod onboard;
+mod table;
+
+use crate::compare::format_error;
+use crate::error::Error;
+use poinsot_formats::{BodyFile, EstimateFile, read_estimate};
+use poinsot_model::{
+    BodyProperties, Patch, parse_urdf, patch_mjcf, patch_model, patch_sdf, patch_urdf,
+    read_model_text,
+};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use std::path::Path;
+use std::str::FromStr;
+
+/// Kinds of file that [`export`] makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// Model file of Poinsot, patched.
+    Model,
+    /// Robot description of ROS, patched.
+    Urdf,
+    /// Robot description of Gazebo and Drake, patched.
+    Sdf,
+    /// Model of MuJoCo, patched.
+    Mjcf,
+    /// Python for Basilisk.
+    Basilisk,
+    /// CCSDS attitude parameter message (504.0-B-2), KVN.
+    Apm,
+    /// CCSDS attitude comprehensive message (504.0-B-2), KVN.
+    Acm,
+    /// Table, one row a number.
+    Csv,
+    /// On-board table with covariance, JSON.
+    Onboard,
+}
+
+impl Target {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::Model,
+        Self::Urdf,
+        Self::Sdf,
+        Self::Mjcf,
+        Self::Basilisk,
+        Self::Apm,
+        Self::Acm,
+        Self::Csv,
+        Self::Onboard,
+    ];
+
+    /// Name in commands.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Model => "model",
+            Self::Urdf => "urdf",
+            Self::Sdf => "sdf",
+            Self::Mjcf => "mjcf",
+            Self::Basilisk => "basilisk",
+            Self::Apm => "apm",
+            Self::Acm => "acm",
+            Self::Csv => "csv",
+            Self::Onboard => "onboard",
+        }
+    }
+
+    /// How numbers get into a file that is there; `None` where the file is made anew.
+    fn patch(self) -> Option<Patch> {
+        match self {
+            Self::Model => Some(patch_model),
+            Self::Urdf => Some(patch_urdf),
+            Self::Sdf => Some(patch_sdf),
+            Self::Mjcf => Some(patch_mjcf),
+            _ => None,
+        }
+    }
+}
+
+impl FromStr for Target {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        let names = Self::ALL.map(Self::name).join(", ");
+        let found = Self::ALL.into_iter().find(|t| t.name() == name);
+        found.ok_or_else(|| Error::Usage {
+            option: "--to",
+            value: name.to_owned(),
+            why: format!("there is no such format; use one of {names}"),
+        })
+    }
+}
+
+/// A file with what was identified.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exported {
+    /// The text.
+    pub text: String,
+    /// What was not exported, and why.
+    pub left_out: Vec<String>,
+}
+
+/// Exports `folder/estimate.json`. `onto` is the file that the vehicle came from, for formats that are patched.
+///
+/// # Errors
+/// The files cannot be read, `onto` is missing or not wanted, or nothing is determined.
+pub fn export(folder: &Path, to: Target, onto: Option<&Path>) -> Result<Exported, Error> {
+    let (path, estimate) = read_estimate(&folder.join("estimate.json")).map_err(format_error)?;
+    export_estimate(&estimate, &path, to, onto)
+}
+
+/// The same with an estimate in memory; messages call it `path`.
+///
+/// # Errors
+/// As [`export`].
+pub fn export_estimate(
+    estimate: &EstimateFile,
+    path: &Path,
+    to: Target,
+    onto: Option<&Path>,
+) -> Result<Exported, Error> {
+    let source = Source { estimate, path };
+    match (to.patch(), onto) {
+        (Some(patch), Some(onto)) => patched(&source, to, patch, onto),
+        (Some(_), None) => Err(Error::Usage {
+            option: "--to",
+            value: to.name().to_owned(),
+            why: "this format changes a file; name it by --onto".to_owned(),
+        }),
+        (None, Some(onto)) => Err(Error::Usage {
+            option: "--onto",
+            value: onto.display().to_string(),
+            why: format!("{} is written as a new file; leave --onto out", to.name()),
+        }),
+        (None, None) => match to {
+            Target::Basilisk => basilisk::text(&source),
+            Target::Apm => ccsds::apm(&source),
+            Target::Acm => ccsds::acm(&source),
+            Target::Csv => table::text(&source),
+            _ => onboard::text(&source),
+        },
+    }
+}
+
+/// What is exported, and what messages call it.
+struct Source<'a> {
+    estimate: &'a EstimateFile,
+    path: &'a Path,
+}
+
+impl Source<'_> {
+    fn fault(&self, why: String) -> Error {
+        Error::Report {
+            path: self.path.to_owned(),
+            why,
+        }
+    }
+
+    /// Bodies that were asked for: those determined, and a line for each of the others.
+    fn bodies(&self) -> (Vec<BodyProperties>, Vec<String>) {
+        let (mut determined, mut left_out) = (Vec::new(), Vec::new());
+        let asked = self.estimate.bodies.iter().filter(|(_, b)| b.is_asked());
+        for (name, body) in asked {
+            match properties(body) {
+                Some(properties) => determined.push(BodyProperties {
+                    body: name.clone(),
+                    properties,
+                }),
+                None => left_out.push(format!(
+                    "not exported: {name}: not all of its mass, mass centre and inertia are determined"
+                )),
+            }
+        }
+        (determined, left_out)
+    }
+
+    /// The error where no body can be exported.
+    fn nothing(&self, left_out: &[String], also: &str) -> Error {
+        self.fault(format!(
+            "no body can be exported ({}); identify with more data{also}",
+            left_out.join("; ")
+        ))
+    }
+
+    /// Lines that say where the numbers come from.
+    fn origin(&self) -> Vec<String> {
+        let e = self.estimate;
+        let inputs = e
+            .inputs
+            .iter()
+            .map(|i| format!("{} (sha256 {})", i.path, i.sha256));
+        let mut lines = vec![format!(
+            "Poinsot {}: {}, {}, {}",
+            e.poinsot,
+            e.model,
+            e.method_in_words(),
+            e.status
+        )];
+        lines.extend(inputs);
+        lines.extend(e.doubts.iter().map(|d| format!("not to be relied on: {d}")));
+        lines
+    }
+}
+
+fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exported, Error> {
+    let text = read_model_text(onto)?;
+    if to == Target::Urdf {
+        parse_urdf(&text, &onto.display().to_string()).model?;
+    }
+    let (bodies, mut left_out) = source.bodies();
+    left_out
+        .iter_mut()
+        .for_each(|line| line.push_str("; the file's numbers stay"));
+    let patched = patch(&text, &bodies).map_err(|why| Error::Report {
+        path: onto.to_owned(),
+        why,
+    })?;
+    let missing = patched.missing.iter();
+    left_out.extend(missing.map(|name| {
+        let what = match to {
+            Target::Model | Target::Mjcf => "body",
+            _ => "link",
+        };
+        format!("not exported: {name}: the file has not exactly one {what} of this name")
+    }));
+    if bodies.len() == patched.missing.len() {
+        let also = format!(", or give the {} file of the model", to.name());
+        return Err(source.nothing(&left_out, &also));
+    }
+    Ok(Exported {
+        text: patched.text,
+        left_out,
+    })
+}
+
+fn properties(body: &BodyFile) -> Option<MassProperties> {
+    let [x, y, z] = body.com_m.value;
+    Some(MassProperties {
+        mass: body.mass_kg.value?,
+        p_BoBcm_B: Vector3::new(x?, y?, z?),
+        I_BBcm_B: tensor(body)?,
+    })
+}
+
+fn tensor(body: &BodyFile) -> Option<Matrix3> {
+    let i = &body.inertia_kg_m2.value;
+    let (xy, xz, yz) = (i.xy?, i.xz?, i.yz?);
+    Some(Matrix3::new(i.xx?, xy, xz, xy, i.yy?, yz, xz, yz, i.zz?))
+}

@@ -1,0 +1,41 @@
+//! Numbers and covariance for on-board software: determined numbers alone.
+
+use super::{Exported, Source};
+use crate::error::Error;
+use poinsot_formats::{ONBOARD, OnboardBodyFile, OnboardFile};
+
+pub(super) fn text(source: &Source) -> Result<Exported, Error> {
+    let e = source.estimate;
+    let (bodies, left_out) = source.bodies();
+    if bodies.is_empty() {
+        return Err(source.nothing(&left_out, ""));
+    }
+    let body = |p: &poinsot_model::BodyProperties| {
+        let p = (&p.body, &p.properties);
+        let rows = std::array::from_fn(|i| std::array::from_fn(|j| p.1.I_BBcm_B[(i, j)]));
+        let numbers = OnboardBodyFile {
+            mass_kg: p.1.mass,
+            com_m: p.1.p_BoBcm_B.into(),
+            inertia_kg_m2: rows,
+        };
+        (p.0.clone(), numbers)
+    };
+    let finite = |row: &Vec<Option<f64>>| row.iter().copied().collect::<Option<Vec<f64>>>();
+    let matrix: Option<Vec<Vec<f64>>> = e.covariance.matrix.iter().map(finite).collect();
+    let file = OnboardFile {
+        schema: ONBOARD.to_owned(),
+        poinsot: e.poinsot.clone(),
+        model: e.model.clone(),
+        epoch: e.epoch.clone(),
+        reliable: e.covariance_trustworthy,
+        bodies: bodies.iter().map(body).collect(),
+        covariance_names: e.covariance.names.clone(),
+        covariance_units: e.covariance.units.clone(),
+        covariance: matrix.ok_or_else(|| {
+            source.fault("its covariance has holes; identify with more data".to_owned())
+        })?,
+    };
+    let mut text = serde_json::to_string_pretty(&file).map_err(|e| source.fault(e.to_string()))?;
+    text.push('\n');
+    Ok(Exported { text, left_out })
+}

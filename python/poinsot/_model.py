@@ -1,0 +1,151 @@
+"""The vehicle."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import Model as CoreModel
+
+PathLike = str | os.PathLike[str]
+
+
+class Model:
+    """A checked vehicle: bodies, joints, wheels, thrusters, sensors, and what of them is unknown.
+
+    Use :meth:`read`, :meth:`from_urdf`, :meth:`from_text` or :meth:`from_dict`. To change a model, change its
+    dictionary and make a model of it; every way goes through the same checks.
+
+    Examples
+    --------
+    >>> import poinsot as pn
+    >>> vehicle = pn.Model.read("examples/stsat3/model.toml")
+    >>> vehicle.bodies
+    ('spacecraft',)
+    >>> values = vehicle.to_dict()
+    >>> values["body"][0]["mass_kg"] = 152.0
+    >>> pn.Model.from_dict(values).parameters[0, 0]
+    np.float64(152.0)
+    """
+
+    __slots__ = ("_core",)
+    _core: CoreModel
+
+    def __init__(self, core: CoreModel) -> None:
+        self._core = core
+
+    @classmethod
+    def read(cls, path: PathLike) -> Model:
+        """Read a model file (TOML, ``poinsot.model/1``).
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Raises
+        ------
+        InputError
+            The file is refused; ``lines`` holds all findings.
+        """
+        return cls(CoreModel.read(path))
+
+    @classmethod
+    def from_urdf(cls, path: PathLike) -> Model:
+        """Read a robot from URDF. Sensors and unknowns are still to be added, see :meth:`to_dict`."""
+        return cls(CoreModel.from_urdf(path))
+
+    @classmethod
+    def from_text(cls, text: str, name: str | None = None) -> Model:
+        """Read the text of a model file; messages call it `name`."""
+        return cls(CoreModel.from_text(text, name))
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Model:
+        """Make a model of the tables of a model file.
+
+        Parameters
+        ----------
+        values
+            Keys as in the file; numbers may be arrays of NumPy. Entries that are None are left out.
+        """
+        return cls(CoreModel.from_dict(dict(values)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the tables of the model file; :meth:`from_dict` takes them back."""
+        return self._core.to_dict()
+
+    def to_toml(self) -> str:
+        """Return the text of the model file."""
+        return self._core.to_toml()
+
+    def write(self, path: PathLike) -> None:
+        """Write the model file. An earlier file stays until the new one is complete."""
+        self._core.write(path)
+
+    def check(self) -> dict[str, Any]:
+        """Return what the model describes, as ``poinsot check --json`` prints it."""
+        found: dict[str, Any] = json.loads(self._core.check()[0])
+        return found
+
+    def with_map(self, path: PathLike) -> Model:
+        """Return the vehicle with the ``[telemetry]`` table of another file."""
+        return Model(self._core.with_map(path))
+
+    @property
+    def name(self) -> str:
+        """Name of the vehicle."""
+        return self._core.name
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies; the first is the base."""
+        return tuple(self._core.bodies)
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the joints that move, in the order of the joint coordinates `q`."""
+        return tuple(self._core.coordinates)
+
+    @property
+    def coordinate_units(self) -> tuple[str, ...]:
+        """Units of `q`: ``"rad"`` or ``"m"``."""
+        return tuple(self._core.coordinate_units)
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """Names of the wheels."""
+        return tuple(self._core.wheels)
+
+    @property
+    def thrusters(self) -> tuple[str, ...]:
+        """Names of the thrusters."""
+        return tuple(self._core.thrusters)
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors."""
+        return tuple(self._core.sensors)
+
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """Nominal inertial parameters, shape (bodies, 10).
+
+        A row holds m, mc_x, mc_y, mc_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin of the body's frame, in
+        its axes; kg, kg m, kg m2. The order is that of Pinocchio's ``Inertia.toDynamicParameters()``.
+        """
+        return np.array(self._core.parameters, dtype=np.float64).reshape(-1, 10)
+
+    def __repr__(self) -> str:
+        return f"<poinsot.Model {self.name!r}: {len(self.bodies)} bodies, {len(self.coordinates)} joint coordinates>"
+
+    def __str__(self) -> str:
+        return self._core.check()[1]
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        return (Model.from_text, (self.to_toml(),))

@@ -1,0 +1,346 @@
+"""The verbs of Poinsot. Options are those of the command, with the same defaults and the same checks."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
+from typing import Any, TypeAlias
+
+from . import _core
+from ._answer import Answer
+from ._errors import InputError
+from ._model import Model
+from ._telemetry import Telemetry, as_records
+
+PathLike: TypeAlias = str | os.PathLike[str]
+Progress: TypeAlias = Callable[[str, int, int], Any] | bool | None
+
+
+class Document(Mapping[str, Any]):
+    """A result as a dictionary, with the text that the command prints.
+
+    Attributes
+    ----------
+    exit_code : int
+        Exit code of the command.
+    """
+
+    def __init__(self, values: str, text: str, exit_code: int = 0) -> None:
+        self._values: dict[str, Any] = json.loads(values)
+        self._text = text
+        self.exit_code = exit_code
+
+    def __getitem__(self, key: str) -> Any:
+        return self._values[key]
+
+    def __iter__(self) -> Any:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<poinsot.Document {self._values.get('schema', '')} {', '.join(self._values)}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        return f"<pre>{escape(self._text)}</pre>"
+
+
+class Simulation:
+    """Simulated telemetry and the truth behind it.
+
+    Attributes
+    ----------
+    telemetry : Telemetry
+        What the sensors report.
+    truth : dict
+        The document ``truth.json``.
+    """
+
+    def __init__(self, telemetry: Telemetry, truth: dict[str, Any]) -> None:
+        self.telemetry = telemetry
+        self.truth = truth
+
+    def __repr__(self) -> str:
+        return f"<poinsot.Simulation {self.telemetry!r}>"
+
+
+def _reporter(progress: Progress) -> Callable[[str, int, int], Any] | None:
+    """The callback, or a bar of tqdm for True."""
+    if progress is None or progress is False:
+        return None
+    if progress is not True:
+        return progress
+    try:
+        tqdm: Any = import_module("tqdm.auto").tqdm
+    except ImportError:
+        raise InputError("E0001 progress True: tqdm is missing; pip install tqdm, or give a function of (stage, done, total)") from None
+    bar = tqdm(leave=False)
+
+    def report(stage: str, done: int, total: int) -> None:
+        bar.set_description(stage)
+        bar.total = total or None
+        bar.n = done
+        bar.refresh()
+
+    return report
+
+
+def as_model(vehicle: Model | PathLike) -> Model:
+    """A model, or the file of one."""
+    return vehicle if isinstance(vehicle, Model) else Model.read(vehicle)
+
+
+def _options(**given: Any) -> dict[str, Any]:
+    if given.get("map") is not None:
+        given["map"] = os.fspath(given["map"])
+    if given.get("time_s") is not None:
+        given["time_s"] = [float(x) for x in given["time_s"]]
+    policies = given.get("policies")
+    if isinstance(policies, Mapping):
+        given["policies"] = [f"{check}={policy}" for check, policy in policies.items()]
+    return given
+
+
+def identify(
+    vehicle: Model | PathLike,
+    records: Any,
+    *,
+    method: str = "auto",
+    variant: str | None = None,
+    relative_accuracy: float = 1.0,
+    coordinates: str | None = None,
+    strict: bool = False,
+    policies: Mapping[str, str] | Sequence[str] | None = None,
+    map: PathLike | None = None,
+    recover: bool = False,
+    encoding: str = "utf8",
+    time_s: tuple[float, float] | None = None,
+    every: int = 1,
+    memory_mib: int | None = None,
+    progress: Progress = None,
+) -> Answer:
+    """Identify the unknown mass properties of a vehicle from its telemetry.
+
+    Parameters
+    ----------
+    vehicle
+        The vehicle, or its model file.
+    records
+        Telemetry, file or data frame, or a sequence of them: one per segment. The bodies are shared, each segment has
+        its own initial momentum.
+    method, variant
+        See :func:`methods`.
+    relative_accuracy
+        One sigma, relative to the nominal value, up to which a direction counts as identifiable.
+    coordinates
+        ``"physical"`` keeps every unknown body one of positive mass, ``"linear"`` lets an impossible tensor pass.
+    strict
+        No repairs: what would be repaired is an error.
+    policies
+        What is done about a finding of a telemetry check, for example ``{"outlier": "report"}``.
+    map
+        File whose ``[telemetry]`` table replaces that of the model.
+    recover
+        Read the whole rows of a file that ends inside a row.
+    encoding
+        Of CSV text, ``"utf8"`` or ``"latin1"``.
+    time_s
+        Take the rows between these times, s.
+    every
+        Take every n-th row.
+    memory_mib
+        Most memory for the samples of one record, MiB; 64 by default.
+    progress
+        Called as ``progress(stage, done, total)``; True shows a bar of tqdm.
+
+    Returns
+    -------
+    Answer
+
+    Raises
+    ------
+    InputError
+        Invalid arguments, model or telemetry. What the data do not determine is part of the answer.
+    KeyboardInterrupt
+        Within 0.2 s of Ctrl-C.
+
+    Examples
+    --------
+    >>> import poinsot as pn
+    >>> answer = pn.identify("examples/stsat3/model.toml", "examples/stsat3/multiaxis/telemetry_noisy.csv")
+    >>> answer.rank
+    (6, 6)
+    """
+    options = _options(
+        method=method,
+        variant=variant,
+        relative_accuracy=float(relative_accuracy),
+        coordinates=coordinates,
+        strict=strict,
+        policies=policies,
+        map=map,
+        recover=recover,
+        encoding=encoding,
+        time_s=time_s,
+        every=every,
+        memory_mib=memory_mib,
+    )
+    return Answer(_core.identify(as_model(vehicle)._core, as_records(records), options, _reporter(progress)))
+
+
+def check(vehicle: Model | PathLike) -> Document:
+    """Check a model file and say what it describes.
+
+    Parameters
+    ----------
+    vehicle
+        The model, or its file.
+
+    Examples
+    --------
+    >>> import poinsot as pn
+    >>> pn.check("examples/stsat3/model.toml")["mass_kg"]
+    150.0
+    """
+    return Document(*as_model(vehicle)._core.check())
+
+
+def inspect(
+    *paths: PathLike,
+    map: PathLike | None = None,
+    recover: bool = False,
+    time_s: tuple[float, float] | None = None,
+    every: int = 1,
+    memory_mib: int | None = None,
+    encoding: str = "utf8",
+) -> Document:
+    """Say what telemetry files hold and whether attitude and gyro fit the conventions of their names.
+
+    Parameters
+    ----------
+    *paths
+        Files of one segment.
+    map, recover, time_s, every, memory_mib, encoding
+        As of :func:`identify`.
+
+    Examples
+    --------
+    >>> import poinsot as pn
+    >>> found = pn.inspect("examples/stsat3/multiaxis/telemetry_noisy.csv")
+    >>> found["sources"][0]["rows"]
+    4801
+    """
+    files = [os.fspath(p) for p in paths]
+    if not files:
+        raise InputError("E0001 paths: no file; give at least one")
+    span = None if time_s is None else (float(time_s[0]), float(time_s[1]))
+    return Document(*_core.inspect(files, map, recover, span, every, memory_mib, encoding))
+
+
+def simulate(case: PathLike, *, out: PathLike | None = None, progress: Progress = None) -> Simulation:
+    """Simulate a case: joints, wheels, thrusters, sensors with noise.
+
+    Parameters
+    ----------
+    case
+        Case file (TOML, ``poinsot.case/1``).
+    out
+        Folder for telemetry and ``truth.json``, written as the command does; in memory without.
+    progress
+        As of :func:`identify`.
+    """
+    record, truth = _core.simulate(case, out, _reporter(progress))
+    return Simulation(Telemetry(record), json.loads(truth))
+
+
+def predict(case: PathLike, *, relative_accuracy: float = 1.0, progress: Progress = None) -> Document:
+    """Say how accurate a planned manoeuvre will be, before it is flown (Cramer-Rao bound).
+
+    Parameters
+    ----------
+    case
+        Case file; the numbers of its model are taken as the truth.
+    relative_accuracy, progress
+        As of :func:`identify`.
+    """
+    return Document(*_core.predict(case, float(relative_accuracy), _reporter(progress)))
+
+
+def validate(
+    against: PathLike | Sequence[PathLike],
+    *,
+    case: PathLike | None = None,
+    model: PathLike | None = None,
+    estimate: PathLike | None = None,
+    map: PathLike | None = None,
+    within_m: float | None = None,
+    within_rad: float | None = None,
+    strict: bool = False,
+    recover: bool = False,
+    out: PathLike | None = None,
+) -> Document:
+    """Compare the motion of a model, or of an estimate, with another model or with telemetry.
+
+    Parameters
+    ----------
+    against
+        Another model (``.toml``), or telemetry files of one record.
+    case
+        Case that says what drives the vehicle; not needed for held-back telemetry.
+    model
+        Model of the vehicle; that of the case where it is not given.
+    estimate
+        Folder of an answer (:meth:`Answer.write`) whose numbers replace the nominal ones.
+    within_m, within_rad
+        Largest acceptable difference of positions and of angles.
+    out
+        Folder for ``validation.json`` and ``histories.csv``.
+    map, strict, recover
+        As of :func:`identify`.
+    """
+    files = [against] if isinstance(against, (str, os.PathLike)) else list(against)
+    joined = ",".join(os.fspath(p) for p in files)
+    return Document(*_core.validate(joined, case, model, estimate, map, within_m, within_rad, strict, recover, out))
+
+
+def compare(answers: Iterable[Answer | PathLike]) -> Document:
+    """Compare answers of one vehicle: differences in sigma, joint tests, pooled answer.
+
+    Parameters
+    ----------
+    answers
+        Two or more: answers, or folders of them. Their telemetry must be different.
+    """
+    return Document(*_core.compare([a._core if isinstance(a, Answer) else os.fspath(a) for a in answers]))
+
+
+def export(answer: Answer, to: str, path: PathLike | None = None, *, onto: PathLike) -> str:
+    """Write the numbers of an answer into the file of another program; see :meth:`Answer.export`."""
+    return answer.export(to, path, onto=onto)
+
+
+def methods() -> list[dict[str, Any]]:
+    """List the methods of :func:`identify` with their variants and papers.
+
+    Examples
+    --------
+    >>> import poinsot as pn
+    >>> [m["name"] for m in pn.methods()][:3]
+    ['auto', 'linear', 'maximum_likelihood']
+    """
+    found: list[dict[str, Any]] = json.loads(_core.methods())
+    return found
+
+
+def units() -> list[dict[str, Any]]:
+    """List the units that a map of telemetry may name, with their factors to SI."""
+    found: list[dict[str, Any]] = json.loads(_core.units())
+    return found

@@ -1,0 +1,36 @@
+"""Figures: drawn without a screen, for determined and undetermined answers."""
+
+import pytest
+
+import poinsot as pn
+
+pytestmark = pytest.mark.extra
+
+STSAT3 = "examples/stsat3/model.toml"
+
+
+@pytest.fixture(scope="module")
+def answers():
+    pytest.importorskip("matplotlib")
+    return [pn.identify(STSAT3, f"examples/stsat3/{run}/telemetry_noisy.csv") for run in ("multiaxis", "paper")]
+
+
+@pytest.mark.parametrize("kind", ["tensor", "ellipsoid", "residuals", "undetermined", "all"])
+def test_exact_every_kind_is_drawn(answers, kind, tmp_path):
+    for k, answer in enumerate(answers):
+        if kind == "ellipsoid" and not answer.bodies["spacecraft"].determined:
+            with pytest.raises(pn.InputError):
+                answer.plot(kind)
+            continue
+        answer.plot(kind).savefig(tmp_path / f"{k}.png")
+        assert (tmp_path / f"{k}.png").stat().st_size > 3_000
+
+
+def test_exact_compare_marks_what_is_undetermined(answers):
+    from poinsot import plot
+
+    figure = plot.compare({"six slews": answers[0], "one slew": answers[1]})
+    words = [t.get_text() for panel in figure.axes for t in panel.texts]
+    assert words.count("undetermined") == sum(answers[1].bodies["spacecraft"].source[f"I_{e}"] is None for e in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    with pytest.raises(pn.InputError):
+        answers[0].plot("pie")
