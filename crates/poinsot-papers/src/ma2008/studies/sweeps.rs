@@ -231,6 +231,11 @@ fn error_cells(errors: &[f64; 3]) -> [Cell; 3] {
     ]
 }
 
+/// A ratio as text; one decimal is enough for all of them.
+fn in_percent(ratio: f64) -> String {
+    format!("{}", (1000.0 * ratio).round() / 10.0)
+}
+
 /// Fig. 8: errors against the mass ratio, noise-free and with 1 % of each maximum.
 pub fn mass_ratio(context: &Context) -> Result<Findings, StudyError> {
     let mut findings = Findings::default();
@@ -260,13 +265,13 @@ pub fn mass_ratio(context: &Context) -> Result<Findings, StudyError> {
             if share == 0.0 {
                 worst_exact = last.into_iter().fold(worst_exact, f64::max);
             }
-            table.row(format!("{}", 100.0 * ratio), error_cells(&last));
+            table.row(in_percent(ratio), error_cells(&last));
         }
         findings.tables.push(table);
         curves.push(curve);
     }
     let places: Vec<f64> = (1..=RATIOS.len()).map(|k| k as f64).collect();
-    let names = RATIOS.map(|r| format!("{}", 100.0 * r)).to_vec();
+    let names = RATIOS.map(in_percent).to_vec();
     plots(
         "fig8",
         Axis::new("arm mass / base mass", "%"),
