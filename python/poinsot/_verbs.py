@@ -115,6 +115,7 @@ def identify(
     *,
     method: str = "auto",
     variant: str | None = None,
+    settings: Mapping[str, object] | None = None,
     relative_accuracy: float = 1.0,
     coordinates: str | None = None,
     strict: bool = False,
@@ -138,6 +139,8 @@ def identify(
         its own initial momentum.
     method, variant
         See :func:`methods`.
+    settings
+        Settings of a published method, for example ``{"particles": 40}``.
     relative_accuracy
         One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     coordinates
@@ -182,6 +185,7 @@ def identify(
     options = _options(
         method=method,
         variant=variant,
+        settings=None if settings is None else [f"{key}={value}" for key, value in settings.items()],
         relative_accuracy=float(relative_accuracy),
         coordinates=coordinates,
         strict=strict,

@@ -47,6 +47,12 @@ pub enum Verb {
     ///
     /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
     Predict(Predict),
+    /// Design the manoeuvre that gives what a case wants, within its limits.
+    ///
+    /// Exit code 0: every wanted sigma is reached, and trial flights (--verify) agree. 1: not, with the limits that hold
+    /// it back. 2: bad usage, case or model. 3: disk or permission. An interruption (Ctrl-C) ends the search with the
+    /// best manoeuvre so far; a second one ends the program.
+    Design(Design),
     /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
     ///
     /// With a case: both sides under its torques, wheels and thrust; or its motion beside the telemetry. Without:
@@ -59,6 +65,14 @@ pub enum Verb {
     /// Exit code 0: they agree. 1: they differ, share telemetry, or one of them is not to be relied on. 2: invalid
     /// arguments or files.
     Compare(Compare),
+    /// Repeat experiments with new noise many times: bias, error over bound, coverage, failures.
+    ///
+    /// The plan names experiments, methods, numbers that vary and numbers that are drawn. Exit code 0: every trial was run.
+    /// 1: shards are missing, a trial crashed, or `--until` was not reached. 2: invalid plan, or shards of another plan. 3:
+    /// disk or permission.
+    Campaign(Campaign),
+    /// Vary numbers of one case and compare methods: errors, bounds, figures. A campaign of one case.
+    Sweep(Sweep),
     /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
@@ -114,6 +128,9 @@ pub struct Identify {
     /// Variant of the method; `poinsot methods` lists them.
     #[arg(long, value_parser = Words::variants(), hide_possible_values = true)]
     pub variant: Option<String>,
+    /// Setting of a published method; `poinsot methods NAME` lists them.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
@@ -367,6 +384,28 @@ pub struct Predict {
     pub quiet: bool,
 }
 
+/// Arguments of `design`.
+#[derive(Debug, Args)]
+pub struct Design {
+    /// Case (TOML, poinsot.case/1) with [[want]], [limits] and [design].
+    pub case: PathBuf,
+    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// End the search after this many minutes with the best manoeuvre so far.
+    #[arg(long, value_name = "N")]
+    pub minutes: Option<f64>,
+    /// Fly the manoeuvre N times with vehicles of the prior and sensor noise, identify, and compare with the prediction.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub verify: u64,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
 /// Arguments of `validate`.
 #[derive(Debug, Args)]
 pub struct Validate {
@@ -408,6 +447,121 @@ pub struct Validate {
     pub recover: bool,
 }
 
+/// For whom scripts are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Emit {
+    /// Slurm: an array of tasks and a merge.
+    Slurm,
+}
+
+/// Arguments of `campaign`.
+#[derive(Debug, Args)]
+pub struct Campaign {
+    /// Plan (TOML, poinsot.plan/1).
+    #[arg(value_name = "PLAN.toml")]
+    pub plan: PathBuf,
+    /// Folder for shards, campaign.json and campaign.html; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Trials of every cell, instead of those of the plan. Shards that are there count.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    pub trials: Option<u64>,
+    /// Run what is missing in the folder; without it a folder that has shards of this plan is refused.
+    #[arg(long)]
+    pub resume: bool,
+    /// Run one of n shares of the shards and merge nothing: 1/4 to 4/4.
+    #[arg(long, value_name = "I/N", value_parser = share, conflicts_with_all = ["until", "follow", "merge", "processes"])]
+    pub shard: Option<(u64, u64)>,
+    /// Merge shards that are there, and those in these folders, into the result.
+    #[arg(long, value_name = "DIR", num_args = 0.., conflicts_with_all = ["until", "follow", "resume"])]
+    pub merge: Option<Vec<PathBuf>>,
+    /// Merge what is there, and name what is missing.
+    #[arg(long, requires = "merge")]
+    pub partial: bool,
+    /// Stop where every 95 % interval of coverage is this near to its value: coverage=0.5%. Looks at 1000, 2000, 4000 ...
+    /// complete trials, the error of the interval split among the looks.
+    #[arg(long, value_name = "coverage=PERCENT", value_parser = until)]
+    pub until: Option<f64>,
+    /// Show the statistics while trials are run.
+    #[arg(long)]
+    pub follow: bool,
+    /// Run the shards in this many processes; one that crashes is named and started again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4096))]
+    pub processes: Option<u64>,
+    /// Measure a few trials and print core-hours, disk and memory of this plan, of 10^6 and of 10^9 trials.
+    #[arg(long)]
+    pub estimate: bool,
+    /// Write scripts for a scheduler into DIR/slurm, and run nothing.
+    #[arg(long, value_enum, value_name = "SCHEDULER", requires = "out")]
+    pub emit: Option<Emit>,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+fn share(text: &str) -> Result<(u64, u64), String> {
+    let wanted = || "write I/N, for example 1/4: the first of four shares".to_owned();
+    let (i, n) = text.split_once('/').ok_or_else(wanted)?;
+    match (i.trim().parse(), n.trim().parse()) {
+        (Ok(i), Ok(n)) if 1 <= i && i <= n => Ok((i, n)),
+        _ => Err(wanted()),
+    }
+}
+
+fn until(text: &str) -> Result<f64, String> {
+    let wanted = || "write coverage=0.5%: half the width of the interval".to_owned();
+    let (what, value) = text.split_once('=').ok_or_else(wanted)?;
+    let percent = value
+        .trim()
+        .strip_suffix('%')
+        .and_then(|v| v.trim().parse::<f64>().ok());
+    match percent {
+        Some(p) if what.trim() == "coverage" && p > 0.0 && p < 50.0 => Ok(p / 100.0),
+        _ => Err(wanted()),
+    }
+}
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+pub struct Sweep {
+    /// Case (TOML, poinsot.case/1); the numbers of its model are the truth.
+    pub case: PathBuf,
+    /// Model as the identification knows it; that of the case where it is not given.
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// A number of case or model with its values: noise=1,2,5 (a factor on all declared noise), gyro.noise=1,2,
+    /// body.arm.mass_kg=10:20:6, output.rate_hz=1:100:5:log. Repeat for a grid.
+    #[arg(long, value_name = "ADDRESS=VALUES")]
+    pub vary: Vec<String>,
+    /// Method, or METHOD/VARIANT; all are put to the same trials. Repeat to compare.
+    #[arg(long, value_name = "METHOD", default_value = "auto")]
+    pub method: Vec<String>,
+    /// Setting of a published method, or METHOD.KEY=VALUE; `poinsot methods NAME` lists them.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Trials of every point.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub trials: u64,
+    /// Seed; that of the case where it is not given.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Folder for shards, campaign.json and campaign.html; without it nothing is kept.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Run what is missing in the folder.
+    #[arg(long, requires = "out")]
+    pub resume: bool,
+    /// Print the result as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 pub struct Compare {
@@ -425,7 +579,7 @@ pub struct Compare {
 /// Arguments of `schema`.
 #[derive(Debug, Args)]
 pub struct Schema {
-    /// Format: model, estimate or comparison.
+    /// Format: model, estimate, comparison, plan or campaign.
     #[arg(value_name = "NAME", default_value = "model")]
     pub name: String,
 }

@@ -28,7 +28,11 @@ pub fn install() {
             return;
         };
         drop(ready);
-        if let Some(signal) = signals.forever().next() {
+        for signal in signals.forever() {
+            // A search ends with what it has; the next interruption ends the program.
+            if signal == SIGINT && poinsot_design::interrupt::request() {
+                continue;
+            }
             poinsot_files::remove_stages();
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }

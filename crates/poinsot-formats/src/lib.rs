@@ -10,15 +10,26 @@
 //! ```
 #![allow(non_snake_case)]
 
+mod campaign;
 mod comparison;
+mod design;
 mod diagnostics;
 mod estimate;
 mod number;
 mod onboard;
+mod plan;
 mod read;
 
+pub use campaign::{
+    BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
+    PairNumberFile,
+};
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
+};
+pub use design::{
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
+    SearchFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
@@ -30,20 +41,34 @@ pub use estimate::{
 };
 pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
+pub use plan::{
+    ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
+    REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
+};
 pub use read::{FormatError, LARGEST_RESULT, read_estimate};
 
 use schemars::schema_for;
 use serde_json::Value;
 
 /// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 3] = ["estimate", "comparison", "onboard"];
+pub const NAMES: [&str; 6] = [
+    "estimate",
+    "comparison",
+    "design",
+    "onboard",
+    "plan",
+    "campaign",
+];
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
     match name {
         "estimate" => Some(schema_for!(EstimateFile).to_value()),
         "comparison" => Some(schema_for!(ComparisonFile).to_value()),
+        "design" => Some(schema_for!(DesignFile).to_value()),
         "onboard" => Some(schema_for!(OnboardFile).to_value()),
+        "plan" => Some(schema_for!(PlanFile).to_value()),
+        "campaign" => Some(schema_for!(CampaignFile).to_value()),
         _ => None,
     }
 }

@@ -46,6 +46,7 @@ mod sensors;
 mod solved;
 mod trust;
 mod vehicle;
+mod wanted;
 mod words;
 
 pub use bound::cramer_rao;
@@ -81,3 +82,4 @@ pub use segment::{
     Accelerations, Firing, InputErrors, Noise, Observations, Samples, Segment, SensorRecord,
     SensorSample, SensorValue, Translation,
 };
+pub use wanted::{Information, WantedNumber, WantedTerm};

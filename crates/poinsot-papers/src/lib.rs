@@ -20,8 +20,12 @@ mod answered;
 pub mod kim2010;
 pub mod ma2008;
 mod method;
+mod setting;
 pub mod study;
 pub mod xu2017;
 
 pub use answered::answered;
-pub use method::{About, Explained, METHODS, Method, MethodError, Named, VariantText, method};
+pub use method::{
+    About, Explained, METHODS, Method, MethodError, Named, VariantText, identify_by, method,
+};
+pub use setting::{SettingText, Settings};

@@ -2,6 +2,7 @@
 
 use crate::kim2010::{Kim2010, Kim2010ProblemError};
 use crate::ma2008::{Ma2008, Ma2008Error};
+use crate::setting::{SettingText, Settings};
 use crate::study::Study;
 use crate::xu2017::{Xu2017, Xu2017Error};
 use poinsot_identify::{Estimate, Problem};
@@ -11,12 +12,18 @@ pub trait Method: Sync {
     /// Name, variants, paper and error codes.
     fn about(&self) -> About;
 
-    /// Identifies; the first variant of [`About::variants`] where none is named.
+    /// Identifies; the first variant of [`About::variants`] where none is named. The settings are checked already:
+    /// see [`identify_by`].
     ///
     /// # Errors
-    /// The variant is unknown, or the problem does not suit the method. What the data do not determine is part of the
-    /// estimate.
-    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError>;
+    /// The variant is unknown, a setting has no sense, or the problem does not suit the method. What the data do not
+    /// determine is part of the estimate.
+    fn identify(
+        &self,
+        problem: &Problem,
+        variant: Option<&str>,
+        settings: &Settings,
+    ) -> Result<Estimate, MethodError>;
 
     /// The studies of its paper, see [`crate::study`].
     fn studies(&self) -> &'static [Study];
@@ -28,6 +35,22 @@ pub static METHODS: [&dyn Method; 3] = [&Kim2010, &Ma2008, &Xu2017];
 /// The published method of this name.
 pub fn method(name: &str) -> Option<&'static dyn Method> {
     METHODS.into_iter().find(|m| m.about().name == name)
+}
+
+/// Identifies by a published method with settings `key=value`.
+///
+/// # Errors
+/// As [`Method::identify`], or the method has no such setting.
+pub fn identify_by(
+    method: &dyn Method,
+    problem: &Problem,
+    variant: Option<&str>,
+    settings: &[String],
+) -> Result<Estimate, MethodError> {
+    let about = method.about();
+    let settings = Settings::parse(settings)?;
+    settings.check(about.name, about.settings)?;
+    method.identify(problem, variant, &settings)
 }
 
 /// Code, meaning, usual cause, remedy.
@@ -44,6 +67,8 @@ pub struct About {
     pub citation: &'static str,
     /// Variants; the first is the default.
     pub variants: Vec<VariantText>,
+    /// Settings that `--set` takes.
+    pub settings: &'static [SettingText],
     /// Whether it uses measured accelerations, which no other method reads.
     pub reads_accelerations: bool,
     /// The error codes that it alone gives.
@@ -103,6 +128,14 @@ pub enum MethodError {
         variant: String,
         /// Its variants.
         known: Vec<&'static str>,
+    },
+    /// A setting that the method does not have, or a value that it does not take.
+    #[error("E0001 --set '{text}': {why}")]
+    Setting {
+        /// As given.
+        text: String,
+        /// What is wrong and what to do.
+        why: String,
     },
     /// The method of Kim, Choi and Oh.
     #[error(transparent)]

@@ -72,6 +72,7 @@ impl Options {
             question: Question {
                 method: entry(given, "method")?.unwrap_or(usual.method),
                 variant: entry(given, "variant")?,
+                settings: entry(given, "settings")?.unwrap_or_default(),
                 relative_accuracy: entry(given, "relative_accuracy")?
                     .unwrap_or(usual.relative_accuracy),
                 coordinates,

@@ -7,6 +7,7 @@
 //! | nonlinear least squares | [`levenberg_marquardt()`], [`LeastSquares`] |
 //! | linear least squares to the last digit | [`refine()`], [`DoubleDouble`] |
 //! | shortest vector over positive semidefinite blocks | [`semidefinite`] |
+//! | smallest largest of several functions within linear limits | [`minimax()`], [`Polytope`] |
 //! | smoothing spline through noisy samples | [`smooth_curve`] |
 //! | eight numbers side by side | [`lanes`] |
 //!
@@ -42,6 +43,8 @@ mod block_qr;
 mod double_double;
 pub mod lanes;
 mod levenberg_marquardt;
+mod minimax;
+mod polytope;
 mod refine;
 pub mod semidefinite;
 pub mod smooth_curve;
@@ -50,5 +53,7 @@ mod spectrum;
 pub use block_qr::{BlockQr, Triangle};
 pub use double_double::DoubleDouble;
 pub use levenberg_marquardt::{End, LeastSquares, Linearised, Minimum, Step, levenberg_marquardt};
+pub use minimax::{Minimax, MinimaxOptions, Reached, Values, minimax};
+pub use polytope::{Polytope, Side};
 pub use refine::{Refined, refine, solve_triangle};
 pub use spectrum::{NotFinite, Spectrum};

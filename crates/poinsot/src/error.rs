@@ -24,6 +24,19 @@ pub enum Error {
     /// A simulation.
     #[error(transparent)]
     Simulate(#[from] crate::simulate::SimulateError),
+    /// The plan of a campaign.
+    #[error("{0}")]
+    Plan(crate::case::CaseError),
+    /// The shards of a campaign.
+    #[error("{code} {}: {why}", path.display())]
+    Shards {
+        /// Code.
+        code: &'static str,
+        /// File or folder.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        why: String,
+    },
     /// The question itself.
     #[error(transparent)]
     Problem(#[from] ProblemError),
@@ -128,6 +141,7 @@ impl Error {
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),
+            Self::Plan(error) => error.environment,
             _ => false,
         };
         if environment { 3 } else { 2 }

@@ -7,11 +7,11 @@ use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{
-    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, SENSITIVE, Status,
-    linear_predicted, maximum_likelihood_predicted, predicted_by,
+    Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, SENSITIVE, Status, linear,
+    linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
 use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
-use poinsot_papers::{answered, method};
+use poinsot_papers::{Settings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::path::{Path, PathBuf};
@@ -32,6 +32,8 @@ pub struct Question {
     pub method: String,
     /// One of its variants.
     pub variant: Option<String>,
+    /// Settings of a published method, `key=value`, see [`crate::methods::methods`].
+    pub settings: Vec<String>,
     /// One-sigma accuracy in natural units that counts as identified.
     pub relative_accuracy: f64,
     /// Coordinates of the steps of a maximum-likelihood fit.
@@ -57,6 +59,7 @@ impl Default for Question {
         Self {
             method: "auto".to_owned(),
             variant: None,
+            settings: Vec::new(),
             relative_accuracy: RELATIVE_ACCURACY,
             coordinates: Coordinates::default(),
             strict: false,
@@ -405,8 +408,9 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     let points = (CURVE_POINTS.1 / tables.len().max(1)).clamp(100, CURVE_POINTS.0);
     let (mut estimate, predictions) = match question.method.as_str() {
         "linear" => linear_predicted(&problem, points)?,
-        name if let Some(method) = method(name) => {
-            let estimate = method.identify(&problem, question.variant.as_deref())?;
+        name if let Some(published) = method(name) => {
+            let variant = question.variant.as_deref();
+            let estimate = identify_by(published, &problem, variant, &question.settings)?;
             let predictions = predicted_by(&problem, &answered(&model, &estimate), points)?;
             (estimate, predictions)
         }
@@ -480,7 +484,30 @@ fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     })
 }
 
-fn check_method(question: &Question) -> Result<(), Error> {
+/// The estimate of a method without curves for a report; `diagnose` searches what would explain a misfit.
+pub(crate) fn estimate_by(
+    problem: &Problem,
+    question: &Question,
+    diagnose: bool,
+) -> Result<Estimate, Error> {
+    let variant = question.variant.as_deref();
+    Ok(match question.method.as_str() {
+        "linear" => linear(problem)?,
+        name if let Some(published) = method(name) => {
+            identify_by(published, problem, variant, &question.settings)?
+        }
+        _ => {
+            let options = FitOptions {
+                loss: variant.and_then(Loss::from_name).unwrap_or_default(),
+                coordinates: question.coordinates,
+                undiagnosed: !diagnose,
+            };
+            maximum_likelihood_with(problem, options)?
+        }
+    })
+}
+
+pub(crate) fn check_method(question: &Question) -> Result<(), Error> {
     let methods = methods();
     let Some(method) = methods.iter().find(|m| m.name == question.method) else {
         let names: Vec<&str> = methods.iter().map(|m| m.name).collect();
@@ -496,6 +523,7 @@ fn check_method(question: &Question) -> Result<(), Error> {
     {
         return Err(variant_error(question, &known));
     }
+    Settings::parse(&question.settings)?.check(method.name, method.settings)?;
     if !(question.relative_accuracy > 0.0 && question.relative_accuracy.is_finite()) {
         return Err(Error::Usage {
             option: "--relative-accuracy",

@@ -2,6 +2,7 @@
 #![allow(non_snake_case)]
 
 pub mod bind;
+pub mod campaign;
 pub mod case;
 pub mod compare;
 mod diagnostics_file;
@@ -21,6 +22,7 @@ pub mod report;
 mod schema;
 pub mod simulate;
 pub mod study;
+pub mod sweep;
 mod threads;
 pub mod trials;
 pub mod validate;
@@ -34,7 +36,7 @@ pub use identify::{
     identify_tables, segment_files,
 };
 pub use output::{
-    check_outputs, estimate_text, write_estimate, write_file, write_files, write_result,
+    OutputFile, check_outputs, estimate_text, write_estimate, write_file, write_files, write_result,
 };
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;

@@ -1,6 +1,6 @@
 //! The verb `methods`: what `identify --method` and `--variant` take.
 
-pub use poinsot_papers::VariantText;
+pub use poinsot_papers::{SettingText, VariantText};
 
 /// A method of `identify`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub struct MethodText {
     pub paper: Option<&'static str>,
     /// Variants; the first is the default.
     pub variants: Vec<VariantText>,
+    /// What `--set` takes.
+    pub settings: &'static [SettingText],
 }
 
 /// Methods of this project: name, what they do, whether they take a loss.
@@ -59,6 +61,7 @@ pub fn methods() -> Vec<MethodText> {
         } else {
             Vec::new()
         },
+        settings: &[],
     });
     let published = poinsot_papers::METHODS.into_iter().map(|method| {
         let about = method.about();
@@ -67,6 +70,7 @@ pub fn methods() -> Vec<MethodText> {
             summary: about.summary,
             paper: Some(about.citation),
             variants: about.variants,
+            settings: about.settings,
         }
     });
     own.into_iter().chain(published).collect()

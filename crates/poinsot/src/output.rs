@@ -9,7 +9,7 @@ use poinsot_report::FigureFormat;
 use std::path::{Path, PathBuf};
 
 /// A file of an answer: its path below the answer's folder, and its bytes.
-pub(crate) type OutputFile = (PathBuf, Vec<u8>);
+pub type OutputFile = (PathBuf, Vec<u8>);
 
 /// Writes `estimate.json` into a folder, which is made if it is not there. Returns the path.
 ///

@@ -5,12 +5,14 @@
 
 mod file;
 mod text;
+mod wanted;
 
 pub use file::prediction_json;
 pub use text::prediction_document;
+pub use wanted::{Met, covariance_name, wanted_sigma};
 
 use crate::bind::{BindError, bind};
-use crate::case::{Case, read_case};
+use crate::case::{Case, Want, read_case};
 use crate::error::Error;
 use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact};
 use poinsot_dynamics::Tree;
@@ -28,14 +30,19 @@ pub struct Prediction {
     pub duration_s: f64,
     /// The bound: values are the truth, sigmas what the readings will leave.
     pub bound: Estimate,
+    /// What the case wants beside what the manoeuvre tells.
+    pub wants: Vec<Met>,
     /// What was assumed.
     pub assumptions: Vec<String>,
 }
 
 impl Prediction {
-    /// Exit code of the command.
+    /// Exit code of the command: where the case wants something, whether that is met decides.
     pub fn exit_code(&self) -> u8 {
-        self.bound.exit_code()
+        match self.wants.is_empty() {
+            true => self.bound.exit_code(),
+            false => u8::from(!self.wants.iter().all(Met::is_met)),
+        }
     }
 }
 
@@ -66,6 +73,7 @@ pub fn predict_case(
         });
     }
     refuse_unread(case, &model)?;
+    let wants = case.wants(&model).map_err(SimulateError::from)?;
     let exact = simulate_exact(case, &model)?;
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &[exact.table])?;
@@ -76,7 +84,12 @@ pub fn predict_case(
         noise: &bound.noise,
         relative_accuracy,
     })?;
+    let met = |want: Want| Met {
+        sigma: wanted_sigma(&estimate, &want),
+        want,
+    };
     Ok(Prediction {
+        wants: wants.into_iter().map(met).collect(),
         case: case.path().display().to_string(),
         duration_s: case.duration_s,
         bound: estimate,

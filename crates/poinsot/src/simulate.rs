@@ -162,11 +162,36 @@ pub struct Exact {
 /// # Errors
 /// As [`simulate_case`].
 pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
+    let scenario = case.bind(model)?;
+    let (mut taken, total) = (0_usize, scenario.times.len());
+    simulate_exact_of(case, model, scenario, |_, _| {
+        taken += 1;
+        if taken.is_multiple_of(REPORTED) {
+            step("simulating samples", taken, total);
+        }
+    })
+}
+
+/// The same of a scenario that was changed; `watch` sees every instant with the torques of the joint motors, where
+/// they are known.
+///
+/// # Errors
+/// As [`simulate_case`].
+pub fn simulate_exact_of(
+    case: &Case,
+    model: &Model,
+    mut scenario: Scenario,
+    mut watch: impl FnMut(&MotionSample, &[f64]),
+) -> Result<Exact, SimulateError> {
     let perfect = without_errors(model);
-    let mut scenario = case.bind(model)?;
     let biases = scenario.sensors.iter_mut().map(|s| s.bias.take()).collect();
-    let recorded = record(case, &perfect, &scenario, 0)?;
-    let mut table = recorded.recorder.table(&scenario);
+    let tree = Tree::new(&perfect);
+    let mut recorder = Recorder::new(&perfect, &scenario, &tree, case.seed, 0);
+    run(case, &perfect, None, &scenario, |sample, motor| {
+        watch(sample, motor);
+        recorder.take(sample, motor);
+    })?;
+    let mut table = recorder.table(&scenario);
     keep_measured(model, &mut table);
     // What torques and springs do is not commanded: only a sensor can tell.
     for joint in free_joints(model, &scenario) {
@@ -256,8 +281,12 @@ fn record(
 }
 
 /// Moves the vehicle through the times of the scenario and hands over every sample with the torques of the
-/// joint motors, where they are known. `bodies` replace the model's mass properties; no controller then.
-pub(crate) fn run(
+/// joint motors, where they are known. `bodies` replace the model's mass properties; no controller then, and the
+/// torques of the motors are known.
+///
+/// # Errors
+/// As [`simulate_case`].
+pub fn run(
     case: &Case,
     model: &Model,
     bodies: Option<&[InertialParameters]>,

@@ -4,11 +4,14 @@
 //! run in parallel and are reduced in their order: the same bits on any number of threads.
 
 mod band;
-mod statistics;
+mod interval;
+pub(crate) mod statistics;
 mod sums;
 mod text;
 
 pub use band::Band;
+pub(crate) use band::sigmas_of_interval;
+pub use interval::Interval;
 pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
 pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
@@ -16,13 +19,13 @@ pub use text::statistics_document;
 use crate::bind::bind;
 use crate::case::Case;
 use crate::error::Error;
+use crate::identify::{Question, estimate_by};
 use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_identify::{
-    BodyEstimate, Estimate, FitOptions, Problem, Source, Status, axis_name, cramer_rao, linear,
-    maximum_likelihood_with, tensor_name,
+    BodyEstimate, Estimate, Problem, Source, Status, axis_name, cramer_rao, tensor_name,
 };
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_spatial::MassProperties;
@@ -34,15 +37,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Elements of a tensor in the order of an estimate.
 const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
-
-/// Method under trial.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TrialMethod {
-    /// Linear least squares alone.
-    Linear,
-    /// Linear start, then maximum likelihood.
-    Auto,
-}
 
 /// An experiment to be repeated.
 #[derive(Debug, Clone)]
@@ -57,8 +51,8 @@ pub struct Study {
     pub truth: Vec<MassProperties>,
     /// True bias of each sensor of the model in its own axes; `None`: zero, or drawn from its prior.
     pub biases: Vec<Option<Vec<f64>>>,
-    /// Method.
-    pub method: TrialMethod,
+    /// Method with its variant and settings.
+    pub question: Question,
     /// Whether maximum likelihood says what would explain a misfit; it changes no number.
     pub diagnose: bool,
     /// Seed of all noise.
@@ -76,9 +70,11 @@ pub struct Study {
 pub struct TrialNumber {
     /// Name, for example `base.mass`, `base.inertia_xx`, `gyro.bias_x`.
     pub name: String,
+    /// Estimate.
+    pub value: f64,
     /// Estimate less truth.
     pub error: f64,
-    /// One sigma as stated.
+    /// One sigma as stated; NaN of a method that states none.
     pub sigma: f64,
 }
 
@@ -87,6 +83,8 @@ pub struct TrialNumber {
 pub struct Answer {
     /// Status of the estimate.
     pub status: Status,
+    /// Why the answer is not to be relied on.
+    pub doubts: Vec<String>,
     /// Iterations taken.
     pub iterations: usize,
     /// Chi-square per degree of freedom, mean over the segments.
@@ -121,7 +119,7 @@ impl Study {
             sensors: model.sensors.clone(),
             model,
             biases,
-            method: TrialMethod::Auto,
+            question: Question::default(),
             diagnose: true,
             seed: case.seed,
             draw_phase: true,
@@ -140,7 +138,7 @@ impl Study {
             biases: vec![None; model.sensors.len()],
             sensors: model.sensors.clone(),
             model,
-            method: TrialMethod::Auto,
+            question: Question::default(),
             diagnose: true,
             seed: 1,
             draw_phase: true,
@@ -179,11 +177,35 @@ impl Study {
     /// One trial.
     pub fn trial(&self, number: u64) -> Trial {
         let (tables, biases) = self.draw(number);
+        let truth = self.true_numbers(&biases);
         let outcome = self
-            .estimate(&self.model, &tables, self.method)
-            .map(|estimate| self.judge(&estimate, &biases))
+            .answer(&tables, &truth, &self.question, self.diagnose)
             .map_err(|error| error.to_string());
         Trial { number, outcome }
+    }
+
+    /// What a method gives for readings that [`Self::draw`] drew, beside the truth behind them.
+    ///
+    /// # Errors
+    /// The method gives no answer.
+    pub fn answer(
+        &self,
+        tables: &[Table],
+        truth: &HashMap<String, f64>,
+        question: &Question,
+        diagnose: bool,
+    ) -> Result<Answer, Error> {
+        let model = &self.model;
+        let tree = Tree::new(model);
+        let bound = bind(model, &tree, tables)?;
+        let problem = Problem {
+            model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: question.relative_accuracy,
+        };
+        Ok(judge(&estimate_by(&problem, question, diagnose)?, truth))
     }
 
     /// Trials in the order of their numbers, in parallel.
@@ -224,67 +246,8 @@ impl Study {
         model
     }
 
-    fn estimate(
-        &self,
-        model: &Model,
-        tables: &[Table],
-        method: TrialMethod,
-    ) -> Result<Estimate, Error> {
-        let tree = Tree::new(model);
-        let bound = bind(model, &tree, tables)?;
-        let problem = Problem {
-            model,
-            tree: &tree,
-            segments: &bound.segments,
-            noise: &bound.noise,
-            relative_accuracy: 1.0,
-        };
-        Ok(match method {
-            TrialMethod::Linear => linear(&problem)?,
-            TrialMethod::Auto => {
-                let options = FitOptions {
-                    undiagnosed: !self.diagnose,
-                    ..FitOptions::default()
-                };
-                maximum_likelihood_with(&problem, options)?
-            }
-        })
-    }
-
-    fn judge(&self, estimate: &Estimate, biases: &[Vec<f64>]) -> Answer {
-        let truth = self.true_numbers(biases);
-        let values = estimated_numbers(estimate);
-        let numbers: Vec<TrialNumber> = values
-            .iter()
-            .filter_map(|(name, value, sigma)| {
-                Some(TrialNumber {
-                    error: value - truth.get(name)?,
-                    sigma: *sigma,
-                    name: name.clone(),
-                })
-            })
-            .collect();
-        let segments = estimate.fit.len().max(1) as f64;
-        let mut channels: Vec<(String, f64)> = Vec::new();
-        for channel in estimate.fit.iter().flat_map(|f| &f.channels) {
-            let share = channel.chi2_per_number.unwrap_or(f64::NAN) / segments;
-            match channels.iter_mut().find(|(name, _)| *name == channel.name) {
-                Some((_, sum)) => *sum += share,
-                None => channels.push((channel.name.clone(), share)),
-            }
-        }
-        Answer {
-            status: estimate.status,
-            iterations: estimate.iterations,
-            chi2_per_dof: estimate.fit.iter().map(|f| f.chi2_per_dof).sum::<f64>() / segments,
-            channels,
-            nees: nees(estimate, &numbers),
-            numbers,
-        }
-    }
-
-    /// The truth by the names of [`estimated_numbers`].
-    fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
+    /// The truth of mass properties and of the biases that [`Self::draw`] drew, by the names of an answer.
+    pub fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
         let mut all = HashMap::new();
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
             let name = &body.name;
@@ -326,6 +289,39 @@ impl Study {
     }
 }
 
+/// An answer beside the truth.
+fn judge(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
+    let numbers: Vec<TrialNumber> = estimated_numbers(estimate)
+        .into_iter()
+        .filter_map(|(name, value, sigma)| {
+            Some(TrialNumber {
+                error: value - truth.get(&name)?,
+                value,
+                sigma,
+                name,
+            })
+        })
+        .collect();
+    let segments = estimate.fit.len().max(1) as f64;
+    let mut channels: Vec<(String, f64)> = Vec::new();
+    for channel in estimate.fit.iter().flat_map(|f| &f.channels) {
+        let share = channel.chi2_per_number.unwrap_or(f64::NAN) / segments;
+        match channels.iter_mut().find(|(name, _)| *name == channel.name) {
+            Some((_, sum)) => *sum += share,
+            None => channels.push((channel.name.clone(), share)),
+        }
+    }
+    Answer {
+        status: estimate.status,
+        doubts: estimate.doubts.clone(),
+        iterations: estimate.iterations,
+        chi2_per_dof: estimate.fit.iter().map(|f| f.chi2_per_dof).sum::<f64>() / segments,
+        channels,
+        nees: nees(estimate, &numbers),
+        numbers,
+    }
+}
+
 /// Puts the errors of a sensor on the channels that it reads; a channel that the table lacks has none.
 fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mut Instrument) {
     let find = |table: &Table, name: &String| {
@@ -357,14 +353,13 @@ fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mu
     }
 }
 
-/// Every number that data determine: name, value, sigma. Mass properties bear the names of the covariance.
+/// Every number that data determine: name, value, sigma (NaN of a method that states none). Mass properties bear the names of the covariance.
 pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> {
     let mut list = Vec::new();
     for body in estimate.bodies.iter().filter(|b| b.asked) {
         for (name, number) in numbers_of(body) {
-            if let (Source::Data, Some(value), Some(sigma)) =
-                (number.source, number.value, number.sigma)
-            {
+            if let (Source::Data, Some(value)) = (number.source, number.value) {
+                let sigma = number.sigma.unwrap_or(f64::NAN);
                 list.push((format!("{}.{name}", body.name), value, sigma));
             }
         }
@@ -375,6 +370,14 @@ pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> 
         }
     }
     list
+}
+
+/// Names of mass, mass centre and central inertia of a body.
+pub(crate) fn mass_names(body: &str) -> Vec<String> {
+    let com = (0..3).map(|k| format!("com_{}", axis_name(k)));
+    let inertia = (0..6).map(|k| format!("inertia_{}", tensor_name(k)));
+    let all = std::iter::once("mass".to_owned()).chain(com).chain(inertia);
+    all.map(|name| format!("{body}.{name}")).collect()
 }
 
 /// Mass, mass centre and central inertia of a body with their names.

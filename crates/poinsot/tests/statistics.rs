@@ -1,9 +1,8 @@
 //! Whether the stated uncertainty is the true one: small campaigns against 99.9 % bands.
 //!
-//! The full campaign is `cargo run --release -p poinsot --example campaign`.
+//! The full campaign is `poinsot campaign examples/campaigns/NAME.toml --out DIR`.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-#[path = "../examples/campaign/setups.rs"]
 mod setups;
 
 use nalgebra::Matrix3;
@@ -15,16 +14,8 @@ use poinsot_identify::{
     Estimate, FitOptions, Problem, Status, TENSOR, linear, maximum_likelihood_with,
 };
 use poinsot_model::SensorKind;
+use setups::study;
 use std::path::{Path, PathBuf};
-
-fn study(name: &str, stride: usize) -> Study {
-    let setup = setups::setup(name, stride).unwrap().unwrap();
-    println!("{}: {}", setup.name, setup.about);
-    Study {
-        diagnose: false,
-        ..setup.study
-    }
-}
 
 fn judge(study: &Study, trials: u64) -> Statistics {
     let bound = study.bound().unwrap();
@@ -92,7 +83,7 @@ fn stat_tug_with_thrusters_is_consistent_and_reaches_the_bound() {
     assert_consistent(&study("tug_thrusters", 5), 1000);
 }
 
-/// Readings as declared: nothing speaks against the answer. How often it errs: `--example trust`.
+/// Readings as declared: nothing speaks against the answer. How often it errs: `poinsot campaign examples/campaigns/trust.toml`.
 #[test]
 fn stat_no_honest_trial_is_doubted() {
     for (name, stride) in [

@@ -32,6 +32,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         question: Question {
             method: arguments.method.clone(),
             variant: arguments.variant.clone(),
+            settings: arguments.set.clone(),
             relative_accuracy: arguments.relative_accuracy,
             coordinates: Coordinates::from_name(&arguments.coordinates).unwrap_or_default(),
             strict: arguments.strict,

@@ -33,11 +33,15 @@ pub fn run(arguments: &Methods) -> Outcome {
 fn json(method: &MethodText) -> serde_json::Value {
     let variants = method.variants.iter();
     let variants = variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
+    let settings = method.settings.iter();
+    let settings = settings
+        .map(|s| serde_json::json!({ "key": s.key, "summary": s.summary, "default": s.default }));
     serde_json::json!({
         "name": method.name,
         "summary": method.summary,
         "paper": method.paper,
         "variants": variants.collect::<Vec<_>>(),
+        "settings": settings.collect::<Vec<_>>(),
     })
 }
 
@@ -57,6 +61,15 @@ fn text(method: &MethodText) -> String {
             variant.summary,
             width = width.unwrap_or(0)
         );
+    }
+    let width = method
+        .settings
+        .iter()
+        .map(|s| s.key.len() + s.default.len());
+    let width = width.max().unwrap_or(0) + 1;
+    for setting in method.settings {
+        let pair = format!("{}={}", setting.key, setting.default);
+        let _ = writeln!(out, "  --set {pair:width$}  {}", setting.summary);
     }
     out
 }

@@ -1,8 +1,10 @@
 //! One file per verb.
 
+pub mod campaign;
 pub mod check;
 pub mod compare;
 pub mod completions;
+pub mod design;
 pub mod explain;
 pub mod export;
 pub mod identify;
@@ -15,6 +17,7 @@ pub mod report;
 pub mod schema;
 pub mod simulate;
 pub mod study;
+pub mod sweep;
 pub mod units;
 pub mod validate;
 

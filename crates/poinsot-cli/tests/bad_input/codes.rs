@@ -164,8 +164,60 @@ fn validate() -> Vec<Row> {
     ]
 }
 
+const CAMPAIGN: &[&str] = &["campaign", "plan.toml", "--out", "c"];
+const PLAN: &str = "schema = \"poinsot.plan/1\"\ntrials = 4\n\n[[experiment]]\ncase = \"case.toml\"\n\n[[vary]]\nnumber = \"gyro.noise\"\nvalues = [1.0, 2.0]\n";
+
+fn plan(b: &Bench, from: &str, to: &str) {
+    assert!(PLAN.contains(from), "{from}");
+    case(b, "seed = 3", "seed = 3");
+    b.write("plan.toml", PLAN.replacen(from, to, 1));
+}
+
+/// What keeps a campaign from being run.
+fn campaigns() -> Vec<Row> {
+    let of = |id, fault, spoil: fn(&Bench), says| row(id, fault, spoil, 2, says).run(CAMPAIGN);
+    vec![
+        of(
+            "E0541",
+            "a key of a plan that does not exist",
+            |b| plan(b, "trials", "trails"),
+            &["E0541 plan.toml:2: unknown field `trails`; did you mean \"trials\"?"],
+        ),
+        of(
+            "E0541",
+            "a value of a plan that makes a model impossible",
+            |b| plan(b, "gyro.noise\"\nvalues = [1.0", "bus.mass_kg\"\nvalues = [-1.0"),
+            &["E0115 truth.toml:7:11: body[0].mass_kg (body \"bus\") = -1.0: the mass is negative"],
+        ),
+        of(
+            "E0542",
+            "an address of a plan that names nothing",
+            |b| plan(b, "gyro.noise", "giro.noise"),
+            &["E0542 plan.toml:8: vary[0].number = \"giro.noise\": no sensor \"giro\" that declares noise (experiment case); did you mean \"gyro\"?"],
+        ),
+        of(
+            "E0602",
+            "shards of another plan",
+            |b| {
+                plan(b, "trials = 4", "trials = 5");
+                std::fs::create_dir_all(b.path("c/shards/000000")).unwrap();
+                b.write("c/shards/000000/0123456789ab_000000000.json", "{}");
+            },
+            &["E0602 c/shards/000000/0123456789ab_000000000.json: this is a shard of the plan 0123456789ab"],
+        ),
+        of(
+            "E0603",
+            "a merge of shards that are not there",
+            |b| plan(b, "trials = 4", "trials = 5"),
+            &["E0603", "shard 0 cannot be merged: it is not there (2 of 2 shards are missing); run the campaign with --resume"],
+        )
+        .more(&["--merge"]),
+    ]
+}
+
 pub fn rows() -> Vec<Row> {
-    let mut all = vec![
+    let mut all = campaigns();
+    all.extend(vec![
         row("E0001", "a method that does not exist", |_| {}, 2, &["E0001 --method 'best': there is no such method; use one of auto, linear, maximum_likelihood, kim2010, ma2008"]).more(&["--method", "best"]),
         row("E0001", "a policy that does not exist", |_| {}, 2, &["E0001 --policy 'lag=exclude': lag has no such policy; use one of report, refuse"]).more(&["--policy", "lag=exclude"]),
         row("E0001", "a code that does not exist", |_| {}, 2, &["E0001 explain 'E9999': there is no such code; run `poinsot explain` for all"]).run(&["explain", "E9999"]),
@@ -200,7 +252,7 @@ pub fn rows() -> Vec<Row> {
         ma("a thruster fires", |b| { arm(b, "10.0", "\n[[thruster]]\nname = \"thr\"\nbody = \"bus\"\nposition_m = [0.0, 0.0, 0.0]\nforce_direction = [1.0, 0.0, 0.0]\n"); let t = std::fs::read_to_string(b.path("t.csv")).unwrap(); let t: Vec<String> = t.lines().enumerate().map(|(k, l)| if k == 0 { format!("{l},thr_N") } else { format!("{l},1.0") }).collect(); b.write("t.csv", t.join("\n") + "\n"); }, &["E0526 segment 't.csv': a thruster fires"]),
         ma("a base of 1e-300 kg with a link of 1e30 kg", |b| { arm(b, "1e30", ""); b.model("mass_kg = 150.0", "mass_kg = 1e-300"); }, &["E0108 m.toml:", "the mass is below 1e-12 kg; correct it"]),
         ma("two samples", |b| { arm(b, "10.0", ""); let t = std::fs::read_to_string(b.path("t.csv")).unwrap(); let t: Vec<&str> = t.lines().take(3).collect(); b.write("t.csv", t.join("\n") + "\n"); }, &["E0528 segment 't.csv'"]),
-    ];
+    ]);
     all.extend(cases());
     all.extend(xu2017());
     all.extend(validate());

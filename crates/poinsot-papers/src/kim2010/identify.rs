@@ -6,6 +6,7 @@
 use super::suspicions::suspicions;
 use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, Variant, wheel_momentum};
 use crate::method::{About, Method, MethodError, Named};
+use crate::setting::Settings;
 use crate::study::Study;
 use poinsot_identify::{
     BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment,
@@ -17,6 +18,11 @@ use poinsot_spatial::{Matrix3, Vector3};
 /// A direction counts as seen where its one sigma is below this share of the nominal value, or below what
 /// was asked for. Stricter than elsewhere: the estimators state no sigma of their own.
 const CERTIFIED: f64 = 0.1;
+/// An element that differs from the certificate's by more than this share of the largest moment, and by more than
+/// [`APART_SIGMAS`], is not to be relied on: the paper's approximations do not hold for the manoeuvre.
+const APART: f64 = 0.01;
+/// Sigmas of the certificate.
+const APART_SIGMAS: f64 = 5.0;
 /// Rates at the first sample below this many sigma of the gyro are rest.
 const REST: f64 = 5.0;
 
@@ -47,12 +53,18 @@ impl Method for Kim2010 {
             summary: "inertia of one body from the momentum of its wheels, attitude and rates",
             citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
             variants: Variant::texts(),
+            settings: &[],
             reads_accelerations: false,
             codes: super::codes::CODES,
         }
     }
 
-    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+    fn identify(
+        &self,
+        problem: &Problem,
+        variant: Option<&str>,
+        _: &Settings,
+    ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         Ok(identify(problem, variant)?)
     }
@@ -149,6 +161,9 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     }
     let symmetric = (found.tensor + found.tensor.transpose()) * 0.5;
     let certified = estimate.bodies[0].clone();
+    if let Some(doubt) = apart(&certified, &symmetric).filter(|_| !impossible) {
+        estimate.doubt(doubt);
+    }
     estimate.bodies[0] = replaced(certified, &symmetric, impossible);
     if impossible {
         estimate.status = Status::Rejected;
@@ -164,6 +179,24 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
         numbers: list,
     });
     Ok(estimate)
+}
+
+/// The element that is furthest from the certificate's, where that is too far.
+fn apart(certified: &BodyEstimate, found: &Matrix3) -> Option<String> {
+    let largest = found.symmetric_eigenvalues().amax();
+    let gaps = certified.inertia.iter().zip(TENSOR).filter_map(|(n, e)| {
+        let (value, sigma) = (n.value?, n.sigma?);
+        let gap = (found[e] - value).abs();
+        (gap > APART * largest && gap > APART_SIGMAS * sigma).then_some((gap, e))
+    });
+    let (gap, (i, j)) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let axis = ["x", "y", "z"];
+    Some(format!(
+        "I_{}{} is {:.1} % of the largest moment away from linear least squares of the same data: the estimator neglects products of inertia that this manoeuvre shows; use --variant batch or --method maximum_likelihood",
+        axis[i.min(j)],
+        axis[i.max(j)],
+        100.0 * gap / largest
+    ))
 }
 
 fn check(problem: &Problem) -> Result<(), Kim2010ProblemError> {

@@ -6,6 +6,7 @@ use super::influence::Directions;
 use super::words::*;
 use super::{Given, Raw, Vehicle, tensor};
 use crate::method::{About, Method, MethodError, Named};
+use crate::setting::Settings;
 use crate::study::Study;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
@@ -54,12 +55,18 @@ impl Method for Ma2008 {
             summary: "mass, mass centre and inertia of the base from the motion of a known arm",
             citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
             variants: Variant::texts(),
+            settings: &[],
             reads_accelerations: false,
             codes: super::codes::CODES,
         }
     }
 
-    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+    fn identify(
+        &self,
+        problem: &Problem,
+        variant: Option<&str>,
+        _: &Settings,
+    ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         Ok(identify(problem, variant)?)
     }

@@ -29,8 +29,20 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
         kind: variant.solver,
         ..Solver::default()
     };
+    identify_with(problem, variant, &solver)
+}
+
+/// The same with a swarm of one's own.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_with(
+    problem: &Problem,
+    variant: Variant,
+    solver: &Solver,
+) -> Result<Estimate, Xu2017Error> {
     // The paper's own checks come first: their messages name what it needs.
-    let found = sequence(problem, variant.order, &solver)?;
+    let found = sequence(problem, variant.order, solver)?;
     let mut estimate = certificate(problem)?;
     estimate.method = "xu2017".to_owned();
     estimate.variant = Some(variant.name().to_owned());
@@ -38,7 +50,9 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Xu2017E
     let withheld = !found.steps.iter().all(StepReport::arrived);
     let values = values(problem, &found);
     replace(problem, &mut estimate, &found, &values, withheld);
-    estimate.warnings.extend(warnings(problem, &found));
+    estimate
+        .warnings
+        .extend(warnings(problem, &found, solver.share));
     estimate.iterations = iterations(&found);
     estimate.method_report = Some(MethodReport {
         note: notes(variant, &found, &estimate),

@@ -37,6 +37,7 @@ mod least_squares;
 mod roles;
 pub mod sensitivity;
 mod sequence;
+mod settings;
 mod single_body;
 pub mod studies;
 pub mod swarm;
@@ -44,7 +45,7 @@ mod two_body;
 mod words;
 
 pub use error::Xu2017Error;
-pub use identify::identify;
+pub use identify::{identify, identify_with};
 pub use least_squares::Answer;
 pub use sequence::{Found, Order, Searched, Solver, StepReport, sequence};
 pub use single_body::{
@@ -54,6 +55,7 @@ use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
 use crate::method::{About, Method, MethodError, Named};
+use crate::setting::Settings;
 use crate::study::Study;
 use nalgebra::SMatrix;
 use poinsot_identify::{Estimate, Problem};
@@ -123,14 +125,21 @@ impl Method for Xu2017 {
             summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
             citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
             variants: Variant::texts(),
+            settings: settings::SETTINGS,
             reads_accelerations: true,
             codes: codes::CODES,
         }
     }
 
-    fn identify(&self, problem: &Problem, variant: Option<&str>) -> Result<Estimate, MethodError> {
+    fn identify(
+        &self,
+        problem: &Problem,
+        variant: Option<&str>,
+        settings: &Settings,
+    ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
-        Ok(identify(problem, variant)?)
+        let solver = settings::solver(variant.solver, settings)?;
+        Ok(identify_with(problem, variant, &solver)?)
     }
 
     fn studies(&self) -> &'static [Study] {

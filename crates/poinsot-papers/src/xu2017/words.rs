@@ -31,13 +31,13 @@ pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> Str
     )
 }
 
-pub(super) fn warnings(problem: &Problem, found: &Found) -> Vec<String> {
+pub(super) fn warnings(problem: &Problem, found: &Found, share: f64) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(thrust(problem, found));
     list.extend(standing(problem));
     list.extend(declared(problem, found));
     for step in &found.steps {
-        list.extend(search(step));
+        list.extend(search(step, share));
         if step.found.mass <= 0.0 {
             list.push(format!(
                 "{}: the step gives a mass of {:.3} kg: noise or a wrong model dominates it",
@@ -145,7 +145,7 @@ fn standing(problem: &Problem) -> Vec<String> {
 }
 
 /// A swarm on the bounds of its range, or not arrived.
-fn search(step: &StepReport) -> Option<String> {
+fn search(step: &StepReport, share: f64) -> Option<String> {
     let (flight, range) = step.flight.as_ref()?;
     let touched: Vec<String> = flight
         .on_bound
@@ -160,11 +160,13 @@ fn search(step: &StepReport) -> Option<String> {
         .collect();
     if step.excluded() {
         return Some(format!(
-            "{}: the swarm's solution lies on the bound of its search range ({}) and leaves a cost of {:.1e} where the linear solution leaves {:.1e}: the range excludes the answer and its numbers are withheld; correct the nominal values, which the range of 50 % surrounds, or use --variant linear",
+            "{}: the swarm's solution lies on the bound of its search range ({}) and leaves a cost of {:.1e} where the linear solution leaves {:.1e}: the range excludes the answer and its numbers are withheld; correct the nominal values, which the range of {:.0} % surrounds, widen it (--set range={}), or use --variant linear",
             step.name,
             touched.join("; "),
             flight.cost,
-            step.cost_linear
+            step.cost_linear,
+            100.0 * share,
+            4.0 * share
         ));
     }
     if !step.arrived() {

@@ -37,11 +37,16 @@ impl Case {
     /// # Errors
     /// Every fault that shows against this model.
     pub fn bind(&self, model: &Model) -> Result<Scenario, CaseError> {
-        let mut planner = Planner {
-            text: &self.text,
-            model,
-            faults: Vec::new(),
-        };
+        self.bind_open(model, &[])
+    }
+
+    /// The same where someone else says how some wheels turn: they rest unless the case moves them.
+    ///
+    /// # Errors
+    /// As [`Self::bind`].
+    pub fn bind_open(&self, model: &Model, open_wheels: &[usize]) -> Result<Scenario, CaseError> {
+        let mut planner = self.planner(model);
+        planner.open_wheels = open_wheels;
         let file = &self.file;
         let output = file.output.span();
         let (control, plan, driven) = match planner.control(file) {

@@ -2,6 +2,7 @@
 #![allow(non_snake_case)]
 
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use toml::Spanned;
 
 /// The whole file.
@@ -24,6 +25,11 @@ pub(crate) struct CaseFile {
     pub control: Option<Spanned<ControlFile>>,
     pub integration: Option<IntegrationFile>,
     pub output: Spanned<OutputFile>,
+    #[serde(default)]
+    pub want: Vec<Spanned<WantFile>>,
+    #[serde(default)]
+    pub limits: LimitsFile,
+    pub design: Option<Spanned<DesignFile>>,
 }
 
 /// Pose and velocity of the base, or momentum of the whole.
@@ -207,4 +213,135 @@ pub(crate) struct SensorOutputFile {
     pub nonorthogonality_rad: Option<Spanned<[f64; 3]>>,
     /// How late the sensor reads, s.
     pub lag_s: Option<Spanned<f64>>,
+}
+
+/// A number, or a combination of numbers, and the sigma that is wanted of it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WantFile {
+    pub number: Option<Spanned<String>>,
+    pub combination: Option<Spanned<BTreeMap<String, f64>>>,
+    pub sigma: Option<Spanned<f64>>,
+    pub relative: Option<Spanned<f64>>,
+}
+
+/// What no designed manoeuvre may exceed.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LimitsFile {
+    pub body_rate_rad_s: Option<Spanned<f64>>,
+    pub clearance_m: Option<Spanned<f64>>,
+    #[serde(default)]
+    pub joint: Vec<Spanned<JointLimitFile>>,
+    #[serde(default)]
+    pub wheel: Vec<Spanned<WheelLimitFile>>,
+    #[serde(default)]
+    pub cone: Vec<Spanned<ConeFile>>,
+    #[serde(default)]
+    pub capsule: Vec<Spanned<CapsuleFile>>,
+}
+
+/// Limits of some joints; of all without `joints`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct JointLimitFile {
+    pub joints: Option<Vec<Spanned<String>>>,
+    pub position_rad: Option<Spanned<[f64; 2]>>,
+    pub position_m: Option<Spanned<[f64; 2]>>,
+    pub rate_rad_s: Option<Spanned<f64>>,
+    pub rate_m_s: Option<Spanned<f64>>,
+    pub acceleration_rad_s2: Option<Spanned<f64>>,
+    pub acceleration_m_s2: Option<Spanned<f64>>,
+    pub torque_N_m: Option<Spanned<f64>>,
+    pub force_N: Option<Spanned<f64>>,
+}
+
+/// Limits of some wheels; of all without `wheels`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WheelLimitFile {
+    pub wheels: Option<Vec<Spanned<String>>>,
+    pub speed_rad_s: Option<Spanned<f64>>,
+    pub torque_N_m: Option<Spanned<f64>>,
+    pub momentum_N_m_s: Option<Spanned<f64>>,
+}
+
+/// An axis of the base that must stay out of, or in, a cone about a direction in N.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ConeFile {
+    pub name: Spanned<String>,
+    pub axis_B: Spanned<[f64; 3]>,
+    pub direction_N: Spanned<[f64; 3]>,
+    pub keep_out_rad: Option<Spanned<f64>>,
+    pub keep_in_rad: Option<Spanned<f64>>,
+}
+
+/// A capsule about a part of a body; a sphere where both ends are equal.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CapsuleFile {
+    pub body: Spanned<String>,
+    pub from_m: Spanned<[f64; 3]>,
+    pub to_m: Option<Spanned<[f64; 3]>>,
+    pub radius_m: Spanned<f64>,
+}
+
+/// What a design may move, and what it is after.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DesignFile {
+    #[serde(default)]
+    pub objective: Objective,
+    /// Whether the vehicles of the prior count and not the nominal one alone.
+    #[serde(default)]
+    pub robust: bool,
+    /// Whether declared priors of mass properties count in the sigmas.
+    #[serde(default)]
+    pub priors: bool,
+    pub evaluations: Option<Spanned<usize>>,
+    pub starts: Option<Spanned<usize>>,
+    #[serde(default)]
+    pub seed: u64,
+    #[serde(default)]
+    pub joint: Vec<Spanned<DesignJointFile>>,
+    #[serde(default)]
+    pub wheel: Vec<Spanned<DesignWheelFile>>,
+}
+
+/// What a design minimises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Objective {
+    /// The largest ratio of sigma to wanted sigma.
+    #[default]
+    WorstRatio,
+    /// The logarithm of the determinant of the covariance of what is wanted, in wanted sigmas.
+    LogDet,
+    /// The time in which every wanted sigma is reached.
+    ShortestTime,
+}
+
+/// How some joints may move.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DesignJointFile {
+    pub joints: Option<Vec<Spanned<String>>>,
+    pub form: Spanned<String>,
+    pub harmonics: Option<Spanned<usize>>,
+    pub base_frequency_hz: Option<Spanned<f64>>,
+    pub at_rest: Option<Spanned<bool>>,
+    pub nodes: Option<Spanned<usize>>,
+    pub slews: Option<Spanned<usize>>,
+    pub returns: Option<Spanned<bool>>,
+}
+
+/// How some wheels may turn.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DesignWheelFile {
+    pub wheels: Option<Vec<Spanned<String>>>,
+    pub nodes: Spanned<usize>,
+    pub start_speed_rad_s: Option<Spanned<f64>>,
+    pub returns: Option<Spanned<bool>>,
 }

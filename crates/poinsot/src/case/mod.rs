@@ -6,23 +6,31 @@
 mod actuators;
 mod bind;
 mod control;
+mod designed;
 mod fault;
 mod file;
 mod joints;
+mod limits;
 mod planner;
 mod sensor_output;
 mod torques;
+mod wanted;
 
 pub use bind::Scenario;
 pub use control::Control;
+pub use designed::{Design, Form, Moved};
 pub use fault::{CaseError, CaseFault};
-pub use file::Format;
+pub use file::{Format, Objective};
+pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
 pub use sensor_output::SensorOutput;
 pub(crate) use sensor_output::unit_suffix;
+pub use wanted::Want;
 
-use fault::{CaseText, did_you_mean};
+pub(crate) use fault::{CaseText, did_you_mean};
 use file::CaseFile;
+use planner::Planner;
 use poinsot_dynamics::Tolerance;
+use poinsot_model::Model;
 use poinsot_telemetry::rounded;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -31,6 +39,8 @@ use toml::Spanned;
 pub const CASE_SCHEMA: &str = "poinsot.case/1";
 
 const LARGEST_FILE: u64 = 16 << 20;
+/// Largest file of torques, bytes.
+const LARGEST_TORQUE_FILE: u64 = 1 << 30;
 const MOST_ROWS: f64 = 1e7;
 
 /// A case that was read; names are not yet resolved.
@@ -146,9 +156,30 @@ impl Case {
         &self.text.path
     }
 
-    /// The text the case was read from.
+    /// The text of the file.
     pub fn text(&self) -> &str {
         &self.text.text
+    }
+
+    /// SHA-256 of every file that the case reads beside its model.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn inputs_sha256(&self) -> Result<Vec<String>, crate::error::Error> {
+        let folder = self.text.path.parent().unwrap_or(Path::new(""));
+        let files = self
+            .file
+            .joint_torque
+            .iter()
+            .filter_map(|t| t.file.as_ref());
+        files
+            .map(|file| {
+                let path = folder.join(file.get_ref());
+                let bytes = poinsot_files::read(&path, LARGEST_TORQUE_FILE);
+                let bytes = bytes.map_err(|e| crate::error::unreadable(&path, e))?;
+                Ok(crate::campaign::sha256(&bytes))
+            })
+            .collect()
     }
 
     /// Times of the rows, s: `k / rate_hz` up to the duration.
@@ -156,6 +187,16 @@ impl Case {
         // A duration of whole periods must not lose its last row to round-off.
         let rows = (self.duration_s * self.rate_hz * (1.0 + 1e-12)).floor();
         (0..=rows as u64).map(|k| k as f64 / self.rate_hz).collect()
+    }
+
+    /// Collects what is wrong with the case for a model.
+    fn planner<'c>(&'c self, model: &'c Model) -> Planner<'c> {
+        Planner {
+            text: &self.text,
+            model,
+            open_wheels: &[],
+            faults: Vec::new(),
+        }
     }
 }
 

@@ -14,6 +14,8 @@ pub(super) type Nodes<'f> = (&'f Spanned<Vec<f64>>, &'f Spanned<Vec<f64>>);
 pub(super) struct Planner<'c> {
     pub text: &'c CaseText,
     pub model: &'c Model,
+    /// Wheels that need no motion of the case.
+    pub open_wheels: &'c [usize],
     pub faults: Vec<CaseFault>,
 }
 
@@ -71,8 +73,8 @@ impl Planner<'_> {
                 plan.wheels[k] = motion;
             }
         }
-        for (wheel, driven) in self.model.wheels.iter().zip(driven) {
-            if !driven {
+        for (k, (wheel, driven)) in self.model.wheels.iter().zip(driven).enumerate() {
+            if !driven && !self.open_wheels.contains(&k) {
                 let problem = format!("nothing says how wheel \"{}\" turns", wheel.name);
                 let remedy =
                     "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";

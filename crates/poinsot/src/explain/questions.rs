@@ -154,10 +154,34 @@ pub(super) const CODES: &[Entry] = &[
         "Give the path from the folder of the case, and a column in N m or N.",
     ),
     (
+        "E0541",
+        "A plan of a campaign has a fault.",
+        "A misspelt key, a number out of range, or a case or model that the changes of the plan make impossible.",
+        "Correct the plan at the line in the message; `poinsot schema plan` prints all keys.",
+    ),
+    (
+        "E0542",
+        "An address of a plan or sweep names no number.",
+        "A misspelt name, or a number that the file leaves to its default.",
+        "Use the name in the message, or write the number into the file first.",
+    ),
+    (
         "E0601",
         "No report or export can be made of these files.",
         "estimate.json is missing, of another run or another format, or holds no determined body.",
         "Write it anew with `poinsot identify --out DIR`.",
+    ),
+    (
+        "E0602",
+        "The folder of a campaign holds shards of this or of another plan.",
+        "The plan or a file that it names was changed, or --resume was forgotten.",
+        "Give --resume where the plan is the same, else another --out.",
+    ),
+    (
+        "E0603",
+        "Shards of a campaign cannot be merged.",
+        "Some are missing, damaged, or there twice with different sums.",
+        "Run the campaign with --resume, or merge with --partial.",
     ),
     (
         "E0701",

@@ -35,6 +35,13 @@ pub fn prediction_json(prediction: &Prediction) -> Value {
         "duration_s": prediction.duration_s,
         "status": bound.status.name(),
         "in_words": sentence(prediction),
+        "wants": prediction.wants.iter().map(|m| json!({
+            "name": m.want.name,
+            "unit": m.want.unit,
+            "wanted_sigma": m.want.sigma,
+            "sigma": m.sigma,
+            "met": m.is_met(),
+        })).collect::<Vec<_>>(),
         "bodies": bodies,
         "nuisance": nuisance,
         "covariance": {

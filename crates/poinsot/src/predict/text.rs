@@ -4,7 +4,7 @@ use super::Prediction;
 use crate::estimate_file::{component, inertia_entries};
 use crate::estimate_text::open_sentences;
 use crate::trials::numbers_of;
-use poinsot_identify::{BodyEstimate, Number, Source, Status};
+use poinsot_identify::{BodyEstimate, Number, Source};
 use poinsot_report::{Document, Section, Table, Tone, significant};
 
 /// Combinations listed in the terminal; the file has all.
@@ -15,11 +15,25 @@ const FIGURES: i32 = 2;
 /// The prediction as a document.
 pub fn prediction_document(prediction: &Prediction) -> Document {
     let bound = &prediction.bound;
-    let tone = match bound.status {
-        Status::Converged => Tone::Good,
+    let tone = match prediction.exit_code() {
+        0 => Tone::Good,
         _ => Tone::Fair,
     };
     let mut document = Document::new(sentence(prediction)).toned(tone);
+    if !prediction.wants.is_empty() {
+        let mut table = Table::new(&["", "1 sigma", "wanted", "verdict", "unit"]);
+        for met in &prediction.wants {
+            let sigma = met.sigma.map(|s| significant(s, FIGURES));
+            table.push(vec![
+                met.want.name.clone(),
+                sigma.unwrap_or_else(|| "not identifiable".to_owned()),
+                significant(met.want.sigma, FIGURES),
+                if met.is_met() { "met" } else { "missed" }.to_owned(),
+                met.want.unit.to_owned(),
+            ]);
+        }
+        document.push(Section::table("wanted", table));
+    }
     for body in bound.bodies.iter().filter(|b| b.asked && tells(b)) {
         document.push(body_section(body));
     }

@@ -67,7 +67,7 @@ impl Band {
 }
 
 /// Sigmas each side of a 95 % interval.
-pub(super) fn sigmas_of_interval() -> f64 {
+pub(crate) fn sigmas_of_interval() -> f64 {
     quantile(0.5 * (1.0 + STATED))
 }
 

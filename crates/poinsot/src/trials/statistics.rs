@@ -14,7 +14,7 @@ pub struct ParameterStatistics {
     pub trials: u64,
     /// Sigma of the Cramer-Rao bound at the truth; `None` where the bound says it is open.
     pub bound: Option<f64>,
-    /// Root mean square of the stated sigmas.
+    /// Root mean square of the stated sigmas; NaN where none is stated.
     pub stated: f64,
     /// Mean error.
     pub bias: f64,
@@ -22,7 +22,7 @@ pub struct ParameterStatistics {
     pub rmse: f64,
     /// Standard deviation of the error.
     pub spread: f64,
-    /// Share of stated 95 % intervals that hold the truth.
+    /// Share of stated 95 % intervals that hold the truth; NaN where none is stated.
     pub coverage: f64,
 }
 
@@ -38,8 +38,10 @@ impl ParameterStatistics {
 pub struct Statistics {
     /// Trials run.
     pub trials: u64,
-    /// Trials without an answer or whose iteration did not settle: number and why.
+    /// The first trials without an answer or whose iteration did not settle: number and why.
     pub failed: Vec<(u64, String)>,
+    /// How many there are.
+    pub failures: u64,
     /// Trials by status.
     pub statuses: Vec<(String, u64)>,
     /// One entry per number.
@@ -69,6 +71,8 @@ pub fn statistics_of(sums: &Sums) -> Statistics {
     Statistics {
         trials: sums.trials,
         failed: sums.failed.clone(),
+        // Files of earlier versions count them by their list alone.
+        failures: sums.failures.max(sums.failed.len() as u64),
         statuses: sums.statuses.clone(),
         parameters: seen.map(of_parameter).collect(),
         nees: (dof > 0).then(|| (square / dof as f64, dof)),
@@ -84,17 +88,21 @@ pub fn statistics_of(sums: &Sums) -> Statistics {
 
 fn of_parameter(sums: &NumberSums) -> ParameterStatistics {
     let n = sums.trials as f64;
+    let stated = (sums.trials - sums.unstated) as f64;
     let bias = sums.error / n;
     let square = sums.square / n;
     ParameterStatistics {
         name: sums.name.clone(),
         trials: sums.trials,
-        bound: sums.bound,
-        stated: (sums.variance / n).sqrt(),
+        bound: match sums.bounds {
+            (0, _) => sums.bound,
+            (trials, squares) => Some((squares / trials as f64).sqrt()),
+        },
+        stated: (sums.variance / stated).sqrt(),
         bias,
         rmse: square.sqrt(),
         spread: ((square - bias * bias).max(0.0) * n / (n - 1.0).max(1.0)).sqrt(),
-        coverage: sums.held as f64 / n,
+        coverage: sums.held as f64 / stated,
     }
 }
 
@@ -106,7 +114,8 @@ impl Statistics {
             list.push(format!("trial {trial} failed: {why}"));
         }
         let mut judge = |name: &str, what: &str, x: f64, band: Band| {
-            if !band.holds(x) {
+            // What a method does not state is no fault of what it states.
+            if !x.is_nan() && !band.holds(x) {
                 list.push(format!(
                     "{name}: {what} {x:.4} outside [{:.4}, {:.4}]",
                     band.low, band.high
@@ -138,13 +147,13 @@ impl Statistics {
     pub fn misses(&self) -> Vec<String> {
         let mut list: Vec<String> = Vec::new();
         if !self.failed.is_empty() {
-            list.push(format!("{} failed trials", self.failed.len()));
+            list.push(format!("{} failed trials", self.failures));
         }
         for p in &self.parameters {
             let (n, sigma) = (p.trials, p.sigma());
             let (rms, held) = (Band::of_rms(n), Band::of_coverage(n));
             let mut judge = |what: &str, x: f64, low: f64, high: f64| {
-                if !(low..=high).contains(&x) {
+                if !x.is_nan() && !(low..=high).contains(&x) {
                     list.push(format!(
                         "{}: {what} {x:.4}, asked {low:.4} to {high:.4}",
                         p.name

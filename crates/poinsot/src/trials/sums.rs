@@ -4,7 +4,7 @@
 //! together.
 
 use super::band::sigmas_of_interval;
-use super::{Trial, estimated_numbers};
+use super::{Trial, TrialNumber, estimated_numbers};
 use crate::error::Error;
 use crate::output::write_file;
 use poinsot_formats::LARGEST_RESULT;
@@ -15,20 +15,30 @@ use std::path::Path;
 /// Schema of the file.
 pub const SUMS_SCHEMA: &str = "poinsot.trials/1";
 
+/// Failed trials that are kept by number; all are counted.
+const NAMED_FAILURES: usize = 100;
+
 /// Sums over one number of the answers.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NumberSums {
     /// Name, for example `base.mass`; SI units throughout.
     pub name: String,
-    /// Sigma of the Cramer-Rao bound; absent where the bound says that the number is open.
+    /// Sigma of the Cramer-Rao bound where it is the same in every trial; absent where the bound says that the number is
+    /// not identifiable.
     pub bound: Option<f64>,
+    /// Where the truth differs between trials: trials with a bound, and the sum of its squares.
+    #[serde(default)]
+    pub bounds: (u64, f64),
     /// Trials that determined it.
     pub trials: u64,
     /// Sum of the errors.
     pub error: f64,
     /// Sum of their squares.
     pub square: f64,
+    /// Of these, trials whose method states no sigma.
+    #[serde(default)]
+    pub unstated: u64,
     /// Sum of the stated variances.
     pub variance: f64,
     /// Trials whose stated 95 % interval holds the truth.
@@ -49,8 +59,14 @@ pub struct Sums {
     pub trials: u64,
     /// Trials that gave an answer.
     pub answers: u64,
-    /// Trials without an answer or whose iteration did not settle: number and why.
+    /// The first trials without an answer or whose iteration did not settle: number and why.
     pub failed: Vec<(u64, String)>,
+    /// How many there are.
+    #[serde(default)]
+    pub failures: u64,
+    /// Answers with a doubt.
+    #[serde(default)]
+    pub doubted: u64,
     /// Trials by status.
     pub statuses: Vec<(String, u64)>,
     /// One entry per number.
@@ -71,16 +87,24 @@ impl Sums {
     /// Nothing yet; `bound` gives the yardstick of every number.
     pub fn new(setup: &str, bound: Option<&Estimate>) -> Self {
         let bounds = bound.map(estimated_numbers).unwrap_or_default();
+        let named: Vec<(String, f64)> = bounds.into_iter().map(|(n, _, s)| (n, s)).collect();
+        Self::with_bound(setup, &named)
+    }
+
+    /// The same with the sigmas of the bound by name.
+    pub fn with_bound(setup: &str, bound: &[(String, f64)]) -> Self {
+        let number = |(name, sigma): &(String, f64)| NumberSums {
+            name: name.clone(),
+            bound: Some(*sigma),
+            ..NumberSums::default()
+        };
         Self {
             schema: SUMS_SCHEMA.to_owned(),
             setup: setup.to_owned(),
-            numbers: bounds
-                .into_iter()
-                .map(|(name, _, sigma)| NumberSums {
-                    name,
-                    bound: Some(sigma),
-                    ..NumberSums::default()
-                })
+            numbers: bound
+                .iter()
+                .filter(|b| b.1.is_finite())
+                .map(number)
                 .collect(),
             ..Self::default()
         }
@@ -95,32 +119,55 @@ impl Sums {
         }
         let answer = match &trial.outcome {
             Ok(answer) => answer,
-            Err(why) => return self.failed.push((trial.number, why.clone())),
+            Err(why) => return self.fail(trial.number, why),
         };
         if matches!(answer.status, Status::IterationLimit | Status::Rejected) {
-            self.failed
-                .push((trial.number, answer.status.name().to_owned()));
+            self.fail(trial.number, answer.status.name());
         }
+        self.doubted += u64::from(!answer.doubts.is_empty());
         self.answers += 1;
         *entry(&mut self.statuses, answer.status.name()) += 1;
-        for (name, chi2) in &answer.channels {
+        // What is not finite was not computed, and would hide what was.
+        for (name, chi2) in answer.channels.iter().filter(|c| c.1.is_finite()) {
             *entry(&mut self.channels, name) += chi2;
         }
-        self.chi2_per_dof += answer.chi2_per_dof;
+        if answer.chi2_per_dof.is_finite() {
+            self.chi2_per_dof += answer.chi2_per_dof;
+        }
         let taken = answer.iterations as u64;
         self.iterations = (self.iterations.0 + taken, self.iterations.1.max(taken));
-        if let Some((square, dof)) = answer.nees {
+        if let Some((square, dof)) = answer.nees.filter(|n| n.0.is_finite()) {
             self.nees.0 += square;
             self.nees.1 += dof as u64;
         }
         let reach = sigmas_of_interval();
-        for number in &answer.numbers {
+        let finite = |n: &&TrialNumber| n.error.is_finite();
+        for number in answer.numbers.iter().filter(finite) {
             let sums = self.number(&number.name);
             sums.trials += 1;
             sums.error += number.error;
             sums.square += number.error * number.error;
+            if !number.sigma.is_finite() {
+                sums.unstated += 1;
+                continue;
+            }
             sums.variance += number.sigma * number.sigma;
             sums.held += u64::from(number.error.abs() <= reach * number.sigma);
+        }
+    }
+
+    fn fail(&mut self, trial: u64, why: &str) {
+        self.failures += 1;
+        if self.failed.len() < NAMED_FAILURES {
+            self.failed.push((trial, why.to_owned()));
+        }
+    }
+
+    /// The bound of one trial, where every trial has a truth of its own.
+    pub fn add_bound(&mut self, bound: &[(String, f64)]) {
+        for (name, sigma) in bound.iter().filter(|b| b.1.is_finite()) {
+            let sums = self.number(name);
+            sums.bounds = (sums.bounds.0 + 1, sums.bounds.1 + sigma * sigma);
         }
     }
 
@@ -151,9 +198,14 @@ impl Sums {
         }
         self.ranges.extend(&other.ranges);
         self.ranges.sort_unstable();
+        self.ranges = joined(&self.ranges);
         self.trials += other.trials;
         self.answers += other.answers;
+        self.failures += other.failures;
+        self.doubted += other.doubted;
         self.failed.extend(other.failed.iter().cloned());
+        self.failed.sort();
+        self.failed.truncate(NAMED_FAILURES);
         for (name, count) in &other.statuses {
             *entry(&mut self.statuses, name) += count;
         }
@@ -167,13 +219,15 @@ impl Sums {
         self.seconds += other.seconds;
         for theirs in &other.numbers {
             let ours = self.number(&theirs.name);
-            if ours.trials == 0 {
-                *ours = theirs.clone();
-                continue;
-            }
+            ours.bound = ours.bound.or(theirs.bound);
+            ours.bounds = (
+                ours.bounds.0 + theirs.bounds.0,
+                ours.bounds.1 + theirs.bounds.1,
+            );
             ours.trials += theirs.trials;
             ours.error += theirs.error;
             ours.square += theirs.square;
+            ours.unstated += theirs.unstated;
             ours.variance += theirs.variance;
             ours.held += theirs.held;
         }
@@ -215,6 +269,18 @@ impl Sums {
     }
 }
 
+/// Ranges in order, those that touch as one.
+fn joined(ranges: &[(u64, u64)]) -> Vec<(u64, u64)> {
+    let mut all: Vec<(u64, u64)> = Vec::new();
+    for &(first, past) in ranges {
+        match all.last_mut() {
+            Some(last) if last.1 == first => last.1 = past,
+            _ => all.push((first, past)),
+        }
+    }
+    all
+}
+
 fn entry<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut T {
     let at = list.iter().position(|(n, _)| n == name);
     let at = at.unwrap_or_else(|| {
@@ -227,7 +293,7 @@ fn entry<'a, T: Default>(list: &'a mut Vec<(String, T)>, name: &str) -> &'a mut 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::{Answer, TrialNumber, statistics_of};
+    use super::super::{Answer, statistics_of};
     use super::*;
 
     fn trial(number: u64) -> Trial {
@@ -239,11 +305,13 @@ mod tests {
             } else {
                 Ok(Answer {
                     status: Status::Converged,
+                    doubts: Vec::new(),
                     iterations: 2 + number as usize % 2,
                     chi2_per_dof: 1.0 + 0.1 * wave,
                     channels: vec![("gyro".to_owned(), 1.0 - 0.1 * wave)],
                     numbers: vec![TrialNumber {
                         name: "base.mass".to_owned(),
+                        value: 1.0 + wave,
                         error: wave,
                         sigma: 0.5,
                     }],
@@ -264,9 +332,9 @@ mod tests {
         let whole = sums(0..20);
         let mut merged = sums(12..20);
         merged.merge(&sums(0..12)).unwrap();
-        assert_eq!(merged.ranges, [(0, 12), (12, 20)]);
+        assert_eq!(merged.ranges, [(0, 20)]);
         let (a, b) = (statistics_of(&whole), statistics_of(&merged));
-        assert_eq!((a.trials, a.failed.len(), a.iterations.1), (20, 1, 3));
+        assert_eq!((a.trials, a.failures, a.iterations.1), (20, 1, 3));
         assert!((a.parameters[0].rmse - b.parameters[0].rmse).abs() < 1.0e-14);
         assert!((a.parameters[0].coverage - b.parameters[0].coverage).abs() < 1.0e-14);
         assert!((a.nees.unwrap().0 - b.nees.unwrap().0).abs() < 1.0e-13);

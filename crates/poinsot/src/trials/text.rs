@@ -27,7 +27,9 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
     for p in &s.parameters {
         let (n, sigma) = (p.trials, p.sigma());
         let marked = |text: String, x: f64, band: Band| {
-            if band.holds(x) {
+            if x.is_nan() {
+                "-".to_owned()
+            } else if band.holds(x) {
                 text
             } else {
                 format!("{text} !")
@@ -98,11 +100,11 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
             .take(LISTED)
             .map(|(trial, why)| format!("trial {trial}: {why}"))
             .collect();
-        if s.failed.len() > LISTED {
-            lines.push(format!("and {} more", s.failed.len() - LISTED));
+        if s.failures > lines.len() as u64 {
+            lines.push(format!("and {} more", s.failures - lines.len() as u64));
         }
         document.push(Section::list(
-            &format!("{} failed trials", s.failed.len()),
+            &format!("{} failed trials", s.failures),
             lines,
         ));
     }

@@ -1,4 +1,5 @@
-//! Wheels whose torque changes between tachometer samples: whether the stated uncertainty is the true one.
+//! Wheels whose torque changes between tachometer samples: whether the stated uncertainty is the true one
+//! (docs/validation/pyramid.md).
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 mod satellite;
@@ -130,7 +131,7 @@ fn cases() -> Vec<(&'static str, Case)> {
 
 /// No cell is overconfident: mean NEES and mean errors of the answers that are not doubted, at 0.1 % for the table.
 ///
-/// One seed a case here; `POINSOT_SEEDS=40` runs the long form, `POINSOT_CASE=slews` some of the cases.
+/// One seed a case here; `POINSOT_SEEDS=200` runs the long form, `POINSOT_CASE=slews` some of the cases.
 #[test]
 fn stat_wheels_between_samples_are_honest_or_doubted() {
     let given = |name: &str| std::env::var(name).ok();

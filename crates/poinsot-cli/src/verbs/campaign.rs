@@ -1,0 +1,210 @@
+//! `poinsot campaign`
+
+use super::{Failure, Outcome, note, print, print_document, print_json};
+use crate::arguments::{Campaign, Emit};
+use poinsot::campaign::{
+    CampaignRequest, Plan, Ran, campaign, campaign_cost, campaign_document, cost_document,
+    merge_campaign, read_plan, slurm_scripts,
+};
+use poinsot::{check_outputs, write_files};
+use poinsot_formats::CampaignFile;
+use std::path::Path;
+use std::process::Command;
+
+/// How often the shards of a process that crashed are tried again.
+const TRIES: usize = 3;
+
+pub fn run(arguments: &Campaign) -> Outcome {
+    poinsot::start_threads()?;
+    let mut plan = read_plan(&arguments.plan)?;
+    if let Some(trials) = arguments.trials {
+        plan.set_trials(trials)?;
+    }
+    if arguments.estimate {
+        let document = cost_document(&plan, &campaign_cost(&plan)?);
+        if !arguments.quiet {
+            print_document(&document);
+        }
+        return Ok(0);
+    }
+    let out = arguments.out.as_deref().ok_or_else(|| {
+        Failure::from(poinsot::Error::Usage {
+            option: "--out",
+            value: String::new(),
+            why: "a campaign keeps its shards; name a folder for them".to_owned(),
+        })
+    })?;
+    let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
+    check_outputs("--out", &results, &[&arguments.plan])?;
+    if let Some(Emit::Slurm) = arguments.emit {
+        return emit(arguments, &plan, out);
+    }
+    let ran = match &arguments.merge {
+        Some(from) => merge_campaign(&plan, out, from, arguments.partial)?,
+        None => {
+            if let Some(processes) = arguments.processes {
+                supervised(arguments, &plan, out, processes)?;
+            }
+            let follow = |so_far: &CampaignFile| print_far(so_far);
+            campaign(
+                &plan,
+                &CampaignRequest {
+                    out: out.to_owned(),
+                    share: arguments.shard,
+                    resume: arguments.resume || arguments.processes.is_some(),
+                    until: arguments.until,
+                    follow: arguments.follow.then_some(&follow),
+                },
+            )?
+        }
+    };
+    shown(arguments.json, arguments.quiet, &plan, &ran)
+}
+
+/// Prints what a campaign or a sweep gave; its exit code.
+pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &Ran) -> Outcome {
+    if !quiet {
+        for (shard, why) in ran.damaged.iter().take(10) {
+            note(&format!("shard {shard}: {why}"));
+        }
+    }
+    let (Some(result), Some(folded)) = (&ran.result, &ran.folded) else {
+        if json {
+            print_json(&serde_json::json!({ "shards": ran.shards }));
+        } else if !quiet {
+            note(&format!("{} shards run", ran.shards));
+        }
+        return Ok(0);
+    };
+    if json {
+        print_json(result);
+    } else if !quiet {
+        for document in campaign_document(plan, folded, result) {
+            print_document(&document);
+            print("\n");
+        }
+    }
+    for path in ran.written.iter().filter(|_| !quiet) {
+        note(&format!("written: {}", path.display()));
+    }
+    let crashed = result.cells.iter().flat_map(|c| &c.methods);
+    let crashed = crashed
+        .flat_map(|m| &m.failures)
+        .any(|(_, why)| why.starts_with("crashed"));
+    let short = !result.missing.is_empty() || ran.reached == Some(false);
+    Ok(u8::from(crashed || short))
+}
+
+/// The statistics so far, on standard error.
+fn print_far(so_far: &CampaignFile) {
+    for cell in &so_far.cells {
+        for method in &cell.methods {
+            let coverage = method.numbers.iter().map(|(name, n)| {
+                let percent = n.coverage_all.value.unwrap_or(f64::NAN) * 100.0;
+                format!("{name} {percent:.1}")
+            });
+            let words: Vec<String> = coverage.take(6).collect();
+            note(&format!(
+                "{} {}: {} trials, coverage % {}",
+                cell.experiment,
+                method.method,
+                method.trials,
+                words.join(", ")
+            ));
+        }
+    }
+}
+
+fn emit(arguments: &Campaign, plan: &Plan, out: &Path) -> Outcome {
+    let here = std::env::current_dir().unwrap_or_default();
+    let whole = |path: &Path| here.join(path).display().to_string();
+    let files = slurm_scripts(plan, &whole(&arguments.plan), &whole(out));
+    let written = write_files(&out.join("slurm"), &files)?;
+    super::written(&written, arguments.json, arguments.quiet);
+    Ok(0)
+}
+
+/// Runs the shards in processes of their own, so that one that is killed takes no other with it, and starts it again.
+fn supervised(
+    arguments: &Campaign,
+    plan: &Plan,
+    out: &Path,
+    processes: u64,
+) -> Result<(), Failure> {
+    let program = std::env::current_exe().map_err(|source| poinsot::Error::Io {
+        path: "poinsot".into(),
+        what: "the program cannot be found again",
+        source,
+    })?;
+    let threads = (rayon_threads() / processes).max(1).to_string();
+    let start = |share: u64| {
+        Command::new(&program)
+            .arg("campaign")
+            .arg(&arguments.plan)
+            .arg("--out")
+            .arg(out)
+            .args(["--trials", &plan.trials.to_string()])
+            .args([
+                "--shard",
+                &format!("{share}/{processes}"),
+                "--resume",
+                "--quiet",
+            ])
+            .env("RAYON_NUM_THREADS", &threads)
+            .spawn()
+            .map_err(|source| poinsot::Error::Io {
+                path: program.clone(),
+                what: "cannot be started",
+                source,
+            })
+    };
+    let mut running = Vec::new();
+    for share in 1..=processes {
+        running.push((share, 0, start(share)?));
+    }
+    let mut failed = None;
+    while let Some((share, crashes, mut child)) = running.pop() {
+        let ended = child.wait().map_err(|source| poinsot::Error::Io {
+            path: program.clone(),
+            what: "cannot be waited for",
+            source,
+        })?;
+        match ended.code() {
+            Some(0) => {}
+            // It has said itself why: its input or the disk.
+            Some(code @ (2 | 3)) => failed = Some(code),
+            _ => {
+                let of_share = (0..plan.shards()).filter(|s| s % processes == share - 1);
+                let (missing, _) = poinsot::campaign::missing_shards(plan, out, of_share)?;
+                let at = missing.first().map_or("none".to_owned(), u64::to_string);
+                let again = if crashes < TRIES {
+                    "it is started again"
+                } else {
+                    "given up"
+                };
+                note(&format!(
+                    "process {share} of {processes} ended by {ended} with {} shards missing, the first {at}: {again}",
+                    missing.len()
+                ));
+                if crashes < TRIES {
+                    running.push((share, crashes + 1, start(share)?));
+                }
+            }
+        }
+    }
+    match failed {
+        None => Ok(()),
+        Some(code) => Err(Failure {
+            message: "E0603 a process of this campaign refused its input or met a full disk; see its message above, then give --resume".to_owned(),
+            exit_code: u8::try_from(code).unwrap_or(2),
+        }),
+    }
+}
+
+/// Threads that this process would use.
+fn rayon_threads() -> u64 {
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
+    let asked = std::env::var("RAYON_NUM_THREADS").ok();
+    let asked = asked.and_then(|n| n.trim().parse().ok()).filter(|n| *n > 0);
+    asked.map_or(cores, |n: u64| n.min(cores))
+}

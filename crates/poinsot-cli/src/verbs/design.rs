@@ -1,0 +1,39 @@
+//! `poinsot design`
+
+use super::{Outcome, note, print_document, print_json};
+use crate::arguments::Design;
+use poinsot::case::read_case;
+use poinsot::check_outputs;
+use poinsot::simulate::SimulateError;
+use poinsot_design::{DesignRequest, design, design_document, design_file, write_design};
+use std::path::Path;
+
+const FILES: [&str; 4] = ["case.toml", "model.toml", "commands.csv", "design.json"];
+
+pub fn run(arguments: &Design) -> Outcome {
+    poinsot::start_threads()?;
+    let case = read_case(&arguments.case).map_err(SimulateError::from)?;
+    if let Some(folder) = &arguments.out {
+        let outputs = FILES.map(|name| folder.join(name));
+        let inputs: [&Path; 2] = [&arguments.case, &case.model];
+        check_outputs("--out", &outputs, &inputs)?;
+    }
+    let designed = design(&DesignRequest {
+        case: arguments.case.clone(),
+        minutes: arguments.minutes,
+        verify: arguments.verify,
+    })?;
+    let written = match &arguments.out {
+        Some(folder) => write_design(folder, &designed, &case.model)?,
+        None => Vec::new(),
+    };
+    if arguments.json {
+        print_json(&design_file(&designed));
+    } else if !arguments.quiet {
+        print_document(&design_document(&designed));
+    }
+    for path in written.iter().filter(|_| !arguments.quiet) {
+        note(&format!("written: {}", path.display()));
+    }
+    Ok(designed.exit_code())
+}

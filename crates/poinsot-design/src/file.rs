@@ -1,0 +1,73 @@
+//! A design as `design.json` (`poinsot.design/1`).
+
+use crate::result::Designed;
+use crate::text::sentence;
+use poinsot_formats::{
+    DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
+    SearchFile, VerifiedNumberFile, finite,
+};
+
+/// The design as its file.
+pub fn design_file(designed: &Designed) -> DesignFile {
+    let wants = designed.wants.iter().map(|r| DesignedNumberFile {
+        name: r.want.name.clone(),
+        unit: r.want.unit.to_owned(),
+        wanted_sigma: r.want.sigma,
+        sigma: r.sigma,
+        reference_sigma: r.reference,
+    });
+    let limits = designed.limits.iter().map(|l| LimitUseFile {
+        what: l.what.clone(),
+        unit: l.unit.to_owned(),
+        value: l.value,
+        limit: l.limit,
+        margin: l.margin,
+        active: l.is_active(),
+    });
+    let relaxed = designed.relaxed.iter().map(|r| RelaxedFile {
+        what: r.what.clone(),
+        factor: r.factor,
+        worst_ratio: r.ratio,
+    });
+    let verification = designed.verification.as_ref();
+    let verdict = match designed.is_reached() {
+        true => "reached",
+        false => "not_reached",
+    };
+    DesignFile {
+        schema: DESIGN.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        case: designed.case.clone(),
+        model: designed.model.name.clone(),
+        verdict: verdict.to_owned(),
+        in_words: sentence(designed),
+        objective: designed.objective.to_owned(),
+        duration_s: designed.duration_s,
+        worst_ratio: finite(designed.worst_ratio()),
+        robust_log_ratio: designed.robust,
+        wants: wants.collect(),
+        limits: limits.collect(),
+        relaxed: relaxed.collect(),
+        search: SearchFile {
+            evaluations: designed.evaluations,
+            starts: designed.starts.clone(),
+            settled: designed.settled,
+        },
+        verification: verification.map(|v| DesignVerificationFile {
+            flights: v.flights,
+            failed: v.failed.clone(),
+            limits_broken: v.limits_broken,
+            agrees: v.agrees(),
+            numbers: v
+                .numbers
+                .iter()
+                .map(|n| VerifiedNumberFile {
+                    name: n.name.clone(),
+                    rms_ratio: n.rms_ratio,
+                    band: [n.band.low, n.band.high],
+                    flights: n.flights,
+                })
+                .collect(),
+        }),
+    }
+}

@@ -1,0 +1,119 @@
+//! What a design gives.
+
+use crate::shape::Command;
+use crate::verify::Verification;
+use poinsot::case::Want;
+use poinsot_model::Model;
+
+/// One wanted number and what the manoeuvre gives of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reach {
+    /// What is wanted.
+    pub want: Want,
+    /// Predicted sigma; `None` where the manoeuvre does not show the number.
+    pub sigma: Option<f64>,
+    /// Predicted sigma of the manoeuvre that the case itself holds, where it holds one.
+    pub reference: Option<f64>,
+}
+
+impl Reach {
+    /// Sigma over wanted sigma.
+    pub fn ratio(&self) -> f64 {
+        self.sigma.map_or(f64::INFINITY, |s| s / self.want.sigma)
+    }
+}
+
+/// How far one limit is used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitUse {
+    /// What is limited.
+    pub what: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value that comes closest to the limit.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+    /// Room as a share of the limit; negative where it is broken.
+    pub margin: f64,
+}
+
+/// Room below which a limit counts as active.
+pub const ACTIVE: f64 = 0.01;
+
+impl LimitUse {
+    /// Whether the limit holds the manoeuvre back.
+    pub fn is_active(&self) -> bool {
+        self.margin < ACTIVE
+    }
+}
+
+/// What one limit relaxed would give.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Relaxed {
+    /// Which limits.
+    pub what: String,
+    /// Factor on the limit.
+    pub factor: f64,
+    /// Largest ratio then.
+    pub ratio: f64,
+}
+
+/// The manoeuvre with what it gives.
+#[derive(Debug, Clone)]
+pub struct Designed {
+    /// The vehicle.
+    pub model: Model,
+    /// Path of the case.
+    pub case: String,
+    /// The case as a file that flies the manoeuvre, with its model at `model.toml` beside it.
+    pub manoeuvre: String,
+    /// Name of every mover with its command.
+    pub commands: Vec<(String, Command)>,
+    /// Duration of the manoeuvre, s.
+    pub duration_s: f64,
+    /// Word for what was minimised.
+    pub objective: &'static str,
+    /// What is wanted.
+    pub wants: Vec<Reach>,
+    /// How far every limit is used.
+    pub limits: Vec<LimitUse>,
+    /// What relaxed limits would give, where something is not reached.
+    pub relaxed: Vec<Relaxed>,
+    /// Evaluations of manoeuvres.
+    pub evaluations: usize,
+    /// Logarithm of the largest ratio at the end of every start.
+    pub starts: Vec<f64>,
+    /// Whether no step of the search promised more than its tolerance.
+    pub settled: bool,
+    /// Conditional value at risk of the logarithm of the largest ratio, of a robust design.
+    pub robust: Option<f64>,
+    /// Trial flights, where they were asked for.
+    pub verification: Option<Verification>,
+}
+
+impl Designed {
+    /// Largest ratio of sigma to wanted sigma.
+    pub fn worst_ratio(&self) -> f64 {
+        self.wants.iter().map(Reach::ratio).fold(0.0, f64::max)
+    }
+
+    /// Whether every wanted sigma is reached and no limit is broken.
+    pub fn is_reached(&self) -> bool {
+        self.worst_ratio() <= 1.0 + ROUNDED && self.broken().next().is_none()
+    }
+
+    /// Limits that are broken.
+    pub fn broken(&self) -> impl Iterator<Item = &LimitUse> {
+        self.limits.iter().filter(|l| l.margin < -ROUNDED)
+    }
+
+    /// 0: everything wanted is reached, and trial flights agree. 1: not.
+    pub fn exit_code(&self) -> u8 {
+        let agrees = self.verification.as_ref().is_none_or(Verification::agrees);
+        u8::from(!(self.is_reached() && agrees))
+    }
+}
+
+/// What the loose integration of the search may change.
+const ROUNDED: f64 = 1.0e-4;

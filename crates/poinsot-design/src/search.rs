@@ -1,0 +1,157 @@
+//! From random manoeuvres to the best one: many starts, a few steps each, then all steps for the most promising.
+
+use crate::shape::Space;
+use crate::trial::{Program, Question};
+use poinsot_solve::{Minimax, MinimaxOptions, Reached, Values, minimax};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Random manoeuvres for each start of the search.
+const RANDOM: usize = 24;
+/// Steps before the worse half of the starts is left out.
+const FIRST_STEPS: usize = 4;
+/// Steps of the one that is followed to its end.
+const LAST_STEPS: usize = 60;
+/// Share of the limits that random manoeuvres use.
+const STRETCH: f64 = 0.97;
+/// A step that lowers the logarithm of the ratio by less ends the search: a tenth of a percent.
+const TOLERANCE: f64 = 1.0e-3;
+/// First trust region, in free numbers.
+const DELTA: f64 = 0.3;
+
+/// The best manoeuvre of a search.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Free numbers and their values.
+    pub reached: Reached,
+    /// The worst objective of every start after its first steps, from the best of each round.
+    pub starts: Vec<f64>,
+}
+
+/// Searches the whole space; `given` are manoeuvres to start from beside random ones. What is left of the evaluations when
+/// one search has settled goes into the next one, from other random manoeuvres.
+pub fn search(
+    question: &Question,
+    space: &Space,
+    given: &[Vec<f64>],
+    evaluations: usize,
+) -> Option<Found> {
+    let program = Program { question, space };
+    let mut rng = ChaCha8Rng::seed_from_u64(question.design.seed);
+    let mut best: Option<Found> = None;
+    let mut left = evaluations;
+    let mut given = given.to_vec();
+    loop {
+        let Some(found) = round(&program, &mut rng, std::mem::take(&mut given), &mut left) else {
+            return best;
+        };
+        let better = |b: &Found| found.reached.values.merit() < b.reached.values.merit();
+        let mut starts = best.as_ref().map_or_else(Vec::new, |b| b.starts.clone());
+        starts.extend(&found.starts);
+        match &mut best {
+            Some(b) if !better(b) => b.starts = starts,
+            _ => best = Some(Found { starts, ..found }),
+        }
+        let least = question.design.starts * FIRST_STEPS * space.len();
+        if left < least || program.stop() {
+            return best;
+        }
+    }
+}
+
+/// Random manoeuvres, a few steps from the best of them, half of those left out, and so on until one is left: that one is
+/// followed to its end.
+fn round(
+    program: &Program,
+    rng: &mut ChaCha8Rng,
+    given: Vec<Vec<f64>>,
+    left: &mut usize,
+) -> Option<Found> {
+    let space = program.space;
+    let wanted = program.question.design.starts;
+    let mut pool = given;
+    let of_case = pool.len();
+    for _ in 0..(RANDOM * wanted).min(*left / 4) {
+        let mut normal = || StandardNormal.sample(rng);
+        let direction: Vec<f64> = (0..space.len()).map(|_| normal()).collect();
+        pool.push(space.stretched(&direction, STRETCH));
+    }
+    *left = left.saturating_sub(pool.len());
+    let values = in_parts(program, &pool);
+    let evaluated = pool.into_iter().zip(values).enumerate();
+    let mut all: Vec<(bool, Reached)> = evaluated
+        .filter_map(|(i, (x, values))| Some((i >= of_case, unmoved(x, values?))))
+        .collect();
+    // What the case itself holds is always tried.
+    let merit = |r: &Reached| r.values.merit();
+    all.sort_by(|a, b| a.0.cmp(&b.0).then(merit(&a.1).total_cmp(&merit(&b.1))));
+    let mut ends: Vec<Reached> = all.into_iter().map(|(_, r)| r).take(wanted).collect();
+    let mut starts = Vec::new();
+    while !ends.is_empty() {
+        let is_last = ends.len() == 1;
+        let steps = if is_last { LAST_STEPS } else { FIRST_STEPS };
+        for end in &mut ends {
+            let from = end.x.clone();
+            if let Some(next) = minimax(program, &space.polytope, from, options(*left, steps)) {
+                *left = left.saturating_sub(next.evaluations);
+                if merit(&next) <= merit(end) {
+                    *end = next;
+                }
+            }
+        }
+        ends.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+        if starts.is_empty() {
+            starts = ends.iter().map(|e| e.values.worst()).collect();
+        }
+        if is_last {
+            break;
+        }
+        ends.truncate(ends.len().div_ceil(2));
+    }
+    let reached = ends.into_iter().next()?;
+    Some(Found { reached, starts })
+}
+
+/// Goes on from one manoeuvre in a space that is a little different.
+pub fn refine(
+    question: &Question,
+    space: &Space,
+    from: &[f64],
+    evaluations: usize,
+) -> Option<Reached> {
+    let program = Program { question, space };
+    let from = space.drawn_inside(from.to_vec());
+    minimax(
+        &program,
+        &space.polytope,
+        from,
+        options(evaluations, LAST_STEPS),
+    )
+}
+
+fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
+    MinimaxOptions {
+        evaluations,
+        steps,
+        delta: DELTA,
+        tolerance: TOLERANCE,
+    }
+}
+
+/// A manoeuvre before any step.
+fn unmoved(x: Vec<f64>, values: Values) -> Reached {
+    Reached {
+        x,
+        values,
+        evaluations: 1,
+        settled: false,
+    }
+}
+
+/// Part by part, so that an interruption keeps what is done.
+fn in_parts(program: &Program, pool: &[Vec<f64>]) -> Vec<Option<Values>> {
+    pool.chunks(16)
+        .flat_map(|part| program.values(part))
+        .collect()
+}

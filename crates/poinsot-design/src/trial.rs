@@ -1,0 +1,257 @@
+//! One candidate manoeuvre: flown by the nominal vehicle, or by vehicles of the prior; its information and its limits.
+
+use crate::shape::Space;
+use crate::vehicles::drawn;
+use crate::watch::{Course, WINDOWS_EACH, Watch};
+use nalgebra::DMatrix;
+use poinsot::Error;
+use poinsot::bind::bind;
+use poinsot::case::{Case, Design, Form, Objective, Scenario, Want};
+use poinsot::simulate::{run, simulate_exact_of};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Information, Problem, WantedTerm};
+use poinsot_model::Model;
+use poinsot_solve::{Minimax, Values};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Integration error of candidates: far below what moves a sigma.
+const TOLERANCE: f64 = 1.0e-8;
+/// Rows of a candidate for each cycle of its fastest free motion, and at least: the others repeat what these say.
+const ROWS_A_CYCLE: f64 = 40.0;
+const LEAST_ROWS: f64 = 150.0;
+/// Vehicles of the prior that a robust design looks at.
+const SCENARIOS: u64 = 64;
+/// Share of the worst scenarios whose mean a robust design minimises.
+const TAIL: f64 = 0.1;
+
+/// What a manoeuvre is judged by.
+pub struct Question {
+    /// The case with a loose tolerance.
+    pub case: Case,
+    /// The vehicle at its nominal numbers.
+    pub model: Model,
+    /// The case bound to it, with the motions that are not designed.
+    pub scenario: Scenario,
+    /// What is wanted.
+    pub wants: Vec<Want>,
+    /// What may move, and the objective.
+    pub design: Design,
+    /// Limits on the motion.
+    pub watch: Watch,
+    /// Added to how far each watched limit is broken: the margin for the vehicles of the prior.
+    pub margins: Vec<f64>,
+    /// The part of it that the vehicles of the prior need; the rest is for what lies between the rows.
+    pub prior_margins: Vec<f64>,
+    /// Vehicles of a robust design; empty otherwise.
+    vehicles: Vec<Model>,
+    /// When to stop.
+    pub deadline: Option<Instant>,
+    /// Evaluations so far.
+    pub evaluations: AtomicUsize,
+}
+
+/// What one flight shows.
+pub struct Flight {
+    /// Covariance of what is wanted.
+    pub covariance: DMatrix<f64>,
+    /// Course of the watched values.
+    pub course: Course,
+}
+
+impl Question {
+    /// The question of a case; `deadline` ends the search.
+    pub fn new(
+        case: &Case,
+        model: Model,
+        (design, wants): (Design, Vec<Want>),
+        watch: Watch,
+        deadline: Option<Instant>,
+    ) -> Result<Self, Error> {
+        let mut case = case.clone();
+        case.tolerance.relative = case.tolerance.relative.max(TOLERANCE);
+        let open: Vec<usize> = design.wheels.iter().map(|w| w.index).collect();
+        let bound = case.bind_open(&model, &open);
+        let scenario = bound.map_err(poinsot::simulate::SimulateError::from)?;
+        let vehicles = match design.robust {
+            true => (0..SCENARIOS)
+                .map(|k| drawn(&model, design.seed, k))
+                .collect(),
+            false => Vec::new(),
+        };
+        Ok(Self {
+            case,
+            scenario,
+            margins: vec![0.0; watch.watched.len()],
+            prior_margins: vec![0.0; watch.watched.len()],
+            model,
+            wants,
+            design,
+            watch,
+            vehicles,
+            deadline,
+            evaluations: AtomicUsize::new(0),
+        })
+    }
+
+    /// The scenario of free numbers.
+    pub fn scenario(&self, space: &Space, x: &[f64]) -> Option<Scenario> {
+        let mut scenario = self.scenario.clone();
+        let mut case = self.case.clone();
+        case.duration_s = space.duration;
+        case.rate_hz /= thinned(&case, &self.model, &self.design);
+        scenario.times = case.times();
+        space.place(x, &mut scenario)?;
+        Some(scenario)
+    }
+
+    /// Flies a scenario with a vehicle and asks what it tells.
+    ///
+    /// # Errors
+    /// The motion cannot be computed, or a sensor that is needed is missing.
+    pub fn fly(&self, model: &Model, scenario: Scenario) -> Result<Flight, Error> {
+        let mut course = Course::default();
+        // Every row stands for as many of the case.
+        let step = match scenario.times.as_slice() {
+            [first, second, ..] => second - first,
+            _ => 1.0 / self.case.rate_hz,
+        };
+        let thinned = step * self.case.rate_hz;
+        let efforts = self.watch.needs_efforts();
+        if efforts {
+            course = self.course(model, &scenario)?;
+        }
+        let exact = simulate_exact_of(&self.case, model, scenario, |sample, motor| {
+            if !efforts {
+                course.push(self.watch.values(sample, motor));
+            }
+        })?;
+        let tree = Tree::new(model);
+        let bound = bind(model, &tree, &[exact.table])?;
+        let problem = Problem {
+            model,
+            tree: &tree,
+            segments: &bound.segments,
+            noise: &bound.noise,
+            relative_accuracy: 1.0,
+        };
+        let information = Information::of(&problem, self.design.priors)?;
+        let terms: Vec<Vec<WantedTerm>> = self.wants.iter().map(|w| w.terms.clone()).collect();
+        Ok(Flight {
+            covariance: information.covariance(&terms) / thinned,
+            course,
+        })
+    }
+
+    /// The watched values alone, with the torques of the joint motors.
+    ///
+    /// # Errors
+    /// The motion cannot be computed.
+    pub fn course(&self, model: &Model, scenario: &Scenario) -> Result<Course, Error> {
+        let mut course = Course::default();
+        let bodies: Vec<_> = model
+            .bodies
+            .iter()
+            .map(|b| b.nominal.parameters())
+            .collect();
+        let own = self.watch.needs_efforts().then_some(bodies.as_slice());
+        run(&self.case, model, own, scenario, |sample, motor| {
+            course.push(self.watch.values(sample, motor));
+        })?;
+        Ok(course)
+    }
+
+    /// Objectives of a covariance.
+    pub fn objectives(&self, covariance: &DMatrix<f64>) -> Vec<f64> {
+        let wanted = |i: usize| self.wants[i].sigma;
+        if self.design.objective == Objective::LogDet {
+            let n = self.wants.len();
+            let scaled =
+                DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (wanted(i) * wanted(j)));
+            let log = scaled
+                .cholesky()
+                .map_or(f64::INFINITY, |c| c.ln_determinant());
+            return vec![0.5 * log / n as f64];
+        }
+        let of = |i: usize| 0.5 * covariance[(i, i)].ln() - wanted(i).ln();
+        (0..self.wants.len()).map(of).collect()
+    }
+
+    /// Values of the minimax program at free numbers.
+    pub fn values(&self, space: &Space, x: &[f64]) -> Option<Values> {
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+        let scenario = self.scenario(space, x)?;
+        let flight = self.fly(&self.model, scenario.clone()).ok()?;
+        let mut objectives = self.objectives(&flight.covariance);
+        if !self.vehicles.is_empty() {
+            let one = |m: &Model| {
+                let flight = self.fly(m, scenario.clone()).ok()?;
+                let worst = self.objectives(&flight.covariance);
+                Some(worst.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
+            };
+            let all: Option<Vec<f64>> = self.vehicles.par_iter().map(one).collect();
+            objectives = vec![tail_mean(all?)];
+        }
+        let mut limits = flight.course.windows(&self.watch);
+        for (k, own) in limits.chunks_mut(WINDOWS_EACH).enumerate() {
+            own.iter_mut().for_each(|g| *g += self.margins[k]);
+        }
+        let values = Values { objectives, limits };
+        values.merit().is_finite().then_some(values)
+    }
+}
+
+/// How many rows of the case each row of a candidate stands for. Noise with a memory says more in few rows than a row
+/// alone: there all rows are used.
+fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
+    let remembers = model.sensors.iter().any(|s| s.correlation_s > 0.0);
+    if remembers || model.environment.random_torque.is_some() {
+        return 1.0;
+    }
+    let moved = design.joints.iter().chain(&design.wheels);
+    let cycles = moved.map(|m| match m.form {
+        Form::Fourier {
+            harmonics,
+            base_frequency_hz,
+            ..
+        } => harmonics as f64 * base_frequency_hz.map_or(1.0, |f| f * case.duration_s),
+        Form::Spline { nodes, .. } => 0.5 * nodes as f64,
+        Form::Slews { slews, .. } => slews as f64,
+    });
+    let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.fold(0.0, f64::max));
+    (case.duration_s * case.rate_hz / rows).floor().max(1.0)
+}
+
+/// Mean of the worst share: the conditional value at risk (Rockafellar and Uryasev 2000).
+pub fn tail_mean(mut all: Vec<f64>) -> f64 {
+    all.sort_by(|a, b| b.total_cmp(a));
+    let share = TAIL * all.len() as f64;
+    let whole = share.floor() as usize;
+    let part = share - whole as f64;
+    let sum: f64 = all.iter().take(whole).sum();
+    (sum + part * all.get(whole).copied().unwrap_or(0.0)) / share.max(f64::MIN_POSITIVE)
+}
+
+/// The question in one space of free numbers.
+pub struct Program<'q> {
+    /// What is asked.
+    pub question: &'q Question,
+    /// The free numbers.
+    pub space: &'q Space,
+}
+
+impl Minimax for Program<'_> {
+    fn values(&self, points: &[Vec<f64>]) -> Vec<Option<Values>> {
+        let one = |x: &Vec<f64>| match self.stop() {
+            true => None,
+            false => self.question.values(self.space, x),
+        };
+        points.par_iter().map(one).collect()
+    }
+
+    fn stop(&self) -> bool {
+        let late = self.question.deadline.is_some_and(|d| Instant::now() >= d);
+        late || crate::interrupt::is_requested()
+    }
+}

@@ -1,0 +1,136 @@
+//! Trial flights of a designed manoeuvre: a vehicle of the prior and sensor noise of its own each time, identified from
+//! the nominal numbers, and its error beside the sigma that was predicted for it.
+
+use crate::result::Designed;
+use crate::trial::Question;
+use crate::vehicles::drawn;
+use poinsot::Error;
+use poinsot::case::{Case, Want};
+use poinsot::predict::{covariance_name, wanted_sigma};
+use poinsot::trials::{Answer, Band, Study};
+use poinsot_identify::Estimate;
+use poinsot_model::Model;
+use rayon::prelude::*;
+
+/// Streams of the vehicles of trial flights.
+const FLIGHT_STREAM: u64 = 1 << 33;
+/// How far a limit may be exceeded by round-off.
+const ROUNDED: f64 = 1.0e-6;
+
+/// One wanted number over all flights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerifiedNumber {
+    /// What is wanted.
+    pub name: String,
+    /// Root mean square of error over the predicted sigma of that flight.
+    pub rms_ratio: f64,
+    /// Its 99.9 % band.
+    pub band: Band,
+    /// Flights that determined it.
+    pub flights: u64,
+}
+
+/// What trial flights show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// Flights.
+    pub flights: u64,
+    /// Flights without an answer to everything that is wanted, and why.
+    pub failed: Vec<String>,
+    /// In the order of what is wanted.
+    pub numbers: Vec<VerifiedNumber>,
+    /// Flights in which a limit was broken.
+    pub limits_broken: u64,
+}
+
+impl Verification {
+    /// Whether every ratio lies in its band and no flight failed or broke a limit.
+    pub fn agrees(&self) -> bool {
+        let held = self.numbers.iter().all(|n| n.band.holds(n.rms_ratio));
+        held && self.failed.is_empty() && self.limits_broken == 0
+    }
+}
+
+/// One flight: error over predicted sigma of everything that is wanted, and whether a limit was broken.
+type Outcome = Result<(Vec<f64>, bool), String>;
+
+/// Flies a manoeuvre many times.
+///
+/// # Errors
+/// The case does not fit its model.
+pub(crate) fn verify(
+    case: &Case,
+    designed: &Designed,
+    question: &Question,
+    flights: u64,
+) -> Result<Verification, Error> {
+    let wants: Vec<&Want> = designed.wants.iter().map(|r| &r.want).collect();
+    let one = |k: u64| flight(case, &designed.model, question, &wants, k);
+    let all: Vec<Outcome> = (0..flights).into_par_iter().map(one).collect();
+    let mut failed = Vec::new();
+    let mut squares = vec![0.0; wants.len()];
+    let (mut answered, mut limits_broken) = (0_u64, 0);
+    for (k, outcome) in all.into_iter().enumerate() {
+        match outcome {
+            Err(why) => failed.push(format!("flight {k}: {why}")),
+            Ok((ratios, is_broken)) => {
+                answered += 1;
+                limits_broken += u64::from(is_broken);
+                for (sum, ratio) in squares.iter_mut().zip(ratios) {
+                    *sum += ratio * ratio;
+                }
+            }
+        }
+    }
+    let numbers = wants.iter().zip(squares).map(|(want, sum)| VerifiedNumber {
+        name: want.name.clone(),
+        rms_ratio: (sum / answered.max(1) as f64).sqrt(),
+        band: Band::of_rms(answered.max(1)),
+        flights: answered,
+    });
+    Ok(Verification {
+        flights,
+        failed,
+        numbers: numbers.collect(),
+        limits_broken,
+    })
+}
+
+fn flight(case: &Case, model: &Model, question: &Question, wants: &[&Want], k: u64) -> Outcome {
+    let words = |e: Error| e.to_string();
+    let truth = drawn(model, question.design.seed, FLIGHT_STREAM + k);
+    let mut study = Study::of_case(case, &truth, without_priors(model)).map_err(words)?;
+    study.diagnose = false;
+    let predicted = study.bound().map_err(words)?;
+    let answer = study.trial(k).outcome?;
+    let ratio = |want: &&Want| {
+        let sigma = wanted_sigma(&predicted, want);
+        let error = error_of(&predicted, &answer, want);
+        match (error, sigma) {
+            (Some(error), Some(sigma)) => Ok(error / sigma),
+            _ => Err(format!("{} is not determined", want.name)),
+        }
+    };
+    let ratios: Result<Vec<f64>, String> = wants.iter().map(ratio).collect();
+    let scenario = case.bind(&truth).map_err(|e| e.to_string())?;
+    let course = question.course(&truth, &scenario).map_err(words)?;
+    let worst = course.worst(&question.watch);
+    Ok((ratios?, worst.iter().any(|w| w.1 > ROUNDED)))
+}
+
+/// The prior says how vehicles differ; it is no measurement of this one.
+fn without_priors(model: &Model) -> Model {
+    let mut model = model.clone();
+    model.bodies.iter_mut().for_each(|b| b.prior = None);
+    model
+}
+
+fn error_of(bound: &Estimate, answer: &Answer, want: &Want) -> Option<f64> {
+    let mut sum = 0.0;
+    for term in &want.terms {
+        let name = covariance_name(bound.bodies.get(term.body)?, term);
+        let number = answer.numbers.iter().find(|n| n.name == name)?;
+        sum += term.factor * number.error;
+    }
+    Some(sum)
+}

@@ -1,0 +1,282 @@
+//! Designs judged from outside: by `predict`, by the motion they fly, by other manoeuvres and by their errors.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+use poinsot::case::{Case, parse_case, read_case};
+use poinsot::predict::{predict_case, wanted_sigma};
+use poinsot::simulate::run;
+use poinsot_design::{DesignRequest, Designed, design_case, drawn, write_design};
+use poinsot_model::{Model, parse_model, read_model};
+use std::path::{Path, PathBuf};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/cases")
+        .join(name)
+}
+
+/// An example with its `[design]` changed.
+fn changed(name: &str, from: &str, to: &str) -> (Case, Model) {
+    let text = std::fs::read_to_string(example(name)).unwrap();
+    assert!(text.contains(from), "{from}");
+    let case = parse_case(&example(name), text.replace(from, to)).unwrap();
+    let model = read_model(&case.model).unwrap();
+    (case, model)
+}
+
+fn designed(case: &Case, model: &Model) -> Designed {
+    design_case(case, model.clone(), &DesignRequest::default()).unwrap()
+}
+
+const BOX: &str = r#"
+schema = "poinsot.model/1"
+name = "box with three wheels"
+[[body]]
+name = "box"
+mass_kg = 40.0
+com_m = [0.0, 0.0, 0.0]
+inertia_kg_m2 = { xx = 2.0, yy = 2.6, zz = 3.1, xy = 0.1, xz = -0.05, yz = 0.2 }
+estimate = ["inertia"]
+prior = { inertia_kg_m2 = 0.1 }
+[[wheel]]
+name = "a"
+body = "box"
+axis = [1.0, 0.0, 0.0]
+spin_inertia_kg_m2 = 0.002
+[[wheel]]
+name = "b"
+body = "box"
+axis = [0.0, 1.0, 0.0]
+spin_inertia_kg_m2 = 0.002
+[[wheel]]
+name = "c"
+body = "box"
+axis = [0.0, 0.0, 1.0]
+spin_inertia_kg_m2 = 0.002
+[[sensor]]
+name = "gyro"
+type = "gyro"
+noise_rad_s = 2.0e-5
+[[sensor]]
+name = "tracker"
+type = "attitude"
+noise_rad = 5.0e-5
+"#;
+
+/// A case for the box: `limits` are added, everything wanted to `relative`.
+fn boxed(limits: &str, relative: f64) -> (Case, Model) {
+    let text = format!(
+        r#"
+schema = "poinsot.case/1"
+model = "box.toml"
+duration_s = 40.0
+[initial]
+momentum_zero = true
+[output]
+rate_hz = 4
+[[want]]
+number = "box.inertia_kg_m2"
+relative = {relative:e}
+[limits]
+{limits}
+[[limits.wheel]]
+speed_rad_s = 150.0
+torque_N_m = 0.05
+[design]
+starts = 2
+evaluations = 600
+[[design.wheel]]
+nodes = 7
+"#
+    );
+    let case = parse_case(Path::new("box_case.toml"), text).unwrap();
+    (case, parse_model(BOX, "box.toml").unwrap())
+}
+
+#[test]
+fn paper_xus_target_is_told_twice_as_well_within_the_same_peak_angles_and_rates() {
+    let (case, model) = changed(
+        "xu2017_target_design.toml",
+        "seed = 1\n",
+        "seed = 1\nstarts = 2\nevaluations = 1500\n",
+    );
+    let found = designed(&case, &model);
+    // Wanted is about half of what the motion of the case gives.
+    for reach in &found.wants {
+        let reference = reach.reference.unwrap();
+        assert!(reach.sigma.unwrap() < 0.56 * reference, "{reach:?}");
+    }
+    assert!(found.limits.iter().all(|l| l.margin > -1.0e-6));
+    assert!(found.limits.iter().any(|l| l.is_active()));
+    // The motion itself, 20 times as densely as it is sampled: 40 points a period let another optimiser exceed the rates
+    // by 2.7 %.
+    let case = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
+    let mut scenario = case.bind(&model).unwrap();
+    scenario.times = (0..12_000).map(|k| f64::from(k) * 0.005).collect();
+    let text = std::fs::read_to_string(example("xu2017_target_design.toml")).unwrap();
+    let file: toml::Table = text.parse().unwrap();
+    let limits = file["limits"]["joint"].as_array().unwrap();
+    let mut largest = 0.0_f64;
+    run(&case, &model, None, &scenario, |sample, _| {
+        for (k, limit) in limits.iter().enumerate() {
+            let angle = limit["position_rad"][1].as_float().unwrap();
+            let rate = limit["rate_rad_s"].as_float().unwrap();
+            largest = largest
+                .max(sample.q[k].abs() / angle)
+                .max(sample.rates[k].abs() / rate);
+        }
+    })
+    .unwrap();
+    assert!(largest <= 1.0 + 1.0e-9 && largest > 0.99, "{largest}");
+}
+
+#[test]
+fn exact_what_a_design_says_is_what_predict_says_of_the_file_it_writes() {
+    let (case, model) = boxed("", 1.0e-3);
+    let found = designed(&case, &model);
+    let folder = tempfile::tempdir().unwrap();
+    let vehicle = folder.path().join("box.toml");
+    std::fs::write(&vehicle, BOX).unwrap();
+    let out = folder.path().join("out");
+    let written = write_design(&out, &found, &vehicle).unwrap();
+    assert_eq!(written.len(), 4);
+    let again = read_case(&out.join("case.toml")).unwrap();
+    let mut own = read_model(&again.model).unwrap();
+    own.bodies[0].prior = None;
+    let prediction = predict_case(&again, own, 1.0).unwrap();
+    for reach in &found.wants {
+        assert_eq!(wanted_sigma(&prediction.bound, &reach.want), reach.sigma);
+    }
+    let rows = std::fs::read_to_string(out.join("commands.csv")).unwrap();
+    assert!(rows.starts_with("time_s,a_rad_s,b_rad_s,c_rad_s\n0,0,0,0\n"));
+    assert_eq!(rows.lines().count(), 1 + 161);
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("design.json")).unwrap()).unwrap();
+    assert_eq!(json["schema"], "poinsot.design/1");
+    assert_eq!(json["wants"].as_array().unwrap().len(), 6);
+}
+
+#[test]
+fn prop_the_same_bits_on_one_thread_and_on_three() {
+    let (case, model) = boxed("body_rate_rad_s = 0.05", 1.0e-3);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| designed(&case, &model).manoeuvre)
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
+    let (case, model) = boxed("body_rate_rad_s = 0.04", 1.0e-3);
+    let found = designed(&case, &model);
+    let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
+    let mut broken = 0;
+    for k in 0..300 {
+        let vehicle = drawn(&model, 99, k);
+        let scenario = flown.bind(&vehicle).unwrap();
+        let mut largest = 0.0_f64;
+        run(&flown, &vehicle, None, &scenario, |sample, _| {
+            largest = largest.max(sample.w_NB_B.norm() / 0.04);
+            for torque in &sample.wheel_torque {
+                largest = largest.max(torque.abs() / 0.05);
+            }
+        })
+        .unwrap();
+        broken += u32::from(largest > 1.0);
+    }
+    // 99 % of the prior: of 300 at most 9 with a probability of 99.7 %.
+    assert!(broken <= 9, "{broken}");
+    let body = found.limits.iter().find(|l| l.what == "body rate").unwrap();
+    assert!(body.value < 0.04 && body.value > 0.03, "{body:?}");
+}
+
+#[test]
+fn stat_trial_flights_scatter_as_predicted() {
+    let (case, model) = boxed("", 1.0e-3);
+    let request = DesignRequest {
+        verify: 40,
+        ..DesignRequest::default()
+    };
+    let found = design_case(&case, model, &request).unwrap();
+    let flights = found.verification.as_ref().unwrap();
+    assert!(flights.agrees(), "{flights:?}");
+    assert_eq!(flights.numbers.len(), 6);
+}
+
+#[test]
+fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_would_give() {
+    let (case, model) = boxed("", 1.0e-6);
+    let found = designed(&case, &model);
+    assert_eq!(found.exit_code(), 1);
+    assert!(found.worst_ratio() > 1.0);
+    assert!(
+        found
+            .limits
+            .iter()
+            .any(|l| l.is_active() && l.what.starts_with("speed of"))
+    );
+    let faster = found
+        .relaxed
+        .iter()
+        .find(|r| r.what == "wheel speeds")
+        .unwrap();
+    assert!(faster.ratio < 0.95 * found.worst_ratio(), "{faster:?}");
+    assert!(
+        found
+            .relaxed
+            .iter()
+            .any(|r| r.what == "duration" && r.ratio < found.worst_ratio())
+    );
+}
+
+#[test]
+fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
+    let (_, model) = boxed("", 1.0e-3);
+    let base = "schema = \"poinsot.case/1\"\nmodel = \"box.toml\"\nduration_s = 40.0\n[output]\nrate_hz = 4\n";
+    let wheel = "[[design.wheel]]\nnodes = 7\n";
+    let speed = "[[limits.wheel]]\nspeed_rad_s = 150.0\n";
+    let want = "[[want]]\nnumber = \"box.inertia_kg_m2.xx\"\nsigma = 0.001\n";
+    let faults = [
+        (format!("{want}{speed}"), "it has no [design]"),
+        (format!("{speed}[design]\n{wheel}"), "it wants nothing"),
+        (format!("{want}[design]\n{wheel}"), "no limit bounds it"),
+        (format!("{want}{speed}[design]\n"), "nothing may move"),
+        (
+            format!("[[want]]\nnumber = \"box.inertia_kg_m2.xz2\"\nsigma = 1.0\n[design]\n{wheel}"),
+            "did you mean \"box.inertia_kg_m2.xz\"?",
+        ),
+        (
+            format!("[[want]]\nnumber = \"box.mass_kg\"\nsigma = 1.0\n[design]\n{wheel}"),
+            "body \"box\" does not estimate it",
+        ),
+        (
+            format!("[[want]]\nnumber = \"box.inertia_kg_m2.xx\"\n[design]\n{wheel}"),
+            "either sigma or relative",
+        ),
+        (
+            format!("{want}[[limits.wheel]]\nspeed_rad_s = -1.0\n[design]\n{wheel}"),
+            "a limit must be a positive number",
+        ),
+        (
+            format!(
+                "{want}{speed}[design]\n[[design.wheel]]\nnodes = 7\nstart_speed_rad_s = 200.0\n"
+            ),
+            "outside its limits",
+        ),
+    ];
+    for (text, expected) in faults {
+        let case = parse_case(Path::new("box_case.toml"), format!("{base}{text}")).unwrap();
+        let error = design_case(&case, model.clone(), &DesignRequest::default()).unwrap_err();
+        assert!(error.to_string().contains(expected), "{expected}: {error}");
+        assert_eq!(error.exit_code(), 2);
+    }
+    let unknown = format!("{base}[design]\nevalutions = 3\n");
+    let error = parse_case(Path::new("box_case.toml"), unknown).unwrap_err();
+    assert!(
+        error.to_string().contains("did you mean \"evaluations\"?"),
+        "{error}"
+    );
+}

@@ -1,0 +1,127 @@
+//! `DIR/design.json`: a designed manoeuvre and what it gives.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the format.
+pub const DESIGN: &str = "poinsot.design/1";
+
+/// A designed manoeuvre and what it gives.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DesignFile {
+    /// "poinsot.design/1".
+    pub schema: String,
+    /// Version of the program.
+    pub poinsot: String,
+    /// The case.
+    pub case: String,
+    /// Name of the vehicle.
+    pub model: String,
+    /// "reached" or "not_reached".
+    pub verdict: String,
+    /// The answer in one sentence.
+    pub in_words: String,
+    /// "worst_ratio", "log_det" or "shortest_time".
+    pub objective: String,
+    /// Duration of the manoeuvre, s.
+    pub duration_s: f64,
+    /// Largest ratio of predicted to wanted sigma; null where something wanted is not identifiable.
+    pub worst_ratio: Option<f64>,
+    /// Mean of the worst tenth of ln(largest ratio) over the vehicles of the prior, of a robust design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust_log_ratio: Option<f64>,
+    /// What is wanted, in the order of the case.
+    pub wants: Vec<DesignedNumberFile>,
+    /// How far every limit is used.
+    pub limits: Vec<LimitUseFile>,
+    /// What relaxed limits would give, where something is not reached.
+    pub relaxed: Vec<RelaxedFile>,
+    /// The search.
+    pub search: SearchFile,
+    /// Trial flights, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verification: Option<DesignVerificationFile>,
+}
+
+/// One wanted number.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DesignedNumberFile {
+    /// Address of the number, or the combination.
+    pub name: String,
+    /// Unit of the sigmas.
+    pub unit: String,
+    /// Wanted sigma.
+    pub wanted_sigma: f64,
+    /// Predicted sigma; null where the manoeuvre does not show the number.
+    pub sigma: Option<f64>,
+    /// Predicted sigma of the manoeuvre in the case, where it holds one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_sigma: Option<f64>,
+}
+
+/// How far one limit is used.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LimitUseFile {
+    /// What is limited.
+    pub what: String,
+    /// Unit.
+    pub unit: String,
+    /// Value that comes closest to the limit.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+    /// Room as a share of the limit (cones: rad, distances: m), after the margin for the vehicles of the prior.
+    pub margin: f64,
+    /// Whether it holds the manoeuvre back.
+    pub active: bool,
+}
+
+/// What one kind of limit, relaxed, would give.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RelaxedFile {
+    /// Which limits.
+    pub what: String,
+    /// Factor on them.
+    pub factor: f64,
+    /// Largest ratio of predicted to wanted sigma then.
+    pub worst_ratio: f64,
+}
+
+/// The search for the manoeuvre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SearchFile {
+    /// Evaluations of manoeuvres.
+    pub evaluations: usize,
+    /// Logarithm of the largest ratio at the end of every start, after its first steps.
+    pub starts: Vec<f64>,
+    /// Whether no further step promised more than a tenth of a percent.
+    pub settled: bool,
+}
+
+/// Trial flights of the manoeuvre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DesignVerificationFile {
+    /// Flights, each with a vehicle of the prior and noise of its own.
+    pub flights: u64,
+    /// Flights without an answer, and why.
+    pub failed: Vec<String>,
+    /// What was reached of every wanted number.
+    pub numbers: Vec<VerifiedNumberFile>,
+    /// Flights in which a limit was broken.
+    pub limits_broken: u64,
+    /// Whether every ratio lies in its band and no flight failed or broke a limit.
+    pub agrees: bool,
+}
+
+/// Errors of one wanted number over all flights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct VerifiedNumberFile {
+    /// Address of the number, or the combination.
+    pub name: String,
+    /// Root mean square of error over the predicted sigma of that flight.
+    pub rms_ratio: f64,
+    /// Where it lies with a probability of 99.9 % if the prediction is right.
+    pub band: [f64; 2],
+    /// Flights that determined it.
+    pub flights: u64,
+}

@@ -1,0 +1,143 @@
+//! Settings of a published method, `key=value`.
+
+use crate::method::MethodError;
+
+/// A setting in words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SettingText {
+    /// Key after `--set`.
+    pub key: &'static str,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    /// Value where it is not set.
+    pub default: &'static str,
+}
+
+/// Settings of a method as given; keys of others are refused by [`Settings::of`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Settings(Vec<(String, String)>);
+
+impl Settings {
+    /// From `key=value` texts.
+    ///
+    /// # Errors
+    /// A text without `=`, or a key given twice.
+    pub fn parse<T: AsRef<str>>(texts: &[T]) -> Result<Self, MethodError> {
+        let mut all: Vec<(String, String)> = Vec::new();
+        for text in texts {
+            let refuse = |why: String| MethodError::Setting {
+                text: text.as_ref().to_owned(),
+                why,
+            };
+            let Some((key, value)) = text.as_ref().split_once('=') else {
+                return Err(refuse("write KEY=VALUE".to_owned()));
+            };
+            let (key, value) = (key.trim(), value.trim());
+            if all.iter().any(|(other, _)| other == key) {
+                return Err(refuse(format!("{key} is set twice; set it once")));
+            }
+            all.push((key.to_owned(), value.to_owned()));
+        }
+        Ok(Self(all))
+    }
+
+    /// Refuses keys that a method does not have.
+    ///
+    /// # Errors
+    /// The first such key, with those that the method has.
+    pub fn check(&self, method: &str, known: &[SettingText]) -> Result<(), MethodError> {
+        let has = |key: &str| known.iter().any(|s| s.key == key);
+        let Some((key, value)) = self.0.iter().find(|(key, _)| !has(key)) else {
+            return Ok(());
+        };
+        let why = if known.is_empty() {
+            format!("{method} has no settings; leave it out")
+        } else {
+            let keys: Vec<&str> = known.iter().map(|s| s.key).collect();
+            format!(
+                "{method} has no such setting; use one of {}",
+                keys.join(", ")
+            )
+        };
+        Err(MethodError::Setting {
+            text: format!("{key}={value}"),
+            why,
+        })
+    }
+
+    /// The value of a key as given.
+    pub fn text(&self, key: &str) -> Option<&str> {
+        let found = self.0.iter().find(|(k, _)| k == key);
+        found.map(|(_, value)| value.as_str())
+    }
+
+    /// A number within limits; `None` where it is not set.
+    ///
+    /// # Errors
+    /// The value is no number, or outside the limits.
+    pub fn number(&self, key: &str, least: f64, most: f64) -> Result<Option<f64>, MethodError> {
+        let Some(text) = self.text(key) else {
+            return Ok(None);
+        };
+        match text.parse::<f64>() {
+            Ok(x) if (least..=most).contains(&x) => Ok(Some(x)),
+            _ => Err(MethodError::Setting {
+                text: format!("{key}={text}"),
+                why: format!("give a number from {least} to {most}"),
+            }),
+        }
+    }
+
+    /// A whole number within limits; `None` where it is not set.
+    ///
+    /// # Errors
+    /// As [`Self::number`], or the number is not whole.
+    pub fn count(&self, key: &str, least: u32, most: u32) -> Result<Option<u32>, MethodError> {
+        let found = self.number(key, f64::from(least), f64::from(most))?;
+        match found {
+            Some(x) if x.fract() != 0.0 => Err(MethodError::Setting {
+                text: format!("{key}={x}"),
+                why: "give a whole number".to_owned(),
+            }),
+            other => Ok(other.map(|x| x as u32)),
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const KNOWN: [SettingText; 1] = [SettingText {
+        key: "particles",
+        summary: "how many",
+        default: "50",
+    }];
+
+    #[test]
+    fn unit_settings_are_read_and_refused_in_words() {
+        let settings = Settings::parse(&["particles = 20"]).unwrap();
+        settings.check("xu2017", &KNOWN).unwrap();
+        assert_eq!(settings.count("particles", 1, 100).unwrap(), Some(20));
+        assert_eq!(settings.count("other", 1, 100).unwrap(), None);
+        for (texts, limit, words) in [
+            (vec!["particles"], 100, "write KEY=VALUE"),
+            (vec!["particles=1", "particles=2"], 100, "set twice"),
+            (vec!["particle=1"], 100, "use one of particles"),
+            (vec!["particles=1.5"], 100, "whole number"),
+            (vec!["particles=20"], 10, "from 1 to 10"),
+            (vec!["particles=NaN"], 10, "from 1 to 10"),
+        ] {
+            let why = Settings::parse(&texts)
+                .and_then(|s| s.check("xu2017", &KNOWN).map(|()| s))
+                .and_then(|s| s.count("particles", 1, limit))
+                .unwrap_err()
+                .to_string();
+            assert!(
+                why.starts_with("E0001 --set") && why.contains(words),
+                "{why}"
+            );
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Settings of the swarm: the paper prints none of them.
+
+use super::Kind;
+use super::sequence::Solver;
+use super::swarm::Swarm;
+use crate::method::MethodError;
+use crate::setting::{SettingText, Settings};
+
+/// Most particles and iterations: a cost that no computer pays is a slip of the pen.
+const MOST: u32 = 10_000_000;
+
+/// What `--set` takes.
+pub(super) const SETTINGS: &[SettingText] = &[
+    SettingText {
+        key: "particles",
+        summary: "particles of the swarm",
+        default: "50",
+    },
+    SettingText {
+        key: "iterations",
+        summary: "most iterations",
+        default: "4000",
+    },
+    SettingText {
+        key: "patience",
+        summary: "iterations without a better best after which the swarm stops",
+        default: "400",
+    },
+    SettingText {
+        key: "inertia",
+        summary: "weight of the old velocity: one number, or the first and last of a linear change, first,last",
+        default: "0.8,0.6",
+    },
+    SettingText {
+        key: "c1",
+        summary: "pull towards the particle's own best",
+        default: "1.49445",
+    },
+    SettingText {
+        key: "c2",
+        summary: "pull towards the best of all",
+        default: "1.49445",
+    },
+    SettingText {
+        key: "range",
+        summary: "half-width of the search range as a share of nominal mass, moments and radius of gyration",
+        default: "0.5",
+    },
+    SettingText {
+        key: "seed",
+        summary: "seed of the swarm",
+        default: "0",
+    },
+];
+
+/// The solver of a variant with its settings.
+pub(super) fn solver(kind: Kind, settings: &Settings) -> Result<Solver, MethodError> {
+    let usual = Solver::default();
+    let Swarm {
+        particles,
+        iterations,
+        weight,
+        attraction: [c1, c2],
+        patience,
+        seed,
+    } = usual.swarm;
+    let count = |key, least, usual: usize| -> Result<usize, MethodError> {
+        let found = settings.count(key, least, MOST)?;
+        Ok(found.map_or(usual, |n| n as usize))
+    };
+    let pull =
+        |key, usual| Ok::<f64, MethodError>(settings.number(key, 0.0, 10.0)?.unwrap_or(usual));
+    let seed = settings.count("seed", 0, u32::MAX)?.map_or(seed, u64::from);
+    Ok(Solver {
+        kind,
+        swarm: Swarm {
+            particles: count("particles", 1, particles)?,
+            iterations: count("iterations", 1, iterations)?,
+            weight: settings.text("inertia").map_or(Ok(weight), inertia)?,
+            attraction: [pull("c1", c1)?, pull("c2", c2)?],
+            patience: count("patience", 1, patience)?,
+            seed,
+        },
+        share: settings
+            .number("range", 1.0e-6, 1.0e6)?
+            .unwrap_or(usual.share),
+    })
+}
+
+/// One number, or the first and the last.
+fn inertia(text: &str) -> Result<[f64; 2], MethodError> {
+    let number = |t: &str| {
+        t.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|w| (0.0..=2.0).contains(w))
+    };
+    let pair = match text.split_once(',') {
+        Some((first, last)) => number(first).zip(number(last)),
+        None => number(text).map(|w| (w, w)),
+    };
+    pair.map(|(first, last)| [first, last])
+        .ok_or_else(|| MethodError::Setting {
+            text: format!("inertia={text}"),
+            why: "give one number from 0 to 2, or two with a comma".to_owned(),
+        })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_defaults_in_words_are_those_of_the_solver() {
+        let texts: Vec<String> = SETTINGS
+            .iter()
+            .map(|s| format!("{}={}", s.key, s.default))
+            .collect();
+        let set = solver(Kind::Swarm, &Settings::parse(&texts).unwrap()).unwrap();
+        let usual = solver(Kind::Swarm, &Settings::default()).unwrap();
+        assert_eq!(set, usual);
+        assert_eq!(
+            (usual.swarm, usual.share),
+            (Swarm::default(), Solver::default().share)
+        );
+    }
+
+    #[test]
+    fn unit_every_setting_reaches_the_solver() {
+        let usual = solver(Kind::Swarm, &Settings::default()).unwrap();
+        for (setting, value) in SETTINGS
+            .iter()
+            .zip(["7", "9", "11", "0.5", "1", "2", "3", "4"])
+        {
+            let text = format!("{}={value}", setting.key);
+            let set = solver(Kind::Swarm, &Settings::parse(&[&text]).unwrap()).unwrap();
+            assert_ne!(set, usual, "{text}");
+        }
+        for bad in ["inertia=3", "inertia=a", "c1=-1", "range=0", "particles=0"] {
+            let why = solver(Kind::Swarm, &Settings::parse(&[bad]).unwrap());
+            assert!(why.unwrap_err().to_string().contains(bad), "{bad}");
+        }
+    }
+}

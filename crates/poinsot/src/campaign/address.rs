@@ -1,0 +1,460 @@
+//! Addresses of numbers in a case or model file: `body.arm.mass_kg`, `bus.inertia_kg_m2.xx`, `output.rate_hz`,
+//! `joint_motion.joint1.sine_rad.0`; and `noise` or `gyro.noise`, a factor on declared noise and rounding steps.
+//!
+//! The steps of an address are keys. In a list of tables a step is the name of an element (its `name`, `joint`, `wheel`
+//! or `thruster`) or its number from zero; in a list of numbers it is a number from zero, or x, y, z, w. An address may
+//! begin with the name of a body, joint, wheel, thruster or sensor where only one part of the model has that name.
+
+use crate::case::did_you_mean;
+use toml::{Table, Value};
+
+/// Lists of the model whose elements may begin an address.
+const NAMED: [&str; 5] = ["body", "joint", "wheel", "thruster", "sensor"];
+/// Keys that name an element of a list.
+const NAMES: [&str; 4] = ["name", "joint", "wheel", "thruster"];
+/// Words for the elements of a list of numbers.
+const AXES: [&str; 4] = ["x", "y", "z", "w"];
+/// The last step of an address of declared noise.
+const NOISE: &str = "noise";
+/// Keys of a sensor that its noise scales.
+const NOISY: [&str; 2] = ["noise_", "quantisation_"];
+
+/// In which files a number changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Of {
+    pub truth: bool,
+    pub nominal: bool,
+}
+
+/// The files of an experiment as tables.
+#[derive(Debug, Clone)]
+pub(crate) struct Documents {
+    /// The case, where the experiment is simulated.
+    pub case: Option<Table>,
+    /// The model with the true numbers; `None` for a model that is not TOML.
+    pub truth: Option<Table>,
+    /// The model as the identification knows it.
+    pub nominal: Option<Table>,
+}
+
+/// What becomes of a number: its index among those of the address, and its value in the file.
+pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
+
+/// Changes the numbers at an address.
+///
+/// # Errors
+/// The address names no number; in words: what is wrong, what to do.
+pub(crate) fn edit(
+    documents: &mut Documents,
+    address: &str,
+    of: Of,
+    change: Edit<'_>,
+) -> Result<(), (String, String)> {
+    let steps: Vec<&str> = address.split('.').collect();
+    let in_case = |c: &Table| c.contains_key(steps[0]) && !matches!(steps[0], "schema" | "model");
+    if let Some(case) = documents.case.as_mut().filter(|c| in_case(c)) {
+        if !of.truth {
+            let what =
+                "a case has no nominal side: the identification reads telemetry, not the case";
+            return Err((what.to_owned(), "write of = \"both\"".to_owned()));
+        }
+        let value = walk_table(case, &steps)?;
+        return change_leaves(value, change);
+    }
+    let sides = [
+        (of.truth, &mut documents.truth),
+        (of.nominal, &mut documents.nominal),
+    ];
+    for (wanted, model) in sides {
+        if !wanted {
+            continue;
+        }
+        let Some(model) = model else {
+            let what = "the model is not TOML, and an address is a key of TOML";
+            return Err((
+                what.to_owned(),
+                "make a model file of it: poinsot import ROBOT.urdf -o MODEL.toml".to_owned(),
+            ));
+        };
+        edit_model(model, &steps, documents.case.as_ref(), change)?;
+    }
+    Ok(())
+}
+
+fn edit_model(
+    model: &mut Table,
+    steps: &[&str],
+    case: Option<&Table>,
+    change: Edit<'_>,
+) -> Result<(), (String, String)> {
+    match steps {
+        [NOISE] => return scale_noise(model, None, change),
+        [sensor, NOISE] | ["sensor", sensor, NOISE] => {
+            return scale_noise(model, Some(sensor), change);
+        }
+        _ => {}
+    }
+    if model.contains_key(steps[0]) {
+        return change_leaves(walk_table(model, steps)?, change);
+    }
+    let owners: Vec<&str> = NAMED
+        .into_iter()
+        .filter(|list| element(model.get(*list), steps[0]).is_some())
+        .collect();
+    match owners.as_slice() {
+        [one] => {
+            let whole: Vec<&str> = std::iter::once(*one).chain(steps.iter().copied()).collect();
+            change_leaves(walk_table(model, &whole)?, change)
+        }
+        [] => {
+            let known = known_at_top(model, case);
+            Err((
+                format!(
+                    "no key, body, joint, wheel, thruster or sensor \"{}\"",
+                    steps[0]
+                ),
+                did_you_mean(steps[0], known.iter().map(String::as_str)),
+            ))
+        }
+        several => Err((
+            format!(
+                "\"{}\" is the name of a {}",
+                steps[0],
+                several.join(" and a ")
+            ),
+            format!(
+                "begin the address with one of them: {}.{}",
+                several[0],
+                steps.join(".")
+            ),
+        )),
+    }
+}
+
+fn known_at_top(model: &Table, case: Option<&Table>) -> Vec<String> {
+    let keys = model.keys().chain(case.into_iter().flat_map(|c| c.keys()));
+    let mut known: Vec<String> = keys.cloned().collect();
+    for list in NAMED {
+        let elements = model
+            .get(list)
+            .and_then(Value::as_array)
+            .into_iter()
+            .flatten();
+        known.extend(elements.filter_map(|e| Some(e.get("name")?.as_str()?.to_owned())));
+    }
+    known.push(NOISE.to_owned());
+    known
+}
+
+/// Index of an element of a list by its name or number; the first of several firings of one thruster is no answer.
+fn element(list: Option<&Value>, step: &str) -> Option<usize> {
+    let items = list?.as_array()?;
+    if let Ok(at) = step.parse::<usize>() {
+        return (at < items.len()).then_some(at);
+    }
+    let is = |item: &Value| {
+        NAMES
+            .iter()
+            .any(|k| item.get(k).and_then(Value::as_str) == Some(step))
+    };
+    let mut found = items.iter().enumerate().filter(|(_, item)| is(item));
+    let first = found.next()?.0;
+    found.next().is_none().then_some(first)
+}
+
+fn walk_table<'t>(table: &'t mut Table, steps: &[&str]) -> Result<&'t mut Value, (String, String)> {
+    let (first, rest) = steps.split_first().unwrap_or((&"", &[]));
+    let keys: Vec<String> = table.keys().cloned().collect();
+    let Some(mut value) = table.get_mut(*first) else {
+        return Err(absent(first, &keys));
+    };
+    for step in rest {
+        value = next(value, step)?;
+    }
+    Ok(value)
+}
+
+fn next<'v>(value: &'v mut Value, step: &str) -> Result<&'v mut Value, (String, String)> {
+    let known = known_below(value);
+    let at = match value {
+        Value::Array(items) if items.iter().any(Value::is_table) => element(Some(value), step),
+        Value::Array(items) => {
+            let by_word = AXES.iter().position(|a| *a == step);
+            by_word
+                .or_else(|| step.parse().ok())
+                .filter(|at| *at < items.len())
+        }
+        _ => None,
+    };
+    let found = match (value, at) {
+        (Value::Array(items), Some(at)) => items.get_mut(at),
+        (Value::Table(table), _) => table.get_mut(step),
+        _ => None,
+    };
+    found.ok_or_else(|| absent(step, &known))
+}
+
+fn known_below(value: &Value) -> Vec<String> {
+    match value {
+        Value::Table(table) => table.keys().cloned().collect(),
+        Value::Array(items) => {
+            let name = |(k, item): (usize, &Value)| {
+                let mut names = NAMES.iter().filter_map(|n| item.get(n)?.as_str());
+                names.next().map_or(k.to_string(), str::to_owned)
+            };
+            items.iter().enumerate().map(name).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn absent(step: &str, known: &[String]) -> (String, String) {
+    let what = format!("there is no \"{step}\" here, or several elements bear this name");
+    let remedy = match known {
+        [] => "end the address before it".to_owned(),
+        known => {
+            let near = did_you_mean(step, known.iter().map(String::as_str));
+            format!("{near}; a number that the file leaves to its default is written there first")
+        }
+    };
+    (what, remedy)
+}
+
+fn scale_noise(
+    model: &mut Table,
+    wanted: Option<&str>,
+    change: Edit<'_>,
+) -> Result<(), (String, String)> {
+    let factor = change(0, 1.0);
+    let sensors = model.get_mut("sensor").and_then(Value::as_array_mut);
+    let mut names = Vec::new();
+    let mut scaled = 0;
+    for sensor in sensors
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_table_mut)
+    {
+        let name = sensor
+            .get("name")
+            .and_then(Value::as_str)
+            .unwrap_or("")
+            .to_owned();
+        let own = wanted.is_none_or(|w| w == name);
+        names.push(name);
+        if !own {
+            continue;
+        }
+        for (key, value) in sensor.iter_mut() {
+            if NOISY.iter().any(|n| key.starts_with(n)) {
+                change_leaves(value, &|_, x| factor * x)?;
+                scaled += 1;
+            }
+        }
+    }
+    match (scaled, wanted) {
+        (0, Some(name)) => Err((
+            format!("no sensor \"{name}\" that declares noise"),
+            did_you_mean(name, names.iter().map(String::as_str)),
+        )),
+        (0, None) => Err((
+            "no sensor declares noise".to_owned(),
+            "add [[sensor]] with its noise to the model".to_owned(),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Changes every number of a value: one, a list, a table, or lists in a list.
+fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), (String, String)> {
+    let mut count = 0;
+    visit(value, &mut count, change);
+    if count == 0 {
+        let what = format!("there is no number here but {}", value.type_str());
+        return Err((what, "let the address end at a number".to_owned()));
+    }
+    Ok(())
+}
+
+fn visit(value: &mut Value, count: &mut usize, change: Edit<'_>) {
+    match value {
+        Value::Integer(old) => {
+            let new = change(*count, *old as f64);
+            *count += 1;
+            // A seed or a count stays whole.
+            *value = match new.fract() == 0.0 && new.abs() < 1.0e15 {
+                true => Value::Integer(new as i64),
+                false => Value::Float(new),
+            };
+        }
+        Value::Float(old) => {
+            *old = change(*count, *old);
+            *count += 1;
+        }
+        Value::Array(items) => items.iter_mut().for_each(|v| visit(v, count, change)),
+        Value::Table(table) => table.iter_mut().for_each(|(_, v)| visit(v, count, change)),
+        _ => {}
+    }
+}
+
+/// How many numbers an address names.
+///
+/// # Errors
+/// As [`edit`].
+pub(crate) fn count(
+    documents: &Documents,
+    address: &str,
+    of: Of,
+) -> Result<usize, (String, String)> {
+    let most = std::cell::Cell::new(0);
+    let mut copy = documents.clone();
+    edit(&mut copy, address, of, &|k, x| {
+        most.set(most.get().max(k + 1));
+        x
+    })?;
+    Ok(most.get())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const BOTH: Of = Of {
+        truth: true,
+        nominal: true,
+    };
+
+    fn documents() -> Documents {
+        let model: Table = toml::from_str(
+            r#"
+name = "made"
+[[body]]
+name = "bus"
+mass_kg = 5
+com_m = [1.0, 2.0, 3.0]
+inertia_kg_m2 = { xx = 1.0, yy = 2.0 }
+[[body]]
+name = "arm"
+mass_kg = 2.5
+[[joint]]
+name = "arm"
+origin_m = [0.0, 0.0, 1.0]
+[[sensor]]
+name = "gyro"
+noise_rad_s = [1e-4, 2e-4, 3e-4]
+quantisation_rad_s = 1e-5
+[[sensor]]
+name = "tracker"
+noise_rad = 1e-3
+"#,
+        )
+        .unwrap();
+        let case: Table = toml::from_str(
+            r#"
+duration_s = 10.0
+[[firing]]
+thruster = "t"
+on_s = 1.0
+[[firing]]
+thruster = "t"
+on_s = 2.0
+[[joint_motion]]
+joint = "arm"
+sine_rad = [0.1, 0.2]
+"#,
+        )
+        .unwrap();
+        Documents {
+            case: Some(case),
+            truth: Some(model.clone()),
+            nominal: Some(model),
+        }
+    }
+
+    fn set(address: &str, x: f64) -> Documents {
+        let mut all = documents();
+        edit(&mut all, address, BOTH, &|_, _| x).unwrap();
+        all
+    }
+
+    #[test]
+    fn unit_addresses_reach_their_numbers() {
+        let model = |address: &str| set(address, 7.5).truth.unwrap();
+        assert_eq!(
+            model("body.bus.mass_kg")["body"][0]["mass_kg"].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
+            model("bus.mass_kg")["body"][0]["mass_kg"].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
+            model("bus.com_m.y")["body"][0]["com_m"][1].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
+            model("bus.inertia_kg_m2.yy")["body"][0]["inertia_kg_m2"]["yy"].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
+            model("body.1.mass_kg")["body"][1]["mass_kg"].as_float(),
+            Some(7.5)
+        );
+        let noisy = set("noise", 2.0).nominal.unwrap();
+        assert_eq!(noisy["sensor"][0]["noise_rad_s"][2].as_float(), Some(6e-4));
+        assert_eq!(
+            noisy["sensor"][0]["quantisation_rad_s"].as_float(),
+            Some(2e-5)
+        );
+        let gyro = set("gyro.noise", 2.0).truth.unwrap();
+        assert_eq!(gyro["sensor"][1]["noise_rad"].as_float(), Some(1e-3));
+        let case = |address: &str| set(address, 7.5).case.unwrap();
+        assert_eq!(case("duration_s")["duration_s"].as_float(), Some(7.5));
+        assert_eq!(
+            case("firing.1.on_s")["firing"][1]["on_s"].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
+            case("joint_motion.arm.sine_rad.1")["joint_motion"][0]["sine_rad"][1].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(count(&documents(), "bus.com_m", BOTH), Ok(3));
+    }
+
+    #[test]
+    fn unit_an_address_without_a_number_says_what_to_do() {
+        for (address, what, remedy) in [
+            ("bas.mass_kg", "no key, body", "did you mean \"bus\"?"),
+            ("arm.mass_kg", "a body and a joint", "body.arm.mass_kg"),
+            ("bus.mas_kg", "no \"mas_kg\"", "did you mean \"mass_kg\"?"),
+            ("firing.t.on_s", "several elements", "written there first"),
+            ("bus.name", "no number here but string", "end at a number"),
+            ("giro.noise", "no sensor \"giro\"", "did you mean \"gyro\"?"),
+            ("bus.mass_kg.x", "no \"x\"", "end the address before it"),
+        ] {
+            let (said, advice) = edit(&mut documents(), address, BOTH, &|_, x| x).unwrap_err();
+            assert!(
+                said.contains(what) && advice.contains(remedy),
+                "{address}: {said}; {advice}"
+            );
+        }
+    }
+
+    #[test]
+    fn unit_one_side_leaves_the_other() {
+        let mut all = documents();
+        let truth = Of {
+            truth: true,
+            nominal: false,
+        };
+        edit(&mut all, "bus.mass_kg", truth, &|_, x| 1.1 * x).unwrap();
+        assert_eq!(
+            all.truth.unwrap()["body"][0]["mass_kg"].as_float(),
+            Some(5.5)
+        );
+        assert_eq!(
+            all.nominal.unwrap()["body"][0]["mass_kg"].as_integer(),
+            Some(5)
+        );
+    }
+}

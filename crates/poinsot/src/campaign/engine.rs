@@ -1,0 +1,203 @@
+//! Shards on all cores of one machine.
+//!
+//! Every worker takes the next trial, whichever shard it belongs to, and the one that finishes the last trial of a shard
+//! writes it. A worker has a thread of its own for what a fit would share, so that no trial waits for another.
+
+use super::faults::PlanText;
+use super::plan::{Plan, Shard};
+use super::shard::{Found, ShardResult, find};
+use super::trial::{Done, Prepared};
+use crate::error::Error;
+use crate::progress::step;
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// A shard whose trials are being run.
+struct Active {
+    shard: Shard,
+    prepared: Arc<OnceLock<Result<Prepared, String>>>,
+    done: Mutex<Vec<Option<Done>>>,
+    left: AtomicUsize,
+}
+
+/// What is still to be given out.
+struct Queue {
+    shards: VecDeque<u64>,
+    current: Option<(Arc<Active>, u64)>,
+    /// What the last cell's trials share, for the next shard of the same cell.
+    last: Option<(u64, Arc<OnceLock<Result<Prepared, String>>>)>,
+}
+
+/// Runs shards into the folder of a campaign; `watch` is called after each.
+///
+/// # Errors
+/// The disk refuses, or an experiment cannot be simulated. Shards that were finished stay.
+pub fn run_shards(
+    plan: &Plan,
+    out: &Path,
+    shards: &[u64],
+    watch: &(dyn Fn(u64) + Sync),
+) -> Result<(), Error> {
+    run_each(plan, shards, &|mut result| {
+        let number = result.sums.shard;
+        result.write(out).map(|()| watch(number))
+    })
+}
+
+/// Runs shards on all cores and hands over each as it is finished.
+pub(super) fn run_each(
+    plan: &Plan,
+    shards: &[u64],
+    take: &(dyn Fn(ShardResult) -> Result<(), Error> + Sync),
+) -> Result<(), Error> {
+    let total: u64 = shards.iter().map(|s| size(&plan.shard(*s))).sum();
+    let total = usize::try_from(total).unwrap_or(usize::MAX);
+    let queue = Mutex::new(Queue {
+        shards: shards.iter().copied().collect(),
+        current: None,
+        last: None,
+    });
+    let failure: Mutex<Option<Error>> = Mutex::new(None);
+    let (stop, count) = (AtomicBool::new(false), AtomicUsize::new(0));
+    let work = || {
+        while !stop.load(Ordering::Relaxed) {
+            let Some((active, trial)) = next(plan, &queue) else {
+                return;
+            };
+            let finished = run_one(plan, &active, trial);
+            step("trials", count.fetch_add(1, Ordering::Relaxed) + 1, total);
+            let taken = finished.and_then(|result| result.map_or(Ok(()), take));
+            if let Err(error) = taken {
+                stop.store(true, Ordering::Relaxed);
+                locked(&failure).get_or_insert(error);
+            }
+        }
+    };
+    on_all_cores(&work)?;
+    match failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}
+
+/// One shard in memory, on this thread.
+///
+/// # Errors
+/// An experiment cannot be simulated.
+pub fn run_shard(plan: &Plan, shard: u64) -> Result<ShardResult, Error> {
+    let shard = plan.shard(shard);
+    let prepared = Prepared::new(plan, &shard)?;
+    let done: Vec<Done> = shard
+        .trials
+        .clone()
+        .map(|n| prepared.run(plan, &shard, n))
+        .collect();
+    Ok(ShardResult::new(plan, &shard, &prepared.bound(), &done))
+}
+
+/// Of these shards, those that are not there yet, and those that are damaged with the reason.
+///
+/// # Errors
+/// The disk refuses.
+pub fn missing_shards(
+    plan: &Plan,
+    out: &Path,
+    shards: impl Iterator<Item = u64>,
+) -> Result<(Vec<u64>, Vec<(u64, String)>), Error> {
+    let (mut missing, mut damaged) = (Vec::new(), Vec::new());
+    for number in shards {
+        match find(plan, out, &plan.shard(number))? {
+            Found::Whole(_) => continue,
+            Found::Missing => {}
+            Found::Damaged(why) => damaged.push((number, why)),
+        }
+        missing.push(number);
+    }
+    Ok((missing, damaged))
+}
+
+fn size(shard: &Shard) -> u64 {
+    shard.trials.end - shard.trials.start
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The next trial, and the shard that it belongs to.
+fn next(plan: &Plan, queue: &Mutex<Queue>) -> Option<(Arc<Active>, u64)> {
+    let mut queue = locked(queue);
+    let queue = &mut *queue;
+    loop {
+        if let Some((active, at)) = &mut queue.current
+            && *at < active.shard.trials.end
+        {
+            *at += 1;
+            return Some((Arc::clone(active), *at - 1));
+        }
+        let shard = plan.shard(queue.shards.pop_front()?);
+        let kept = queue.last.take().filter(|(cell, _)| {
+            // Points of a sampling are those of one shard.
+            *cell == shard.cell && plan.sampling.is_none()
+        });
+        let prepared = kept.map_or_else(Arc::default, |(_, prepared)| prepared);
+        queue.last = Some((shard.cell, Arc::clone(&prepared)));
+        let n = usize::try_from(size(&shard)).unwrap_or(usize::MAX);
+        let first = shard.trials.start;
+        let active = Active {
+            done: Mutex::new((0..n).map(|_| None).collect()),
+            left: AtomicUsize::new(n),
+            prepared,
+            shard,
+        };
+        queue.current = Some((Arc::new(active), first));
+    }
+}
+
+/// Runs a trial; the shard where it was its last.
+fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResult>, Error> {
+    let shard = &active.shard;
+    let prepare = || Prepared::new(plan, shard).map_err(|e| e.to_string());
+    let prepared = active.prepared.get_or_init(prepare);
+    let prepared = prepared.as_ref().map_err(|why| {
+        // The first lines of an error name file and remedy themselves.
+        let text = PlanText::new(Path::new(&plan.name), String::new());
+        let what = format!("cell {} cannot be simulated: {why}", shard.cell);
+        Error::Plan(crate::case::CaseError {
+            faults: vec![text.fault("E0541", &[], what, "correct case or model")],
+            environment: false,
+        })
+    })?;
+    let done = prepared.run(plan, shard, trial);
+    locked(&active.done)[(trial - shard.trials.start) as usize] = Some(done);
+    if active.left.fetch_sub(1, Ordering::AcqRel) > 1 {
+        return Ok(None);
+    }
+    let done: Vec<Done> = locked(&active.done).drain(..).flatten().collect();
+    Ok(Some(ShardResult::new(
+        plan,
+        shard,
+        &prepared.bound(),
+        &done,
+    )))
+}
+
+/// Calls `work` on as many threads as there are cores; the parallel parts of a fit stay on the thread of its trial.
+fn on_all_cores(work: &(dyn Fn() + Sync)) -> Result<(), Error> {
+    let threads = rayon::current_num_threads();
+    let pools = (0..threads)
+        .map(|_| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+            pool.map_err(|e| Error::Threads { why: e.to_string() })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    std::thread::scope(|scope| {
+        for pool in &pools {
+            // `install` waits, and so needs a thread to wait on.
+            scope.spawn(move || pool.install(work));
+        }
+    });
+    Ok(())
+}

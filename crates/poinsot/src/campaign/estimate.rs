@@ -1,0 +1,139 @@
+//! What a campaign will cost, from trials that were measured.
+
+use super::plan::{Plan, Shard};
+use super::shard::ShardResult;
+use super::trial::{Done, Prepared};
+use crate::error::Error;
+use poinsot_report::{Document, Section, Table, significant};
+use poinsot_telemetry::RowCells;
+
+/// Trials that are measured in a cell; the first warms the processor and is not counted.
+const MEASURED: u64 = 4;
+/// Cells that are measured: the first and the last, and one between.
+const CELLS: u64 = 3;
+/// Trials that a campaign is told the price of, beside its own.
+const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
+/// Shards take this long, s, so that a scheduler has little to do and little is lost with one.
+const SHARD_S: [f64; 2] = [10.0, 120.0];
+
+/// What trials of a plan cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CampaignCost {
+    /// Processor time of one trial by all methods, s, mean over the cells that were measured.
+    pub seconds: f64,
+    /// Bytes of the rows of one trial, as they are before compression.
+    pub bytes: f64,
+    /// Largest memory of the process, bytes, where the system tells it.
+    pub memory: Option<u64>,
+    /// Trials of all cells of the plan.
+    pub trials: u64,
+    /// Trials of a shard for 10 to 120 s.
+    pub block: (u64, u64),
+    /// Those that the plan has.
+    pub planned_block: u64,
+}
+
+/// Runs a few trials on this thread and measures them.
+///
+/// # Errors
+/// An experiment cannot be simulated.
+pub fn campaign_cost(plan: &Plan) -> Result<CampaignCost, Error> {
+    let cells = plan.cells();
+    let mut chosen: Vec<u64> = (0..CELLS).map(|k| k * (cells - 1) / (CELLS - 1)).collect();
+    chosen.dedup();
+    let (mut seconds, mut count, mut bytes) = (0.0, 0.0, 0.0_f64);
+    for cell in chosen {
+        let whole = plan.shard(cell);
+        let past = whole.trials.end.min(whole.trials.start + MEASURED);
+        let shard = Shard {
+            trials: whole.trials.start..past,
+            ..whole
+        };
+        let prepared = Prepared::new(plan, &shard)?;
+        let trials = shard.trials.clone();
+        let done: Vec<Done> = trials.map(|n| prepared.run(plan, &shard, n)).collect();
+        let warm = if done.len() > 1 { 1 } else { 0 };
+        for trial in &done[warm..] {
+            seconds += trial.seconds.iter().sum::<f64>();
+            count += 1.0;
+        }
+        let result = ShardResult::new(plan, &shard, &prepared.bound(), &done);
+        bytes = bytes.max(bytes_of(&result) / done.len() as f64);
+    }
+    let seconds = seconds / count;
+    let in_time = |s: f64| (s / seconds.max(1.0e-9)).ceil() as u64;
+    Ok(CampaignCost {
+        seconds,
+        bytes,
+        memory: memory(),
+        trials: plan.trials.saturating_mul(cells),
+        block: (in_time(SHARD_S[0]), in_time(SHARD_S[1])),
+        planned_block: plan.block,
+    })
+}
+
+/// Bytes of the rows: eight a number. Repeated words are held once, and the frame of a file is no part of a row.
+fn bytes_of(result: &ShardResult) -> f64 {
+    let cells = |c: &poinsot_telemetry::RowColumn| match &c.cells {
+        RowCells::Number(x) => x.iter().flatten().count(),
+        RowCells::Count(x) => x.len(),
+        RowCells::Text(_) => 0,
+    };
+    8.0 * result.rows.iter().map(cells).sum::<usize>() as f64
+}
+
+/// Largest resident memory of this process so far, bytes.
+fn memory() -> Option<u64> {
+    let status = poinsot_files::read_text("/proc/self/status".as_ref(), 1 << 20).ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(kib << 10)
+}
+
+/// The cost as a document.
+pub fn cost_document(plan: &Plan, cost: &CampaignCost) -> Document {
+    let mut document = Document::new(format!(
+        "{}: {} s of processor time a trial",
+        plan.name,
+        significant(cost.seconds, 3)
+    ));
+    let mut table = Table::new(&["trials", "core-hours", "disk"]);
+    let mut rows = vec![(cost.trials, "this plan")];
+    rows.extend(PRICED.map(|n| (n, "")));
+    for (trials, word) in rows {
+        table.push(vec![
+            format!("{trials} {word}").trim_end().to_owned(),
+            significant(cost.seconds * trials as f64 / 3600.0, 3),
+            size(cost.bytes * trials as f64),
+        ]);
+    }
+    document.push(Section::table("cost", table));
+    let mut lines = Vec::new();
+    if let Some(memory) = cost.memory {
+        lines.push(format!(
+            "memory: {} with one thread; every further one holds its own trial",
+            size(memory as f64)
+        ));
+    }
+    let (least, most) = cost.block;
+    lines.push(format!(
+        "a shard of 10 to 120 s has {least} to {most} trials; trials_per_shard is {}",
+        cost.planned_block
+    ));
+    lines.push(
+        "measured alone on this machine: other work on it, and other processors, change the time"
+            .to_owned(),
+    );
+    document.push(Section::list("and", lines));
+    document
+}
+
+fn size(bytes: f64) -> String {
+    const UNITS: [&str; 6] = ["B", "kB", "MB", "GB", "TB", "PB"];
+    let (mut x, mut unit) = (bytes, 0);
+    while x >= 1000.0 && unit + 1 < UNITS.len() {
+        x /= 1000.0;
+        unit += 1;
+    }
+    format!("{} {}", significant(x, 3), UNITS[unit])
+}

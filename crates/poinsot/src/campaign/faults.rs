@@ -1,0 +1,133 @@
+//! What is wrong with a plan, each fault with its line.
+
+use crate::case::{CaseError, CaseFault, CaseText, did_you_mean};
+use crate::error::Error;
+use poinsot_formats::PlanFile;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue};
+
+/// The text of a plan and its faults. A plan that a program made has no text: its faults have no line.
+pub(crate) struct PlanText {
+    pub path: PathBuf,
+    text: CaseText,
+    faults: Vec<CaseFault>,
+}
+
+impl PlanText {
+    pub fn new(path: &Path, text: String) -> Self {
+        Self {
+            path: path.to_owned(),
+            text: CaseText {
+                path: path.to_owned(),
+                text,
+            },
+            faults: Vec::new(),
+        }
+    }
+
+    /// The file as written.
+    ///
+    /// # Errors
+    /// No TOML, an unknown key, or a value of another kind.
+    pub fn parse(&self) -> Result<PlanFile, Error> {
+        toml::from_str(&self.text.text).map_err(|e: toml::de::Error| {
+            let message = e.message().lines().next().unwrap_or("").to_owned();
+            let mut quoted = message.split('`').skip(1).step_by(2);
+            let remedy = match (message.starts_with("unknown"), quoted.next()) {
+                (true, Some(name)) => did_you_mean(name, quoted),
+                _ => "correct it here; `poinsot schema plan` prints all keys".to_owned(),
+            };
+            let problem = message.split(", expected one of").next().unwrap_or("");
+            let span = e.span().unwrap_or(0..0);
+            let mut fault = self.text.fault("E0541", "", span, problem, remedy);
+            fault.value.clear();
+            Error::Plan(CaseError {
+                faults: vec![fault],
+                environment: false,
+            })
+        })
+    }
+
+    /// A fault at a key; a step that is a number counts in a list.
+    pub fn fault(
+        &self,
+        code: &'static str,
+        at: &[&str],
+        what: impl Into<String>,
+        remedy: &str,
+    ) -> CaseFault {
+        let (span, found) = self.span(at);
+        let mut fault = self.text.fault(code, &key(at), span, what, remedy);
+        if self.text.text.is_empty() {
+            fault.line = 0;
+        }
+        if !found {
+            fault.value.clear();
+        }
+        fault
+    }
+
+    /// Takes note of a fault.
+    pub fn refuse(
+        &mut self,
+        code: &'static str,
+        at: &[&str],
+        what: impl Into<String>,
+        remedy: &str,
+    ) {
+        let fault = self.fault(code, at, what, remedy);
+        self.faults.push(fault);
+    }
+
+    /// Refuses the plan where anything was noted.
+    ///
+    /// # Errors
+    /// Everything that was noted.
+    pub fn finish(&mut self) -> Result<(), Error> {
+        match std::mem::take(&mut self.faults) {
+            faults if faults.is_empty() => Ok(()),
+            faults => Err(Error::Plan(CaseError {
+                faults,
+                environment: false,
+            })),
+        }
+    }
+
+    /// Where the value of a key stands, or the nearest table above it; and whether it is there.
+    fn span(&self, at: &[&str]) -> (Range<usize>, bool) {
+        let (table, _) = DeTable::parse_recoverable(&self.text.text);
+        let table = table.into_inner();
+        let Some((first, rest)) = at.split_first() else {
+            return (0..0, false);
+        };
+        let Some(mut value) = table.get(*first) else {
+            return (0..0, false);
+        };
+        for step in rest {
+            let next = match value.get_ref() {
+                DeValue::Table(t) => t.get(*step),
+                DeValue::Array(a) => step.parse().ok().and_then(|k: usize| a.get(k)),
+                _ => None,
+            };
+            match next {
+                Some(next) => value = next,
+                None => return (value.span(), false),
+            }
+        }
+        (value.span(), true)
+    }
+}
+
+/// `vary[1].number`.
+fn key(at: &[&str]) -> String {
+    let mut text = String::new();
+    for step in at {
+        match step.parse::<usize>() {
+            Ok(k) => text.push_str(&format!("[{k}]")),
+            Err(_) if text.is_empty() => text.push_str(step),
+            Err(_) => text.push_str(&format!(".{step}")),
+        }
+    }
+    text
+}

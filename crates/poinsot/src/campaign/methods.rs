@@ -1,0 +1,72 @@
+//! The methods of a plan.
+
+use super::faults::PlanText;
+use crate::identify::{Question, check_method};
+use poinsot_formats::{MethodFile, SettingFile};
+
+/// A method as every trial is put to it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MethodChoice {
+    /// Name, variant and settings in one line.
+    pub label: String,
+    pub question: Question,
+    pub diagnose: bool,
+}
+
+impl MethodChoice {
+    /// The methods of a plan; `auto` where it names none.
+    pub fn all(files: &[MethodFile], text: &mut PlanText) -> Vec<Self> {
+        let usual = [MethodFile {
+            name: Question::default().method,
+            ..MethodFile::default()
+        }];
+        let files = if files.is_empty() { &usual } else { files };
+        let mut all: Vec<Self> = Vec::new();
+        for (k, file) in files.iter().enumerate() {
+            let choice = Self::of(file);
+            let at = k.to_string();
+            if let Err(error) = check_method(&choice.question) {
+                let said = error.to_string();
+                // The words without their code and option: the plan's own follow.
+                let what = said
+                    .split_once(": ")
+                    .map_or(said.as_str(), |(_, rest)| rest);
+                let (what, remedy) = what.rsplit_once("; ").unwrap_or((what, "correct it here"));
+                text.refuse("E0541", &["method", &at, "name"], what, remedy);
+            }
+            if all.iter().any(|other| other.label == choice.label) {
+                let what = format!("the method {} is given twice", choice.label);
+                text.refuse("E0541", &["method", &at, "name"], what, "give it once");
+            }
+            all.push(choice);
+        }
+        all
+    }
+
+    fn of(file: &MethodFile) -> Self {
+        let settings: Vec<String> = file
+            .set
+            .iter()
+            .map(|(key, value)| match value {
+                SettingFile::Number(x) => format!("{key}={x}"),
+                SettingFile::Text(t) => format!("{key}={t}"),
+            })
+            .collect();
+        let variant = file.variant.as_ref().map(|v| format!(" {v}"));
+        let label = format!(
+            "{}{}{}",
+            file.name,
+            variant.unwrap_or_default(),
+            settings.iter().map(|s| format!(" {s}")).collect::<String>()
+        );
+        Self {
+            label,
+            diagnose: file.diagnose,
+            question: Question {
+                variant: file.variant.clone(),
+                settings,
+                ..Question::by(&file.name)
+            },
+        }
+    }
+}

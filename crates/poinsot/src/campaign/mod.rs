@@ -1,0 +1,50 @@
+//! The verb `campaign`: many trials of many experiments, from one core to a cluster.
+//!
+//! A [`Plan`] names experiments, methods, numbers that vary and numbers that are drawn. Its trials fall into numbered
+//! shards. A shard is a function of the plan and its number alone: it is run anywhere, written whole or not at all, and run
+//! again without harm. [`fold_shards`] adds shards up by their numbers, so that the sums of a campaign have the same bits
+//! however often it was interrupted.
+//!
+//! ```no_run
+//! use poinsot::campaign::{fold_shards, missing_shards, read_plan, run_shards};
+//! # fn main() -> Result<(), poinsot::Error> {
+//! let plan = read_plan("plan.toml".as_ref())?;
+//! let (missing, _) = missing_shards(&plan, "out".as_ref(), 0..plan.shards())?;
+//! run_shards(&plan, "out".as_ref(), &missing, &|_| {})?;
+//! let folded = fold_shards(&plan, "out".as_ref(), plan.trials)?;
+//! let mass = &folded.result(&plan, plan.trials).cells[0].methods[0].numbers["bus.mass"];
+//! println!("{:?}", mass.coverage_all);
+//! # Ok(())
+//! # }
+//! ```
+
+mod address;
+mod engine;
+mod estimate;
+mod experiment;
+mod faults;
+mod methods;
+mod page;
+mod pairs;
+mod plan;
+mod result;
+mod run;
+mod sampling;
+mod shard;
+mod slurm;
+mod text;
+mod trial;
+mod until;
+
+pub use engine::{missing_shards, run_shard, run_shards};
+pub use estimate::{CampaignCost, campaign_cost, cost_document};
+pub use pairs::{PairNumberSums, PairSums};
+pub use plan::{Plan, Shard, made_plan, parse_plan, read_plan};
+pub use result::{CellSums, Folded, OUTSIDE, fold_shards, fold_sums};
+pub use run::{CampaignRequest, Ran, campaign, campaign_in_memory, merge_campaign};
+pub use shard::{ShardResult, ShardSums};
+pub use slurm::slurm_scripts;
+pub use text::campaign_document;
+pub use until::{looks, outside_at_each};
+
+pub(crate) use plan::hex as sha256;

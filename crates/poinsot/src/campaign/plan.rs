@@ -1,0 +1,580 @@
+//! A plan as it is run: its file read and checked, its cells, trials and shards counted.
+//!
+//! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell; shards are numbered block
+//! by block, so that all cells have their first trials before any has its second block.
+
+use super::address::{Edit, Of, count};
+use super::experiment::Experiment;
+use super::faults::PlanText;
+use super::methods::MethodChoice;
+use crate::case::CaseError;
+use crate::error::Error;
+use crate::simulate::SimulateError;
+use crate::trials::Study;
+use poinsot_formats::{
+    DrawFile, NumbersFile, OfFile, PLAN, PlanFile, REPLICATES, SamplingKind, ScaleFile, VaryFile,
+};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::ops::Range;
+use std::path::Path;
+
+/// Largest plan file, bytes.
+const LARGEST: u64 = 16 << 20;
+/// Trials of a shard where the plan does not say.
+const TRIALS_PER_SHARD: u64 = 100;
+/// Trials where the plan does not say.
+const TRIALS: u64 = 1000;
+/// The number of a trial is a random stream of 48 bits.
+const MOST_TRIALS: u64 = 1 << 48;
+/// Most cells of a grid.
+const MOST_CELLS: u64 = 1_000_000;
+/// Most points of one replicate of a sampling.
+const MOST_POINTS: u64 = 1 << 20;
+/// Dimensions that the sequence of Sobol has.
+const SOBOL_DIMENSIONS: usize = 256;
+
+/// A number of the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct GridAxis {
+    pub number: String,
+    pub of: Of,
+    pub values: Vec<f64>,
+}
+
+/// A number that a sampling chooses.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SampledAxis {
+    pub number: String,
+    pub of: Of,
+    pub range: [f64; 2],
+    pub log: bool,
+}
+
+/// A set of points, repeated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Sampling {
+    pub kind: SamplingKind,
+    pub points: u64,
+}
+
+/// A plan that can be run.
+pub struct Plan {
+    /// The file.
+    pub file: PlanFile,
+    /// Name of the campaign.
+    pub name: String,
+    /// SHA-256 of everything that decides what a trial is: the plan without its name and number of trials, every file
+    /// that it names, and the version of the program.
+    pub digest: String,
+    /// Trials of every cell.
+    pub trials: u64,
+    /// Trials of one shard.
+    pub block: u64,
+    pub(crate) experiments: Vec<Experiment>,
+    pub(crate) methods: Vec<MethodChoice>,
+    pub(crate) grid: Vec<GridAxis>,
+    pub(crate) sampled: Vec<SampledAxis>,
+    pub(crate) sampling: Option<Sampling>,
+}
+
+/// A block of trials of one cell.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shard {
+    /// Number, from zero.
+    pub number: u64,
+    /// Cell, from zero.
+    pub cell: u64,
+    /// Its trials.
+    pub trials: Range<u64>,
+}
+
+/// Reads and checks a plan.
+///
+/// # Errors
+/// Everything that is wrong with the plan or with a file that it names.
+pub fn read_plan(path: &Path) -> Result<Plan, Error> {
+    let text = poinsot_files::read_text(path, LARGEST).map_err(|e| {
+        let text = PlanText::new(path, String::new());
+        let mut fault = text.fault("E0541", &[], e.to_string(), e.remedy());
+        fault.line = 0;
+        Error::Plan(CaseError {
+            environment: e.is_environment(),
+            faults: vec![fault],
+        })
+    })?;
+    parse_plan(path, text)
+}
+
+/// Reads the text of a plan; `path` serves messages and finds the files that the plan names.
+///
+/// # Errors
+/// As [`read_plan`].
+pub fn parse_plan(path: &Path, text: String) -> Result<Plan, Error> {
+    let text = PlanText::new(path, text);
+    let file: PlanFile = text.parse()?;
+    plan_of(file, text)
+}
+
+/// A plan made by a program; `folder` is where its files are looked for.
+///
+/// # Errors
+/// As [`read_plan`].
+pub fn made_plan(file: PlanFile, folder: &Path) -> Result<Plan, Error> {
+    let path = folder.join("(plan)");
+    plan_of(file, PlanText::new(&path, String::new()))
+}
+
+fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
+    check_counts(&file, &mut text);
+    let methods = MethodChoice::all(&file.method, &mut text);
+    let sampling = sampling(&file, &mut text);
+    let (mut grid, mut sampled) = (Vec::new(), Vec::new());
+    for (k, vary) in file.vary.iter().enumerate() {
+        axis(vary, k, sampling, &mut text, &mut grid, &mut sampled);
+    }
+    text.finish()?;
+    let folder = text.path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut experiments = Vec::new();
+    for (k, experiment) in file.experiment.iter().enumerate() {
+        let made = Experiment::read(experiment, &folder, &file, k, &mut text)?;
+        experiments.extend(made);
+    }
+    text.finish()?;
+    let (trials, block) = match sampling {
+        Some(s) => {
+            let replicates = file.sampling.as_ref().and_then(|s| s.replicates);
+            (s.points * replicates.unwrap_or(REPLICATES), s.points)
+        }
+        None => {
+            let trials = file.trials.unwrap_or(TRIALS);
+            (trials, file.trials_per_shard.unwrap_or(TRIALS_PER_SHARD))
+        }
+    };
+    let stem = text.path.file_stem().unwrap_or_default().to_string_lossy();
+    let plan = Plan {
+        name: match file.name.as_str() {
+            "" => stem.into_owned(),
+            name => name.to_owned(),
+        },
+        digest: digest(&file, &experiments),
+        trials,
+        block,
+        file,
+        experiments,
+        methods,
+        grid,
+        sampled,
+        sampling,
+    };
+    check_addresses(&plan, &mut text);
+    if plan.cells() > MOST_CELLS {
+        let what = format!("the grid has {} cells", plan.cells());
+        text.refuse(
+            "E0541",
+            &["vary"],
+            what,
+            "give fewer values, or sample the numbers",
+        );
+    }
+    text.finish()?;
+    // Every point of the grid is tried before an hour is spent on the first.
+    for cell in 0..plan.cells() {
+        let experiment = plan.experiment(cell);
+        let files = experiment.files_at(&plan, cell)?;
+        if let Some(case) = &files.case {
+            case.bind(&files.truth).map_err(SimulateError::from)?;
+        }
+    }
+    Ok(plan)
+}
+
+fn check_counts(file: &PlanFile, text: &mut PlanText) {
+    if file.schema != PLAN {
+        let what = "this is not the format of a plan";
+        text.refuse(
+            "E0541",
+            &["schema"],
+            what,
+            &format!("write schema = \"{PLAN}\""),
+        );
+    }
+    if file.experiment.is_empty() {
+        let what = "there is no experiment";
+        text.refuse(
+            "E0541",
+            &["experiment"],
+            what,
+            "add [[experiment]] with a case",
+        );
+    }
+    let whole = |text: &mut PlanText, key: &str, value: Option<u64>, most: u64| {
+        if value.is_some_and(|n| n == 0 || n > most) {
+            let what = format!("must be from 1 to {most}");
+            text.refuse("E0541", &[key], what, "give a whole number within");
+        }
+    };
+    whole(text, "trials", file.trials, MOST_TRIALS);
+    whole(text, "trials_per_shard", file.trials_per_shard, MOST_TRIALS);
+    if file.sampling.is_some() {
+        for (key, given) in [
+            ("trials", file.trials.is_some()),
+            ("trials_per_shard", file.trials_per_shard.is_some()),
+        ] {
+            if given {
+                let what = "a sampling counts its own trials: points x replicates";
+                text.refuse("E0541", &[key], what, "take it out");
+            }
+        }
+    }
+}
+
+fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
+    let given = file.sampling.as_ref()?;
+    let at = |key| ["sampling", key];
+    if given.points == 0 || given.points > MOST_POINTS {
+        let what = format!("must be from 1 to {MOST_POINTS}");
+        text.refuse("E0541", &at("points"), what, "give a whole number within");
+    }
+    if given.kind == SamplingKind::Sobol && !given.points.is_power_of_two() {
+        let near = given.points.min(MOST_POINTS).next_power_of_two();
+        let what = "the points of Sobol's sequence are balanced only in powers of two";
+        text.refuse("E0541", &at("points"), what, &format!("write {near}"));
+    }
+    if given
+        .replicates
+        .is_some_and(|n| n < REPLICATES || n > MOST_POINTS)
+    {
+        let what = "bands come from the scatter between replicates: too few, or too many to count";
+        let remedy = format!("give {REPLICATES} to {MOST_POINTS}");
+        text.refuse("E0541", &at("replicates"), what, &remedy);
+    }
+    Some(Sampling {
+        kind: given.kind,
+        points: given.points,
+    })
+}
+
+pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> Of {
+    let of = given.unwrap_or(usual);
+    Of {
+        truth: of != OfFile::Nominal,
+        nominal: of != OfFile::Truth,
+    }
+}
+
+/// One `[[vary]]`: values, a range with a count, or a range that is sampled.
+fn axis(
+    vary: &VaryFile,
+    k: usize,
+    sampling: Option<Sampling>,
+    text: &mut PlanText,
+    grid: &mut Vec<GridAxis>,
+    sampled: &mut Vec<SampledAxis>,
+) {
+    let index = k.to_string();
+    let mut refuse = |key: &str, what: &str, remedy: &str| {
+        text.refuse("E0541", &["vary", &index, key], what, remedy);
+    };
+    let of = of(vary.of, OfFile::Both);
+    let number = vary.number.clone();
+    let log = vary.scale == ScaleFile::Log;
+    match (&vary.values, vary.from, vary.to, vary.count) {
+        (Some(values), None, None, None) => {
+            if values.is_empty() || !values.iter().all(|x| x.is_finite()) {
+                refuse(
+                    "values",
+                    "no list of finite numbers",
+                    "write values = [1.0, 2.0]",
+                );
+            }
+            grid.push(GridAxis {
+                number,
+                of,
+                values: values.clone(),
+            });
+        }
+        (None, Some(from), Some(to), count) => {
+            if !(from.is_finite() && to.is_finite() && from < to) {
+                return refuse("from", "from must be below to", "give both ends of a range");
+            }
+            if log && from <= 0.0 {
+                return refuse(
+                    "scale",
+                    "equal ratios need positive ends",
+                    "write scale = \"linear\"",
+                );
+            }
+            match (count, sampling) {
+                (Some(n), _) if n < 2 || n > MOST_CELLS => {
+                    refuse("count", "a range has at least two values", "give 2 or more");
+                }
+                (Some(n), _) => grid.push(GridAxis {
+                    number,
+                    of,
+                    values: range(from, to, n, log),
+                }),
+                (None, Some(s)) => {
+                    if s.kind == SamplingKind::Sobol && sampled.len() == SOBOL_DIMENSIONS {
+                        refuse(
+                            "number",
+                            "more numbers than Sobol's sequence has dimensions",
+                            "sample at most 256",
+                        );
+                    }
+                    sampled.push(SampledAxis {
+                        number,
+                        of,
+                        range: [from, to],
+                        log,
+                    });
+                }
+                (None, None) => refuse(
+                    "count",
+                    "a range without a count is sampled, and there is no [sampling]",
+                    "add count = 10, or [sampling] with kind and points",
+                ),
+            }
+        }
+        _ => refuse(
+            "number",
+            "neither values nor one range",
+            "give values = [...], or from and to with count",
+        ),
+    }
+}
+
+/// Values of a range, its ends to the last bit.
+fn range(from: f64, to: f64, count: u64, log: bool) -> Vec<f64> {
+    let last = count - 1;
+    let at = |k: u64| match k {
+        0 => from,
+        k if k == last => to,
+        k => between(from, to, k as f64 / last as f64, log),
+    };
+    (0..count).map(at).collect()
+}
+
+/// A share of the way from one end to the other.
+pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
+    match log {
+        true => (from.ln() + share * (to.ln() - from.ln())).exp(),
+        false => from + share * (to - from),
+    }
+}
+
+/// Every address names numbers in every experiment, and every change fits them.
+fn check_addresses(plan: &Plan, text: &mut PlanText) {
+    let mut all: Vec<(&str, usize, &str, Of, Option<usize>)> = Vec::new();
+    for (k, vary) in plan.file.vary.iter().enumerate() {
+        all.push(("vary", k, &vary.number, of(vary.of, OfFile::Both), Some(1)));
+    }
+    for (k, change) in plan.file.change.iter().enumerate() {
+        let each = |n: &NumbersFile| match n {
+            NumbersFile::Each(list) => Some(list.len()),
+            NumbersFile::One(_) => None,
+        };
+        let wanted = change
+            .value
+            .as_ref()
+            .or(change.plus.as_ref())
+            .and_then(each);
+        let given = [
+            change.value.is_some(),
+            change.times.is_some(),
+            change.plus.is_some(),
+        ];
+        if given.iter().filter(|g| **g).count() != 1 {
+            let what = "exactly one of value, times, plus is needed";
+            let at = k.to_string();
+            text.refuse(
+                "E0541",
+                &["change", &at, "number"],
+                what,
+                "give one of them",
+            );
+        }
+        all.push((
+            "change",
+            k,
+            &change.number,
+            of(change.of, OfFile::Both),
+            wanted,
+        ));
+    }
+    for (k, draw) in plan.file.draw.iter().enumerate() {
+        if !drawable(draw) {
+            let what = "exactly one of sigma, relative_sigma, or from below to is needed";
+            let at = k.to_string();
+            text.refuse("E0541", &["draw", &at, "number"], what, "give one of them");
+        }
+        all.push(("draw", k, &draw.number, of(draw.of, OfFile::Truth), None));
+    }
+    for (list, k, number, of, wanted) in all {
+        let at = k.to_string();
+        for experiment in &plan.experiments {
+            match count(&experiment.documents, number, of) {
+                Err((what, remedy)) => {
+                    let what = format!("{what} (experiment {})", experiment.name);
+                    text.refuse("E0542", &[list, &at, "number"], what, &remedy);
+                }
+                Ok(n) if wanted.is_some_and(|w| w != n) => {
+                    let what =
+                        format!("the address names {n} numbers, not {}", wanted.unwrap_or(1));
+                    text.refuse("E0542", &[list, &at, "number"], what, "let the address end at one number, as in com_m.x, or give one value for each");
+                }
+                Ok(_) => {}
+            }
+        }
+    }
+}
+
+fn drawable(draw: &DrawFile) -> bool {
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    match (draw.sigma, draw.relative_sigma, draw.from, draw.to) {
+        (Some(s), None, None, None) | (None, Some(s), None, None) => positive(s),
+        (None, None, Some(a), Some(b)) => a.is_finite() && b.is_finite() && a < b,
+        _ => false,
+    }
+}
+
+fn digest(file: &PlanFile, experiments: &[Experiment]) -> String {
+    let trial = PlanFile {
+        name: String::new(),
+        about: String::new(),
+        trials: None,
+        sampling: file.sampling.clone().map(|mut s| {
+            s.replicates = None;
+            s
+        }),
+        ..file.clone()
+    };
+    let files: Vec<&String> = experiments.iter().flat_map(|e| &e.hashes).collect();
+    let whole = json!({
+        "plan": trial,
+        "files": files,
+        "poinsot": env!("CARGO_PKG_VERSION"),
+    });
+    hex(whole.to_string().as_bytes())
+}
+
+/// SHA-256 as text.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+impl Plan {
+    /// Changes how many trials every cell has; what a trial is stays, and so do shards that were run.
+    ///
+    /// # Errors
+    /// The plan is a sampling, whose replicates are whole.
+    pub fn set_trials(&mut self, trials: u64) -> Result<(), Error> {
+        if self.sampling.is_some_and(|s| trials % s.points != 0) {
+            return Err(Error::Usage {
+                option: "--trials",
+                value: trials.to_string(),
+                why: format!(
+                    "a sampling has whole replicates; give a multiple of {}",
+                    self.block
+                ),
+            });
+        }
+        self.trials = trials.clamp(1, MOST_TRIALS);
+        Ok(())
+    }
+
+    /// Experiments times points of the grid.
+    pub fn cells(&self) -> u64 {
+        let points = self.grid.iter().map(|g| g.values.len() as u64);
+        points.fold(self.experiments.len() as u64, u64::saturating_mul)
+    }
+
+    /// Shards of the whole plan.
+    pub fn shards(&self) -> u64 {
+        self.shards_up_to(self.trials)
+    }
+
+    /// Shards that hold the trials below a number, in every cell.
+    pub fn shards_up_to(&self, trials: u64) -> u64 {
+        trials.div_ceil(self.block) * self.cells()
+    }
+
+    /// A shard by its number.
+    pub fn shard(&self, number: u64) -> Shard {
+        let (block, cell) = (number / self.cells(), number % self.cells());
+        let first = block * self.block;
+        Shard {
+            number,
+            cell,
+            trials: first..(first + self.block).min(self.trials),
+        }
+    }
+
+    /// The experiment of a cell.
+    pub(crate) fn experiment(&self, cell: u64) -> &Experiment {
+        let points = self.cells() / self.experiments.len() as u64;
+        &self.experiments[(cell / points) as usize]
+    }
+
+    /// Varied numbers of a cell by address.
+    pub fn point(&self, cell: u64) -> Vec<(&str, f64)> {
+        let points = self.cells() / self.experiments.len() as u64;
+        let mut rest = cell % points;
+        let mut all: Vec<(&str, f64)> = Vec::new();
+        for axis in self.grid.iter().rev() {
+            let n = axis.values.len() as u64;
+            all.push((&axis.number, axis.values[(rest % n) as usize]));
+            rest /= n;
+        }
+        all.reverse();
+        all
+    }
+
+    /// The experiment of a cell as a study of its own; draws and samplings are left out.
+    ///
+    /// # Errors
+    /// It cannot be simulated.
+    pub fn study(&self, cell: u64) -> Result<Study, Error> {
+        let experiment = self.experiment(cell);
+        experiment.study(experiment.files_at(self, cell)?)
+    }
+
+    /// Names of the methods, with variants and settings.
+    pub fn method_labels(&self) -> Vec<&str> {
+        self.methods.iter().map(|m| m.label.as_str()).collect()
+    }
+
+    /// Whether every trial has a truth of its own.
+    pub(crate) fn draws(&self) -> bool {
+        !self.file.draw.is_empty() || self.sampling.is_some()
+    }
+
+    /// Changes that hold in every trial of a cell.
+    pub(crate) fn fixed(&self, cell: u64, apply: &mut Apply<'_>) -> Result<(), (String, String)> {
+        for change in &self.file.change {
+            let of = of(change.of, OfFile::Both);
+            let pick = |n: &NumbersFile, k: usize| match n {
+                NumbersFile::One(x) => *x,
+                NumbersFile::Each(list) => list.get(k).copied().unwrap_or(f64::NAN),
+            };
+            apply(
+                &change.number,
+                of,
+                &|k, x| match (&change.value, change.times, &change.plus) {
+                    (Some(v), _, _) => pick(v, k),
+                    (_, Some(factor), _) => factor * x,
+                    (_, _, Some(v)) => x + pick(v, k),
+                    _ => x,
+                },
+            )?;
+        }
+        for (axis, (_, value)) in self.grid.iter().zip(self.point(cell)) {
+            apply(&axis.number, axis.of, &|_, _| value)?;
+        }
+        Ok(())
+    }
+}
+
+/// Puts one change into the files.
+pub(crate) type Apply<'a> = dyn FnMut(&str, Of, Edit<'_>) -> Result<(), (String, String)> + 'a;

@@ -1,0 +1,327 @@
+//! From the sums of shards to statistics with intervals.
+
+use super::pairs::PairSums;
+use super::plan::Plan;
+use super::shard::{Found, ShardSums, find, sums_path};
+use crate::error::Error;
+use crate::trials::{Interval, NumberSums, Sums, statistics_of};
+use indexmap::IndexMap;
+use poinsot_formats::{
+    BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
+    finite,
+};
+use std::path::Path;
+
+/// Probability outside an interval of the result.
+pub const OUTSIDE: f64 = 0.05;
+/// Missing shards that are listed.
+const LISTED: usize = 100;
+/// Failed trials that the result names.
+const NAMED: usize = 10;
+
+/// Sums of one cell, folded in the order of the shards.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CellSums {
+    /// One a method.
+    pub methods: Vec<Sums>,
+    /// Every method but the first beside the first.
+    pub pairs: Vec<PairSums>,
+    /// Processor time by each method, s.
+    pub seconds: Vec<f64>,
+    /// Per method and number, over the replicates of a sampling: scatter of coverage and of squared errors.
+    replicates: Vec<IndexMap<String, Replicates>>,
+}
+
+/// Statistics of replicates: count, sums and sums of squares of share of intervals that hold, and of mean square over
+/// bound.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Replicates {
+    count: u64,
+    held: (f64, f64),
+    held_all: (f64, f64),
+    square: (f64, f64),
+}
+
+impl CellSums {
+    fn add(&mut self, shard: &ShardSums, replicated: bool) -> Result<(), String> {
+        if self.methods.is_empty() {
+            self.methods.clone_from(&shard.methods);
+            self.pairs.clone_from(&shard.pairs);
+            self.seconds.clone_from(&shard.seconds);
+            self.replicates = vec![IndexMap::new(); shard.methods.len()];
+        } else {
+            for (ours, theirs) in self.methods.iter_mut().zip(&shard.methods) {
+                ours.merge(theirs)?;
+            }
+            for (ours, theirs) in self.pairs.iter_mut().zip(&shard.pairs) {
+                ours.merge(theirs);
+            }
+            for (ours, theirs) in self.seconds.iter_mut().zip(&shard.seconds) {
+                *ours += theirs;
+            }
+        }
+        if replicated {
+            for (all, sums) in self.replicates.iter_mut().zip(&shard.methods) {
+                for n in sums.numbers.iter().filter(|n| n.trials > 0) {
+                    all.entry(n.name.clone()).or_default().add(n, sums.trials);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Replicates {
+    fn add(&mut self, n: &NumberSums, trials: u64) {
+        let plus = |s: &mut (f64, f64), x: f64| *s = (s.0 + x, s.1 + x * x);
+        self.count += 1;
+        let stated = (n.trials - n.unstated).max(1);
+        plus(&mut self.held, n.held as f64 / stated as f64);
+        plus(&mut self.held_all, n.held as f64 / trials as f64);
+        let yardstick = match n.bounds {
+            (0, _) => n.bound.map_or(n.variance, |b| b * b * n.trials as f64),
+            (count, squares) => squares / count as f64 * n.trials as f64,
+        };
+        plus(&mut self.square, n.square / yardstick);
+    }
+
+    /// The mean of a statistic with Student's interval over the replicates.
+    fn interval(&self, (sum, squares): (f64, f64), value: f64, outside: f64) -> Interval {
+        let n = self.count as f64;
+        let mean = sum / n;
+        let scatter = ((squares / n - mean * mean).max(0.0) * n / (n - 1.0).max(1.0)).sqrt();
+        let about = Interval::mean(mean, scatter, self.count, outside);
+        Interval { value, ..about }
+    }
+}
+
+/// The shards of a plan, folded by number.
+pub struct Folded {
+    /// One a cell.
+    pub cells: Vec<CellSums>,
+    /// Shards that are missing, or damaged with the reason.
+    pub missing: Vec<(u64, String)>,
+}
+
+/// Folds the shards with trials below `trials` by their numbers, in memory that does not grow with them.
+///
+/// # Errors
+/// The disk refuses, or a shard holds a trial of another.
+pub fn fold_shards(plan: &Plan, out: &Path, trials: u64) -> Result<Folded, Error> {
+    let mut folded = Folded {
+        cells: vec![CellSums::default(); plan.cells() as usize],
+        missing: Vec::new(),
+    };
+    for number in 0..plan.shards_up_to(trials) {
+        let shard = plan.shard(number);
+        match find(plan, out, &shard)? {
+            Found::Whole(sums) => folded.add(plan, &sums).map_err(|why| Error::Shards {
+                code: "E0603",
+                path: sums_path(out, &plan.digest, number),
+                why: format!("{why}; remove it and run the campaign again with --resume"),
+            })?,
+            Found::Missing => folded.missing.push((number, "it is not there".to_owned())),
+            Found::Damaged(why) => folded.missing.push((number, why)),
+        }
+    }
+    Ok(folded)
+}
+
+/// Folds the sums of shards that come from elsewhere, in the order of their numbers.
+///
+/// # Errors
+/// A shard is of another plan or given twice; in words.
+pub fn fold_sums(plan: &Plan, shards: &[ShardSums]) -> Result<Folded, String> {
+    let mut folded = Folded {
+        cells: vec![CellSums::default(); plan.cells() as usize],
+        missing: Vec::new(),
+    };
+    let mut order: Vec<&ShardSums> = shards.iter().collect();
+    order.sort_by_key(|s| s.shard);
+    if let Some(pair) = order.windows(2).find(|w| w[0].shard == w[1].shard) {
+        return Err(format!("shard {} is given twice", pair[0].shard));
+    }
+    let mut given = order.iter().peekable();
+    for number in 0..plan.shards() {
+        match given.next_if(|s| s.shard == number) {
+            Some(sums) if sums.digest != plan.digest => {
+                return Err(format!("shard {number} is of another plan"));
+            }
+            Some(sums) => folded.add(plan, sums)?,
+            None => folded.missing.push((number, "it is not there".to_owned())),
+        }
+    }
+    Ok(folded)
+}
+
+impl Folded {
+    fn add(&mut self, plan: &Plan, sums: &ShardSums) -> Result<(), String> {
+        let cell = plan.shard(sums.shard).cell as usize;
+        let folded = self.cells[cell].add(sums, plan.sampling.is_some());
+        folded.map_err(|why| format!("shard {}: {why}", sums.shard))
+    }
+
+    /// The statistics of the trials below a number.
+    pub fn result(&self, plan: &Plan, trials: u64) -> CampaignFile {
+        let cells = self.cells.iter().enumerate();
+        let cells = cells.filter(|(_, sums)| !sums.methods.is_empty());
+        CampaignFile {
+            schema: CAMPAIGN.to_owned(),
+            poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+            name: plan.name.clone(),
+            about: plan.file.about.clone(),
+            digest: plan.digest.clone(),
+            trials,
+            planned: plan.trials,
+            missing: self.missing.iter().take(LISTED).map(|m| m.0).collect(),
+            outside: OUTSIDE,
+            cells: cells
+                .map(|(k, sums)| cell_file(plan, k as u64, sums))
+                .collect(),
+        }
+    }
+
+    /// Half the width of the widest interval of coverage, of any number by any method in any cell; infinite where no trial
+    /// stated an interval.
+    pub fn widest_coverage(&self, outside: f64) -> f64 {
+        let mut widest = f64::NAN;
+        for cell in &self.cells {
+            for (k, sums) in cell.methods.iter().enumerate() {
+                for n in sums.numbers.iter().filter(|n| n.trials > 0) {
+                    let (answered, all) = coverage(cell, k, n, sums.trials, outside);
+                    // NaN, where a method states no interval, is no width.
+                    widest = widest.max(answered.half()).max(all.half());
+                }
+            }
+        }
+        if widest.is_nan() {
+            f64::INFINITY
+        } else {
+            widest
+        }
+    }
+}
+
+fn coverage(
+    cell: &CellSums,
+    method: usize,
+    n: &NumberSums,
+    trials: u64,
+    outside: f64,
+) -> (Interval, Interval) {
+    let replicated = cell.replicates.get(method).and_then(|r| r.get(&n.name));
+    let stated = n.trials - n.unstated;
+    if stated == 0 {
+        let none = Interval::unknown(f64::NAN, f64::NAN, f64::NAN);
+        return (none, none);
+    }
+    let answered = Interval::share(n.held, stated, outside);
+    let all = Interval::share(n.held, trials, outside);
+    // Replicates that are all alike have no scatter, and no interval has no width.
+    let wide = |own: Interval, wilson: Interval| match own.half() > 0.0 {
+        true => own,
+        false => wilson,
+    };
+    match replicated {
+        Some(r) => (
+            wide(r.interval(r.held, answered.value, outside), answered),
+            wide(r.interval(r.held_all, all.value, outside), all),
+        ),
+        None => (answered, all),
+    }
+}
+
+/// An interval as the file has it.
+pub(super) fn banded(interval: Interval) -> BandedFile {
+    BandedFile {
+        value: finite(interval.value),
+        low: finite(interval.low),
+        high: finite(interval.high),
+    }
+}
+
+fn cell_file(plan: &Plan, cell: u64, sums: &CellSums) -> CellFile {
+    let labels = plan.method_labels();
+    let point = plan.point(cell).into_iter();
+    let methods = labels.iter().enumerate();
+    let pairs = sums.pairs.iter().zip(labels.iter().skip(1));
+    CellFile {
+        experiment: plan.experiment(cell).name.clone(),
+        at: point.map(|(n, x)| (n.to_owned(), x)).collect(),
+        methods: methods
+            .map(|(k, label)| method_file(label, k, sums))
+            .collect(),
+        comparisons: pairs
+            .map(|(pair, other)| PairFile {
+                first: labels[0].to_owned(),
+                other: (*other).to_owned(),
+                numbers: pair
+                    .numbers
+                    .iter()
+                    .map(|n| (n.name.clone(), n.file(OUTSIDE)))
+                    .collect(),
+            })
+            .collect(),
+    }
+}
+
+fn method_file(label: &str, k: usize, cell: &CellSums) -> MethodResultFile {
+    let sums = &cell.methods[k];
+    let statistics = statistics_of(sums);
+    let numbers = sums.numbers.iter().filter(|n| n.trials > 0);
+    let failures = statistics.failed.iter().take(NAMED).cloned();
+    MethodResultFile {
+        method: label.to_owned(),
+        trials: sums.trials,
+        failed: banded(Interval::share(statistics.failures, sums.trials, OUTSIDE)),
+        doubted: banded(Interval::share(sums.doubted, sums.answers, OUTSIDE)),
+        statuses: sums.statuses.iter().cloned().collect(),
+        failures: failures.collect(),
+        nees: statistics
+            .nees
+            .map(|(mean, dof)| banded(Interval::mean_square(mean, dof, OUTSIDE))),
+        nees_dof: statistics.nees.map_or(0, |n| n.1),
+        chi2_per_dof: finite(statistics.chi2_per_dof).filter(|_| sums.answers > 0),
+        iterations: (statistics.iterations.0, statistics.iterations.1 as u64),
+        seconds_per_trial: finite(cell.seconds[k] / sums.trials as f64),
+        misses: statistics.misses(),
+        numbers: numbers
+            .map(|n| (n.name.clone(), number_file(cell, k, n)))
+            .collect(),
+    }
+}
+
+fn number_file(cell: &CellSums, method: usize, n: &NumberSums) -> NumberResultFile {
+    let sums = &cell.methods[method];
+    let one = statistics_of(&Sums {
+        numbers: vec![n.clone()],
+        ..Sums::default()
+    });
+    let p = &one.parameters[0];
+    let rmse = Interval::mean_square(p.rmse * p.rmse, n.trials, OUTSIDE).root();
+    let over = match cell.replicates.get(method).and_then(|r| r.get(&n.name)) {
+        Some(r) => {
+            let value = (p.rmse / p.sigma()).powi(2);
+            r.interval(r.square, value, OUTSIDE).root()
+        }
+        None => rmse.over(p.sigma()),
+    };
+    let (answered, all) = coverage(cell, method, n, sums.trials, OUTSIDE);
+    NumberResultFile {
+        trials: n.trials,
+        bound: p.bound,
+        stated: finite(p.stated),
+        bias: banded(Interval::mean(p.bias, p.spread, n.trials, OUTSIDE)),
+        rmse: banded(rmse),
+        rmse_over_bound: match p.bound {
+            Some(_) => banded(over),
+            None => BandedFile {
+                value: None,
+                low: None,
+                high: None,
+            },
+        },
+        coverage_answered: banded(answered),
+        coverage_all: banded(all),
+    }
+}

@@ -1,0 +1,305 @@
+//! A campaign from its plan to its result: what is missing is run, shards are folded, the result is written.
+
+use super::engine::{missing_shards, run_each, run_shards};
+use super::page::campaign_page;
+use super::plan::Plan;
+use super::result::{Folded, OUTSIDE, fold_shards, fold_sums};
+use super::shard::{Found, ShardSums, find, rows_path, sums_path};
+use super::until::{looks, outside_at_each};
+use crate::error::{Error, no_page};
+use crate::output::write_files;
+use poinsot_files::{Stage, folder_of, json_escaped};
+use poinsot_formats::CampaignFile;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Largest file of rows that is copied between folders, bytes.
+const LARGEST_ROWS: u64 = 1 << 34;
+/// Between two looks of `--follow`: at least this long, and ten times what a look takes.
+const FOLLOWED: Duration = Duration::from_secs(5);
+
+/// What is to be run.
+pub struct CampaignRequest<'a> {
+    /// Folder of the campaign.
+    pub out: PathBuf,
+    /// Share i of n, from one: every n-th shard. Nothing is merged then.
+    pub share: Option<(u64, u64)>,
+    /// Run what is missing.
+    pub resume: bool,
+    /// Stop where no interval of coverage is wider than twice this.
+    pub until: Option<f64>,
+    /// Shown the statistics so far, while it runs.
+    pub follow: Option<&'a (dyn Fn(&CampaignFile) + Sync)>,
+}
+
+/// A campaign that was run.
+pub struct Ran {
+    /// Statistics with intervals; `None` for one share of the shards.
+    pub result: Option<CampaignFile>,
+    /// The sums behind them.
+    pub folded: Option<Folded>,
+    /// Shards that were run now.
+    pub shards: u64,
+    /// Shards that were damaged and run again, with the reason.
+    pub damaged: Vec<(u64, String)>,
+    /// Whether `until` was reached; `None` where it was not asked for.
+    pub reached: Option<bool>,
+    /// Files of the result.
+    pub written: Vec<PathBuf>,
+}
+
+/// Runs a plan in memory, for a result whose trials nobody keeps.
+///
+/// # Errors
+/// An experiment cannot be simulated.
+pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
+    let damaged = |why: String| Error::Internal { what: why };
+    let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
+    let shards: Vec<u64> = (0..plan.shards()).collect();
+    run_each(plan, &shards, &|result| {
+        // Through their text, so that the bits are those of a campaign with files.
+        let sums = ShardSums::parse(&result.sums.text()).map_err(damaged)?;
+        all.lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(sums);
+        Ok(())
+    })?;
+    let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let folded = fold_sums(plan, &all).map_err(damaged)?;
+    Ok(Ran {
+        result: Some(folded.result(plan, plan.trials)),
+        folded: Some(folded),
+        shards: plan.shards(),
+        damaged: Vec::new(),
+        reached: None,
+        written: Vec::new(),
+    })
+}
+
+/// Runs a plan into a folder.
+///
+/// # Errors
+/// The folder holds shards of another plan, or shards where nothing was to be resumed; the disk refuses; an experiment
+/// cannot be simulated.
+pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<Ran, Error> {
+    refuse_other_plans(plan, &request.out)?;
+    let mut ran = Ran {
+        result: None,
+        folded: None,
+        shards: 0,
+        damaged: Vec::new(),
+        reached: None,
+        written: Vec::new(),
+    };
+    if let Some((i, n)) = request.share {
+        let own = (0..plan.shards()).filter(|s| s % n == i - 1);
+        run_missing(plan, request, own, plan.trials, &mut ran)?;
+        return Ok(ran);
+    }
+    let all = match request.until {
+        Some(_) => looks(plan),
+        None => vec![plan.trials],
+    };
+    let outside = outside_at_each(OUTSIDE, all.len());
+    let mut counted = plan.trials;
+    for trials in &all {
+        counted = *trials;
+        run_missing(
+            plan,
+            request,
+            0..plan.shards_up_to(counted),
+            counted,
+            &mut ran,
+        )?;
+        let folded = fold_shards(plan, &request.out, counted)?;
+        let reached = request
+            .until
+            .map(|until| folded.widest_coverage(outside) <= until);
+        ran.folded = Some(folded);
+        ran.reached = reached;
+        if reached == Some(true) {
+            break;
+        }
+    }
+    let folded = ran.folded.take().unwrap_or_else(|| Folded {
+        cells: Vec::new(),
+        missing: Vec::new(),
+    });
+    ran.damaged.extend(folded.missing.iter().cloned());
+    finish(plan, &request.out, folded, counted, &mut ran)?;
+    Ok(ran)
+}
+
+/// Merges the shards in a folder and in others into the folder's result.
+///
+/// # Errors
+/// A shard is missing, damaged or there twice with different sums, unless the result may be `partial`; or the disk refuses.
+pub fn merge_campaign(
+    plan: &Plan,
+    out: &Path,
+    from: &[PathBuf],
+    partial: bool,
+) -> Result<Ran, Error> {
+    for folder in std::iter::once(out).chain(from.iter().map(PathBuf::as_path)) {
+        refuse_other_plans(plan, folder)?;
+    }
+    gather(plan, out, from)?;
+    let folded = fold_shards(plan, out, plan.trials)?;
+    if let Some((number, why)) = folded.missing.first().filter(|_| !partial) {
+        return Err(Error::Shards {
+            code: "E0603",
+            path: sums_path(out, &plan.digest, *number),
+            why: format!(
+                "shard {number} cannot be merged: {why} ({} of {} shards are missing); run the campaign with --resume, or merge with --partial",
+                folded.missing.len(),
+                plan.shards()
+            ),
+        });
+    }
+    let mut ran = Ran {
+        result: None,
+        folded: None,
+        shards: 0,
+        damaged: folded.missing.clone(),
+        reached: None,
+        written: Vec::new(),
+    };
+    finish(plan, out, folded, plan.trials, &mut ran)?;
+    Ok(ran)
+}
+
+/// Runs those of the shards that are not there.
+fn run_missing(
+    plan: &Plan,
+    request: &CampaignRequest<'_>,
+    shards: impl Iterator<Item = u64>,
+    trials: u64,
+    ran: &mut Ran,
+) -> Result<(), Error> {
+    let wanted: Vec<u64> = shards.collect();
+    let (missing, damaged) = missing_shards(plan, &request.out, wanted.iter().copied())?;
+    let there = wanted.len() - missing.len();
+    // Shards of an earlier look are this run's own.
+    if there > 0 && !request.resume && ran.shards == 0 {
+        return Err(Error::Shards {
+            code: "E0602",
+            path: request.out.clone(),
+            why: format!(
+                "{there} of {} shards of this plan are there already; give --resume to run what is missing, or another --out",
+                wanted.len()
+            ),
+        });
+    }
+    ran.damaged.extend(damaged);
+    ran.shards += missing.len() as u64;
+    let last = Mutex::new((Instant::now(), FOLLOWED));
+    let watch = |_: u64| {
+        let Some(follow) = request.follow else { return };
+        // Who finds it taken goes on: another thread is looking.
+        let Ok(mut last) = last.try_lock() else {
+            return;
+        };
+        let now = Instant::now();
+        if now.duration_since(last.0) < last.1 {
+            return;
+        }
+        if let Ok(folded) = fold_shards(plan, &request.out, trials) {
+            follow(&folded.result(plan, trials));
+        }
+        *last = (Instant::now(), FOLLOWED.max(10 * now.elapsed()));
+    };
+    run_shards(plan, &request.out, &missing, &watch)
+}
+
+fn finish(
+    plan: &Plan,
+    out: &Path,
+    folded: Folded,
+    counted: u64,
+    ran: &mut Ran,
+) -> Result<(), Error> {
+    let result = folded.result(plan, counted);
+    let report = |why: String| Error::Report {
+        path: out.to_owned(),
+        why,
+    };
+    let page = campaign_page(&result).map_err(|e| report(no_page(&e)))?;
+    let html = page.html().map_err(|e| report(no_page(&e)))?;
+    let text = serde_json::to_string_pretty(&result).map_err(|e| report(e.to_string()))?;
+    let text = json_escaped(&text).into_owned() + "\n";
+    let files = [
+        ("campaign.html".into(), html.into_bytes()),
+        ("campaign.json".into(), text.into_bytes()),
+    ];
+    ran.written = write_files(out, &files)?;
+    ran.result = Some(result);
+    ran.folded = Some(folded);
+    Ok(())
+}
+
+/// A folder with shards of another plan holds another campaign: to mix them counts trials that were never planned.
+fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
+    let short = |path: &Path| {
+        let name = path.file_name()?.to_str()?;
+        let (digest, number) = name.strip_suffix(".json")?.split_once('_')?;
+        number.parse::<u64>().ok()?;
+        Some(digest.to_owned())
+    };
+    let entries = |folder: &Path| {
+        let read = std::fs::read_dir(folder).into_iter().flatten();
+        read.filter_map(|e| Some(e.ok()?.path()))
+            .collect::<Vec<_>>()
+    };
+    let files = entries(&out.join("shards"))
+        .into_iter()
+        .flat_map(|f| entries(&f));
+    let other = files
+        .filter_map(|f| Some((short(&f)?, f)))
+        .find(|(digest, _)| !plan.digest.starts_with(digest.as_str()));
+    match other {
+        None => Ok(()),
+        Some((digest, path)) => Err(Error::Shards {
+            code: "E0602",
+            path,
+            why: format!(
+                "this is a shard of the plan {digest}, and the plan or a file that it names is {} now; give another --out, or the plan as it was",
+                plan.digest.get(..digest.len()).unwrap_or(&plan.digest)
+            ),
+        }),
+    }
+}
+
+/// Brings shards from other folders; one that is there twice must have the same sums.
+fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
+    for folder in from {
+        for number in 0..plan.shards() {
+            let shard = plan.shard(number);
+            let Found::Whole(theirs) = find(plan, folder, &shard)? else {
+                continue;
+            };
+            let source = sums_path(folder, &plan.digest, number);
+            if let Found::Whole(ours) = find(plan, out, &shard)? {
+                if ours.methods != theirs.methods || ours.pairs != theirs.pairs {
+                    return Err(Error::Shards {
+                        code: "E0603",
+                        path: source,
+                        why: format!(
+                            "shard {number} is there twice with different sums; remove the one that you do not trust"
+                        ),
+                    });
+                }
+                continue;
+            }
+            let target = sums_path(out, &plan.digest, number);
+            let mut stage = Stage::new(folder_of(&target))?;
+            for (from, to) in [(rows_path(&source), rows_path(&target)), (source, target)] {
+                let bytes = poinsot_files::read(&from, LARGEST_ROWS);
+                let bytes = bytes.map_err(|e| crate::error::unreadable(&from, e))?;
+                stage.add(Path::new(to.file_name().unwrap_or_default()), &bytes)?;
+            }
+            stage.commit()?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,218 @@
+//! One trial: what it draws, its readings, every method on them.
+
+use super::methods::MethodChoice;
+use super::plan::{Apply, Plan, Shard, between, of};
+use super::sampling::{Deviates, points};
+use crate::error::Error;
+use crate::trials::{Study, Trial, estimated_numbers};
+use poinsot_formats::{DrawFile, OfFile};
+use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
+
+/// What all trials of a shard share.
+pub(super) struct Prepared {
+    /// The experiment and its bound, where every trial has the same truth.
+    shared: Option<(Study, Bound)>,
+    /// Points of the sampling, one a trial.
+    points: Vec<Vec<f64>>,
+}
+
+/// Sigmas of the Cramer-Rao bound by name; empty where the experiment has none.
+pub(super) type Bound = Vec<(String, f64)>;
+
+/// One trial by every method.
+pub(super) struct Done {
+    /// Numbers that were varied by a sampling or drawn, by address.
+    pub drawn: Vec<(String, f64)>,
+    /// True numbers, by name.
+    pub truth: Vec<(String, f64)>,
+    /// The bound of this trial, where it has a truth of its own.
+    pub bound: Option<Bound>,
+    /// One a method.
+    pub trials: Vec<Trial>,
+    /// Processor time of each method, with its share of the drawing, s.
+    pub seconds: Vec<f64>,
+}
+
+impl Prepared {
+    /// What the trials of a shard need.
+    ///
+    /// # Errors
+    /// The experiment cannot be simulated.
+    pub fn new(plan: &Plan, shard: &Shard) -> Result<Self, Error> {
+        let points = match plan.sampling {
+            Some(s) => points(
+                s,
+                plan.sampled.len(),
+                seed(plan),
+                shard.trials.start / s.points,
+            ),
+            None => Vec::new(),
+        };
+        if plan.draws() {
+            return Ok(Self {
+                shared: None,
+                points,
+            });
+        }
+        let experiment = plan.experiment(shard.cell);
+        let study = experiment.study(experiment.files_at(plan, shard.cell)?)?;
+        let bound = bound_of(&study);
+        Ok(Self {
+            shared: Some((study, bound)),
+            points,
+        })
+    }
+
+    /// The bound that holds for every trial.
+    pub fn bound(&self) -> Bound {
+        self.shared.as_ref().map_or_else(Vec::new, |s| s.1.clone())
+    }
+
+    /// One trial. What fails in it is part of the result.
+    pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
+        let start = processor_time();
+        let drawn = RefCell::new(Vec::new());
+        let own;
+        let (study, bound) = match &self.shared {
+            Some((study, _)) => (Ok(study), None),
+            None => {
+                own = self.own_study(plan, shard, number, &drawn);
+                let bound = own.as_ref().ok().map(bound_of);
+                (own.as_ref(), bound)
+            }
+        };
+        let mut done = Done {
+            drawn: drawn.take(),
+            truth: Vec::new(),
+            bound,
+            trials: Vec::new(),
+            seconds: Vec::new(),
+        };
+        let (study, tables, truth) = match study {
+            Ok(study) => {
+                let (tables, biases) = study.draw(number);
+                (study, tables, study.true_numbers(&biases))
+            }
+            Err(error) => {
+                let outcome = Err(error.to_string());
+                done.trials = vec![Trial { number, outcome }; plan.methods.len()];
+                done.seconds = vec![0.0; plan.methods.len()];
+                return done;
+            }
+        };
+        done.truth = truth.iter().map(|(n, x)| (n.clone(), *x)).collect();
+        done.truth.sort_by(|a, b| a.0.cmp(&b.0));
+        let share = since(start) / plan.methods.len() as f64;
+        for choice in &plan.methods {
+            let start = processor_time();
+            let outcome = guarded(study, &tables, &truth, choice);
+            done.trials.push(Trial { number, outcome });
+            done.seconds.push(since(start) + share);
+        }
+        done
+    }
+
+    /// The experiment of a trial that has a truth of its own.
+    fn own_study(
+        &self,
+        plan: &Plan,
+        shard: &Shard,
+        number: u64,
+        drawn: &RefCell<Vec<(String, f64)>>,
+    ) -> Result<Study, Error> {
+        let experiment = plan.experiment(shard.cell);
+        let point = self.points.get((number - shard.trials.start) as usize);
+        let changes = |apply: &mut Apply<'_>| {
+            plan.fixed(shard.cell, apply)?;
+            for (axis, share) in plan.sampled.iter().zip(point.into_iter().flatten()) {
+                let value = between(axis.range[0], axis.range[1], *share, axis.log);
+                drawn.borrow_mut().push((axis.number.clone(), value));
+                apply(&axis.number, axis.of, &|_, _| value)?;
+            }
+            for (k, draw) in plan.file.draw.iter().enumerate() {
+                let deviates = Deviates {
+                    seed: seed(plan),
+                    trial: number,
+                    draw: k as u64,
+                };
+                let note = |name: String, value| {
+                    let mut all = drawn.borrow_mut();
+                    // The second of two files draws the same deviates about its own numbers.
+                    if all.iter().all(|(other, _)| *other != name) {
+                        all.push((name, value));
+                    }
+                };
+                apply(&draw.number, of(draw.of, OfFile::Truth), &|at, old| {
+                    let value = drawn_value(draw, deviates, at, old);
+                    note(format!("{}[{at}]", draw.number), value);
+                    value
+                })?;
+            }
+            Ok(())
+        };
+        experiment.study(experiment.files(&changes)?)
+    }
+}
+
+fn drawn_value(draw: &DrawFile, deviates: Deviates, at: usize, old: f64) -> f64 {
+    match (draw.sigma, draw.relative_sigma, draw.from.zip(draw.to)) {
+        (Some(sigma), _, _) => old + sigma * deviates.normal(at),
+        (_, Some(share), _) => old * (1.0 + share * deviates.normal(at)),
+        (_, _, Some((from, to))) => between(from, to, deviates.unit(at), false),
+        _ => old,
+    }
+}
+
+/// Seed of points and draws; that of the sensors' noise is the experiment's where the plan has none.
+fn seed(plan: &Plan) -> u64 {
+    plan.file.seed.unwrap_or(0)
+}
+
+fn bound_of(study: &Study) -> Bound {
+    let numbers = study.bound().map(|bound| estimated_numbers(&bound));
+    let numbers = numbers.unwrap_or_default();
+    numbers.into_iter().map(|(name, _, s)| (name, s)).collect()
+}
+
+/// A method that panics is a failed trial, and named.
+fn guarded(
+    study: &Study,
+    tables: &[poinsot_telemetry::Table],
+    truth: &std::collections::HashMap<String, f64>,
+    choice: &MethodChoice,
+) -> Result<crate::trials::Answer, String> {
+    let run = || study.answer(tables, truth, &choice.question, choice.diagnose);
+    match catch_unwind(AssertUnwindSafe(run)) {
+        Ok(outcome) => outcome.map_err(|error| error.to_string()),
+        Err(payload) => {
+            let text = payload.downcast_ref::<&str>().copied();
+            let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+            Err(format!("{CRASHED} {}", text.unwrap_or("no message")))
+        }
+    }
+}
+
+/// How the reason of a trial begins that crashed.
+pub(super) const CRASHED: &str = "crashed:";
+
+/// Processor time of this thread.
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(t.tv_sec.max(0) as u64, t.tv_nsec as u32)
+}
+
+/// Time on the clock, where no other is to be had.
+#[cfg(not(unix))]
+fn processor_time() -> Duration {
+    use std::sync::OnceLock;
+    use std::time::Instant;
+    static ZERO: OnceLock<Instant> = OnceLock::new();
+    ZERO.get_or_init(Instant::now).elapsed()
+}
+
+fn since(start: Duration) -> f64 {
+    processor_time().saturating_sub(start).as_secs_f64()
+}

@@ -1,0 +1,32 @@
+//! When a campaign has seen enough: looks at complete prefixes of the trials, the error of the interval split among them.
+
+use super::plan::Plan;
+
+/// Trials at the first look; every further one has twice as many.
+const FIRST_LOOK: u64 = 1000;
+
+/// Numbers of trials at which a campaign is looked at: 1000, 2000, 4000 and so on, or 20, 40, 80 and so on replicates of a
+/// sampling, each up to whole shards, and all of them at the end.
+pub fn looks(plan: &Plan) -> Vec<u64> {
+    let first = match plan.sampling {
+        Some(s) => s.points * poinsot_formats::REPLICATES,
+        None => FIRST_LOOK,
+    };
+    let mut all = Vec::new();
+    let mut next = first;
+    while next < plan.trials {
+        let whole = next.div_ceil(plan.block) * plan.block;
+        if whole < plan.trials && all.last() != Some(&whole) {
+            all.push(whole);
+        }
+        next = next.saturating_mul(2);
+    }
+    all.push(plan.trials);
+    all
+}
+
+/// Probability outside the interval of one look, where it may be outside with `outside` in all of them together
+/// (Bonferroni).
+pub fn outside_at_each(outside: f64, looks: usize) -> f64 {
+    outside / looks.max(1) as f64
+}

@@ -1,0 +1,314 @@
+//! `[design]`: what may move and how, and what a design is after.
+
+use super::file::{DesignFile, DesignJointFile, DesignWheelFile, Objective};
+use super::planner::Planner;
+use super::{Case, CaseError, refuse};
+use poinsot_dynamics::Tree;
+use poinsot_model::{JointKind, Model};
+use std::ops::Range;
+use toml::Spanned;
+
+/// Evaluations of a manoeuvre unless the case says otherwise.
+const EVALUATIONS: usize = 5000;
+/// Starts of the search unless the case says otherwise.
+const STARTS: usize = 8;
+/// Most free numbers of one joint or wheel: more only follow the noise of the search.
+const MOST: usize = 64;
+
+/// How one joint or wheel may move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Form {
+    /// `sum_k a_k sin(2 pi k f t) + b_k cos(2 pi k f t)` about where the joint is locked.
+    Fourier {
+        /// Harmonics.
+        harmonics: usize,
+        /// Base frequency f, Hz; one period over the duration where it is not given.
+        base_frequency_hz: Option<f64>,
+        /// Starts where the joint is locked, without rate and acceleration.
+        at_rest: bool,
+    },
+    /// A cubic spline through equally spaced nodes, at rest at both ends.
+    Spline {
+        /// Nodes, both ends included.
+        nodes: usize,
+        /// Ends where it starts.
+        returns: bool,
+    },
+    /// Rest-to-rest quintics of equal length.
+    Slews {
+        /// How many.
+        slews: usize,
+        /// Ends where it starts.
+        returns: bool,
+    },
+}
+
+/// One joint coordinate or wheel that a design moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// Index of the joint coordinate or wheel.
+    pub index: usize,
+    /// Whether it is a prismatic joint.
+    pub slides: bool,
+    /// How.
+    pub form: Form,
+    /// Where it starts: joint position, or wheel speed.
+    pub start: f64,
+}
+
+/// What a design may move, and what it is after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// What is minimised.
+    pub objective: Objective,
+    /// Whether the vehicles of the prior count and not the nominal one alone.
+    pub robust: bool,
+    /// Whether declared priors of mass properties count in the sigmas.
+    pub priors: bool,
+    /// Most evaluations of a manoeuvre.
+    pub evaluations: usize,
+    /// Starts of the search.
+    pub starts: usize,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Joints that it moves.
+    pub joints: Vec<Moved>,
+    /// Wheels that it turns.
+    pub wheels: Vec<Moved>,
+}
+
+impl Case {
+    /// What a design of this case may move; `None` without `[design]`.
+    ///
+    /// # Errors
+    /// Every fault that shows against this model.
+    pub fn design(&self, model: &Model) -> Result<Option<Design>, CaseError> {
+        let Some(file) = &self.file.design else {
+            return Ok(None);
+        };
+        let mut planner = self.planner(model);
+        if let Some(control) = &self.file.control {
+            let problem = "a design commands joints and wheels itself";
+            planner.refuse(
+                "E0507",
+                "control",
+                control.span(),
+                problem,
+                "leave [control] out",
+            );
+        }
+        let design = planner.design(file.get_ref(), file.span());
+        match planner.faults.is_empty() {
+            true => Ok(Some(design)),
+            false => Err(refuse(planner.faults)),
+        }
+    }
+}
+
+impl Planner<'_> {
+    fn design(&mut self, file: &DesignFile, span: Range<usize>) -> Design {
+        let tree = Tree::new(self.model);
+        let mut joints: Vec<Moved> = Vec::new();
+        for (i, table) in file.joint.iter().enumerate() {
+            let key = format!("design.joint[{i}]");
+            let of = self.joints_of(&tree, table.get_ref().joints.as_deref(), &key);
+            let Some(form) = self.joint_form(table.get_ref(), table.span(), &key) else {
+                continue;
+            };
+            for index in of {
+                let joint = &self.model.joints[tree.coordinates[index]];
+                let one = Moved {
+                    index,
+                    slides: joint.kind == JointKind::Prismatic,
+                    form,
+                    start: joint.locked_at,
+                };
+                self.add(&mut joints, one, table.span(), &key);
+            }
+        }
+        let mut wheels: Vec<Moved> = Vec::new();
+        for (i, table) in file.wheel.iter().enumerate() {
+            let key = format!("design.wheel[{i}]");
+            let of = self.wheels_of(table.get_ref().wheels.as_deref(), &key);
+            let Some((form, start)) = self.wheel_form(table.get_ref(), &key) else {
+                continue;
+            };
+            for index in of {
+                let one = Moved {
+                    index,
+                    slides: false,
+                    form,
+                    start,
+                };
+                self.add(&mut wheels, one, table.span(), &key);
+            }
+        }
+        if joints.is_empty() && wheels.is_empty() && self.faults.is_empty() {
+            let problem = "nothing may move";
+            let remedy = "add [[design.joint]] or [[design.wheel]]";
+            self.refuse("E0507", "design", span, problem, remedy);
+        }
+        Design {
+            objective: file.objective,
+            robust: file.robust,
+            priors: file.priors,
+            evaluations: self.count(file.evaluations.as_ref(), EVALUATIONS, "design.evaluations"),
+            starts: self.count(file.starts.as_ref(), STARTS, "design.starts"),
+            seed: file.seed,
+            joints,
+            wheels,
+        }
+    }
+
+    fn add(&mut self, list: &mut Vec<Moved>, one: Moved, span: Range<usize>, key: &str) {
+        if list.iter().any(|m| m.index == one.index) {
+            let problem = "the same joint or wheel is moved twice";
+            self.refuse("E0504", key, span, problem, "name each in one table");
+            return;
+        }
+        list.push(one);
+    }
+
+    fn count(&mut self, given: Option<&Spanned<usize>>, default: usize, key: &str) -> usize {
+        match given {
+            Some(x) if *x.get_ref() == 0 => {
+                self.refuse(
+                    "E0505",
+                    key,
+                    x.span(),
+                    "must be at least 1",
+                    "give a whole number",
+                );
+                default
+            }
+            Some(x) => *x.get_ref(),
+            None => default,
+        }
+    }
+
+    fn joint_form(
+        &mut self,
+        table: &DesignJointFile,
+        span: Range<usize>,
+        key: &str,
+    ) -> Option<Form> {
+        let returns = table.returns.as_ref().is_none_or(|x| *x.get_ref());
+        let word = table.form.get_ref().as_str();
+        let extra = |fourier: bool, nodes: bool, slews: bool| {
+            let of_fourier = [
+                table.harmonics.as_ref().map(Spanned::span),
+                table.base_frequency_hz.as_ref().map(Spanned::span),
+                table.at_rest.as_ref().map(Spanned::span),
+            ];
+            let of_nodes = table.nodes.as_ref().map(Spanned::span);
+            let of_slews = table.slews.as_ref().map(Spanned::span);
+            let of_ends = table.returns.as_ref().map(Spanned::span);
+            let mut wrong = of_fourier.into_iter().flatten().filter(|_| !fourier);
+            let others = [(of_nodes, nodes), (of_slews, slews), (of_ends, !fourier)];
+            let mut others = others.into_iter().filter(|(_, own)| !own);
+            wrong.next().or_else(|| others.find_map(|(span, _)| span))
+        };
+        let (stray, form) = match word {
+            "fourier" => {
+                let harmonics = self.needed(table.harmonics.as_ref(), "harmonics", 1, span, key)?;
+                let base = table.base_frequency_hz.as_ref();
+                if let Some(f) = base.filter(|f| !(f.get_ref().is_finite() && *f.get_ref() > 0.0)) {
+                    let key = format!("{key}.base_frequency_hz");
+                    self.refuse(
+                        "E0505",
+                        &key,
+                        f.span(),
+                        "must be a positive number",
+                        "give one",
+                    );
+                }
+                let at_rest = table.at_rest.as_ref().is_some_and(|x| *x.get_ref());
+                if at_rest && harmonics < 2 {
+                    let problem = "one harmonic cannot start at rest";
+                    self.refuse(
+                        "E0507",
+                        key,
+                        table.form.span(),
+                        problem,
+                        "give harmonics = 2 or more",
+                    );
+                }
+                let form = Form::Fourier {
+                    harmonics,
+                    base_frequency_hz: base.map(|f| *f.get_ref()),
+                    at_rest,
+                };
+                (extra(true, false, false), form)
+            }
+            "spline" => {
+                let nodes = self.needed(table.nodes.as_ref(), "nodes", 3, span, key)?;
+                (extra(false, true, false), Form::Spline { nodes, returns })
+            }
+            "slews" => {
+                let least = if returns { 2 } else { 1 };
+                let slews = self.needed(table.slews.as_ref(), "slews", least, span, key)?;
+                (extra(false, false, true), Form::Slews { slews, returns })
+            }
+            _ => {
+                let remedy = super::did_you_mean(word, ["fourier", "spline", "slews"].into_iter());
+                let key = format!("{key}.form");
+                self.refuse("E0507", &key, table.form.span(), "no such form", remedy);
+                return None;
+            }
+        };
+        if let Some(span) = stray {
+            let problem = format!("this key does not belong to form = \"{word}\"");
+            self.refuse("E0507", key, span, problem, "leave it out");
+        }
+        Some(form)
+    }
+
+    fn needed(
+        &mut self,
+        given: Option<&Spanned<usize>>,
+        name: &str,
+        least: usize,
+        span: Range<usize>,
+        key: &str,
+    ) -> Option<usize> {
+        let key = format!("{key}.{name}");
+        match given {
+            None => {
+                let remedy = format!("add {name} = N");
+                self.refuse("E0502", &key, span, "this form needs it", remedy);
+                None
+            }
+            Some(x) if !(least..=MOST).contains(x.get_ref()) => {
+                let problem = format!("must lie between {least} and {MOST}");
+                self.refuse(
+                    "E0505",
+                    &key,
+                    x.span(),
+                    problem,
+                    "give a number between them",
+                );
+                None
+            }
+            Some(x) => Some(*x.get_ref()),
+        }
+    }
+
+    fn wheel_form(&mut self, table: &DesignWheelFile, key: &str) -> Option<(Form, f64)> {
+        let span = table.nodes.span();
+        let nodes = self.needed(Some(&table.nodes), "nodes", 3, span, key)?;
+        let start = table.start_speed_rad_s.as_ref();
+        if let Some(x) = start.filter(|x| !x.get_ref().is_finite()) {
+            let key = format!("{key}.start_speed_rad_s");
+            self.refuse(
+                "E0505",
+                &key,
+                x.span(),
+                "not finite",
+                "give a finite number",
+            );
+        }
+        let returns = table.returns.as_ref().is_none_or(|x| *x.get_ref());
+        let form = Form::Spline { nodes, returns };
+        Some((form, start.map_or(0.0, |x| *x.get_ref())))
+    }
+}

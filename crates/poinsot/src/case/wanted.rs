@@ -1,0 +1,251 @@
+//! `[[want]]`: numbers or combinations of the bodies with the sigma that is wanted of each.
+
+use super::fault::did_you_mean;
+use super::file::WantFile;
+use super::planner::Planner;
+use super::{Case, CaseError, refuse};
+use poinsot_identify::{TENSOR, WantedNumber, WantedTerm, axis_name, tensor_name};
+use poinsot_model::Model;
+use std::ops::Range;
+use toml::Spanned;
+
+/// A number, or a combination of numbers, with its wanted sigma.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Want {
+    /// As in the case: `target.mass_kg`, `target.inertia_kg_m2.xx`, or a sum of such with factors.
+    pub name: String,
+    /// Unit of the sigma.
+    pub unit: &'static str,
+    /// What it is made of.
+    pub terms: Vec<WantedTerm>,
+    /// Wanted sigma, one sigma, in the unit.
+    pub sigma: f64,
+}
+
+/// Numbers of a body by the end of their address.
+const GROUPS: [(&str, &str); 3] = [
+    ("mass_kg", "kg"),
+    ("com_m", "m"),
+    ("inertia_kg_m2", "kg m2"),
+];
+
+impl Case {
+    /// What is wanted of the numbers of a model; empty where the case wants nothing.
+    ///
+    /// # Errors
+    /// Every fault that shows against this model.
+    pub fn wants(&self, model: &Model) -> Result<Vec<Want>, CaseError> {
+        let mut planner = self.planner(model);
+        let mut wants = Vec::new();
+        for (i, table) in self.file.want.iter().enumerate() {
+            wants.extend(planner.want(table.get_ref(), table.span(), &format!("want[{i}]")));
+        }
+        match planner.faults.is_empty() {
+            true => Ok(wants),
+            false => Err(refuse(planner.faults)),
+        }
+    }
+}
+
+impl Planner<'_> {
+    fn want(&mut self, table: &WantFile, span: Range<usize>, key: &str) -> Vec<Want> {
+        let numbers = match (&table.number, &table.combination) {
+            (Some(number), None) => self.numbers(number.get_ref(), number.span(), key),
+            (None, Some(sum)) => self.combination(sum, key),
+            _ => {
+                let problem = "a want needs either number or combination";
+                let remedy = "write number = \"BODY.mass_kg\", or combination = { \"BODY.inertia_kg_m2.xx\" = 1.0, ... }";
+                self.refuse("E0507", key, span, problem, remedy);
+                return Vec::new();
+            }
+        };
+        let mut wants = Vec::new();
+        for (name, unit, terms) in numbers {
+            if let Some(sigma) = self.wanted_sigma(table, &span, &terms, key) {
+                wants.push(Want {
+                    name,
+                    unit,
+                    terms,
+                    sigma,
+                });
+            }
+        }
+        wants
+    }
+
+    fn wanted_sigma(
+        &mut self,
+        table: &WantFile,
+        span: &Range<usize>,
+        terms: &[WantedTerm],
+        key: &str,
+    ) -> Option<f64> {
+        let (given, scale, name) = match (&table.sigma, &table.relative) {
+            (Some(x), None) => (x, 1.0, "sigma"),
+            (None, Some(x)) => (x, self.scale(terms, x.span(), key)?, "relative"),
+            _ => {
+                let problem = "a want needs either sigma or relative";
+                let remedy =
+                    "write sigma = X in the unit of the number, or relative = X as a share of it";
+                self.refuse("E0507", key, span.clone(), problem, remedy);
+                return None;
+            }
+        };
+        let sigma = *given.get_ref() * scale;
+        if sigma.is_finite() && sigma > 0.0 {
+            return Some(sigma);
+        }
+        let key = format!("{key}.{name}");
+        self.refuse(
+            "E0505",
+            &key,
+            given.span(),
+            "a wanted sigma must be positive",
+            "give one",
+        );
+        None
+    }
+
+    /// What `relative` is a share of: the mass; the mean principal moment of the body.
+    fn scale(&mut self, terms: &[WantedTerm], span: Range<usize>, key: &str) -> Option<f64> {
+        if let [term] = terms {
+            let nominal = &self.model.bodies[term.body].nominal;
+            match term.number {
+                WantedNumber::Mass => return Some(nominal.mass),
+                WantedNumber::Inertia(_) => return Some(nominal.I_BBcm_B.trace() / 3.0),
+                WantedNumber::MassCentre(_) => {}
+            }
+        }
+        let problem = "a mass centre or a combination has no scale of its own";
+        let key = format!("{key}.relative");
+        self.refuse("E0507", &key, span, problem, "give sigma in its unit");
+        None
+    }
+
+    fn combination(
+        &mut self,
+        sum: &Spanned<std::collections::BTreeMap<String, f64>>,
+        key: &str,
+    ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
+        let key = format!("{key}.combination");
+        let (mut names, mut terms, mut unit) = (Vec::new(), Vec::new(), None);
+        for (address, factor) in sum.get_ref() {
+            let found = self.numbers(address, sum.span(), &key);
+            let [(_, own, one)] = found.as_slice() else {
+                if !found.is_empty() {
+                    let problem = format!("\"{address}\" is a group of numbers");
+                    self.refuse("E0507", &key, sum.span(), problem, "name single numbers");
+                }
+                return Vec::new();
+            };
+            if !factor.is_finite() || unit.is_some_and(|u| u != *own) {
+                let problem = "the numbers have different units, or a factor is not finite";
+                self.refuse(
+                    "E0507",
+                    &key,
+                    sum.span(),
+                    problem,
+                    "add numbers of one unit",
+                );
+                return Vec::new();
+            }
+            unit = Some(*own);
+            names.push(format!("{factor} {address}"));
+            terms.extend(one.iter().map(|t| WantedTerm {
+                factor: *factor,
+                ..*t
+            }));
+        }
+        match unit {
+            Some(unit) => vec![(names.join(" + "), unit, terms)],
+            None => {
+                self.refuse(
+                    "E0507",
+                    &key,
+                    sum.span(),
+                    "the combination is empty",
+                    "name numbers",
+                );
+                Vec::new()
+            }
+        }
+    }
+
+    /// The single numbers behind an address: `bus.mass_kg`, `bus.com_m.x`, `bus.com_m` (all three), ...
+    fn numbers(
+        &mut self,
+        address: &str,
+        span: Range<usize>,
+        key: &str,
+    ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
+        let known = known_addresses(self.model);
+        let wanted: Vec<_> = known
+            .iter()
+            .filter(|(name, _, _)| {
+                let rest = name.strip_prefix(address);
+                rest.is_some_and(|r| r.is_empty() || (r.starts_with('.') && is_group(address)))
+            })
+            .cloned()
+            .collect();
+        if wanted.is_empty() {
+            let remedy = did_you_mean(address, known.iter().map(|(name, _, _)| name.as_str()));
+            let problem = "the model has no number of this address";
+            self.refuse("E0504", key, span, problem, remedy);
+            return Vec::new();
+        }
+        let body = wanted.iter().find_map(|(_, _, term)| {
+            let asked = self.model.bodies[term.body].estimate;
+            let is_unknown = match term.number {
+                WantedNumber::Mass => asked.mass,
+                WantedNumber::MassCentre(_) => asked.com,
+                WantedNumber::Inertia(_) => asked.inertia,
+            };
+            (!is_unknown).then_some(term.body)
+        });
+        if let Some(body) = body {
+            let name = &self.model.bodies[body].name;
+            let problem = format!("\"{address}\" is known: body \"{name}\" does not estimate it");
+            let remedy = "set estimate in the model, or leave the want out";
+            self.refuse("E0507", key, span, problem, remedy);
+            return Vec::new();
+        }
+        let one = |(name, unit, term)| (name, unit, vec![term]);
+        wanted.into_iter().map(one).collect()
+    }
+}
+
+fn is_group(address: &str) -> bool {
+    GROUPS
+        .iter()
+        .any(|(end, _)| address.ends_with(&format!(".{end}")))
+}
+
+/// Every number of every body with its address and unit.
+fn known_addresses(model: &Model) -> Vec<(String, &'static str, WantedTerm)> {
+    let mut all = Vec::new();
+    for (body, name) in model.bodies.iter().map(|b| &b.name).enumerate() {
+        let [mass, com, inertia] = GROUPS.map(|(end, unit)| (format!("{name}.{end}"), unit));
+        let mut push = |address, unit, number| {
+            let factor = 1.0;
+            all.push((
+                address,
+                unit,
+                WantedTerm {
+                    body,
+                    number,
+                    factor,
+                },
+            ));
+        };
+        push(mass.0, mass.1, WantedNumber::Mass);
+        for k in 0..3 {
+            let address = format!("{}.{}", com.0, axis_name(k));
+            push(address, com.1, WantedNumber::MassCentre(k));
+        }
+        for k in 0..TENSOR.len() {
+            let address = format!("{}.{}", inertia.0, tensor_name(k));
+            push(address, inertia.1, WantedNumber::Inertia(k));
+        }
+    }
+    all
+}

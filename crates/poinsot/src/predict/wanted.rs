@@ -1,0 +1,60 @@
+//! What is wanted beside what a manoeuvre tells.
+
+use crate::case::Want;
+use poinsot_identify::{
+    BodyEstimate, Estimate, Source, WantedNumber, WantedTerm, axis_name, tensor_name,
+};
+
+/// A wanted number with its predicted sigma.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Met {
+    /// What is wanted.
+    pub want: Want,
+    /// Predicted sigma; `None` where the number is not identifiable.
+    pub sigma: Option<f64>,
+}
+
+impl Met {
+    /// Whether the predicted sigma is at most the wanted one.
+    pub fn is_met(&self) -> bool {
+        self.sigma.is_some_and(|s| s <= self.want.sigma)
+    }
+}
+
+/// Sigma of what is wanted under the covariance of an estimate or a bound.
+pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
+    let mut parts: Vec<(usize, f64)> = Vec::new();
+    for term in &want.terms {
+        let body = estimate.bodies.get(term.body)?;
+        if source(body, term.number) == Source::Known {
+            continue;
+        }
+        let name = covariance_name(body, term);
+        let at = estimate.covariance_names.iter().position(|n| *n == name)?;
+        parts.push((at, term.factor));
+    }
+    let covariance = &estimate.covariance;
+    let row = |(i, a): &(usize, f64)| -> f64 {
+        parts.iter().map(|(j, b)| a * b * covariance[*i][*j]).sum()
+    };
+    let variance: f64 = parts.iter().map(row).sum();
+    variance.is_finite().then(|| variance.max(0.0).sqrt())
+}
+
+/// Name of a number in a covariance and in trials: `bus.mass`, `bus.com_x`, `bus.inertia_xx`.
+pub fn covariance_name(body: &BodyEstimate, term: &WantedTerm) -> String {
+    let own = match term.number {
+        WantedNumber::Mass => "mass".to_owned(),
+        WantedNumber::MassCentre(k) => format!("com_{}", axis_name(k)),
+        WantedNumber::Inertia(k) => format!("inertia_{}", tensor_name(k)),
+    };
+    format!("{}.{own}", body.name)
+}
+
+fn source(body: &BodyEstimate, number: WantedNumber) -> Source {
+    match number {
+        WantedNumber::Mass => body.mass.source,
+        WantedNumber::MassCentre(k) => body.com[k].source,
+        WantedNumber::Inertia(k) => body.inertia[k].source,
+    }
+}

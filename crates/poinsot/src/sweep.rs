@@ -1,0 +1,185 @@
+//! The verb `sweep`: one case, numbers that vary, methods side by side; a plan of one case on the engine of `campaign`.
+
+use crate::error::Error;
+use poinsot_formats::{
+    ExperimentFile, MethodFile, PLAN, PlanFile, SamplingFile, ScaleFile, SettingFile, VaryFile,
+};
+use std::collections::BTreeMap;
+
+/// A sweep as it is asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SweepRequest {
+    /// Case, or nothing with a record.
+    pub case: String,
+    /// Model as the identification knows it; that of the case where it is not given.
+    pub model: Option<String>,
+    /// `ADDRESS=VALUES`: a list `1,2,5`, or a range `from:to:count` with equal differences, or `from:to:count:log`.
+    pub vary: Vec<String>,
+    /// `NAME`, or `NAME/VARIANT`.
+    pub methods: Vec<String>,
+    /// `KEY=VALUE`, for every published method that has the key; or `METHOD.KEY=VALUE`.
+    pub settings: Vec<String>,
+    /// Trials of every point.
+    pub trials: u64,
+    /// Seed.
+    pub seed: Option<u64>,
+}
+
+/// The plan of a sweep.
+///
+/// # Errors
+/// A word that is no list, range or setting.
+pub fn sweep_plan(request: &SweepRequest) -> Result<PlanFile, Error> {
+    let vary = request.vary.iter().map(|text| vary(text));
+    let mut methods: Vec<MethodFile> = request.methods.iter().map(|m| method(m)).collect();
+    for text in &request.settings {
+        set(text, &mut methods)?;
+    }
+    Ok(PlanFile {
+        schema: PLAN.to_owned(),
+        name: "sweep".to_owned(),
+        about: String::new(),
+        trials: Some(request.trials),
+        trials_per_shard: None,
+        seed: request.seed,
+        experiment: vec![ExperimentFile {
+            case: Some(request.case.clone()),
+            model: request.model.clone(),
+            ..ExperimentFile::default()
+        }],
+        method: methods,
+        vary: vary.collect::<Result<_, _>>()?,
+        sampling: None::<SamplingFile>,
+        change: Vec::new(),
+        draw: Vec::new(),
+    })
+}
+
+fn usage(option: &'static str, value: &str, why: &str) -> Error {
+    Error::Usage {
+        option,
+        value: value.to_owned(),
+        why: why.to_owned(),
+    }
+}
+
+fn vary(text: &str) -> Result<VaryFile, Error> {
+    let wanted = "write ADDRESS=1,2,5, ADDRESS=FROM:TO:COUNT or ADDRESS=FROM:TO:COUNT:log";
+    let refuse = || usage("--vary", text, wanted);
+    let (number, values) = text.split_once('=').ok_or_else(refuse)?;
+    let parse = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    let mut vary = VaryFile {
+        number: number.trim().to_owned(),
+        ..VaryFile::default()
+    };
+    match values.split(':').collect::<Vec<_>>().as_slice() {
+        [list] => {
+            let values: Option<Vec<f64>> = list.split(',').map(parse).collect();
+            vary.values = Some(values.ok_or_else(refuse)?);
+        }
+        [from, to, count, log @ ..] if matches!(log, [] | ["log"]) => {
+            let count = count.trim().parse().map_err(|_| refuse())?;
+            vary.from = Some(parse(from).ok_or_else(refuse)?);
+            vary.to = Some(parse(to).ok_or_else(refuse)?);
+            vary.count = Some(count);
+            if !log.is_empty() {
+                vary.scale = ScaleFile::Log;
+            }
+        }
+        _ => return Err(refuse()),
+    }
+    Ok(vary)
+}
+
+fn method(text: &str) -> MethodFile {
+    let (name, variant) = match text.split_once('/') {
+        Some((name, variant)) => (name, Some(variant.to_owned())),
+        None => (text, None),
+    };
+    MethodFile {
+        name: name.to_owned(),
+        variant,
+        set: BTreeMap::new(),
+        diagnose: false,
+    }
+}
+
+/// Gives a setting to every method that has it; to one alone where it is named.
+fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
+    let wanted = "write KEY=VALUE, or METHOD.KEY=VALUE for one of several methods";
+    let (key, value) = text
+        .split_once('=')
+        .ok_or_else(|| usage("--set", text, wanted))?;
+    let (only, key) = match key.trim().split_once('.') {
+        Some((method, key)) => (Some(method), key),
+        None => (None, key.trim()),
+    };
+    let known = crate::methods::methods();
+    let has = |m: &MethodFile| {
+        let found = known.iter().find(|k| k.name == m.name);
+        found.is_some_and(|k| k.settings.iter().any(|s| s.key == key))
+    };
+    let mut taken = 0;
+    for method in methods.iter_mut() {
+        if only.is_none_or(|o| o == method.name) && has(method) {
+            let value = SettingFile::Text(value.trim().to_owned());
+            method.set.insert(key.to_owned(), value);
+            taken += 1;
+        }
+    }
+    if taken == 0 {
+        let why = "no method of this sweep has this setting; `poinsot methods NAME` lists settings";
+        return Err(usage("--set", text, why));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn request(vary: &str, set: &str) -> SweepRequest {
+        SweepRequest {
+            case: "case.toml".to_owned(),
+            vary: vec![vary.to_owned()],
+            methods: vec!["auto".to_owned(), "xu2017/linear".to_owned()],
+            settings: vec![set.to_owned()],
+            trials: 10,
+            ..SweepRequest::default()
+        }
+    }
+
+    #[test]
+    fn unit_words_become_a_plan() {
+        let plan = sweep_plan(&request("noise=1,2,5", "range=2")).unwrap();
+        assert_eq!(plan.vary[0].values, Some(vec![1.0, 2.0, 5.0]));
+        assert_eq!(plan.method[1].variant.as_deref(), Some("linear"));
+        assert_eq!(
+            plan.method[1].set["range"],
+            SettingFile::Text("2".to_owned())
+        );
+        assert!(plan.method[0].set.is_empty());
+        let plan = sweep_plan(&request("a.b=1:100:3:log", "xu2017.seed=4")).unwrap();
+        assert_eq!(
+            (plan.vary[0].from, plan.vary[0].count),
+            (Some(1.0), Some(3))
+        );
+        assert_eq!(plan.vary[0].scale, ScaleFile::Log);
+    }
+
+    #[test]
+    fn unit_words_that_make_no_plan_say_what_to_write() {
+        for (vary, set, says) in [
+            ("noise", "range=2", "ADDRESS=1,2,5"),
+            ("noise=1,x", "range=2", "ADDRESS=1,2,5"),
+            ("noise=1:2", "range=2", "FROM:TO:COUNT"),
+            ("noise=1", "ranges=2", "no method of this sweep"),
+            ("noise=1", "auto.range=2", "no method of this sweep"),
+            ("noise=1", "range", "METHOD.KEY=VALUE"),
+        ] {
+            let why = sweep_plan(&request(vary, set)).unwrap_err().to_string();
+            assert!(why.starts_with("E0001 --") && why.contains(says), "{why}");
+        }
+    }
+}
