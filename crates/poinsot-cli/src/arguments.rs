@@ -91,6 +91,10 @@ pub enum Verb {
     Units(Units),
     /// List the methods of `identify` with their variants and papers.
     Methods(Methods),
+    /// Compute again what a published paper states: tables, figures, claims; the list of studies without a name.
+    ///
+    /// Exit code 0: computed. 2: no such study, or no folder of examples. 3: disk or permission.
+    Study(Study),
     /// Print the JSON Schema of a file format.
     Schema(Schema),
     /// Print the completions of a shell, to be read by it at its start.
@@ -318,6 +322,32 @@ pub struct Methods {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors: the exit code says whether there is such a method; not together with --json.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+pub struct Study {
+    /// One paper, by its method; all without it.
+    #[arg(value_parser = Words::papers(), hide_possible_values = true)]
+    pub paper: Option<String>,
+    /// One of its studies, or `all`; their list without it.
+    #[arg(value_parser = Words::studies(), hide_possible_values = true)]
+    pub name: Option<String>,
+    /// Folder of the project's examples, which the studies read.
+    #[arg(long, value_name = "DIR", default_value = "examples")]
+    pub examples: PathBuf,
+    /// Folder for every table as CSV and every figure; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Formats of the figures: svg, png, or both.
+    #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
+    pub figures: Vec<FigureFile>,
+    /// Print as JSON, numbers with all their digits.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }

@@ -51,6 +51,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Verb::Explain(a) => verbs::explain::run(a),
         Verb::Units(a) => verbs::units::run(a),
         Verb::Methods(a) => verbs::methods::run(a),
+        Verb::Study(a) => verbs::study::run(a),
         Verb::Schema(a) => verbs::schema::run(a),
         Verb::Completions(a) => verbs::completions::run(a),
         Verb::Man(a) => verbs::man::run(a),

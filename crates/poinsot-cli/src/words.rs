@@ -12,6 +12,17 @@ impl Words {
         Self(poinsot::methods::methods().iter().map(|m| m.name).collect())
     }
 
+    /// Papers with studies.
+    pub fn papers() -> Self {
+        Self(poinsot::study::papers().map(|p| p.0).collect())
+    }
+
+    /// Studies of any paper.
+    pub fn studies() -> Self {
+        let all = poinsot::study::studies().map(|s| s.1.name);
+        Self(all.chain([poinsot::study::ALL]).collect())
+    }
+
     /// Variants of any method.
     pub fn variants() -> Self {
         let methods = poinsot::methods::methods();

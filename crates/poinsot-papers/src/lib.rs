@@ -2,7 +2,7 @@
 //! [`poinsot_identify`].
 //!
 //! [`METHODS`] is the registration of all of them. The command line, `poinsot methods`, help, error codes and tests read
-//! that list; no other crate names a paper.
+//! that list; no other crate names a paper. [`study::studies`] are what a paper states, computed again.
 //!
 //! ```
 //! for method in poinsot_papers::METHODS {
@@ -21,6 +21,7 @@ pub mod kim2010;
 pub mod ma2008;
 mod method;
 mod setting;
+pub mod study;
 pub mod xu2017;
 
 pub use answered::answered;

@@ -3,6 +3,7 @@
 use crate::kim2010::{Kim2010, Kim2010ProblemError};
 use crate::ma2008::{Ma2008, Ma2008Error};
 use crate::setting::{SettingText, Settings};
+use crate::study::Study;
 use crate::xu2017::{Xu2017, Xu2017Error};
 use poinsot_identify::{Estimate, Problem};
 
@@ -23,6 +24,9 @@ pub trait Method: Sync {
         variant: Option<&str>,
         settings: &Settings,
     ) -> Result<Estimate, MethodError>;
+
+    /// The studies of its paper, see [`crate::study`].
+    fn studies(&self) -> &'static [Study];
 }
 
 /// Every published method, by name.

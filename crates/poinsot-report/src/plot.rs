@@ -25,6 +25,8 @@ pub enum Mark {
     Points,
     /// Bars from the floor of the plot, one unit wide times the spacing.
     Bars,
+    /// A filled outline, see [`Series::band`].
+    Band,
 }
 
 impl Mark {
@@ -34,7 +36,7 @@ impl Mark {
             Self::Line => "line",
             Self::Dashed => "dashed",
             Self::Dots | Self::Points => "dots",
-            Self::Bars => "bars",
+            Self::Bars | Self::Band => "bars",
         }
     }
 }
@@ -103,6 +105,18 @@ impl Axis {
 }
 
 impl Series {
+    /// The band between two curves over the same places.
+    pub fn band(name: &str, colour: usize, x: &[f64], low: &[f64], high: &[f64]) -> Self {
+        let edge =
+            |y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };
+        let mut points = edge(low);
+        points.extend(edge(high).into_iter().rev());
+        Self {
+            points,
+            ..Self::new(name, Mark::Band, colour, &[], &[])
+        }
+    }
+
     /// A series from columns.
     pub fn new(name: &str, mark: Mark, colour: usize, x: &[f64], y: &[f64]) -> Self {
         Self {
@@ -410,6 +424,7 @@ fn draw_series(frame: &Frame, [left, top, w, h]: Field, series: &Series, out: &m
         Mark::Dots => "dots",
         Mark::Points => "dots large",
         Mark::Bars => "bars",
+        Mark::Band => "bars band",
     };
     let _ = write!(out, "<path class=\"{class} c{}\" d=\"", series.colour);
     let mut broken = true;
@@ -431,6 +446,9 @@ fn draw_series(frame: &Frame, [left, top, w, h]: Field, series: &Series, out: &m
             _ => write!(out, "L{px:.2} {py:.2}"),
         };
         broken = false;
+    }
+    if series.mark == Mark::Band && !broken {
+        out.push('z');
     }
     out.push_str("\"/>");
 }

@@ -21,6 +21,7 @@ mod propose;
 pub mod report;
 mod schema;
 pub mod simulate;
+pub mod study;
 pub mod sweep;
 mod threads;
 pub mod trials;

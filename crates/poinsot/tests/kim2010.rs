@@ -1,18 +1,13 @@
 //! The spacecraft of Kim, Choi and Oh with one slew and with three, from their case files.
 #![allow(non_snake_case, clippy::unwrap_used)]
 
-#[path = "../examples/kim2010_studies/inversion.rs"]
-mod inversion;
-#[path = "../examples/kim2010_studies/printed.rs"]
-#[allow(dead_code)]
-mod printed;
-
-use inversion::{Noise, invert};
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;
 use poinsot::{Question, identify_tables};
 use poinsot_identify::{Estimate, Status};
 use poinsot_model::read_model;
+use poinsot_papers::kim2010::studies::inversion::{self, Noise, invert};
+use poinsot_papers::kim2010::studies::printed;
 use poinsot_papers::kim2010::symmetric;
 use poinsot_spatial::UnitQuaternion;
 use poinsot_telemetry::Table;

@@ -6,44 +6,71 @@
     clippy::panic
 )]
 
-#[allow(dead_code)]
-#[path = "../examples/xu2017_studies/coefficients.rs"]
-mod coefficients;
-#[allow(dead_code)]
-#[path = "../examples/xu2017_studies/null.rs"]
-mod null;
-#[allow(dead_code)]
-#[path = "../examples/xu2017_studies/printed.rs"]
-mod printed;
-#[allow(dead_code)]
-#[path = "../examples/xu2017_studies/setup.rs"]
-mod setup;
-#[allow(dead_code)]
-#[path = "../examples/xu2017_studies/studies.rs"]
-mod studies;
-#[allow(dead_code)]
-#[path = "../examples/xu2017_studies/together.rs"]
-mod together;
-
-use null::Null;
-use poinsot::Identified;
 use poinsot::case::read_case;
 use poinsot::identify::identify_tables;
 use poinsot::simulate::simulate_case;
+use poinsot::study::Verbs;
 use poinsot::validate::{Mover, compare_motion};
-use poinsot_dynamics::Tree;
+use poinsot::{Identified, Question};
 use poinsot_identify::{Estimate, Status, linear};
 use poinsot_model::{EstimateSet, Model, read_model};
+use poinsot_papers::study::Context;
+use poinsot_papers::xu2017::studies::null::Null;
+use poinsot_papers::xu2017::studies::printed::{IDENTIFIED, printed_bodies};
+use poinsot_papers::xu2017::studies::robot::{
+    ALL, ARM, Data, Robot, errors, properties, thinned, without_translation,
+};
+use poinsot_papers::xu2017::studies::{RATE, largest_coefficients, together};
 use poinsot_papers::xu2017::swarm::Swarm;
 use poinsot_papers::xu2017::{Form, Kind, Order, Solver, particle, sequence};
 use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
 use poinsot_telemetry::Table;
-use setup::{
-    ALL, Data, all_unknown, data, examples, model, properties, runs, thinned, truth, whole,
-};
-use studies::{ask, errors, one_body, request};
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-const ARM: [&str; 6] = ["C2", "C3", "C4", "C5", "C6", "C7"];
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+/// What the studies are given.
+fn context() -> Context<'static> {
+    static EXAMPLES: LazyLock<PathBuf> = LazyLock::new(examples);
+    Context {
+        examples: &EXAMPLES,
+        tools: &Verbs,
+    }
+}
+
+fn robot() -> Robot<'static> {
+    Robot::new(&context()).unwrap()
+}
+
+fn truth() -> Vec<InertialParameters> {
+    robot().truth
+}
+
+fn model(path: &str) -> Model {
+    read_model(examples().join(path)).unwrap()
+}
+
+fn runs(model: &Model, names: &[&str]) -> Vec<Table> {
+    robot().runs(model, names).unwrap()
+}
+
+fn bound(model: Model, tables: &[Table]) -> Data {
+    Data::new(&context(), model, tables).unwrap()
+}
+
+fn request(method: &str, variant: Option<&str>) -> Question {
+    Question {
+        variant: variant.map(str::to_owned),
+        ..Question::by(method)
+    }
+}
+
+fn ask(model: &Model, tables: Vec<Table>, variant: &str) -> Identified {
+    identify_tables(model.clone(), tables, &request("xu2017", Some(variant))).unwrap()
+}
 
 /// Our own run of C1, which logs angular acceleration and specific force as the paper's simulation did.
 fn own_single_body() -> (Model, Table) {
@@ -62,14 +89,14 @@ fn worst_of_whole(estimate: &Estimate, total: &MassProperties) -> f64 {
 }
 
 fn total() -> MassProperties {
-    whole(&Tree::new(&model("xu2017/model.toml")), &truth())
+    robot().whole()
 }
 
 /// The paper prints 1e-11 to 1e-14 per cent.
 #[test]
 fn exact_single_body_from_accelerations_to_1e_10() {
     let (nominal, table) = own_single_body();
-    let data = Data::new(nominal.clone(), std::slice::from_ref(&table));
+    let data = bound(nominal.clone(), std::slice::from_ref(&table));
     let found = sequence(&data.problem(), Order::Outward, &Solver::default()).unwrap();
     assert_eq!(found.form, Some(Form::Acceleration));
     let e = ask(&nominal, vec![table], "linear").estimate;
@@ -87,7 +114,7 @@ fn exact_single_body_from_accelerations_to_1e_10() {
 #[test]
 fn exact_swarm_reaches_the_linear_solution_of_the_single_body() {
     let (nominal, table) = own_single_body();
-    let data = Data::new(nominal, &thinned(vec![table], 2));
+    let data = bound(nominal, &thinned(vec![table], 2));
     let x = particle(&total());
     let mut before = f64::INFINITY;
     for iterations in [100, 400, 1600] {
@@ -187,24 +214,12 @@ fn xval_mujoco_two_body_runs_in_both_orders_to_1e_7() {
 /// The five uses of the Conclusion, noise-free.
 #[test]
 fn paper_uses_2_to_5() {
-    let example = model("xu2017/model.toml");
     let all = properties(&truth());
-    let known = |unknown: &[usize]| {
-        let mut m = example.clone();
-        for b in (0..7).filter(|b| !unknown.contains(b)) {
-            m.bodies[b].nominal = all[b];
-            m.bodies[b].estimate = EstimateSet::default();
-        }
-        m
-    };
+    let known = |unknown: &[usize]| robot().known_but(unknown);
     // 2: mass and mass centre known, attitude alone.
-    let single = one_body(&Tree::new(&example), &example, true);
+    let single = robot().one_body(true);
     let mut turning = runs(&single, &["C1"]);
-    for table in &mut turning {
-        table
-            .channels
-            .retain(|c| !c.name.starts_with("r_") && !c.name.starts_with("v_"));
-    }
+    without_translation(&mut turning);
     let e = ask(&single, turning, "linear").estimate;
     let (worst, n) = errors(&e.bodies[0], &total());
     println!("use 2: {worst:.1e}");
@@ -236,8 +251,6 @@ fn paper_uses_2_to_5() {
 /// alone in the thrust segment and one joint after the other give all combinations, in both orders.
 #[test]
 fn paper_use_2_as_printed() {
-    let example = model("xu2017/model.toml");
-    let right = properties(&truth());
     let mut found = Vec::new();
     for (body, variant, attitude_alone) in [
         (0, "linear", true),
@@ -245,18 +258,10 @@ fn paper_use_2_as_printed() {
         (6, "linear", false),
         (3, "linear", false),
     ] {
-        let mut m = example.clone();
-        m.bodies[body].nominal.mass = right[body].mass;
-        m.bodies[body].nominal.p_BoBcm_B = right[body].p_BoBcm_B;
-        m.bodies[body].estimate = EstimateSet {
-            inertia: true,
-            ..EstimateSet::default()
-        };
+        let m = robot().mass_known(body);
         let mut tables = thinned(runs(&m, &ALL), 5);
         if attitude_alone {
-            tables[0]
-                .channels
-                .retain(|c| !c.name.starts_with("r_") && !c.name.starts_with("v_"));
+            without_translation(&mut tables[..1]);
         }
         let e = ask(&m, tables, variant).estimate;
         let worst = worst_combination(&e, &truth());
@@ -280,7 +285,7 @@ fn paper_use_2_as_printed() {
 /// (75): six of the nine elements of the tensor, the products, have bounds that are loose by two.
 #[test]
 fn paper_bounds_75_are_loose_by_two_in_the_products() {
-    for row in coefficients::largest(coefficients::RATE, 20_000) {
+    for row in largest_coefficients(RATE, 20_000) {
         for (k, most) in row.into_iter().enumerate() {
             // By Cauchy and Schwarz none exceeds the rate; all come near it.
             assert!((0.0290..=0.0300 + 1.0e-12).contains(&most), "{k}: {most}");
@@ -291,9 +296,9 @@ fn paper_bounds_75_are_loose_by_two_in_the_products() {
 /// All joints at once: the target's numbers in better condition than with one joint.
 #[test]
 fn paper_all_joints_at_once_beside_one() {
-    let cases = together::cases();
+    let cases = together::cases(&context()).unwrap();
     let [one, all] = [0, 1].map(|k| {
-        let (e, truth) = together::answer(&cases[k].1, "xu2017", None);
+        let (e, truth) = together::answer(&context(), &cases[k], "xu2017", None).unwrap();
         let (worst, n) = errors(&e.bodies[6], &truth);
         assert_eq!(n, 10);
         (worst, together::condition(&e))
@@ -339,27 +344,23 @@ fn stat_grasped_target_with_all_joints_moving() {
 /// 94 % of the squared scaled error of Tables 6 to 12 lies where no data can show it.
 #[test]
 fn paper_its_own_error_lies_in_the_open_directions() {
-    let full = data(&ALL);
+    let full = robot().data(&ALL).unwrap();
     let answer = linear(&full.problem()).unwrap();
     let true_bodies = truth();
     let null = Null::new(&answer, &properties(&true_bodies));
     assert_eq!(null.count(), 18);
-    let paper: Vec<InertialParameters> = printed::IDENTIFIED
-        .iter()
-        .map(|x| poinsot_papers::xu2017::properties(x).parameters())
-        .collect();
-    let (_, share) = null.share(&paper, &true_bodies);
+    let (_, share) = null.share(&printed_bodies(), &true_bodies);
     println!("share {share:.3}");
     assert!((0.92..0.96).contains(&share), "{share}");
-    let mass: f64 = printed::IDENTIFIED.iter().map(|b| b[0]).sum();
+    let mass: f64 = IDENTIFIED.iter().map(|b| b[0]).sum();
     assert!((mass - 475.91).abs() < 0.01);
 }
 
 /// The mass that a swarm returns for the base follows its search range; what the data show does not.
 #[test]
 fn paper_masses_of_the_swarm_follow_its_range() {
-    let example = all_unknown(&model("xu2017/model.toml"));
-    let centred = Data::new(example.clone(), &thinned(runs(&example, &["C1", "C2"]), 8));
+    let example = robot().centred();
+    let centred = bound(example.clone(), &thinned(runs(&example, &["C1", "C2"]), 8));
     let farthest = |share: f64| {
         let masses = (0..4).map(|seed| {
             let solver = Solver {
@@ -388,7 +389,7 @@ fn paper_masses_of_the_swarm_follow_its_range() {
 fn exact_the_52_are_enough_for_motion() {
     let case = read_case(&examples().join("cases/xu2017_table13.toml")).unwrap();
     let right = Mover::of_model(read_model(&case.model).unwrap());
-    let full = data(&ALL);
+    let full = robot().data(&ALL).unwrap();
     for order in [Order::Outward, Order::Inward] {
         let found = sequence(&full.problem(), order, &Solver::default()).unwrap();
         assert!((found.bodies[0].mass - 400.0).abs() > 0.5);
@@ -531,8 +532,7 @@ fn unit_a_thruster_that_never_fires_is_named() {
 
 #[test]
 fn unit_thrust_through_the_mass_centre_shows_no_inertia() {
-    let tree = Tree::new(&model("xu2017/model.toml"));
-    let mut single = one_body(&tree, &model("xu2017/model.toml"), false);
+    let mut single = robot().one_body(false);
     let right = total();
     let mut exact = single.clone();
     exact.bodies[0].nominal = right;
@@ -581,8 +581,7 @@ fn unit_a_joint_that_does_not_move_makes_one_body_of_two() {
 /// Nominal numbers so far off that the range around them excludes the answer.
 #[test]
 fn unit_a_search_range_that_excludes_the_answer_is_reported() {
-    let tree = Tree::new(&model("xu2017/model.toml"));
-    let mut single = one_body(&tree, &model("xu2017/model.toml"), false);
+    let mut single = robot().one_body(false);
     single.bodies[0].nominal = total();
     single.bodies[0].nominal.mass = 200.0;
     let tables = thinned(runs(&single, &["C1"]), 4);

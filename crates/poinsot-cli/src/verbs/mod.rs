@@ -16,6 +16,7 @@ pub mod predict;
 pub mod report;
 pub mod schema;
 pub mod simulate;
+pub mod study;
 pub mod sweep;
 pub mod units;
 pub mod validate;

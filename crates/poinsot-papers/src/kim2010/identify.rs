@@ -7,6 +7,7 @@ use super::suspicions::suspicions;
 use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, Variant, wheel_momentum};
 use crate::method::{About, Method, MethodError, Named};
 use crate::setting::Settings;
+use crate::study::Study;
 use poinsot_identify::{
     BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment,
     Source, Status, TENSOR, linear,
@@ -66,6 +67,10 @@ impl Method for Kim2010 {
     ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         Ok(identify(problem, variant)?)
+    }
+
+    fn studies(&self) -> &'static [Study] {
+        super::studies::STUDIES
     }
 }
 

@@ -32,6 +32,7 @@
 
 mod codes;
 mod identify;
+pub mod studies;
 mod suspicions;
 
 pub use identify::{Kim2010, Kim2010ProblemError, identify};

@@ -7,6 +7,7 @@ use super::words::*;
 use super::{Given, Raw, Vehicle, tensor};
 use crate::method::{About, Method, MethodError, Named};
 use crate::setting::Settings;
+use crate::study::Study;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
@@ -68,6 +69,10 @@ impl Method for Ma2008 {
     ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         Ok(identify(problem, variant)?)
+    }
+
+    fn studies(&self) -> &'static [Study] {
+        super::studies::STUDIES
     }
 }
 

@@ -46,6 +46,7 @@ mod influence;
 mod lanes;
 pub mod printed;
 mod solve;
+pub mod studies;
 mod trials;
 mod words;
 

@@ -39,6 +39,7 @@ pub mod sensitivity;
 mod sequence;
 mod settings;
 mod single_body;
+pub mod studies;
 pub mod swarm;
 mod two_body;
 mod words;
@@ -55,6 +56,7 @@ pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, tr
 
 use crate::method::{About, Method, MethodError, Named};
 use crate::setting::Settings;
+use crate::study::Study;
 use nalgebra::SMatrix;
 use poinsot_identify::{Estimate, Problem};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
@@ -138,6 +140,10 @@ impl Method for Xu2017 {
         let variant = Variant::named(self.about().name, variant)?;
         let solver = settings::solver(variant.solver, settings)?;
         Ok(identify_with(problem, variant, &solver)?)
+    }
+
+    fn studies(&self) -> &'static [Study] {
+        studies::STUDIES
     }
 }
 

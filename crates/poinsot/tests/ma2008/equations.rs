@@ -13,13 +13,13 @@ fn exact_both_trajectories_all_options_both_bases() {
     for (trajectory, spin) in cases {
         for base in [table1().bodies[0].nominal, unsymmetric()] {
             for (stops, orbital) in [(true, 0.0), (false, 0.0), (true, 7500.0)] {
-                let mut e = Experiment::new(trajectory, spin).with_base(base);
+                let mut e = flown(trajectory, spin).with_base(base);
                 // One axis of spin, one of arm motion, stopped: nearly open (the paper's own condition).
                 if !stops || spin == [0.0, 1.0, 0.0] {
-                    e = e.moving(40);
+                    e = e.sampled(40, false);
                 }
                 e.velocity = [0.02 + orbital, -0.01, 0.005];
-                let Run { raws, known, .. } = e.run();
+                let Run { raws, known, .. } = e.run().unwrap();
                 let samples = vec![readings(&e.model, &raws)];
                 for option in [Some(known), None] {
                     let found = error(&two_step(&samples, option), &base);
@@ -94,9 +94,9 @@ fn exact_rows_are_momentum_by_definition() {
 #[test]
 fn paper_printed_increments_hold_for_the_symmetric_base_only() {
     for base in [table1().bodies[0].nominal, unsymmetric()] {
-        let mut e = Experiment::new(1, [0.0, 0.0, 5.0]).with_base(base);
+        let mut e = flown(1, [0.0, 0.0, 5.0]).with_base(base);
         e.velocity = [0.02, -0.01, 0.005];
-        let samples = readings(&e.model, &e.run().raws);
+        let samples = readings(&e.model, &e.run().unwrap().raws);
         let corrected = two_step(std::slice::from_ref(&samples), None);
         assert!(error(&corrected, &base) < 1.0e-9);
         let body = two_step_printed(&samples, PrintedAxes::Body).unwrap();
@@ -115,8 +115,8 @@ fn paper_printed_increments_hold_for_the_symmetric_base_only() {
 #[test]
 fn exact_error_matrices_are_differences_of_rows() {
     let mut rng = ChaCha8Rng::seed_from_u64(39);
-    let e = Experiment::new(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());
-    for reading in readings(&e.model, &e.run().raws) {
+    let e = flown(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());
+    for reading in readings(&e.model, &e.run().unwrap().raws) {
         let (dv, dw) = (vector(&mut rng), vector(&mut rng));
         let moved = Reading {
             v_NBo_B: reading.v_NBo_B + dv,
@@ -135,9 +135,9 @@ fn exact_error_matrices_are_differences_of_rows() {
 /// (36) is (35) divided by the length of the solution.
 #[test]
 fn exact_relative_bound_is_absolute_bound_over_solution() {
-    let e = Experiment::new(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());
+    let e = flown(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());
     let samples = noisy(
-        &readings(&e.model, &e.run().raws),
+        &readings(&e.model, &e.run().unwrap().raws),
         0.01,
         &mut ChaCha8Rng::seed_from_u64(36),
     );

@@ -10,10 +10,10 @@ const JOINT_RATE: f64 = 2.0e-5;
 /// The stated sigma is the scatter: chi-square of the ten numbers over 300 trials, both options.
 #[test]
 fn stat_sigmas_are_calibrated() {
-    let e = Experiment::new(1, [1.0, 2.0, 5.0])
+    let e = flown(1, [1.0, 2.0, 5.0])
         .with_base(unsymmetric())
-        .moving(30);
-    let Run { raws, known, .. } = e.run();
+        .sampled(30, false);
+    let Run { raws, known, .. } = e.run().unwrap();
     let truth = e.truth();
     for variant in [Variant::KnownMomentum, Variant::UnknownMomentum] {
         let mut model = e.model.clone();
@@ -79,8 +79,8 @@ fn stat_sigmas_are_calibrated() {
 #[test]
 fn prop_what_motion_does_not_show_is_open() {
     // Nothing moves.
-    let still = Experiment::new(1, [0.0; 3]);
-    let one = still.run().raws[0].clone();
+    let still = flown(1, [0.0; 3]);
+    let one = still.run().unwrap().raws[0].clone();
     let answer = ask(
         &still.model,
         &vec![one.clone(); 12],
@@ -93,7 +93,7 @@ fn prop_what_motion_does_not_show_is_open() {
     assert_eq!(answer.identifiability.rank, 0);
     assert!(!answer.identifiability.open.is_empty());
     // At zero momentum with the arm stopped nothing moves either.
-    let Run { raws, known, .. } = still.run();
+    let Run { raws, known, .. } = still.run().unwrap();
     assert!(raws.iter().all(|r| r.w_NB_B.norm() < 1.0e-12));
     let mut model = still.model.clone();
     model.momentum.linear = MomentumKnowledge::Known(known.p_C_N);
@@ -101,9 +101,9 @@ fn prop_what_motion_does_not_show_is_open() {
     let answer = ask(&model, &raws, Variant::KnownMomentum, 0.0).unwrap();
     assert_eq!(answer.status, Status::NotIdentifiable);
     // Known linear momentum without spin: the mass alone.
-    let mut drifting = Experiment::new(1, [0.0; 3]);
+    let mut drifting = flown(1, [0.0; 3]);
     drifting.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known, .. } = drifting.run();
+    let Run { raws, known, .. } = drifting.run().unwrap();
     let mut model = drifting.model.clone();
     model.momentum.linear = MomentumKnowledge::Known(known.p_C_N);
     model.momentum.angular = MomentumKnowledge::Known(known.h_C_N);
@@ -114,10 +114,10 @@ fn prop_what_motion_does_not_show_is_open() {
     assert!(base.com.iter().all(|n| n.value.is_none()));
     assert!(base.inertia.iter().all(|n| n.value.is_none()));
     // Moving samples at rest: everything, without spin.
-    let moving = Experiment::new(1, [0.0; 3]).moving(200);
+    let moving = flown(1, [0.0; 3]).sampled(200, false);
     let answer = ask(
         &moving.model,
-        &moving.run().raws,
+        &moving.run().unwrap().raws,
         Variant::UnknownMomentum,
         0.0,
     )
@@ -129,11 +129,11 @@ fn prop_what_motion_does_not_show_is_open() {
         answer.identifiability
     );
     // A spin about the one axis about which an arm in the plane of symmetry moves, stopped.
-    let mut one_axis = Experiment::new(2, [0.0, 1.0, 0.0]);
+    let mut one_axis = flown(2, [0.0, 1.0, 0.0]);
     one_axis.model.joints[0].p_PoCo_P.y = 0.0;
     let answer = ask(
         &one_axis.model,
-        &one_axis.run().raws,
+        &one_axis.run().unwrap().raws,
         Variant::UnknownMomentum,
         0.0,
     )
@@ -149,9 +149,9 @@ fn prop_what_motion_does_not_show_is_open() {
 /// Linear momentum known and angular not, and the reverse: option 1 of one step, option 2 of the other.
 #[test]
 fn exact_mixed_momentum_gives_the_truth() {
-    let mut e = Experiment::new(1, [0.0, 1.0, 5.0]).with_base(unsymmetric());
+    let mut e = flown(1, [0.0, 1.0, 5.0]).with_base(unsymmetric());
     e.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known, .. } = e.run();
+    let Run { raws, known, .. } = e.run().unwrap();
     for linear in [true, false] {
         let mut model = e.model.clone();
         match linear {
@@ -178,9 +178,9 @@ fn exact_mixed_momentum_gives_the_truth() {
 
 #[test]
 fn prop_momentum_in_the_wrong_frame_is_rejected() {
-    let mut e = Experiment::new(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
+    let mut e = flown(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
     e.velocity = [0.02, -0.01, 0.005];
-    let Run { raws, known, .. } = e.run();
+    let Run { raws, known, .. } = e.run().unwrap();
     let turned = raws[0].R_NB.inverse();
     let wrong = [
         (known.p_C_N, turned * Vector3::x() * known.h_C_N.norm()),
@@ -205,8 +205,8 @@ fn prop_momentum_in_the_wrong_frame_is_rejected() {
 
 #[test]
 fn prop_bad_questions_are_refused_in_one_line() {
-    let e = Experiment::new(1, [0.0, 0.0, 5.0]);
-    let raws = e.run().raws;
+    let e = flown(1, [0.0, 0.0, 5.0]);
+    let raws = e.run().unwrap().raws;
     let refused = |change: &dyn Fn(&mut Model), variant, code: &str| {
         let mut model = e.model.clone();
         change(&mut model);
@@ -243,8 +243,8 @@ fn prop_bad_questions_are_refused_in_one_line() {
         .to_string();
     assert!(error.starts_with("E0528"), "{error}");
     // An arm heavier than the paper studied is answered with a warning.
-    let heavy = Experiment::new(1, [0.0, 0.0, 5.0]).with_arm_factor(8.0);
-    let answer = ask(&heavy.model, &heavy.run().raws, free, 0.0).unwrap();
+    let heavy = flown(1, [0.0, 0.0, 5.0]).with_ratio(8.0 * 0.093184);
+    let answer = ask(&heavy.model, &heavy.run().unwrap().raws, free, 0.0).unwrap();
     assert_eq!(answer.status, Status::Converged);
     assert!(
         answer.warnings.iter().any(|w| w.contains("0.5 to 50 %")),

@@ -123,11 +123,11 @@ fn cli_method_and_variant_names() {
 
 #[test]
 fn prop_two_segments_share_the_base() {
-    let first = Experiment::new(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
-    let second = Experiment::new(2, [0.0, 1.0, 5.0]).with_base(unsymmetric());
+    let first = flown(1, [0.0, 0.0, 5.0]).with_base(unsymmetric());
+    let second = flown(2, [0.0, 1.0, 5.0]).with_base(unsymmetric());
     let data = vec![
-        readings(&first.model, &first.run().raws),
-        readings(&second.model, &second.run().raws),
+        readings(&first.model, &first.run().unwrap().raws),
+        readings(&second.model, &second.run().unwrap().raws),
     ];
     assert!(error(&two_step(&data, None), &unsymmetric()) < 1.0e-9);
 }

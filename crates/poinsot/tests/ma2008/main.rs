@@ -1,13 +1,6 @@
 //! Ma, Dang and Pham 2008: both steps against closed forms, the paper, MuJoCo and statistics.
 #![allow(non_snake_case, clippy::unwrap_used, clippy::needless_range_loop)]
 
-#[allow(dead_code)]
-#[path = "../../examples/ma2008_studies/setup.rs"]
-mod setup;
-
-#[allow(dead_code)]
-#[path = "../../examples/ma2008_studies/advantages.rs"]
-mod advantages;
 mod equations;
 mod estimates;
 mod files;
@@ -24,6 +17,7 @@ use poinsot_identify::{Noise, Problem, Samples, Segment, Status, Translation};
 use poinsot_model::{JointKind, Model, MomentumKnowledge, read_model};
 use poinsot_papers::ma2008::bounds::{angular_error, bound, linear_error, sizes};
 use poinsot_papers::ma2008::printed::{PrintedAxes, two_step_printed};
+use poinsot_papers::ma2008::studies::experiment::{Experiment, Run, readings, unsymmetric};
 use poinsot_papers::ma2008::{
     self, Known, Reading, TwoStep, Variant, Vehicle, angular_rows, linear_rows, two_step,
 };
@@ -33,7 +27,22 @@ use poinsot_testkit::momentum_sum::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use setup::{Experiment, Run, examples, readings, table1, unsymmetric};
+use std::path::PathBuf;
+
+/// The folder of shipped examples.
+fn examples() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+/// The Table 1 system with its true numbers.
+fn table1() -> Model {
+    read_model(examples().join("cases/ma2008_truth.toml")).unwrap()
+}
+
+/// The Table 1 system on one of the trajectories.
+fn flown(trajectory: usize, spin_deg_s: [f64; 3]) -> Experiment {
+    Experiment::new(&table1(), trajectory, spin_deg_s)
+}
 
 /// Largest relative error: mass, mass centre over 1 m, tensor over its norm.
 fn error(answer: &TwoStep, truth: &MassProperties) -> f64 {

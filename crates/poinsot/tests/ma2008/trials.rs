@@ -5,8 +5,8 @@ use super::*;
 /// The kernel of trials against the two steps by QR, and its scatter against the two steps' own.
 #[test]
 fn exact_kernel_of_trials_agrees_with_two_step() {
-    let e = Experiment::new(1, [1.0, 2.0, 5.0]).with_base(unsymmetric());
-    let run = e.run();
+    let e = flown(1, [1.0, 2.0, 5.0]).with_base(unsymmetric());
+    let run = e.run().unwrap();
     let samples = readings(&e.model, &run.raws);
     for known in [Some(run.known), None] {
         // Without noise: the truth.
@@ -69,8 +69,8 @@ fn exact_kernel_of_trials_agrees_with_two_step() {
 /// A trial does not depend on how many others run.
 #[test]
 fn prop_trials_are_independent_of_the_range() {
-    let e = Experiment::new(1, [0.0, 0.0, 5.0]);
-    let run = e.run();
+    let e = flown(1, [0.0, 0.0, 5.0]);
+    let run = e.run().unwrap();
     let kernel = ma2008::Trials::new(
         &readings(&e.model, &run.raws),
         None,
@@ -88,8 +88,8 @@ fn prop_trials_are_independent_of_the_range() {
 #[test]
 fn paper_three_percent_noise() {
     let median = |trajectory: usize, spin: [f64; 3], known: bool| -> f64 {
-        let e = Experiment::new(trajectory, spin);
-        let run = e.run();
+        let e = flown(trajectory, spin);
+        let run = e.run().unwrap();
         let most = |of: &dyn Fn(&ma2008::Raw) -> Vector3| {
             run.raws.iter().fold(Vector3::zeros(), |m: Vector3, r| {
                 m.zip_map(&of(r), |a, b| a.max(b.abs()))
@@ -128,8 +128,8 @@ fn paper_three_percent_noise() {
 /// (35) with the error matrices of each trial holds in (nearly) every one and is loose by a factor of a few.
 #[test]
 fn stat_first_order_bound_holds() {
-    let e = Experiment::new(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());
-    let run = e.run();
+    let e = flown(1, [0.0, 0.0, 1.0]).with_base(unsymmetric());
+    let run = e.run().unwrap();
     let exact = readings(&e.model, &run.raws);
     let truth = two_step(std::slice::from_ref(&exact), Some(run.known));
     let step2 = truth.angular.clone().unwrap();

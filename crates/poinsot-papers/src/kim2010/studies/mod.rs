@@ -1,0 +1,50 @@
+//! Tables 2 and 3 and figures 1 to 4, what the printed numbers say of the record behind them, and the four columns on
+//! slews about several axes.
+
+mod bands;
+pub mod inversion;
+mod manoeuvres;
+mod one_axis;
+pub mod printed;
+mod records;
+
+use crate::study::Study;
+
+/// The studies.
+pub const STUDIES: &[Study] = &[
+    Study::quick(
+        "axis",
+        "the slew keeps one axis, so products follow from moments",
+        one_axis::axis,
+    ),
+    Study::quick(
+        "table2",
+        "Table 2 without noise, column by column",
+        one_axis::table2,
+    ),
+    Study::quick(
+        "pre-estimate",
+        "the sums that Table 2 fixes, the column considering pre-estimate, length and rate of the record",
+        one_axis::pre_estimate,
+    ),
+    Study::quick(
+        "orders",
+        "the sequential readings of that column in 720 orders",
+        one_axis::orders,
+    ),
+    Study::quick(
+        "iteration",
+        "the announced iteration and the symmetric fit",
+        one_axis::iteration,
+    ),
+    Study::quick(
+        "bands",
+        "Tables 2 and 3 and Fig. 1 to 4 among 200 noisy records",
+        bands::run,
+    ),
+    Study::slow(
+        "manoeuvres",
+        "one slew and three slews of 17 and 90 deg: every column, linear and maximum likelihood",
+        manoeuvres::run,
+    ),
+];

@@ -1,0 +1,151 @@
+//! The paper's slew from its case file without noise, and records of it with noise.
+
+use super::printed::{PRINTED, SIGMA};
+use crate::kim2010::{Kim2010Error, Manoeuvre, StartRate, Sums, wheel_momentum};
+use crate::study::statistics::Normals;
+use crate::study::{Context, StudyError};
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+/// Rows per second of the record.
+pub const RATE: usize = 10;
+/// Length of the longest record, s.
+const LENGTH: usize = 600;
+/// Records with noise.
+pub const SEEDS: u64 = 200;
+/// Length of the paper's record, s, and the step to 1 Hz, of the noise-free tables.
+pub const PAPER: (usize, usize) = (350, 10);
+
+/// A record without noise.
+pub struct Slew {
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Attitude.
+    pub R_NB: Vec<UnitQuaternion>,
+    /// Rates, rad/s.
+    pub w: Vec<Vector3>,
+    /// Momentum of the wheels, N m s.
+    pub h: Vec<Vector3>,
+    /// Torque of the controller on the body, N m (17).
+    pub u: Vec<Vector3>,
+    /// The tensor, kg m2.
+    pub I: Matrix3,
+}
+
+impl Slew {
+    /// The slew of the paper's case.
+    pub fn of(context: &Context) -> Result<Self, StudyError> {
+        let case = context.case("stsat3_kim2010.toml")?.with(&[
+            ("duration_s = 350.0", &format!("duration_s = {LENGTH}")),
+            ("sensors_only = true", "sensors_only = false"),
+        ]);
+        let mut model = context.tools.vehicle(&case)?;
+        model.sensors.clear();
+        let table = context.tools.simulate(&case, &model, 0)?;
+        let column = |name: &str| {
+            let channel = table.channel(name).map(|c| c.values.clone());
+            channel.ok_or_else(|| format!("the simulation has no channel {name}"))
+        };
+        let three = |names: [&str; 3]| -> Result<Vec<Vector3>, StudyError> {
+            let [x, y, z] = [column(names[0])?, column(names[1])?, column(names[2])?];
+            let all = x.iter().zip(&y).zip(&z);
+            Ok(all.map(|((x, y), z)| Vector3::new(*x, *y, *z)).collect())
+        };
+        let (vector, scalar) = (three(["q_x", "q_y", "q_z"])?, column("q_w")?);
+        let attitude = |(v, w): (&Vector3, &f64)| {
+            UnitQuaternion::new_normalize(nalgebra::Quaternion::new(*w, v.x, v.y, v.z))
+        };
+        let R_NB: Vec<UnitQuaternion> = vector.iter().zip(&scalar).map(attitude).collect();
+        let w = three(["omega_x", "omega_y", "omega_z"])?;
+        let speed = three(["wheel1_rad_s", "wheel2_rad_s", "wheel3_rad_s"])?;
+        let axes: Vec<Vector3> = model.wheels.iter().map(|w| w.axis_B).collect();
+        let spin: Vec<f64> = model.wheels.iter().map(|w| w.spin_inertia).collect();
+        let momentum = |s: &Vector3| wheel_momentum(&axes, &spin, s.as_slice());
+        let I = model.bodies[0].nominal.I_BBcm_B;
+        // Table 1: natural frequency, rad/s, and damping of the controller.
+        let (wn, zeta) = (0.043, 0.707);
+        let law = |(q, w): (&UnitQuaternion, &Vector3)| {
+            -(I * q.imag()) * (2.0 * wn * wn) - (I * w) * (2.0 * zeta * wn)
+        };
+        Ok(Self {
+            time: (0..w.len()).map(|k| k as f64 / RATE as f64).collect(),
+            u: R_NB.iter().zip(&w).map(law).collect(),
+            h: speed.iter().map(momentum).collect(),
+            R_NB,
+            w,
+            I,
+        })
+    }
+
+    /// The axis of the slew.
+    pub fn normal(&self) -> Vector3 {
+        self.R_NB[0].axis().map_or(self.w[0], |a| a.into_inner())
+    }
+
+    /// The sums of the paper's estimators for the first `seconds`, every `step`-th row, with `noise` (one vector per
+    /// sample) on the rates.
+    pub fn sums(
+        &self,
+        seconds: usize,
+        step: usize,
+        noise: &[Vector3],
+    ) -> Result<Sums, Kim2010Error> {
+        let rows = || (0..=seconds * RATE).step_by(step);
+        let zero = Vector3::zeros();
+        let noisy = |(k, i): (usize, usize)| self.w[i] + noise.get(k).unwrap_or(&zero);
+        let w: Vec<Vector3> = rows().enumerate().map(noisy).collect();
+        let R: Vec<UnitQuaternion> = rows().map(|i| self.R_NB[i]).collect();
+        let h: Vec<Vector3> = rows().map(|i| self.h[i]).collect();
+        Sums::of(&[Manoeuvre {
+            R_NB: &R,
+            w_NB_B: &w,
+            h_W_B: &h,
+            start: StartRate::Rest,
+        }])
+    }
+
+    /// The sums of every noisy record for each length, all of one rate: longer records continue shorter ones.
+    pub fn noisy(&self, step: usize, lengths: &[usize]) -> Result<Vec<Vec<Sums>>, Kim2010Error> {
+        let longest = lengths.iter().max().copied().unwrap_or(0) * RATE / step + 1;
+        let mut all: Vec<Vec<Sums>> = lengths.iter().map(|_| Vec::new()).collect();
+        for seed in 0..SEEDS {
+            let noise = noise(seed * 16 + step as u64 % 16, longest);
+            for (list, length) in all.iter_mut().zip(lengths) {
+                list.push(self.sums(*length, step, &noise)?);
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// Noise of one record, one vector per sample.
+pub fn noise(seed: u64, samples: usize) -> Vec<Vector3> {
+    let mut normals = Normals::new(seed, 0);
+    (0..samples).map(|_| normals.vector() * SIGMA).collect()
+}
+
+/// The four columns of Table 2.
+pub fn columns(sums: &Sums) -> Result<[[f64; 6]; 4], Kim2010Error> {
+    Ok([
+        sums.batch()?.0.printed,
+        sums.conventional()?.printed,
+        sums.pre_estimate()?.printed,
+        sums.suggested()?.printed,
+    ])
+}
+
+/// Squared distance of printed numbers of a column, from an element on, from the mean of trials in their covariance.
+pub fn chi_square(trials: &[Vec<f64>], column: usize, from: usize) -> f64 {
+    let printed = &PRINTED[column][from..];
+    let (n, p) = (trials.len() as f64, printed.len());
+    let mean: Vec<f64> = (0..p)
+        .map(|i| trials.iter().map(|t| t[i]).sum::<f64>() / n)
+        .collect();
+    let covariance = nalgebra::DMatrix::from_fn(p, p, |i, j| {
+        let products = trials.iter().map(|t| (t[i] - mean[i]) * (t[j] - mean[j]));
+        products.sum::<f64>() / (n - 1.0)
+    });
+    let gap = nalgebra::DVector::from_fn(p, |i, _| printed[i] - mean[i]);
+    covariance
+        .cholesky()
+        .map_or(f64::NAN, |c| gap.dot(&c.solve(&gap)))
+}

@@ -1,0 +1,87 @@
+//! The advantages that Sec. II.B states for option 2: less bias, and relative velocities from accelerometers.
+
+use super::experiment::{Experiment, readings, unsymmetric};
+use super::noise::OPTIONS;
+use crate::ma2008::{Raw, two_step};
+use crate::study::statistics::rms;
+use crate::study::{Context, Findings, StudyError, Table, decimals, percent};
+use poinsot_model::Model;
+use poinsot_spatial::Vector3;
+
+/// Ten stopped samples of trajectory 1 at 5 deg/s, base origin at rest.
+pub fn offset_experiment(table1: &Model, full_tensor: bool) -> Experiment {
+    let e = Experiment::new(table1, 1, [0.0, 0.0, 5.0]);
+    if full_tensor {
+        e.with_base(unsymmetric())
+    } else {
+        e
+    }
+}
+
+/// Mass (kg) and error of the tensor (share of its norm) of both options, on exact data with an error added to each
+/// sample.
+///
+/// # Errors
+/// The motion cannot be computed.
+pub fn both(e: &Experiment, error: impl Fn(&mut Raw)) -> Result<[[f64; 2]; 2], StudyError> {
+    let run = e.run()?;
+    let mut raws = run.raws;
+    raws.iter_mut().for_each(error);
+    let samples = [readings(&e.model, &raws)];
+    let truth = e.truth().I_BBcm_B;
+    Ok(OPTIONS.map(|known| {
+        let found = two_step(&samples, known.then_some(run.known));
+        let off = found.I_S().map(|I| (I - truth).norm() / truth.norm());
+        [found.mass(), off.unwrap_or(f64::NAN)]
+    }))
+}
+
+/// The study.
+pub fn run(context: &Context) -> Result<Findings, StudyError> {
+    let table1 = context.model("cases/ma2008_truth.toml")?;
+    let head = ["constant error", "option 1", "option 2"];
+    let mut offsets = Table::new(
+        "offset",
+        "Mass of the base, kg (true 1000 kg), with a constant offset of the velocity in N",
+        &head,
+    );
+    let mut biases = Table::new(
+        "bias",
+        "Error of the tensor, %, with a constant bias of the gyro",
+        &head,
+    );
+    let axes = [
+        ("x", Vector3::x()),
+        ("y", Vector3::y()),
+        ("z", Vector3::z()),
+    ];
+    let mut of_bias = Vec::new();
+    for (base, full) in [("Table 1 base", false), ("unsymmetric base", true)] {
+        let e = offset_experiment(&table1, full);
+        for offset in [1.0, 0.1, 0.01, 0.001] {
+            for (name, axis) in [axes[0], axes[2]] {
+                let found = both(&e, |raw| raw.v_NBo_N += axis * offset)?;
+                let title = format!("{base}, {offset} m/s along {name}");
+                offsets.row(title, found.map(|f| decimals(f[0], 3)));
+            }
+        }
+        for (name, axis) in axes {
+            let found = both(&e, |raw| raw.w_NB_B += axis * 1.0e-4)?;
+            biases.row(
+                format!("{base}, 1e-4 rad/s about {name}"),
+                found.map(|f| percent(f[1], 2)),
+            );
+            if !full {
+                of_bias.push(found.map(|f| f[1]));
+            }
+        }
+    }
+    let mut findings = Findings::of(offsets);
+    findings.tables.push(biases);
+    let [one, two] = [0, 1].map(|k| percent(rms(of_bias.iter().map(|b| b[k])), 2).text());
+    findings.state(
+        "increments have less bias",
+        format!("{one} and {two} %, rms of three axes"),
+    );
+    Ok(findings)
+}

@@ -1,0 +1,154 @@
+//! The Cramer-Rao bound of what the two steps see.
+
+use super::experiment::{Experiment, Run, readings};
+use super::noise::Sigma;
+use crate::ma2008::{Reading, angular_rows, linear_rows};
+use nalgebra::DMatrix;
+use poinsot_spatial::{Matrix6, Vector3, Vector6};
+
+/// Steps of the differences, in units of the unknowns.
+const STEP: f64 = 1.0e-5;
+/// Eigenvalues of the scaled information below this share of the largest are zero.
+const ZERO: f64 = 1.0e-13;
+/// Size of a column of the information, over the largest, that is round-off.
+const NONE: f64 = 1.0e-10;
+
+type Vector5 = nalgebra::SVector<f64, 5>;
+type Vector7 = nalgebra::SVector<f64, 7>;
+
+/// The ten unknowns, and six more where the momentum is unknown, with their units.
+struct Unknowns {
+    theta: Vec<f64>,
+    unit: Vec<f64>,
+    arm_mass: f64,
+    known: bool,
+    run: crate::ma2008::Known,
+}
+
+impl Unknowns {
+    fn new(e: &Experiment, run: &Run, known: bool) -> Self {
+        let truth = e.truth();
+        let (I, c) = (&truth.I_BBcm_B, truth.p_BoBcm_B);
+        let arm_mass: f64 = e.model.bodies[1..].iter().map(|b| b.nominal.mass).sum();
+        let ratio = arm_mass / truth.mass;
+        let mut theta = vec![ratio, c.x, c.y, c.z];
+        theta.extend([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| I[at]));
+        let mut unit = vec![ratio, 1.0, 1.0, 1.0];
+        unit.extend([I.norm(); 6]);
+        if !known {
+            theta.extend(
+                (run.known.p_C_N / truth.mass)
+                    .iter()
+                    .chain(run.known.h_C_N.iter()),
+            );
+            unit.extend([1.0, 1.0, 1.0, I.norm(), I.norm(), I.norm()]);
+        }
+        Self {
+            theta,
+            unit,
+            arm_mass,
+            known,
+            run: run.known,
+        }
+    }
+
+    /// The six equations of a sample, zero at the truth.
+    fn equations(&self, s: &Reading, t: &[f64]) -> Vector6 {
+        let x = Vector5::new(t[0], t[1], t[2], t[3], 1.0);
+        let y = Vector7::from_iterator(t[4..10].iter().copied().chain([1.0]));
+        let (P, H) = if self.known {
+            (self.run.p_C_N * (t[0] / self.arm_mass), self.run.h_C_N)
+        } else {
+            (
+                Vector3::new(t[10], t[11], t[12]),
+                Vector3::new(t[13], t[14], t[15]),
+            )
+        };
+        let l = linear_rows(s) * x - P;
+        let mass_centre = Vector3::new(t[1], t[2], t[3]);
+        let h = angular_rows(s, self.arm_mass / t[0], &mass_centre) * y - H;
+        Vector6::new(l.x, l.y, l.z, h.x, h.y, h.z)
+    }
+
+    /// Information of one sample: `D^T S^-1 D`; `None` where a velocity is exact.
+    fn information(&self, s: &Reading, sigma: Sigma) -> Option<DMatrix<f64>> {
+        let mut S = Matrix6::zeros();
+        for k in 0..3 {
+            let mut moved = [*s; 4];
+            let dv = s.R_NB.transpose().column(k) * sigma.v[k];
+            moved[0].v_NBo_B += dv;
+            moved[1].v_NBo_B -= dv;
+            moved[2].w_NB_B[k] += sigma.w[k];
+            moved[3].w_NB_B[k] -= sigma.w[k];
+            for pair in moved.chunks_exact(2) {
+                let of = |s| self.equations(s, &self.theta);
+                let e = (of(&pair[0]) - of(&pair[1])) * 0.5;
+                S += e * e.transpose();
+            }
+        }
+        let n = self.theta.len();
+        let mut D = DMatrix::<f64>::zeros(6, n);
+        for j in 0..n {
+            let moved = |by: f64| {
+                let mut t = self.theta.clone();
+                t[j] += by * self.unit[j];
+                self.equations(s, &t)
+            };
+            let slope = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
+            D.column_mut(j).copy_from(&slope);
+        }
+        Some(D.transpose() * S.try_inverse()? * &D)
+    }
+}
+
+/// Cramer-Rao bound of what the two steps see (velocities with noise, attitude and joints exact, no position), as
+/// root-mean-square errors: mass (share), mass centre (m), tensor (share of its norm).
+///
+/// Six equations `g = 0` and six noisy velocities per sample: with `g` differentiated over the unknowns (`D`) and over
+/// the velocities (`S = sum e e^T`), the information is `sum D^T S^-1 D`. Unknown momentum adds six unknowns.
+pub fn cramer_rao(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> [f64; 3] {
+    let unknowns = Unknowns::new(e, run, known);
+    let n = unknowns.theta.len();
+    let mut information = DMatrix::<f64>::zeros(n, n);
+    for s in readings(&e.model, &run.raws) {
+        match unknowns.information(&s, sigma) {
+            Some(of_sample) => information += of_sample,
+            None => return [f64::INFINITY; 3],
+        }
+    }
+    // In units of the unknowns, then equal diagonals: with orbital velocity the columns differ by many powers of ten.
+    let size: Vec<f64> = (0..n).map(|i| information[(i, i)].sqrt()).collect();
+    let largest = size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    // A column of round-off is none.
+    let size: Vec<f64> = size
+        .into_iter()
+        .map(|s| if s > NONE * largest { s } else { f64::INFINITY })
+        .collect();
+    let information = DMatrix::from_fn(n, n, |i, j| information[(i, j)] / size[i] / size[j]);
+    let eigen = information.symmetric_eigen();
+    let most = eigen.eigenvalues.max();
+    let variance = |i: usize| -> f64 {
+        let share = |j: usize| {
+            let (v, l) = (eigen.eigenvectors[(i, j)].powi(2), eigen.eigenvalues[j]);
+            if l > ZERO * most {
+                v / l
+            } else if v > 1.0e-9 {
+                f64::INFINITY
+            } else {
+                0.0
+            }
+        };
+        if size[i].is_infinite() {
+            return f64::INFINITY;
+        }
+        (0..n).map(share).sum::<f64>() / (size[i] * size[i])
+    };
+    let tensor: f64 = (4..10)
+        .map(|i| variance(i) * if i < 7 { 1.0 } else { 2.0 })
+        .sum();
+    [
+        variance(0).sqrt(),
+        (1..4).map(variance).sum::<f64>().sqrt(),
+        tensor.sqrt(),
+    ]
+}

@@ -1,0 +1,195 @@
+//! Claims of Sec. III and V on the motion: span, number of joints, path and internal torque, mass ratio.
+
+use super::cramer_rao::cramer_rao;
+use super::experiment::{Experiment, readings};
+use super::noise::{OPTIONS, Sigma, medians};
+use crate::ma2008::two_step;
+use crate::study::statistics::largest;
+use crate::study::{Cell, Context, Findings, StudyError, Table, figures, percent};
+
+const HEAD: [&str; 4] = [
+    "mass, known",
+    "tensor, known",
+    "mass, unknown",
+    "tensor, unknown",
+];
+/// Trajectory 1 with a spin about z, deg/s.
+const SPIN: [f64; 3] = [0.0, 0.0, 5.0];
+
+/// With all joint angles times a factor.
+fn scaled(mut e: Experiment, factor: f64) -> Experiment {
+    for knot in &mut e.knots {
+        knot.1.iter_mut().for_each(|q| *q *= factor);
+    }
+    e
+}
+
+/// With only these joints in motion.
+fn only(mut e: Experiment, moves: &[usize]) -> Experiment {
+    let first = e.knots[0].1;
+    for knot in &mut e.knots {
+        for j in (0..6).filter(|j| !moves.contains(j)) {
+            knot.1[j] = first[j];
+        }
+    }
+    e
+}
+
+/// Trajectory 1 with the wrist turning, too.
+fn with_wrist(mut e: Experiment) -> Experiment {
+    for (k, knot) in e.knots.iter_mut().enumerate() {
+        for j in 3..6 {
+            knot.1[j] = 30.0 * k as f64 * (1.0 - 0.5 * (j - 3) as f64);
+        }
+    }
+    e
+}
+
+/// Bounds of mass and tensor in percent, momentum known and unknown.
+fn bounds(e: &Experiment, sigma: Sigma) -> Result<[Cell; 4], StudyError> {
+    let run = e.run()?;
+    let [a, b] = OPTIONS.map(|known| cramer_rao(e, &run, sigma, known));
+    Ok([a[0], a[2], b[0], b[2]].map(|x| percent(x, 2)))
+}
+
+fn table(name: &'static str, title: &str, first: &str) -> Table {
+    let head: Vec<&str> = std::iter::once(first).chain(HEAD).collect();
+    Table::new(name, &format!("Cramer-Rao bounds in %: {title}"), &head)
+}
+
+/// The study.
+pub fn run(context: &Context) -> Result<Findings, StudyError> {
+    let mut findings = Findings::default();
+    let sigma = Sigma::fixed(context)?;
+    span(context, sigma, &mut findings)?;
+    joints(context, sigma, &mut findings)?;
+    ratio(context, sigma, &mut findings)?;
+    another_path(context, &mut findings)?;
+    Ok(findings)
+}
+
+fn span(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), StudyError> {
+    for (name, title, drift, moving) in [
+        (
+            "span",
+            "span of the motion, ten stopped samples, base origin at rest",
+            0.0,
+            false,
+        ),
+        (
+            "span_drifting",
+            "span of the motion, ten stopped samples, drifting 0.02 m/s",
+            0.02,
+            false,
+        ),
+        (
+            "span_moving",
+            "span of the motion, 200 moving samples, drifting 0.02 m/s",
+            0.02,
+            true,
+        ),
+    ] {
+        let mut table = table(name, title, "joint angles times");
+        let mut tensors = Vec::new();
+        for factor in [1.0, 0.5, 0.25] {
+            let e = scaled(Experiment::of(context, 1, SPIN)?, factor).drifting(drift);
+            let e = if moving { e.sampled(200, false) } else { e };
+            let cells = bounds(&e, sigma)?;
+            tensors.push(cells[3].text());
+            table.row(format!("{factor}"), cells);
+        }
+        if name == "span" {
+            findings.state(
+                "span as large as possible",
+                format!("tensor {} %", tensors.join(", ")),
+            );
+        }
+        findings.tables.push(table);
+    }
+    Ok(())
+}
+
+fn joints(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), StudyError> {
+    let title = "joints that move, spin y 1 and z 5 deg/s, ten stopped samples";
+    let mut table = table("joints", title, "joints");
+    let e = Experiment::of(context, 1, [0.0, 1.0, 5.0])?;
+    let mut known = Vec::new();
+    for (name, moves) in [
+        ("1", &[0][..]),
+        ("2", &[1]),
+        ("1 and 2", &[0, 1]),
+        ("1, 2, 3 (trajectory 1)", &[0, 1, 2]),
+    ] {
+        let cells = bounds(&only(e.clone(), moves), sigma)?;
+        known.push(cells[1].text());
+        table.row(name, cells);
+    }
+    let cells = bounds(&with_wrist(e), sigma)?;
+    known.push(cells[1].text());
+    table.row("all six", cells);
+    findings.tables.push(table);
+    let text = format!("tensor {} and {} % with one joint", known[0], known[1]);
+    findings.state("fewer than six joints suffice", text);
+    let text = format!("tensor {} % with three, {} % with six", known[3], known[4]);
+    findings.state("more joints are better", text);
+    Ok(())
+}
+
+/// The bounds, and beside them the tensor of the two steps with the same fixed noise.
+fn ratio(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), StudyError> {
+    for (name, title, drift) in [
+        (
+            "ratio",
+            "arm mass over base mass, ten stopped samples, base origin at rest",
+            0.0,
+        ),
+        (
+            "ratio_drifting",
+            "arm mass over base mass, ten stopped samples, drifting 0.02 m/s",
+            0.02,
+        ),
+    ] {
+        let mut table = table(name, title, "arm / base, %");
+        table.head.push("option 1, tensor".to_owned());
+        for ratio in [0.005, 0.02, 0.05, 0.1, 0.2, 0.5] {
+            let e = Experiment::of(context, 1, SPIN)?
+                .with_ratio(ratio)
+                .drifting(drift);
+            let mut cells = bounds(&e, sigma)?.to_vec();
+            if drift == 0.0 && ratio == 0.02 {
+                let text = format!("tensor {} % at 2 %", cells[1].text());
+                findings.state("arm mass at least 5 %", text);
+            }
+            let median = medians(&e, &e.run()?, sigma, true)[2];
+            cells.push(percent(median, 2));
+            table.row(format!("{}", 100.0 * ratio), cells);
+        }
+        findings.tables.push(table);
+    }
+    Ok(())
+}
+
+/// Two runs through the same stops by other paths: the arm swings out and back between the stops, so joint torques,
+/// attitudes and velocities differ.
+fn another_path(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
+    let e = Experiment::of(context, 1, SPIN)?;
+    let mut other = e.clone();
+    other.detour_deg = 60.0;
+    let runs = [e.run()?, other.run()?];
+    let turned = runs[0].raws.iter().zip(&runs[1].raws);
+    let attitude = largest(turned.map(|(x, y)| x.R_NB.angle_to(&y.R_NB)));
+    let [a, b] = runs.map(|run| two_step(&[readings(&e.model, &run.raws)], None).mass());
+    let mut table = Table::new(
+        "path",
+        "The same stops by another path: largest difference of attitude, rad; difference of option 2's mass, kg",
+        &["", "attitude", "mass"],
+    );
+    table.row(
+        "another path",
+        [figures(attitude, 2), figures((a - b).abs(), 1)],
+    );
+    findings.tables.push(table);
+    let text = format!("{:.0e} kg between two paths", (a - b).abs());
+    findings.state("internal forces do not matter", text);
+    Ok(())
+}

@@ -1,0 +1,63 @@
+//! Studies of the papers: what a paper states, computed again, as tables, figures and the numbers of its page.
+//!
+//! A study is one function of a [`Context`]. Its paper lists it in `Method::studies`; the command line, the tests
+//! and the pages read that list. Simulation and identification belong to the crate above, so a study calls them
+//! through [`Tools`], which the verb hands in.
+
+mod context;
+mod findings;
+pub mod statistics;
+
+pub use context::{CaseText, Context, Difference, StudyError, Tools};
+pub use findings::{Cell, Digits, Findings, Table, decimals, figures, percent, word};
+
+use crate::method::{METHODS, Method};
+
+/// What a study does with its context.
+pub type Run = fn(&Context) -> Result<Findings, StudyError>;
+
+/// A study of a paper.
+#[derive(Clone, Copy)]
+pub struct Study {
+    /// Name on the command line, unique within the paper.
+    pub name: &'static str,
+    /// What it computes, in one line.
+    pub summary: &'static str,
+    /// Whether it ends within seconds.
+    pub quick: bool,
+    /// The study itself.
+    pub run: Run,
+}
+
+impl Study {
+    /// One that ends within seconds.
+    pub const fn quick(name: &'static str, summary: &'static str, run: Run) -> Self {
+        Self {
+            name,
+            summary,
+            quick: true,
+            run,
+        }
+    }
+
+    /// One that takes minutes.
+    pub const fn slow(name: &'static str, summary: &'static str, run: Run) -> Self {
+        Self {
+            quick: false,
+            ..Self::quick(name, summary, run)
+        }
+    }
+}
+
+/// Every study with its paper, in the order of [`METHODS`].
+///
+/// ```
+/// let all: Vec<String> = poinsot_papers::study::studies()
+///     .map(|(paper, study)| format!("poinsot study {paper} {}", study.name))
+///     .collect();
+/// assert!(all.iter().any(|s| s == "poinsot study kim2010 table2"));
+/// ```
+pub fn studies() -> impl Iterator<Item = (&'static str, &'static Study)> {
+    let of = |m: &'static dyn Method| m.studies().iter().map(move |s| (m.about().name, s));
+    METHODS.into_iter().flat_map(of)
+}

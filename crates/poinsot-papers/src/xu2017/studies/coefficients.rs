@@ -1,0 +1,126 @@
+//! Sec. 5.6 as printed: (63)-(75) along the runs, and how tight the bounds (75) are.
+
+use super::robot::{ARM, Robot};
+use crate::study::statistics::{Normals, largest};
+use crate::study::{Context, Findings, StudyError, Table, decimals, figures};
+use crate::xu2017::sensitivity::{mass_coefficient, tensor_bounds, tensor_coefficients};
+use poinsot_dynamics::Kinematics;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+/// The paper's largest angular rate of the base, rad/s (74).
+pub const RATE: f64 = 0.03;
+/// Draws of attitude and direction of the rate.
+const DRAWS: usize = 200_000;
+const COLUMNS: [&str; 7] = ["", "xx", "xy", "xz", "yy", "yz", "zz"];
+
+/// Largest of each of the eighteen coefficients, row by row, over random attitudes and directions of a rate.
+pub fn largest_coefficients(rate: f64, draws: usize) -> [[f64; 6]; 3] {
+    let mut normals = Normals::new(75, 0);
+    let mut most = [[0.0_f64; 6]; 3];
+    for _ in 0..draws {
+        let (v, w) = (normals.vector(), normals.number());
+        let q = nalgebra::Quaternion::new(w, v.x, v.y, v.z);
+        let A = UnitQuaternion::new_normalize(q)
+            .to_rotation_matrix()
+            .into_inner();
+        let K = tensor_coefficients(&A, &(normals.vector().normalize() * rate));
+        for (i, row) in most.iter_mut().enumerate() {
+            for (k, m) in row.iter_mut().enumerate() {
+                *m = m.max(K[(i, k)].abs());
+            }
+        }
+    }
+    most
+}
+
+/// How far `K` times the elements is from `A I A^T w`, share.
+fn difference(A: &Matrix3, w: &Vector3, I: &Matrix3) -> f64 {
+    let elements = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|e| I[e]);
+    let K = tensor_coefficients(A, w) * nalgebra::SVector::<f64, 6>::from(elements);
+    let L = A * I * A.transpose() * w;
+    (K - L).norm() / L.norm().max(f64::MIN_POSITIVE)
+}
+
+/// The study.
+pub fn run(context: &Context) -> Result<Findings, StudyError> {
+    let robot = Robot::new(context)?;
+    let mut bounds = Table::new(
+        "bounds",
+        &format!(
+            "(75) at {RATE} rad/s: bound, and largest of {DRAWS} random attitudes and directions"
+        ),
+        &COLUMNS,
+    );
+    bounds.row("bound (75)", tensor_bounds(RATE).map(|x| decimals(x, 4)));
+    let most = largest_coefficients(RATE, DRAWS);
+    for (axis, row) in ["dL_x", "dL_y", "dL_z"].into_iter().zip(most) {
+        bounds.row(axis, row.map(|x| decimals(x, 4)));
+    }
+    let mut runs = Table::new(
+        "runs",
+        "Along C2 to C7: rate, rad/s; |dP/dm0| as corrected, |v0 - v1|, and as (68) prints, |v0|, m/s",
+        &["joint", "largest rate", "corrected", "printed"],
+    );
+    let mut along = Table::new(
+        "along",
+        "Largest coefficients (73) along C2 to C7",
+        &COLUMNS,
+    );
+    let (mut wrong, mut fastest): (f64, f64) = (0.0, 0.0);
+    for (joint, name) in ARM.into_iter().enumerate() {
+        let d = robot.data(&[name])?;
+        let s = &d.segments[0].samples;
+        let translation = s.translation.as_ref().ok_or("the run has no velocity")?;
+        let dof = d.tree.dof();
+        let mut kinematics = Kinematics::new(&d.tree);
+        let (mut rate, mut corrected, mut printed): (f64, f64, f64) = (0.0, 0.0, 0.0);
+        let mut most = [0.0_f64; 6];
+        for k in 0..s.time_s.len() {
+            let at = k * dof..(k + 1) * dof;
+            let v = s.R_NB[k].inverse() * translation.v_NBo_N[k];
+            kinematics.place(&d.tree, &s.joint_position[at.clone()]);
+            kinematics.set_velocities(&d.tree, &v, &s.w_NB_B[k], &s.joint_rate[at]);
+            // Velocities of the mass centres of both sides.
+            let mut sides = [(0.0, Vector3::zeros()); 2];
+            for (b, body) in robot.truth.iter().enumerate() {
+                let side = &mut sides[usize::from(b > joint)];
+                let r = kinematics.R[b] * body.mc_B;
+                side.0 += body.mass;
+                side.1 += kinematics.v[b] * body.mass + kinematics.w[b].cross(&r);
+            }
+            let [v0, v1] = sides.map(|(m, p)| p / m);
+            corrected = corrected.max(mass_coefficient(&v0, &v1).norm());
+            printed = printed.max(v0.norm());
+            let A = s.R_NB[k].to_rotation_matrix().into_inner();
+            let w = A * s.w_NB_B[k];
+            rate = rate.max(w.norm());
+            let K = tensor_coefficients(&A, &w);
+            for (c, m) in most.iter_mut().enumerate() {
+                *m = m.max(K.column(c).amax());
+            }
+            if w.norm() > 0.1 * rate {
+                wrong = wrong.max(difference(&A, &w, &robot.properties()[0].I_BBcm_B));
+            }
+        }
+        fastest = fastest.max(corrected);
+        let cells = [
+            decimals(rate, 5),
+            figures(corrected, 2),
+            figures(printed, 2),
+        ];
+        runs.row(format!("{}", joint + 1), cells);
+        along.row(format!("{}", joint + 1), most.map(|x| decimals(x, 4)));
+    }
+    let mut findings = Findings::of(bounds);
+    findings.tables.extend([runs, along]);
+    let text = format!("{} m/s at most", figures(fastest, 2).text());
+    findings.state("(63)-(68) sensitivity of the mass", text);
+    findings.state(
+        "(69)-(73) sensitivity of the tensor",
+        format!("{wrong:.0e} from A I A^T w"),
+    );
+    let products = largest([most[0][1], most[1][1], most[2][1]]);
+    let text = format!("{products:.4} for {:.2}", tensor_bounds(RATE)[1]);
+    findings.state("(74), (75) bounds", text);
+    Ok(findings)
+}

@@ -1,0 +1,123 @@
+//! Fig. 9 and 10: best cost against iterations; beside it the accuracy, and the linear solution.
+
+use super::robot::{Data, Robot, SEEDS};
+use crate::study::statistics::{largest, quantile};
+use crate::study::{Context, Findings, StudyError, Table, figures};
+use crate::xu2017::swarm::Swarm;
+use crate::xu2017::{Found, Order, Searched, particle};
+use poinsot_report::{Axis, Mark, Plot, Series};
+
+/// Iterations of the figures; no flight stops earlier.
+const ITERATIONS: usize = 2500;
+/// Points of a curve: every tenth iteration.
+const STEP: usize = 10;
+/// Share of the nominal values on both sides.
+const RANGE: f64 = 0.5;
+
+/// The study.
+pub fn run(context: &Context) -> Result<Findings, StudyError> {
+    let robot = Robot::new(context)?;
+    let single = Data::new(
+        context,
+        robot.centred(),
+        &robot.runs(&robot.centred(), &["C1"])?,
+    )?;
+    let tip = robot.centred_data(&["C1", "C7"])?;
+    let swarm = Swarm {
+        iterations: ITERATIONS,
+        patience: ITERATIONS,
+        ..Swarm::default()
+    };
+    let mut findings = Findings::default();
+    let mut arrived = Vec::new();
+    for (name, title, data, order, part) in [
+        (
+            "fig09",
+            "Fig. 9: equivalent single body, cost (37), run C1 integrated",
+            &single,
+            Order::Outward,
+            Searched::Single,
+        ),
+        (
+            "fig10",
+            "Fig. 10: body 6 by joint 6, cost (52), runs C1 and C7",
+            &tip,
+            Order::Inward,
+            Searched::Outer(5),
+        ),
+    ] {
+        let flown = data.swarms(RANGE, order, swarm.clone())?;
+        let steps: Vec<_> = flown
+            .iter()
+            .flat_map(|f| f.steps.iter().find(|s| s.part == part))
+            .collect();
+        arrived.push(steps.iter().filter(|s| s.arrived()).count());
+        let histories: Vec<&[f64]> = steps
+            .iter()
+            .filter_map(|s| Some(s.flight.as_ref()?.0.history.as_slice()))
+            .collect();
+        let linear = steps.first().map_or(f64::NAN, |s| s.cost_linear);
+        findings.plot(name, plot(title, &histories, linear));
+    }
+    findings.tables.push(accuracy(&robot, &single)?);
+    let text = format!(
+        "{} and {} of {SEEDS} flights arrive",
+        arrived[0], arrived[1]
+    );
+    findings.state("Fig. 9, 10 cost of the swarm", text);
+    Ok(findings)
+}
+
+/// Median and the band of all seeds.
+fn plot(title: &str, histories: &[&[f64]], linear: f64) -> Plot {
+    let n = histories.iter().map(|h| h.len()).min().unwrap_or(0);
+    let rows: Vec<usize> = (0..n).step_by(STEP).collect();
+    let x: Vec<f64> = rows.iter().map(|k| *k as f64).collect();
+    let at = |share: f64| -> Vec<f64> {
+        let one = |k: &usize| quantile(histories.iter().map(|h| h[*k]), share);
+        rows.iter().map(one).collect()
+    };
+    Plot {
+        title: title.to_owned(),
+        x: Axis::new("iteration", ""),
+        y: Axis::new("best cost", "N s + N m s"),
+        log: true,
+        series: vec![
+            Series::band(&format!("all {SEEDS} seeds"), 0, &x, &at(0.0), &at(1.0)),
+            Series::new("swarm, median", Mark::Line, 0, &x, &at(0.5)),
+            Series::new(
+                "linear solution",
+                Mark::Dashed,
+                1,
+                &[0.0, n as f64],
+                &[linear; 2],
+            ),
+        ],
+        ..Plot::default()
+    }
+}
+
+/// The swarm's accuracy against iterations, beside the linear solution.
+fn accuracy(robot: &Robot, data: &Data) -> Result<Table, StudyError> {
+    let x = particle(&robot.whole());
+    let error = |found: &Found| {
+        let found = particle(&found.steps[0].found);
+        largest((0..10).map(|k| ((found[k] - x[k]) / x[k]).abs()))
+    };
+    let title =
+        format!("Equivalent single body, run C1: largest relative error, worst of {SEEDS} seeds");
+    let mut table = Table::new("accuracy", &title, &["iterations", "error"]);
+    for iterations in [100, 200, 400, 800, 1600, 3200] {
+        let swarm = Swarm {
+            iterations,
+            ..Swarm::default()
+        };
+        let flown = data.swarms(RANGE, Order::Outward, swarm)?;
+        table.row(
+            format!("{iterations}"),
+            [figures(largest(flown.iter().map(error)), 2)],
+        );
+    }
+    table.row("linear", [figures(error(&data.linear(Order::Outward)?), 2)]);
+    Ok(table)
+}

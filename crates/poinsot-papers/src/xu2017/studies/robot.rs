@@ -1,0 +1,284 @@
+//! The robot of the paper and its seven runs, as the shipped example has them.
+
+use crate::method::Method;
+use crate::study::{Context, StudyError};
+use crate::xu2017::swarm::Swarm;
+use crate::xu2017::{Found, Kind, Order, Solver, Xu2017, Xu2017Error, sequence};
+use poinsot_dynamics::{Kinematics, Tree, composite};
+use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment, TENSOR};
+use poinsot_model::{EstimateSet, Model};
+use poinsot_spatial::{InertialParameters, MassProperties};
+use poinsot_telemetry::Table;
+use rayon::prelude::*;
+
+/// Every run: thrust with the joints locked, then one joint each.
+pub const ALL: [&str; 7] = ["C1", "C2", "C3", "C4", "C5", "C6", "C7"];
+/// The runs of the joints.
+pub const ARM: [&str; 6] = ["C2", "C3", "C4", "C5", "C6", "C7"];
+/// Samples taken for the swarms of many seeds: every fifth, 0.25 s apart, so that the firings of 5 s still begin and
+/// end on a sample. The runs are free of noise.
+pub const EVERY: usize = 5;
+/// Seeds of a swarm.
+pub const SEEDS: u64 = 20;
+
+/// Model, tree and bound telemetry.
+pub struct Data {
+    /// The model.
+    pub model: Model,
+    /// Its tree.
+    pub tree: Tree,
+    /// Samples.
+    pub segments: Vec<Segment>,
+    noise: Noise,
+}
+
+impl Data {
+    /// Of one table per run.
+    ///
+    /// # Errors
+    /// Model and telemetry do not fit.
+    pub fn new(context: &Context, model: Model, tables: &[Table]) -> Result<Self, StudyError> {
+        let tree = Tree::new(&model);
+        let (segments, noise) = context.tools.bind(&model, &tree, tables)?;
+        Ok(Self {
+            model,
+            tree,
+            segments,
+            noise,
+        })
+    }
+
+    /// As a problem.
+    pub fn problem(&self) -> Problem<'_> {
+        Problem {
+            model: &self.model,
+            tree: &self.tree,
+            segments: &self.segments,
+            noise: &self.noise,
+            relative_accuracy: 1.0,
+        }
+    }
+
+    /// The paper's sequence by the linear solution.
+    ///
+    /// # Errors
+    /// The runs do not suit the method.
+    pub fn linear(&self, order: Order) -> Result<Found, Xu2017Error> {
+        sequence(&self.problem(), order, &Solver::default())
+    }
+
+    /// The paper's sequence by swarms of [`SEEDS`] seeds, range a share of the nominal values.
+    ///
+    /// # Errors
+    /// The runs do not suit the method.
+    pub fn swarms(
+        &self,
+        share: f64,
+        order: Order,
+        swarm: Swarm,
+    ) -> Result<Vec<Found>, Xu2017Error> {
+        let fly = |seed: u64| {
+            let solver = Solver {
+                kind: Kind::Swarm,
+                swarm: Swarm { seed, ..swarm },
+                share,
+            };
+            sequence(&self.problem(), order, &solver)
+        };
+        (0..SEEDS).into_par_iter().map(fly).collect()
+    }
+}
+
+/// The robot: its nominal model, 2 to 6 % off, and its true bodies.
+pub struct Robot<'a> {
+    context: Context<'a>,
+    /// The nominal model.
+    pub model: Model,
+    /// True bodies: the numbers of Table 1.
+    pub truth: Vec<InertialParameters>,
+}
+
+impl<'a> Robot<'a> {
+    /// Of the shipped examples.
+    ///
+    /// # Errors
+    /// The models cannot be read.
+    pub fn new(context: &Context<'a>) -> Result<Self, StudyError> {
+        let right = context.model("cases/xu2017_truth.toml")?;
+        Ok(Self {
+            context: *context,
+            model: context.model("xu2017/model.toml")?,
+            truth: right
+                .bodies
+                .iter()
+                .map(|b| b.nominal.parameters())
+                .collect(),
+        })
+    }
+
+    /// The runs named, each one segment.
+    ///
+    /// # Errors
+    /// A run cannot be read.
+    pub fn runs(&self, model: &Model, names: &[&str]) -> Result<Vec<Table>, StudyError> {
+        let folder = self.context.examples.join("xu2017");
+        let run = |name: &&str| {
+            let path = folder.join(name).join("telemetry.parquet");
+            self.context.tools.read(model, &path)
+        };
+        names.iter().map(run).collect()
+    }
+
+    /// The nominal model with the runs named.
+    ///
+    /// # Errors
+    /// As [`Self::runs`].
+    pub fn data(&self, names: &[&str]) -> Result<Data, StudyError> {
+        let tables = self.runs(&self.model, names)?;
+        Data::new(&self.context, self.model.clone(), &tables)
+    }
+
+    /// True mass properties.
+    pub fn properties(&self) -> Vec<MassProperties> {
+        properties(&self.truth)
+    }
+
+    /// The true robot as one body.
+    pub fn whole(&self) -> MassProperties {
+        whole(&Tree::new(&self.model), &self.truth)
+    }
+
+    /// The model with the true numbers as nominal ones, every body unknown.
+    pub fn centred(&self) -> Model {
+        let mut model = self.model.clone();
+        for (body, right) in model.bodies.iter_mut().zip(self.properties()) {
+            body.nominal = right;
+        }
+        model
+    }
+
+    /// The centred model with every [`EVERY`]th sample of the runs named.
+    ///
+    /// # Errors
+    /// As [`Self::runs`].
+    pub fn centred_data(&self, names: &[&str]) -> Result<Data, StudyError> {
+        let model = self.centred();
+        let tables = thinned(self.runs(&model, names)?, EVERY);
+        Data::new(&self.context, model, &tables)
+    }
+
+    /// The nominal model with all but some bodies known exactly.
+    pub fn known_but(&self, unknown: &[usize]) -> Model {
+        let mut model = self.model.clone();
+        for (b, (body, right)) in model.bodies.iter_mut().zip(self.properties()).enumerate() {
+            if !unknown.contains(&b) {
+                body.estimate = EstimateSet::default();
+                body.nominal = right;
+            }
+        }
+        model
+    }
+
+    /// The model with mass and mass centre of one body known.
+    pub fn mass_known(&self, body: usize) -> Model {
+        let mut model = self.model.clone();
+        let right = self.properties()[body];
+        model.bodies[body].nominal.mass = right.mass;
+        model.bodies[body].nominal.p_BoBcm_B = right.p_BoBcm_B;
+        model.bodies[body].estimate = EstimateSet {
+            inertia: true,
+            ..EstimateSet::default()
+        };
+        model
+    }
+
+    /// The robot as one body: what the equivalent single body is about.
+    pub fn one_body(&self, inertia_only: bool) -> Model {
+        let mut model = self.model.clone();
+        let nominal: Vec<_> = model
+            .bodies
+            .iter()
+            .map(|b| b.nominal.parameters())
+            .collect();
+        let (guess, right) = (whole(&Tree::new(&model), &nominal), self.whole());
+        model.bodies.truncate(1);
+        model.joints.clear();
+        model.sensors.retain(|s| !s.kind.is_scalar());
+        let base = &mut model.bodies[0];
+        base.nominal = guess;
+        if inertia_only {
+            base.nominal.mass = right.mass;
+            base.nominal.p_BoBcm_B = right.p_BoBcm_B;
+            base.estimate = EstimateSet {
+                inertia: true,
+                ..EstimateSet::default()
+            };
+        }
+        model
+    }
+
+    /// What the paper's method answers.
+    ///
+    /// # Errors
+    /// The runs do not suit it.
+    pub fn ask(
+        &self,
+        model: &Model,
+        tables: Vec<Table>,
+        variant: &str,
+    ) -> Result<Estimate, StudyError> {
+        let own = Xu2017.about().name;
+        self.context
+            .tools
+            .identify(model, tables, own, Some(variant))
+    }
+}
+
+/// Mass properties of bodies; zero where a body of negative mass has none.
+pub fn properties(bodies: &[InertialParameters]) -> Vec<MassProperties> {
+    let of = |b: &InertialParameters| b.mass_properties().unwrap_or(MassProperties::ZERO);
+    bodies.iter().map(of).collect()
+}
+
+/// All bodies as one in the normal configuration.
+pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
+    let mut kinematics = Kinematics::new(tree);
+    kinematics.place(tree, &vec![0.0; tree.dof()]);
+    let c = composite(bodies, &kinematics);
+    MassProperties {
+        mass: c.mass,
+        p_BoBcm_B: c.p_BoScm_B(),
+        I_BBcm_B: c.I_SScm_B(),
+    }
+}
+
+/// Every n-th sample.
+pub fn thinned(mut tables: Vec<Table>, every: usize) -> Vec<Table> {
+    for channel in tables.iter_mut().flat_map(|t| &mut t.channels) {
+        channel.time_s = channel.time_s.iter().copied().step_by(every).collect();
+        channel.values = channel.values.iter().copied().step_by(every).collect();
+    }
+    tables
+}
+
+/// Attitude and rates alone.
+pub fn without_translation(tables: &mut [Table]) {
+    for table in tables {
+        table
+            .channels
+            .retain(|c| !c.name.starts_with("r_") && !c.name.starts_with("v_"));
+    }
+}
+
+/// Largest error of the numbers given, relative to mass, size and inertia; and how many there are.
+pub fn errors(found: &BodyEstimate, truth: &MassProperties) -> (f64, usize) {
+    let L = truth.radius_of_gyration();
+    let scale = truth.mass * L * L;
+    let mut list: Vec<f64> = Vec::new();
+    list.extend(found.mass.value.map(|m| (m / truth.mass - 1.0).abs()));
+    let mass_centre = found.com.iter().zip(truth.p_BoBcm_B.iter());
+    list.extend(mass_centre.filter_map(|(c, t)| Some((c.value? - t).abs() / L)));
+    let tensor = found.inertia.iter().zip(TENSOR);
+    list.extend(tensor.filter_map(|(n, e)| Some((n.value? - truth.I_BBcm_B[e]).abs() / scale)));
+    (list.iter().copied().fold(0.0, f64::max), list.len())
+}

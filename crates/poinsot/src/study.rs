@@ -1,0 +1,295 @@
+//! The verb `study`: what a paper states, computed again.
+//!
+//! The studies are those of [`poinsot_papers::study`]. They simulate and identify through [`Tools`], which is made of the
+//! verbs of this crate here.
+
+use crate::Error;
+use crate::bind::{acceleration_channels, bind};
+use crate::case::{Case, parse_case, read_case};
+use crate::identify::{Question, identify_tables, read_options};
+use crate::simulate::{SimulateError, simulate_trial};
+use crate::validate::{Mover, compare_motion};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, Noise, Segment};
+use poinsot_model::{Model, ModelError, read_model};
+use poinsot_papers::study::{CaseText, Difference, Tools};
+pub use poinsot_papers::study::{
+    Cell, Context, Findings, Study, StudyError, Table as FoundTable, studies,
+};
+use poinsot_papers::{Method, MethodError};
+use poinsot_report::{Document, FigureFormat, Section, Table as TextTable};
+use poinsot_spatial::InertialParameters;
+use poinsot_telemetry::{Table, read};
+use std::path::{Path, PathBuf};
+
+/// The tools of this crate.
+pub struct Verbs;
+
+fn parsed(case: &CaseText) -> Result<Case, Error> {
+    let case = parse_case(&case.path, case.text.clone());
+    Ok(case.map_err(SimulateError::from)?)
+}
+
+impl Tools for Verbs {
+    fn case(&self, path: &Path) -> Result<CaseText, StudyError> {
+        let case = read_case(path)
+            .map_err(SimulateError::from)
+            .map_err(Error::from)?;
+        Ok(CaseText {
+            path: path.to_owned(),
+            text: case.text().to_owned(),
+        })
+    }
+
+    fn vehicle(&self, case: &CaseText) -> Result<Model, StudyError> {
+        Ok(read_model(parsed(case)?.model)?)
+    }
+
+    fn simulate(&self, case: &CaseText, vehicle: &Model, trial: u64) -> Result<Table, StudyError> {
+        let simulated = simulate_trial(&parsed(case)?, vehicle, trial);
+        Ok(simulated.map_err(Error::from)?.table)
+    }
+
+    fn read(&self, model: &Model, file: &Path) -> Result<Table, StudyError> {
+        let mut options = read_options(model, &model.telemetry, false, false);
+        if let Some(wanted) = &mut options.wanted {
+            wanted.extend(acceleration_channels());
+        }
+        Ok(read(&[file], &options).map_err(Error::from)?)
+    }
+
+    fn bind(
+        &self,
+        model: &Model,
+        tree: &Tree,
+        tables: &[Table],
+    ) -> Result<(Vec<Segment>, Noise), StudyError> {
+        let bound = bind(model, tree, tables).map_err(Error::from)?;
+        Ok((bound.segments, bound.noise))
+    }
+
+    fn identify(
+        &self,
+        model: &Model,
+        tables: Vec<Table>,
+        method: &str,
+        variant: Option<&str>,
+    ) -> Result<Estimate, StudyError> {
+        let question = Question {
+            variant: variant.map(str::to_owned),
+            ..Question::by(method)
+        };
+        Ok(identify_tables(model.clone(), tables, &question)?.estimate)
+    }
+
+    fn differences(
+        &self,
+        case: &CaseText,
+        of: &[InertialParameters],
+        against: &[InertialParameters],
+    ) -> Result<Vec<Difference>, StudyError> {
+        let own = Mover::of_model(self.vehicle(case)?);
+        let [of, against] = [of, against].map(|bodies| Mover {
+            bodies: bodies.to_vec(),
+            ..own.clone()
+        });
+        let compared = compare_motion(&parsed(case)?, &of, &against)?;
+        let difference = |c: crate::validate::Compared| Difference {
+            name: c.name,
+            time_s: c.time_s,
+            rows: c.difference,
+            largest: c.largest,
+        };
+        Ok(compared.into_iter().map(difference).collect())
+    }
+}
+
+/// The studies asked for: of one paper or of all, one or all of its studies.
+///
+/// # Errors
+/// There is no such paper or study; the message lists those that there are.
+pub fn find(
+    paper: Option<&str>,
+    name: Option<&str>,
+) -> Result<Vec<(&'static str, &'static Study)>, Error> {
+    let unknown = |value: &str, what: &str, known: Vec<&str>| Error::Usage {
+        option: "study",
+        value: value.to_owned(),
+        why: format!("there is no such {what}; use one of {}", known.join(", ")),
+    };
+    let mut found: Vec<_> = studies().collect();
+    if let Some(paper) = paper {
+        let mut known: Vec<&str> = found.iter().map(|s| s.0).collect();
+        known.dedup();
+        found.retain(|s| s.0 == paper);
+        if found.is_empty() {
+            return Err(unknown(paper, "paper", known));
+        }
+    }
+    if let Some(name) = name.filter(|n| *n != ALL) {
+        let mut known: Vec<&str> = found.iter().map(|s| s.1.name).collect();
+        known.push(ALL);
+        found.retain(|s| s.1.name == name);
+        if found.is_empty() {
+            return Err(unknown(name, "study", known));
+        }
+    }
+    Ok(found)
+}
+
+/// The word for every study of a paper.
+pub const ALL: &str = "all";
+
+/// Runs a study with the folder of examples.
+///
+/// # Errors
+/// The examples are not there, or a tool refuses them.
+pub fn run(study: &Study, examples: &Path) -> Result<Findings, Error> {
+    if !examples.join("cases").is_dir() {
+        return Err(Error::Usage {
+            option: "--examples",
+            value: examples.display().to_string(),
+            why: "this folder does not hold the project's examples (no folder 'cases'); run in the project's folder, or give the path of its folder 'examples'".to_owned(),
+        });
+    }
+    let context = Context {
+        examples,
+        tools: &Verbs,
+    };
+    (study.run)(&context).map_err(told)
+}
+
+/// The error of a tool as it was given; anything else is a fault of the study.
+fn told(error: StudyError) -> Error {
+    let error = match error.downcast::<Error>() {
+        Ok(error) => return *error,
+        Err(other) => other,
+    };
+    let error = match error.downcast::<ModelError>() {
+        Ok(error) => return Error::Model(*error),
+        Err(other) => other,
+    };
+    match error.downcast::<MethodError>() {
+        Ok(error) => Error::Method(*error),
+        Err(other) => Error::Internal {
+            what: format!("a study: {other}"),
+        },
+    }
+}
+
+/// The findings as a document: tables, then the numbers of the paper's page.
+pub fn document(paper: &str, study: &Study, findings: &Findings) -> Document {
+    let mut document = Document::new(format!("{paper} {}: {}", study.name, study.summary));
+    for table in &findings.tables {
+        let mut text = TextTable::new(&[]);
+        text.head.clone_from(&table.head);
+        for row in &table.rows {
+            text.push(row.iter().map(Cell::text).collect());
+        }
+        document.push(Section::table(&table.title, text));
+    }
+    if !findings.statements.is_empty() {
+        let mut text = TextTable::new(&["in the paper", "number"]);
+        for (statement, number) in &findings.statements {
+            text.push(vec![statement.clone(), number.clone()]);
+        }
+        let title = format!("Numbers of docs/methods/{paper}.md");
+        document.push(Section::table(&title, text));
+    }
+    document
+}
+
+/// The findings as JSON: numbers with all their digits, null where there is none.
+pub fn json(paper: &str, study: &Study, findings: &Findings) -> serde_json::Value {
+    let cell = |cell: &Cell| match cell {
+        Cell::Word(text) => serde_json::json!(text),
+        Cell::Number(x, _) => serde_json::json!(x),
+        Cell::Pair(a, _, b, _) => serde_json::json!([a, b]),
+    };
+    let tables = findings.tables.iter().map(|t| {
+        let rows = t
+            .rows
+            .iter()
+            .map(|r| r.iter().map(cell).collect::<Vec<_>>());
+        serde_json::json!({
+            "name": t.name,
+            "title": t.title,
+            "columns": t.head,
+            "rows": rows.collect::<Vec<_>>(),
+        })
+    });
+    let statements = findings.statements.iter();
+    let statements = statements
+        .map(|(what, number)| serde_json::json!({ "in_the_paper": what, "number": number }));
+    serde_json::json!({
+        "paper": paper,
+        "study": study.name,
+        "summary": study.summary,
+        "tables": tables.collect::<Vec<_>>(),
+        "statements": statements.collect::<Vec<_>>(),
+    })
+}
+
+/// A table as CSV: numbers with all their digits; two numbers of a cell joined by their word.
+pub fn csv(table: &FoundTable) -> String {
+    let quoted = |text: &str| match text.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_owned(),
+    };
+    let number = |x: f64| {
+        if x.is_finite() {
+            format!("{x}")
+        } else {
+            String::new()
+        }
+    };
+    let cell = |cell: &Cell| match cell {
+        Cell::Word(text) => quoted(text),
+        Cell::Number(x, _) => number(*x),
+        Cell::Pair(a, between, b, _) => format!("{} {between} {}", number(*a), number(*b)),
+    };
+    let mut out = table
+        .head
+        .iter()
+        .map(|h| quoted(h))
+        .collect::<Vec<_>>()
+        .join(",")
+        + "\n";
+    for row in &table.rows {
+        out += &(row.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
+    }
+    out
+}
+
+/// Files of the findings: every table as CSV, every figure in the formats given.
+///
+/// # Errors
+/// A figure cannot be turned into pixels.
+pub fn files(
+    study: &Study,
+    findings: &Findings,
+    formats: &[FigureFormat],
+) -> Result<Vec<(PathBuf, Vec<u8>)>, Error> {
+    let mut files = Vec::new();
+    for table in &findings.tables {
+        let name = format!("{}_{}.csv", study.name, table.name);
+        files.push((PathBuf::from(name), csv(table).into_bytes()));
+    }
+    for figure in &findings.figures {
+        for format in formats {
+            let bytes = figure.file(*format).map_err(|e| Error::Report {
+                path: PathBuf::from(&figure.name),
+                why: crate::error::no_page(&e),
+            })?;
+            let name = format!("{}.{}", figure.name, format.extension());
+            files.extend(bytes.map(|b| (PathBuf::from(name), b)));
+        }
+    }
+    Ok(files)
+}
+
+/// One paper with its studies, for a list.
+pub fn papers() -> impl Iterator<Item = (&'static str, &'static str, &'static [Study])> {
+    let of = |m: &'static dyn Method| (m.about().name, m.about().citation, m.studies());
+    poinsot_papers::METHODS.into_iter().map(of)
+}
