@@ -148,7 +148,7 @@ fn cli_export_of_what_is_not_determined_is_refused() {
     assert_eq!(done.status.code(), Some(2));
     assert_eq!(
         String::from_utf8_lossy(&done.stderr),
-        "E0601 out/estimate.json: no report or export can be made of this: no body can be exported (not exported: spacecraft: not all of its mass, mass centre and inertia are determined; the file's numbers stay); identify with more data, or give the URDF file of the model\n"
+        "E0601 out/estimate.json: no report or export can be made of this: no body can be exported (not exported: spacecraft: not all of its mass, mass centre and inertia are determined; the file's numbers stay); identify with more data, or give the urdf file of the model\n"
     );
     assert!(!folder.path().join("new.urdf").exists());
 }

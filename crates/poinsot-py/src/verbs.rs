@@ -97,13 +97,8 @@ pub fn simulate(
 }
 
 fn text_of(path: &std::path::Path) -> Result<String, Fault> {
-    std::fs::read_to_string(path).map_err(|source| {
-        Fault::from(poinsot::Error::Io {
-            path: path.to_owned(),
-            what: "cannot be read",
-            source,
-        })
-    })
+    let text = poinsot_model::read_model_text(path);
+    text.map_err(|error| Fault::from(poinsot::Error::from(error)))
 }
 
 /// `poinsot predict`.

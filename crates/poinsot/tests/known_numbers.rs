@@ -45,7 +45,8 @@ fn largest(errors: &[f64]) -> f64 {
 fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
     let exact = arm(11);
     let model = exact.clone().with_usual_uncertainty(Origin::Cad);
-    let wrong: [(&str, Vec<(KnownNumber, usize, f64)>); 3] = [
+    type Changes = Vec<(KnownNumber, usize, f64)>;
+    let wrong: [(&str, Changes); 3] = [
         (
             "mass",
             vec![(

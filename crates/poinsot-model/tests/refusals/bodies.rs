@@ -198,6 +198,6 @@ com_m = "here"
 colour = "red""#,
         r#"E0105 m.toml:11:1: body[1].mass (body "link1") = 12.0: missing unit; write mass_kg
 E0107 m.toml:12:9: body[1].com_m (body "link1") = "here": text stands where another type is needed; write a list of 3 numbers
-E0104 m.toml:13:1: body[1].colour (body "link1") = "red": unknown key; remove it; known here: name, mass_kg, com_m, inertia_kg_m2, estimate, prior"#,
+E0104 m.toml:13:1: body[1].colour (body "link1") = "red": unknown key; remove it; known here: name, mass_kg, com_m, inertia_kg_m2, estimate, prior, source, exact, uncertainty"#,
     ),
 ];
