@@ -249,7 +249,7 @@ pub struct KnownNumbersFile {
     /// Whether every known number is taken as exact.
     #[serde(default)]
     pub exact: bool,
-    /// Whether some known number has no declared source, so that the uncertainty of a drawing is assumed.
+    /// Whether some known number has no declared source, so that it is taken as exact.
     #[serde(default)]
     pub source_assumed: bool,
     /// One sigma of numbers of the answer if every known number were exact, by name of the covariance.

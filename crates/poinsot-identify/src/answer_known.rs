@@ -16,7 +16,7 @@ pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> Kno
     let uncertain = model.uncertain().next().is_some();
     let mut out = KnownNumbers {
         exact: !uncertain,
-        assumed: uncertain && model.knowledge.assumed,
+        assumed: model.knowledge.assumed,
         ..KnownNumbers::default()
     };
     let Some(known) = &solved.known else {

@@ -249,7 +249,7 @@ pub struct ChannelFit {
 pub struct KnownNumbers {
     /// Whether the model takes every known number as exact.
     pub exact: bool,
-    /// Whether the model leaves the source of some known number open, so that "cad" is assumed.
+    /// Whether the model leaves the source of some known number open, so that it is taken as exact.
     pub assumed: bool,
     /// One sigma of each number of the covariance if every known number were exact; `None` of one that is itself known.
     pub sigma_data: Vec<Option<f64>>,

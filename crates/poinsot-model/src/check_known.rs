@@ -58,11 +58,14 @@ pub(crate) fn check_known(
         if exact == Some(true) {
             continue;
         }
-        let origin = match source {
-            Some(SourceFile::Measured) => Origin::Measured,
-            _ => Origin::Cad,
+        let origin = match (source, exact) {
+            (Some(SourceFile::Measured), _) => Origin::Measured,
+            (Some(_), _) | (None, Some(_)) => Origin::Cad,
+            (None, None) => {
+                out.assumed |= number.is_known(model);
+                continue;
+            }
         };
-        out.assumed |= source.is_none() && number.is_known(model);
         out.uncertain.push(Uncertain {
             number,
             sigma: number.usual_sigma(origin),

@@ -67,7 +67,7 @@ pub struct Uncertain {
 pub struct Knowledge {
     /// Uncertain numbers; every other one is exact.
     pub uncertain: Vec<Uncertain>,
-    /// Whether some table says nothing of its source, so that "cad" is assumed.
+    /// Whether some table says nothing of its source, so that its known numbers are taken as exact.
     pub assumed: bool,
     /// How far an answer may be from nominal: a factor of masses and principal moments, and as many radii of gyration of a
     /// mass centre; `None`: [`NOMINAL_WITHIN`].

@@ -16,8 +16,10 @@ pub fn write_model(model: &Model) -> String {
     line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));
     line(&mut out, "name", quoted(&model.name));
     if model.knowledge.uncertain.is_empty() {
-        line(&mut out, "exact", "true".to_owned());
-    } else if !model.knowledge.assumed {
+        if !model.knowledge.assumed {
+            line(&mut out, "exact", "true".to_owned());
+        }
+    } else {
         line(&mut out, "source", quoted(Origin::Cad.word()));
     }
     if let Some(factor) = model.knowledge.nominal_within {

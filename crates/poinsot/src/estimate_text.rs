@@ -7,7 +7,7 @@ use poinsot_identify::{BodyEstimate, Estimate, Number, OpenCombination, Source, 
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
-pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are uncertain as those of a drawing (\"cad\"). \
+pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. \
      Write source = \"measured\", source = \"cad\" or exact = true into the model.";
 
 /// Combinations listed in the terminal; the file has all.

@@ -7,7 +7,7 @@ use serde::Deserialize;
 pub(crate) enum SourceFile {
     /// A measurement of the part.
     Measured,
-    /// A drawing or a computer model. The default.
+    /// A drawing or a computer model.
     Cad,
 }
 

@@ -46,7 +46,7 @@ pub(crate) struct ModelFile {
     pub schema: Option<String>,
     /// Name of the vehicle. Default "vehicle".
     pub name: Option<String>,
-    /// Where the known numbers come from, for every table that does not say it: "measured" or "cad" (default). It sets how
+    /// Where the known numbers come from, for every table that does not say it: "measured" or "cad"; exact without one. It sets how
     /// uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers as exact, in every table that does not say otherwise.

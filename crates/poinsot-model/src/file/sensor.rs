@@ -65,7 +65,7 @@ pub(crate) struct SensorFile {
     pub rotation_matrix: Option<[[f64; 3]; 3]>,
     /// Position of the sensor from the origin of the body's frame, m. Default zero.
     pub position_m: Option<[f64; 3]>,
-    /// Where the known numbers come from: "measured" or "cad" (default). It sets how uncertain they are.
+    /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
     pub exact: Option<bool>,

@@ -5,7 +5,7 @@ use super::inertial::rotation;
 use super::raw::{Kind, Robot};
 use super::tree::Order;
 use crate::Environment;
-use crate::known::{Knowledge, Origin};
+use crate::known::Knowledge;
 use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
@@ -80,11 +80,12 @@ pub(super) fn model(
         momentum: Momentum::default(),
         environment: Environment::default(),
         telemetry: TelemetryMap::default(),
-        knowledge: Knowledge::default(),
+        // A robot description says nothing of how good its numbers are.
+        knowledge: Knowledge {
+            assumed: true,
+            ..Knowledge::default()
+        },
         notes: Vec::new(),
     };
-    // A robot description says nothing of how good its numbers are.
-    let mut model = model.with_usual_uncertainty(Origin::Cad);
-    model.knowledge.assumed = true;
     Some(model)
 }
