@@ -32,11 +32,10 @@ fn score(case: &Case, seed: u64) -> Score {
     let names = ["xx", "xy", "yy", "xz", "yz", "zz"];
     let at = names.map(|n| {
         let ends = format!("I_{n}");
-        let found = e
-            .covariance_names
-            .iter()
-            .position(|c| c.contains(&ends) || c.contains(&format!("inertia_{n}")));
-        found.unwrap_or_else(|| panic!("{:?}", e.covariance_names))
+        let mut names = e.covariance_names.iter();
+        names
+            .position(|c| c.contains(&ends) || c.contains(&format!("inertia_{n}")))
+            .unwrap()
     });
     let covariance = DMatrix::from_fn(6, 6, |i, j| e.covariance[at[i]][at[j]]);
     let off_vector = DVector::from_row_slice(&off);
