@@ -387,7 +387,7 @@ pub struct Predict {
 /// Arguments of `design`.
 #[derive(Debug, Args)]
 pub struct Design {
-    /// Case (TOML, poinsot.case/1) with [[want]], [limits] and [design].
+    /// Case (TOML, poinsot.case/1) with the tables want, limits and design.
     pub case: PathBuf,
     /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
     #[arg(long, value_name = "DIR")]

@@ -13,7 +13,7 @@ pub struct SettingText {
     pub default: &'static str,
 }
 
-/// Settings of a method as given; keys of others are refused by [`Settings::of`].
+/// Settings of a method as given; keys of others are refused by [`Settings::check`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings(Vec<(String, String)>);
 
