@@ -9,7 +9,7 @@
 //! of the element that fares worst.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-#[path = "../tests/vehicle/mod.rs"]
+#[path = "../tests/all/vehicle/mod.rs"]
 mod vehicle;
 
 use poinsot::{Coordinates, Question, identify_tables};

@@ -1,0 +1,290 @@
+//! `identify --method kim2010` as a user meets it: certificate first, wheels that are wrong are named.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+fn poinsot(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_poinsot"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Exit code, JSON, and everything printed on standard error.
+fn identify(model: &Path, telemetry: &Path, variant: &str) -> (i32, Value, String) {
+    let (model, telemetry) = (model.display().to_string(), telemetry.display().to_string());
+    let out = poinsot(&[
+        "identify",
+        "--model",
+        &model,
+        "--telemetry",
+        &telemetry,
+        "--method",
+        "kim2010",
+        "--variant",
+        variant,
+        "--json",
+    ]);
+    let json = serde_json::from_slice(&out.stdout).unwrap_or(Value::Null);
+    (out.status.code().unwrap_or(-1), json, text(&out.stderr))
+}
+
+fn stsat3() -> PathBuf {
+    examples().join("stsat3/model.toml")
+}
+
+fn paper_noisy() -> PathBuf {
+    examples().join("stsat3/paper/telemetry_noisy.csv")
+}
+
+fn number(json: &Value, name: &str) -> f64 {
+    let list = json["method_report"]["numbers"].as_array().unwrap();
+    let found = list.iter().find(|n| n["name"] == name);
+    found.unwrap_or_else(|| panic!("no {name}"))["value"]
+        .as_f64()
+        .unwrap()
+}
+
+/// A copy of the noisy file of the paper's slew with every row passed through `change`.
+fn changed(
+    folder: &Path,
+    header: impl Fn(&str) -> String,
+    change: impl Fn(&[&str], &mut [f64]),
+) -> PathBuf {
+    let source = std::fs::read_to_string(paper_noisy()).unwrap();
+    let mut lines = source.lines();
+    let head = lines.next().unwrap();
+    let names: Vec<&str> = head.split(',').collect();
+    let mut out = header(head) + "\n";
+    for line in lines {
+        let mut row: Vec<f64> = line
+            .split(',')
+            .map(|x| x.parse().unwrap_or(f64::NAN))
+            .collect();
+        change(&names, &mut row);
+        let cells: Vec<String> = row
+            .iter()
+            .map(|x| {
+                if x.is_nan() {
+                    String::new()
+                } else {
+                    x.to_string()
+                }
+            })
+            .collect();
+        out += &(cells.join(",") + "\n");
+    }
+    let path = folder.join("telemetry.csv");
+    std::fs::write(&path, out).unwrap();
+    path
+}
+
+fn column(names: &[&str], name: &str) -> usize {
+    names.iter().position(|n| *n == name).unwrap()
+}
+
+fn warnings(json: &Value) -> String {
+    let list = json["warnings"].as_array().unwrap();
+    list.iter()
+        .filter_map(Value::as_str)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn cli_baselines_print_beside_a_certificate_of_three_of_six() {
+    for variant in [
+        "batch",
+        "conventional",
+        "pre-estimate",
+        "suggested",
+        "iterated",
+    ] {
+        let (code, json, _) = identify(&stsat3(), &paper_noisy(), variant);
+        assert_eq!(code, 1, "{variant}");
+        assert_eq!(json["status"], "partial");
+        assert_eq!(json["method"], "kim2010");
+        assert_eq!(json["variant"], variant);
+        assert_eq!(json["identifiability"]["rank"], 3);
+        for element in ["xx", "yy", "zz", "xy", "xz", "yz"] {
+            let value = &json["bodies"]["spacecraft"]["inertia_kg_m2"]["value"][element];
+            assert!(value.is_null(), "{variant} {element}");
+        }
+        assert!(number(&json, "inertia_xx") > 1.0);
+        let note = json["method_report"]["note"].as_str().unwrap();
+        assert!(
+            note.contains("no answer") && note.contains("3 of 6"),
+            "{note}"
+        );
+    }
+    let (model, data) = (
+        stsat3().display().to_string(),
+        paper_noisy().display().to_string(),
+    );
+    let out = poinsot(&[
+        "identify",
+        "--model",
+        &model,
+        "--telemetry",
+        &data,
+        "--method",
+        "kim2010",
+    ]);
+    let screen = text(&out.stdout);
+    let certificate = screen.find("not identifiable from these data").unwrap();
+    assert!(certificate < screen.find("what the method kim2010 prints").unwrap());
+}
+
+/// Basilisk's noise-free run: diagonals are the row sums, suggested products zero.
+#[test]
+fn xval_basilisk_paper_run_gives_the_row_sums() {
+    let data = examples().join("stsat3/paper/telemetry.parquet");
+    let (code, json, _) = identify(&stsat3(), &data, "suggested");
+    assert_eq!(code, 1);
+    for (name, wanted) in [
+        ("inertia_xx", 14.150),
+        ("inertia_yy", 17.520),
+        ("inertia_zz", 20.730),
+    ] {
+        assert!((number(&json, name) - wanted).abs() < 5e-4, "{name}");
+    }
+    for name in ["inertia_xy", "inertia_yz", "inertia_zx"] {
+        assert!(
+            number(&json, name).abs() < 1e-6,
+            "{name} {}",
+            number(&json, name)
+        );
+    }
+}
+
+/// Basilisk's six slews with spinning wheels: the iteration reaches the truth, the paper's method does not.
+#[test]
+fn xval_basilisk_iteration_finds_the_tensor_of_a_rich_run() {
+    let data = examples().join("stsat3/multiaxis/telemetry.parquet");
+    let (code, json, _) = identify(&stsat3(), &data, "iterated");
+    assert_eq!(code, 0);
+    let wanted = [
+        ("xx", 13.916),
+        ("yy", 16.954),
+        ("zz", 19.894),
+        ("xy", 0.085),
+        ("xz", 0.133),
+        ("yz", 0.5896),
+    ];
+    for (name, value) in wanted {
+        let inertia = &json["bodies"]["spacecraft"]["inertia_kg_m2"];
+        let found = inertia["value"][name].as_f64().unwrap();
+        assert!((found - value).abs() < 1e-8, "{name} {found}");
+        assert!(inertia["sigma"][name].is_null());
+    }
+    let (_, json, _) = identify(&stsat3(), &data, "suggested");
+    assert!((number(&json, "inertia_yz") - 0.5896).abs() > 1e-3);
+}
+
+#[test]
+fn cli_two_wheels_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(stsat3()).unwrap();
+    let third = text.find("[[wheel]]\nname = \"wheel3\"").unwrap();
+    let end = third + text[third..].find("[[sensor]]").unwrap();
+    let model = folder.path().join("model.toml");
+    std::fs::write(&model, format!("{}{}", &text[..third], &text[end..])).unwrap();
+    let (code, json, error) = identify(&model, &paper_noisy(), "suggested");
+    assert_eq!(code, 1, "{error}");
+    assert!(
+        warnings(&json).contains("span 2 of 3 directions"),
+        "{}",
+        warnings(&json)
+    );
+}
+
+#[test]
+fn cli_a_wheel_that_never_moves_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = changed(folder.path(), str::to_owned, |names, row| {
+        row[column(names, "wheel2_rad_s")] = 12.0;
+    });
+    let (code, json, _) = identify(&stsat3(), &data, "suggested");
+    assert_eq!(code, 1);
+    assert!(
+        warnings(&json).contains("wheel 'wheel2' never changes its speed"),
+        "{}",
+        warnings(&json)
+    );
+}
+
+#[test]
+fn cli_a_flipped_wheel_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = changed(folder.path(), str::to_owned, |names, row| {
+        row[column(names, "wheel2_rad_s")] *= -1.0;
+    });
+    let (code, json, _) = identify(&stsat3(), &data, "suggested");
+    assert_eq!(code, 1);
+    let said = warnings(&json);
+    assert!(
+        said.contains("sign of wheel 'wheel2' is probably flipped"),
+        "{said}"
+    );
+    assert_eq!(json["status"], "rejected");
+    assert!(json["bodies"]["spacecraft"]["inertia_kg_m2"]["value"]["yy"].is_null());
+}
+
+#[test]
+fn cli_a_saturated_wheel_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = changed(folder.path(), str::to_owned, |names, row| {
+        let k = column(names, "wheel1_rad_s");
+        row[k] = row[k].clamp(-80.0, 80.0);
+    });
+    let (code, json, _) = identify(&stsat3(), &data, "suggested");
+    assert_eq!(code, 1);
+    let said = warnings(&json);
+    assert!(
+        said.contains("wheel 'wheel1' stays at its largest speed, 80.0 rad/s"),
+        "{said}"
+    );
+}
+
+#[test]
+fn cli_a_quaternion_in_the_wrong_order_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = changed(folder.path(), str::to_owned, |names, row| {
+        let q = column(names, "q_x");
+        row[q..q + 4].rotate_right(1);
+    });
+    let (code, json, error) = identify(&stsat3(), &data, "suggested");
+    let said = error + &json.to_string();
+    assert_ne!(code, 0);
+    assert!(
+        said.contains("scalar first") || said.contains("order"),
+        "{code} {said}"
+    );
+}
+
+#[test]
+fn cli_what_the_method_cannot_do_is_refused() {
+    let model = examples().join("ma2008/model.toml");
+    let data = examples().join("ma2008/traj1/telemetry.parquet");
+    let (code, _, error) = identify(&model, &data, "suggested");
+    assert_eq!(code, 2);
+    assert!(
+        error.contains("E0425") && error.contains("bodies"),
+        "{error}"
+    );
+    let (code, _, error) = identify(&stsat3(), &paper_noisy(), "swarm");
+    assert_eq!(code, 2);
+    assert!(
+        error.contains("kim2010 has no such variant; use one of suggested, batch"),
+        "{error}"
+    );
+}

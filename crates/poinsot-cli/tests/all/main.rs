@@ -1,0 +1,23 @@
+//! The integration tests of this crate, linked as one binary.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    non_snake_case
+)]
+
+mod bad_input;
+mod campaign;
+mod cli;
+mod environment;
+mod export;
+mod ground_export;
+mod kim2010;
+mod paper_tables;
+mod report;
+mod study;
+mod terminal;
+mod trust;
+mod urdf;
+mod validate;
+mod xu2017;

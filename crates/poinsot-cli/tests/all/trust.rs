@@ -1,0 +1,98 @@
+//! What the command says and returns where an answer is not to be relied on, and what it refuses.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+fn example(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/stsat3")
+        .join(path)
+}
+
+fn identify(model: &Path, more: &[&str]) -> Output {
+    let telemetry = example("multiaxis/telemetry_noisy.csv");
+    let mut command = Command::cargo_bin("poinsot").unwrap();
+    command.arg("identify").arg("--model").arg(model);
+    command.arg("--telemetry").arg(telemetry);
+    command.args(more).output().unwrap()
+}
+
+/// Terminal, file and page say the same, and the exit code says it to scripts.
+#[test]
+fn cli_exit_1_and_one_verdict_everywhere_where_a_prior_contradicts_the_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(example("model.toml")).unwrap();
+    let asked = "estimate = [\"inertia\"]";
+    let model = folder.path().join("model.toml");
+    let prior = format!("{asked}\nprior = {{ inertia_kg_m2 = 0.005 }}");
+    std::fs::write(&model, text.replace(asked, &prior)).unwrap();
+    let out = folder.path().join("out");
+    let done = identify(&model, &["--out", out.to_str().unwrap(), "--report"]);
+    assert_eq!(done.status.code(), Some(1));
+    let printed = String::from_utf8(done.stdout).unwrap();
+    let first = printed.lines().next().unwrap();
+    assert!(first.starts_with(
+        "stsat3: every number asked for is determined, but not to be relied on: a prior contradicts the data"
+    ), "{first}");
+    let file = std::fs::read_to_string(out.join("estimate.json")).unwrap();
+    let file: Value = serde_json::from_str(&file).unwrap();
+    assert_eq!(file["status"], "converged");
+    assert_eq!(file["covariance_trustworthy"], false);
+    assert_eq!(file["doubts"][0], "a prior contradicts the data");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("converged, not to be relied on"));
+    assert!(
+        page.contains(
+            "The stated uncertainty is not to be relied on: a prior contradicts the data"
+        )
+    );
+    assert!(!page.contains("can be relied on as far as"));
+}
+
+#[test]
+fn cli_every_0_is_refused() {
+    let done = identify(&example("model.toml"), &["--every", "0"]);
+    assert_eq!(done.status.code(), Some(2));
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(
+        said.contains("E0001 --every '0': a whole number of rows is needed"),
+        "{said}"
+    );
+    let mut inspect = Command::cargo_bin("poinsot").unwrap();
+    inspect
+        .arg("inspect")
+        .arg(example("multiaxis/telemetry_noisy.csv"));
+    let done = inspect.args(["--every", "0"]).output().unwrap();
+    assert_eq!(done.status.code(), Some(2));
+}
+
+/// Twice the readings would make every sigma smaller by the root of two.
+#[test]
+fn cli_the_same_telemetry_twice_is_refused_under_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("copy.csv");
+    std::fs::copy(example("multiaxis/telemetry_noisy.csv"), &copy).unwrap();
+    let done = identify(
+        &example("model.toml"),
+        &["--telemetry", copy.to_str().unwrap()],
+    );
+    assert_eq!(done.status.code(), Some(2));
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(
+        said.contains("E0001 --telemetry") && said.contains("copy.csv"),
+        "{said}"
+    );
+    assert!(said.contains("would count twice"), "{said}");
+}
+
+#[test]
+fn cli_help_says_what_is_not_possible_together() {
+    let help = Command::cargo_bin("poinsot").unwrap();
+    let done = { help }.args(["identify", "--help"]).output().unwrap();
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert!(text.contains("not together with --json"), "{text}");
+    let done = identify(&example("model.toml"), &["--json", "--quiet"]);
+    assert_eq!(done.status.code(), Some(2));
+}

@@ -1,0 +1,153 @@
+//! From URDF to a model, and from an answer back into the same file.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A satellite as ROS describes it, with what nobody may touch: comments, blanks, line ends, other tags.
+const ROBOT: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\r\n<!-- made by hand -->\n<robot  name='stsat3' >\n\t<link name=\"spacecraft\">\n    <visual><geometry><box size=\"1 1 1\"/></geometry></visual>\n    <inertial>\n      <!-- from CAD -->\n      <mass value = \"150.0\" />\n      <inertia  ixx=\"15.0\" ixy=\"0.0\"  ixz='0.0'\n        iyy=\"16.0\" iyz=\"0.0\" izz=\"21.0\"/>\n    </inertial></link>\n  <gazebo reference=\"spacecraft\"/>\n</robot>\n<!-- end -->";
+
+fn poinsot(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_poinsot"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn good(output: &Output) -> String {
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    error
+}
+
+/// Simulated telemetry of STSAT-3 and the answer of `identify` for it in `out`.
+fn answer(folder: &Path, robot: &str) -> Value {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let case = cases.join("stsat3_spin.toml").display().to_string();
+    good(&poinsot(folder, &["simulate", &case, "--out", "sim"]));
+    std::fs::write(folder.join("r.urdf"), robot).unwrap();
+    good(&poinsot(folder, &["import", "r.urdf", "-o", "m.toml"]));
+    // The robot's file knows its bodies; wheels and sensors come from the engineer.
+    let truth = std::fs::read_to_string(cases.join("stsat3_truth.toml")).unwrap();
+    let equipment = truth.find("[[wheel]]").unwrap();
+    let imported = std::fs::read_to_string(folder.join("m.toml")).unwrap();
+    let bodies = imported.split("[momentum]").next().unwrap();
+    let model = bodies.replacen("[[body]]", "[[body]]\nestimate = [\"inertia\"]", 1)
+        + "\n"
+        + &truth[equipment..];
+    std::fs::write(folder.join("m.toml"), model).unwrap();
+    good(&poinsot(
+        folder,
+        &[
+            "identify",
+            "--model",
+            "m.toml",
+            "--telemetry",
+            "sim/telemetry.csv",
+            "--method",
+            "linear",
+            "--out",
+            "out",
+        ],
+    ));
+    let text = std::fs::read_to_string(folder.join("out/estimate.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+fn inertia(estimate: &Value, name: &str) -> f64 {
+    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"][name]
+        .as_f64()
+        .unwrap()
+}
+
+#[test]
+fn cli_export_changes_the_numbers_and_no_other_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let estimate = answer(folder.path(), ROBOT);
+    let told = good(&poinsot(
+        folder.path(),
+        &[
+            "export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf",
+        ],
+    ));
+    assert_eq!(told, "written: new.urdf\n");
+    let mut expected = ROBOT.to_owned();
+    for (old, key) in [
+        ("ixx=\"15.0\"", "xx"),
+        ("ixy=\"0.0\"", "xy"),
+        ("ixz='0.0'", "xz"),
+        ("iyy=\"16.0\"", "yy"),
+        ("iyz=\"0.0\"", "yz"),
+        ("izz=\"21.0\"", "zz"),
+    ] {
+        let quote = if old.contains('\'') { '\'' } else { '"' };
+        let new = format!("i{key}={quote}{:?}{quote}", inertia(&estimate, key));
+        expected = expected.replacen(old, &new, 1);
+    }
+    // The file gives no origin, so the mass centre is put in.
+    expected = expected.replacen("<inertial>", "<inertial><origin xyz=\"0.0 0.0 0.0\"/>", 1);
+    let new = std::fs::read_to_string(folder.path().join("new.urdf")).unwrap();
+    assert_eq!(new, expected);
+}
+
+#[test]
+fn cli_export_turns_the_tensor_into_the_axes_of_the_file() {
+    let robot = ROBOT.replacen(
+        "<mass",
+        "<origin xyz='0 0 0' rpy=\"0.4 -0.7 1.9\"/><mass",
+        1,
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let estimate = answer(folder.path(), &robot);
+    good(&poinsot(
+        folder.path(),
+        &[
+            "export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf",
+        ],
+    ));
+    let new = std::fs::read_to_string(folder.path().join("new.urdf")).unwrap();
+    assert!(new.contains("rpy=\"0.4 -0.7 1.9\""));
+    let read = poinsot_model::read_urdf(folder.path().join("new.urdf"))
+        .model
+        .unwrap();
+    let tensor = read.bodies[0].nominal.I_BBcm_B;
+    for (key, at) in [
+        ("xx", (0, 0)),
+        ("xy", (0, 1)),
+        ("yy", (1, 1)),
+        ("xz", (0, 2)),
+        ("yz", (1, 2)),
+        ("zz", (2, 2)),
+    ] {
+        let wanted = inertia(&estimate, key);
+        assert!(
+            (tensor[at] - wanted).abs() < 1e-12,
+            "{key}: {} {wanted}",
+            tensor[at]
+        );
+    }
+}
+
+#[test]
+fn cli_export_of_what_is_not_determined_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    answer(folder.path(), ROBOT);
+    let path = folder.path().join("out/estimate.json");
+    let mut estimate: Value =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"]["xy"] = Value::Null;
+    std::fs::write(&path, estimate.to_string()).unwrap();
+    let done = poinsot(
+        folder.path(),
+        &[
+            "export", "out", "--to", "urdf", "--onto", "r.urdf", "-o", "new.urdf",
+        ],
+    );
+    assert_eq!(done.status.code(), Some(2));
+    assert_eq!(
+        String::from_utf8_lossy(&done.stderr),
+        "E0601 out/estimate.json: no report or export can be made of this: no body can be exported (not exported: spacecraft: not all of its mass, mass centre and inertia are determined; the file's numbers stay); identify with more data, or give the urdf file of the model\n"
+    );
+    assert!(!folder.path().join("new.urdf").exists());
+}

@@ -1,0 +1,134 @@
+//! Motion in a gravity gradient against closed forms.
+
+use crate::setup;
+
+use nalgebra::{Rotation3, UnitQuaternion};
+use poinsot_dynamics::*;
+use poinsot_model::{Model, Orbit};
+use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_testkit::momentum_sum::*;
+
+const GM: f64 = 3.986004418e14;
+
+/// `K` of modulus k by the arithmetic-geometric mean of 1 and `sqrt(1 - k^2)`, which is given (Gauss).
+fn complete_elliptic(complement: f64) -> f64 {
+    let (mut a, mut b) = (1.0, complement);
+    for _ in 0..8 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    std::f64::consts::FRAC_PI_2 / a
+}
+
+/// One body on a circular orbit in the xy plane of N.
+fn satellite(moments: Vector3) -> (Model, f64) {
+    let mut model = setup::model(
+        &[KitBody {
+            parent: 0,
+            joint: KitJoint::Base,
+            p_PoCo_P: Vector3::zeros(),
+            R_PC_zero: Matrix3::identity(),
+            axis_C: Vector3::z(),
+            mass: 50.0,
+            p_CoCcm_C: Vector3::new(0.1, -0.2, 0.05),
+            I_CCcm_C: Matrix3::from_diagonal(&moments),
+        }],
+        &[],
+    );
+    let a = 7.0e6;
+    model.environment.point_mass_gm = Some(GM);
+    model.environment.gravity_gradient = true;
+    model.environment.orbit = Some(Orbit {
+        semi_major_axis: a,
+        eccentricity: 0.0,
+        inclination: 0.0,
+        raan: 0.0,
+        argument_of_periapsis: 0.0,
+        true_anomaly: 0.0,
+        epoch: 0.0,
+    });
+    (model, (GM / a.powi(3)).sqrt())
+}
+
+/// Pitch libration about the local vertical is a pendulum: with k = (I_y - I_x)/I_z (x radial, y along track)
+/// `theta'' = -(3/2) n^2 k sin 2 theta`, so from rest at theta0 its quarter period is `K(sin theta0) / (n sqrt(3 k))`
+/// (Hughes 1986, sec. 9.1).
+#[test]
+fn exact_libration_takes_the_period_of_a_pendulum() {
+    let (model, n) = satellite(Vector3::new(2.0, 6.0, 5.0));
+    let k: f64 = (6.0 - 2.0) / 5.0;
+    for theta0 in [1.0e-3, 0.3, 1.2_f64] {
+        let quarter = complete_elliptic(theta0.cos()) / (n * (3.0 * k).sqrt());
+        let plan = Plan::hold(&model);
+        let vehicle = Prescribed::new(&model, &plan, Tolerance::default()).unwrap();
+        let start = Start {
+            R_NB: UnitQuaternion::from_scaled_axis(Vector3::z() * theta0),
+            p_NoBo_N: Vector3::zeros(),
+            velocity: StartVelocity::Twist {
+                v_NBo_N: Vector3::zeros(),
+                w_NB_B: Vector3::z() * n,
+            },
+        };
+        let mut angles = Vec::new();
+        let times: Vec<f64> = (0..5).map(|i| quarter * f64::from(i)).collect();
+        vehicle
+            .run(&start, &times, |s| {
+                let local = Rotation3::from_axis_angle(&Vector3::z_axis(), n * s.time);
+                let relative = local.inverse() * s.R_NB.to_rotation_matrix();
+                angles.push(relative[(1, 0)].atan2(relative[(0, 0)]));
+            })
+            .unwrap();
+        for (angle, expected) in angles.iter().zip([1.0, 0.0, -1.0, 0.0, 1.0]) {
+            let error = angle - expected * theta0;
+            // The integrator works to 1e-12 of a radian.
+            assert!(
+                error.abs() < 1.0e-9 * theta0 + 1.0e-11,
+                "{theta0}: {error:e}"
+            );
+        }
+    }
+}
+
+/// On a circular orbit `w.I w / 2 - n h_z + (3/2) n^2 u.I u` is constant (Hughes 1986, sec. 9.2: the Hamiltonian in
+/// orbiting axes), however the body tumbles.
+#[test]
+fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
+    let moments = Vector3::new(2.0, 6.0, 5.0);
+    let (model, n) = satellite(moments);
+    let plan = Plan::hold(&model);
+    let vehicle = Prescribed::new(&model, &plan, Tolerance::default()).unwrap();
+    let start = Start {
+        R_NB: UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -0.8, 0.3)),
+        p_NoBo_N: Vector3::zeros(),
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::new(0.01, 0.0, 0.02),
+            w_NB_B: Vector3::new(0.7, -1.1, 0.4) * n,
+        },
+    };
+    let I = Matrix3::from_diagonal(&moments);
+    let mut values = Vec::new();
+    let mut momenta = Vec::new();
+    let times: Vec<f64> = (0..60).map(|i| 200.0 * f64::from(i)).collect();
+    vehicle
+        .run(&start, &times, |s| {
+            let w = s.w_NB_B;
+            let u = s.R_NB.inverse() * s.p_orbit_N.normalize();
+            values.push(0.5 * w.dot(&(I * w)) - n * s.h_SScm_N.z + 1.5 * n * n * u.dot(&(I * u)));
+            momenta.push(s.h_SScm_N);
+            // What the accelerometer's equations say of the turn is what the torque does.
+            let T = gravity_gradient_torque(GM, &(s.R_NB.inverse() * s.p_orbit_N), &I);
+            let alpha = s.body.alpha[0];
+            assert!((I * alpha + w.cross(&(I * w)) - T).norm() < 1.0e-12 * T.norm().max(1.0e-6));
+        })
+        .unwrap();
+    let scale = 6.0 * n * n;
+    for v in &values {
+        assert!(
+            (v - values[0]).abs() < 1.0e-9 * scale,
+            "{:e}",
+            (v - values[0]) / scale
+        );
+    }
+    // The momentum itself is far from constant.
+    let moved = (momenta[59] - momenta[0]).norm() / momenta[0].norm();
+    assert!(moved > 0.1, "{moved}");
+}

@@ -1,0 +1,18 @@
+//! The integration tests of this crate, linked as one binary.
+#![allow(clippy::panic, clippy::unwrap_used, non_snake_case)]
+
+mod exact_closed_forms;
+mod exact_driven;
+mod exact_gravity_gradient;
+mod exact_joint_plans;
+mod exact_motions;
+mod kernels;
+mod prop_motion;
+mod setup;
+mod stat_sensors;
+#[path = "../../benches/xu_arm/mod.rs"]
+mod xu_arm;
+mod xval_accelerometer;
+mod xval_attitude_control;
+mod xval_dynamics;
+mod xval_runs;

@@ -1,0 +1,301 @@
+//! Attitude control by wheels against Basilisk, closed forms and conservation.
+
+use crate::setup;
+
+use poinsot_dynamics::*;
+use poinsot_model::Model;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use poinsot_testkit::compare::attitude_apart;
+use poinsot_testkit::momentum_sum::{KitBody, KitJoint, KitWheel};
+use setup::*;
+
+const WN: f64 = 0.043;
+const ZETA: f64 = 0.707;
+
+/// Gains of Table 1: proportional to the inertia.
+fn table_1(I: &Matrix3) -> AttitudeControl {
+    AttitudeControl {
+        proportional: I * (2.0 * WN * WN),
+        derivative: I * (2.0 * ZETA * WN),
+        targets: Vec::new(),
+        period: None,
+        drive: WheelDrive::Acceleration,
+    }
+}
+
+fn matrix(value: &serde_json::Value) -> Matrix3 {
+    Matrix3::from_row_slice(&numbers(value))
+}
+
+/// The controller of the recorded run closes our loop; every row is compared.
+fn basilisk(run: &str) -> [f64; 4] {
+    let recorded = Run::load(&format!("stsat3/{run}"));
+    let source = &recorded.source["controller"];
+    let targets = source["targets"].as_array().map(|list| {
+        let target = |t: &serde_json::Value| {
+            let q = numbers(&t["q_xyzw"]);
+            Target {
+                time: t["t_s"].as_f64().unwrap(),
+                R_NB: UnitQuaternion::new_normalize(nalgebra::Quaternion::new(
+                    q[3], q[0], q[1], q[2],
+                )),
+            }
+        };
+        list.iter().map(target).collect()
+    });
+    let control = AttitudeControl {
+        proportional: matrix(&source["Kp"]),
+        derivative: matrix(&source["Kd"]),
+        targets: targets.unwrap_or_default(),
+        period: Some(0.1),
+        drive: WheelDrive::Torque,
+    };
+    let q = ["q_w", "q_x", "q_y", "q_z"].map(|c| recorded.column(c)[0]);
+    let start = Start {
+        R_NB: UnitQuaternion::new_normalize(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3])),
+        p_NoBo_N: Vector3::zeros(),
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B: recorded.vector("omega", 0),
+        },
+    };
+    let column = |k: usize, unit: &str| recorded.column(&format!("wheel{}_{unit}", k + 1));
+    let speeds: Vec<f64> = (0..3).map(|k| column(k, "rad_s")[0]).collect();
+    let times = recorded.column("time_s");
+    let (mut worst, mut row) = ([0.0_f64; 4], 0);
+    ControlledVehicle::new(&recorded.model, &control, &[], Tolerance::default())
+        .unwrap()
+        .run(&start, &speeds, times, |s| {
+            let q = ["q_x", "q_y", "q_z", "q_w"].map(|c| recorded.column(c)[row]);
+            let theirs = poinsot_testkit::trees::rotation_from_xyzw(q);
+            let ours = s.R_NB.to_rotation_matrix().into_inner();
+            worst[0] = worst[0].max(attitude_apart(&ours, &theirs));
+            worst[1] = worst[1].max((s.w_NB_B - recorded.vector("omega", row)).norm());
+            for k in 0..3 {
+                worst[2] = worst[2].max((s.wheel_speed[k] - column(k, "rad_s")[row]).abs());
+                // The last recorded torque belongs to a period that was not flown.
+                if row + 1 < times.len() {
+                    worst[3] = worst[3].max((s.wheel_torque[k] - column(k, "Nm")[row]).abs());
+                }
+            }
+            row += 1;
+        })
+        .unwrap();
+    assert_eq!(row, times.len());
+    println!("stsat3 {run}: attitude rad, omega rad/s, wheel rad/s, torque N m {worst:?}");
+    worst
+}
+
+#[test]
+fn xval_basilisk_closed_loop() {
+    for run in ["paper", "bias", "multiaxis"] {
+        let worst = basilisk(run);
+        assert!(worst.iter().all(|x| *x < 1e-8), "{run}: {worst:?}");
+    }
+}
+
+fn stsat3() -> Model {
+    Run::load("stsat3/paper").model
+}
+
+fn ten_degrees() -> Start {
+    let ten = 10.0_f64.to_radians();
+    Start {
+        R_NB: UnitQuaternion::from_euler_angles(ten, ten, ten),
+        ..Start::at_rest()
+    }
+}
+
+fn seconds(end: u32) -> Vec<f64> {
+    (0..=end).map(f64::from).collect()
+}
+
+/// Largest share of the rates off the axis of the first slew.
+fn leak(control: &AttitudeControl) -> f64 {
+    let model = stsat3();
+    let n = ten_degrees().R_NB.axis().unwrap();
+    let (mut off, mut along) = (0.0_f64, 0.0_f64);
+    ControlledVehicle::new(&model, control, &[], Tolerance::default())
+        .unwrap()
+        .run(&ten_degrees(), &[0.0; 3], &seconds(300), |s| {
+            let a = s.w_NB_B.dot(&n);
+            off = off.max((s.w_NB_B - n.into_inner() * a).norm());
+            along = along.max(a.abs());
+        })
+        .unwrap();
+    off / along
+}
+
+/// With `u` of (1a) the paper's law is an eigen-axis slew of the pendulum
+/// `theta'' = -2 wn^2 sin(theta / 2) - 2 zeta wn theta'`.
+#[test]
+fn exact_paper_loop_is_a_pendulum_about_one_axis() {
+    let model = stsat3();
+    let control = table_1(&model.bodies[0].nominal.I_BBcm_B);
+    assert!(leak(&control) < 1e-9, "{}", leak(&control));
+    let (axis, angle) = ten_degrees().R_NB.axis_angle().unwrap();
+    struct Pendulum;
+    impl Flow for Pendulum {
+        fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Halt> {
+            dy[0] = y[1];
+            dy[1] = -2.0 * WN * WN * (0.5 * y[0]).sin() - 2.0 * ZETA * WN * y[1];
+            Ok(())
+        }
+        fn project(&self, _: &mut [f64]) {}
+    }
+    let mut pendulum = DormandPrince::new(vec![1.0, 0.01], Tolerance::default());
+    let (mut y, mut t, mut worst) = ([angle, 0.0], 0.0, 0.0_f64);
+    ControlledVehicle::new(&model, &control, &[], Tolerance::default())
+        .unwrap()
+        .run(&ten_degrees(), &[0.0; 3], &seconds(300), |s| {
+            pendulum.advance(&mut Pendulum, t, s.time, &mut y).unwrap();
+            t = s.time;
+            let theirs = UnitQuaternion::from_axis_angle(&axis, y[0]);
+            worst = worst.max((theirs.inverse() * s.R_NB).angle());
+            worst = worst.max((s.w_NB_B - axis.into_inner() * y[1]).norm());
+        })
+        .unwrap();
+    assert!(worst < 1e-9, "{worst:e}");
+}
+
+/// Why the recorded run leaves the axis by 2e-6: its motor torque differs from the `u` of (1a) by `Js w'`.
+/// Holding the torque over 0.1 s keeps the axis.
+#[test]
+fn prop_motor_torque_leaves_the_axis() {
+    let model = stsat3();
+    let exact = table_1(&model.bodies[0].nominal.I_BBcm_B);
+    let with = |period, drive| {
+        leak(&AttitudeControl {
+            period,
+            drive,
+            ..exact.clone()
+        })
+    };
+    let held = with(Some(0.1), WheelDrive::Acceleration);
+    let motor = with(None, WheelDrive::Torque);
+    let both = with(Some(0.1), WheelDrive::Torque);
+    println!("held {held:e}, motor torque {motor:e}, both {both:e}");
+    assert!(held < 1e-12, "{held:e}");
+    assert!(motor > 1e-6 && motor < 3e-6, "{motor:e}");
+    assert!((both - motor).abs() < 0.01 * motor, "{both:e}");
+}
+
+fn pyramid() -> Model {
+    let s = 1.0 / 3.0_f64.sqrt();
+    let bus = KitBody {
+        parent: 0,
+        joint: KitJoint::Base,
+        p_PoCo_P: Vector3::zeros(),
+        R_PC_zero: Matrix3::identity(),
+        axis_C: Vector3::x(),
+        mass: 150.0,
+        p_CoCcm_C: Vector3::new(0.1, -0.05, 0.2),
+        I_CCcm_C: Matrix3::new(13.9, 0.1, 0.2, 0.1, 17.0, 0.6, 0.2, 0.6, 19.9),
+    };
+    let axes = [[s, s, s], [-s, s, s], [-s, -s, s], [s, -s, s]];
+    let wheels: Vec<KitWheel> = axes
+        .iter()
+        .map(|a| KitWheel {
+            host: 0,
+            axis_C: Vector3::from(*a),
+            spin_inertia: 4e-4,
+        })
+        .collect();
+    model(&[bus], &wheels)
+}
+
+#[test]
+fn prop_limited_pyramid_with_friction_conserves_momentum_and_arrives() {
+    let model = pyramid();
+    let I = model.bodies[0].nominal.I_BBcm_B;
+    let limits = WheelLimits {
+        torque: 2e-3,
+        speed: 150.0,
+        viscous: 1e-7,
+        coulomb: 2e-5,
+    };
+    for period in [Some(0.1), None] {
+        let control = AttitudeControl {
+            period,
+            drive: WheelDrive::Torque,
+            ..table_1(&I)
+        };
+        let mut largest = [0.0_f64; 3];
+        let mut last = 0.0;
+        let speeds = [20.0, -30.0, 10.0, 5.0];
+        let used = ControlledVehicle::new(&model, &control, &[limits; 4], Tolerance::default())
+            .unwrap()
+            .run(&ten_degrees(), &speeds, &seconds(600), |s| {
+                let h = s.wheel_speed.iter().zip(&model.wheels);
+                let h: Vector3 = h
+                    .map(|(speed, w)| w.axis_B * (w.spin_inertia * speed))
+                    .sum();
+                let H = s.R_NB * (I * s.w_NB_B + h);
+                largest[0] = largest[0].max((H - s.h_SScm_N).norm());
+                for (speed, torque) in s.wheel_speed.iter().zip(&s.wheel_torque) {
+                    largest[1] = largest[1].max(speed.abs());
+                    largest[2] = largest[2].max(torque.abs());
+                }
+                last = s.R_NB.angle();
+            })
+            .unwrap();
+        println!("{period:?}: {largest:?}, {last} rad at the end, {used:?}");
+        assert!(largest[0] < 1e-12, "{largest:?}");
+        assert!(
+            largest[1] < 150.01 && largest[2] <= 2e-3 * (1.0 + 1e-9),
+            "{largest:?}"
+        );
+        assert!(used.iter().any(|u| u.limited));
+        assert!(last < 0.02, "{last}");
+    }
+}
+
+#[test]
+fn unit_two_wheels_cannot_point() {
+    let mut model = stsat3();
+    model.wheels.pop();
+    let control = table_1(&model.bodies[0].nominal.I_BBcm_B);
+    let error = ControlledVehicle::new(&model, &control, &[], Tolerance::default()).unwrap_err();
+    assert_eq!(error, ControlError::Allocation { wheels: 2, rank: 2 });
+    assert!(
+        error.to_string().contains("span 2 of 3 directions"),
+        "{error}"
+    );
+}
+
+#[test]
+fn unit_senseless_numbers_are_refused() {
+    let model = stsat3();
+    let good = table_1(&model.bodies[0].nominal.I_BBcm_B);
+    let refused = |control: &AttitudeControl, limits: &[WheelLimits]| {
+        ControlledVehicle::new(&model, control, limits, Tolerance::default()).is_err()
+    };
+    assert!(!refused(&good, &[]));
+    let mut bad = good.clone();
+    bad.period = Some(0.0);
+    assert!(refused(&bad, &[]));
+    bad = good.clone();
+    bad.derivative[(1, 1)] = f64::NAN;
+    assert!(refused(&bad, &[]));
+    bad = good.clone();
+    let R_NB = UnitQuaternion::identity();
+    bad.targets = vec![Target { time: 1.0, R_NB }; 2];
+    assert!(refused(&bad, &[]));
+    let limits = WheelLimits {
+        speed: -1.0,
+        ..WheelLimits::default()
+    };
+    assert!(refused(&good, &[limits; 3]));
+    assert!(refused(&good, &[WheelLimits::default(); 2]));
+    let vehicle = ControlledVehicle::new(&model, &good, &[], Tolerance::default()).unwrap();
+    assert!(
+        vehicle
+            .run(&ten_degrees(), &[0.0; 2], &[0.0], |_| ())
+            .is_err()
+    );
+    assert!(
+        vehicle
+            .run(&ten_degrees(), &[0.0; 3], &[1.0, 0.0], |_| ())
+            .is_err()
+    );
+}

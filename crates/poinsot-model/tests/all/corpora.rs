@@ -1,0 +1,151 @@
+//! Robots and XML files that nobody here wrote: loaded or the right error, and the defects of an independent scan.
+
+use poinsot_model::{UrdfDefect, parse_model, parse_urdf, read_urdf, write_model};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+fn shared(path: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/corpora")
+        .join(path);
+    if path.exists() {
+        return Some(path);
+    }
+    eprintln!("skipped: no shared data");
+    None
+}
+
+fn all_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+/// Names of the scan, and what we call it.
+const NAMES: [(&str, UrdfDefect); 13] = [
+    ("link without <inertial>", UrdfDefect::NoInertial),
+    ("violates triangle inequality", UrdfDefect::Triangle),
+    ("placeholder identity inertia", UrdfDefect::Placeholder),
+    ("joint refers to missing link", UrdfDefect::MissingLink),
+    ("duplicate link names", UrdfDefect::Names),
+    ("link with two parents (loop)", UrdfDefect::TwoParents),
+    ("root count != 1", UrdfDefect::Roots),
+    ("unexpanded xacro tags", UrdfDefect::Xacro),
+    ("mimic joint", UrdfDefect::Mimic),
+    ("XML not well-formed", UrdfDefect::NotXml),
+    ("singular inertia", UrdfDefect::Singular),
+    ("all-zero inertia", UrdfDefect::ZeroInertia),
+    ("zero mass", UrdfDefect::ZeroMass),
+];
+const MORE: [(&str, UrdfDefect); 2] = [
+    (
+        "moving joint without <axis> (defaults to x)",
+        UrdfDefect::NoAxis,
+    ),
+    ("radius of gyration > 5 m", UrdfDefect::LargeGyration),
+];
+
+#[test]
+fn xval_real_robots_have_the_defects_of_the_scan() {
+    let Some(folder) = shared("urdf_files_dataset") else {
+        return;
+    };
+    let text = std::fs::read_to_string(folder.join("defects_found.json")).unwrap();
+    let scan: Value = serde_json::from_str(&text).unwrap();
+    let base = folder.join("all");
+    let files: Vec<PathBuf> = all_files(&base)
+        .into_iter()
+        .filter(|p| {
+            p.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+        })
+        .collect();
+    assert_eq!(files.len(), 322);
+    let name_of = |path: &Path| path.strip_prefix(&base).unwrap().display().to_string();
+    let mut found: Vec<(String, BTreeSet<UrdfDefect>)> = Vec::new();
+    let (mut loaded, mut refused) = (0, 0);
+    for path in &files {
+        let start = Instant::now();
+        let urdf = read_urdf(path);
+        assert!(start.elapsed().as_secs_f64() < 1.0, "{}", path.display());
+        match &urdf.model {
+            Ok(model) => {
+                loaded += 1;
+                // What is loaded can be written and read again.
+                parse_model(&write_model(model), "m.toml")
+                    .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            }
+            Err(error) => {
+                refused += 1;
+                let first = error.to_string();
+                assert!(first.starts_with("E01"), "{first}");
+            }
+        }
+        found.push((name_of(path), urdf.defects.into_iter().collect()));
+    }
+    println!("{loaded} loaded, {refused} refused");
+    let mut wrong = String::new();
+    for (name, defect) in NAMES.iter().chain(&MORE) {
+        let theirs: BTreeSet<String> = scan[name]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_str().unwrap().to_owned())
+            .collect();
+        let ours: BTreeSet<String> = found
+            .iter()
+            .filter(|(_, d)| d.contains(defect))
+            .map(|(n, _)| n.clone())
+            .collect();
+        let more: Vec<_> = ours.difference(&theirs).collect();
+        let less: Vec<_> = theirs.difference(&ours).collect();
+        if !more.is_empty() || !less.is_empty() {
+            wrong.push_str(&format!(
+                "{name}: only here {more:?}; only in the scan {less:?}\n"
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+    assert!(
+        scan.as_object()
+            .unwrap()
+            .keys()
+            .all(|k| NAMES.iter().chain(&MORE).any(|(n, _)| n == k))
+    );
+}
+
+#[test]
+fn cli_xml_that_breaks_parsers_is_refused_in_time() {
+    let Some(folder) = shared("xml_roxmltree") else {
+        return;
+    };
+    let mut files = 0;
+    for path in all_files(&folder)
+        .iter()
+        .filter(|p| p.extension().is_some_and(|e| e == "xml"))
+    {
+        let Ok(text) = std::fs::read_to_string(path) else {
+            continue;
+        };
+        let start = Instant::now();
+        let urdf = parse_urdf(&text, "x.urdf");
+        assert!(start.elapsed().as_secs_f64() < 1.0, "{}", path.display());
+        assert!(urdf.model.is_err(), "{}", path.display());
+        files += 1;
+    }
+    println!("{files} files");
+    assert!(files > 80, "{files}");
+}

@@ -1,0 +1,85 @@
+//! Refusals of the file as a whole, of momentum, surroundings and the telemetry table.
+
+use crate::refusals::Case;
+
+pub const CASES: &[Case] = &[
+    (
+        r#"schema = "poinsot.model/1""#,
+        r#"schema = "poinsot.model/2""#,
+        r#"E0103 m.toml:1:10: schema = "poinsot.model/2": this program does not read this format; write schema = "poinsot.model/1""#,
+    ),
+    (
+        r#"schema = "poinsot.model/1""#,
+        r#"schema = 1"#,
+        r#"E0103 m.toml:1:10: schema = 1: this program does not read this format; write schema = "poinsot.model/1""#,
+    ),
+    (
+        r#"schema = "poinsot.model/1"
+"#,
+        r#""#,
+        r#"E0103 m.toml:1:1: schema: the key is missing; write schema = "poinsot.model/1""#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "#,
+        r#"E0102 m.toml:2:8: not valid TOML: string values must be quoted, expected literal string; correct it here"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+name = "test""#,
+        r#"E0102 m.toml:3:1: not valid TOML: duplicate key; correct it here"#,
+    ),
+    (
+        r#"[[thruster]]"#,
+        r#"[[jet]]"#,
+        r#"E0104 m.toml:27:3: jet: unknown key; remove it; known here: schema, name, source, exact, nominal_within, body, joint, wheel, thruster, sensor, momentum, environment, telemetry"#,
+    ),
+    (
+        r#"[[wheel]]"#,
+        r#"[[wheels]]"#,
+        r#"E0104 m.toml:22:3: wheels: unknown key; did you mean wheel?"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+environment = { gravity = "point_mass" }"#,
+        r#"E0106 m.toml:3:15: environment.gm_m3_s2: the key is missing with gravity = "point_mass"; add it: 3.986004418e14 for the Earth"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+environment = { gravity_gradient = true }"#,
+        r#"E0106 m.toml:3:36: environment.gravity_gradient = true: a gravity gradient without gravity; add gravity = "point_mass" and gm_m3_s2, or remove it"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+momentum = { linear_N_s = "zeros" }"#,
+        r#"E0107 m.toml:3:27: momentum.linear_N_s = "zeros": the word is not one of those allowed here; write "estimate", "zero" or a list of 3 numbers; did you mean "zero"?"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+momentum = { linear = "zero" }"#,
+        r#"E0105 m.toml:3:14: momentum.linear = "zero": missing unit; write linear_N_s"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+telemetry.columns = { omgea_x = { column = "w", unit = "deg/s" } }"#,
+        r#"E0111 m.toml:3:33: telemetry.columns.omgea_x = { column = "w", unit = "deg/s" }: this vehicle has no channel of this name; did you mean omega_x?"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+telemetry.columns = { omega_x = { column = "w" } }"#,
+        r#"E0212 m.toml:3:33: telemetry.columns.omega_x = { column = "w" }: there is no unit; write unit = "...", one of: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s; or units_row = true where the file has a row of units"#,
+    ),
+    (
+        r#"name = "test""#,
+        r#"name = "test"
+telemetry.where = { log = 3 }"#,
+        r#"E0107 m.toml:3:27: telemetry.where.log = 3: a number stands where another type is needed; write text in quotes"#,
+    ),
+];

@@ -1,0 +1,118 @@
+//! Refusals of sensors.
+
+use crate::refusals::Case;
+
+pub const CASES: &[Case] = &[
+    (
+        r#"type = "gyro""#,
+        r#"type = "gyroscope""#,
+        r#"E0107 m.toml:34:8: sensor[0].type (sensor "gyro") = "gyroscope": the word is not one of those allowed here; write "gyro", "attitude", "position", "velocity", "velocity_increment", "accelerometer", "joint_position", "joint_rate", "wheel_speed", "thrust"; did you mean "gyro"?"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 1.0e-4
+bias = 1.0e-5"#,
+        r#"E0107 m.toml:36:8: sensor[0].bias (sensor "gyro") = 1.0e-5: a number stands where another type is needed; write "none", "estimate" or a table { sigma_<unit> = x }"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 1.0e-4
+bias = "estimated""#,
+        r#"E0107 m.toml:36:8: sensor[0].bias (sensor "gyro") = "estimated": the word is not one of those allowed here; write "none", "estimate" or a table { sigma_<unit> = x }; did you mean "estimate"?"#,
+    ),
+    (
+        r#"[[wheel]]
+name = "wheel1""#,
+        r#"[[sensor]]
+name = "gyro"
+type = "gyro"
+[[wheel]]
+name = "wheel1""#,
+        r#"E0110 m.toml:36:8: sensor[1].name = "gyro": sensor[0] of the same type has the same name; rename one of them"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"quantisation_rad = 2.4e-5
+of = ["joint1", "joint2"]"#,
+        r#"E0111 m.toml:40:17: sensor[1].of[1] (sensor "encoders") = "joint2": there is no joint of this name; did you mean "joint1"?"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad = 1.0e-4"#,
+        r#"E0105 m.toml:35:13: sensor[0].noise_rad (sensor "gyro") = 1.0e-4: wrong unit for a sensor of type "gyro"; write noise_rad_s"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"quantisation_m = 2.4e-5"#,
+        r#"accepted, notes ["line 38: sensor[1].type (sensor \"encoders\"): the sensor has no effect: there is nothing that it could read; remove it, or add what it reads"]"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"quantisation_rad = -1.0"#,
+        r#"E0118 m.toml:39:20: sensor[1].quantisation_rad (sensor "encoders") = -1.0: the quantisation must be greater than zero; give a positive number"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"quantisation_rad_s = 2.4e-5"#,
+        r#"E0105 m.toml:39:22: sensor[1].quantisation_rad_s (sensor "encoders") = 2.4e-5: wrong unit for a sensor of type "joint_position"; write quantisation_rad or quantisation_m"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"quantisation_rad = 2.4e-5
+position_m = [0.0, 0.0, 0.0]"#,
+        r#"E0118 m.toml:40:14: sensor[1].position_m (sensor "encoders") = [0.0, 0.0, 0.0]: a sensor of type "joint_position" has no axes and no place; remove it"#,
+    ),
+    (
+        r#"quantisation_rad = 2.4e-5"#,
+        r#"noise_rad = [1.0, 1.0, 1.0]"#,
+        r#"E0118 m.toml:39:13: sensor[1].noise_rad (sensor "encoders") = [1.0, 1.0, 1.0]: a sensor of type "joint_position" has no axes; write one number"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 0.0"#,
+        r#"E0118 m.toml:35:15: sensor[0].noise_rad_s (sensor "gyro") = 0.0: the noise must be greater than zero; give a positive number"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = [1.0e-4, -1.0e-4, 1.0e-4]"#,
+        r#"E0118 m.toml:35:24: sensor[0].noise_rad_s[1] (sensor "gyro") = -1.0e-4: the noise must be greater than zero; give a positive number"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"#,
+        r#"E0118 m.toml:35:15: sensor[0].noise_rad_s (sensor "gyro") = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: the matrix is not symmetric and positive definite: eigenvalues -1, 1, 3; write the symmetric square root S of the covariance S S"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = [[1.0, 0.5, 0.0], [0.2, 1.0, 0.0], [0.0, 0.0, 1.0]]"#,
+        r#"E0118 m.toml:35:15: sensor[0].noise_rad_s (sensor "gyro") = [[1.0, 0.5, 0.0], [0.2, 1.0, 0.0], [0.0, 0.0, 1.0]]: the matrix is not symmetric and positive definite: eigenvalues 0.65, 1, 1.35; write the symmetric square root S of the covariance S S"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_deg_s = 1.0e-4"#,
+        r#"E0105 m.toml:35:1: sensor[0].noise_deg_s (sensor "gyro") = 1.0e-4: wrong unit; write noise_rad_s and convert the number"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise = 1.0e-4"#,
+        r#"E0105 m.toml:35:1: sensor[0].noise (sensor "gyro") = 1.0e-4: missing unit; write noise_rad_s"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 1.0e-4
+of = "joint1""#,
+        r#"E0118 m.toml:36:6: sensor[0].of (sensor "gyro") = "joint1": a sensor of type "gyro" reads no joint, wheel or thruster; remove it"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 1.0e-4
+bias = { sigma_rad = 1.0e-5 }"#,
+        r#"E0105 m.toml:36:22: sensor[0].bias.sigma_rad (sensor "gyro") = 1.0e-5: wrong unit; write sigma_rad_s here"#,
+    ),
+    (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 1.0e-4
+lag = { sigma_s = -0.1 }"#,
+        r#"E0118 m.toml:36:19: sensor[0].lag.sigma_s (sensor "gyro") = -0.1: one sigma must be greater than zero; give a positive number"#,
+    ),
+];

@@ -1,0 +1,5 @@
+//! The integration tests of this crate, linked as one binary.
+#![allow(clippy::unwrap_used, non_snake_case)]
+
+mod exact_spectrum;
+mod nist;

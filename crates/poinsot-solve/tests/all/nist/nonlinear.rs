@@ -1,0 +1,195 @@
+//! A nonlinear set as a problem for the loop that fits the momentum state.
+
+use crate::nist::data::Data;
+use crate::nist::dual::Dual;
+use crate::nist::models::{Model, response};
+use poinsot_solve::{
+    BlockQr, LeastSquares, Linearised, Minimum, Spectrum, Step, levenberg_marquardt,
+};
+
+/// Settled when the full step changes no parameter by more than this share.
+const SETTLED: f64 = 1.0e-14;
+/// Most iterations.
+const ITERATIONS: usize = 3000;
+/// A unit may grow by this factor per iteration. More 1978 lets none grow, Marquardt 1963 all: the first
+/// forgets nothing of a bad start, the second follows a parameter that has lost its effect to infinity.
+/// From 1.1 to 3 all 54 fits succeed.
+const UNIT_GROWTH: f64 = 2.0;
+/// Share of a step over which its curvature is measured (Transtrum and Sethna 2012, section 3).
+const PROBE: f64 = 0.1;
+/// Round-off of a residual, in units in the last place of the response.
+const ULPS: f64 = 16.0;
+
+/// A model and the data it is fitted to.
+pub struct Regression {
+    model: Model,
+    /// Response and predictors.
+    rows: Vec<(f64, Vec<f64>)>,
+}
+
+/// Parameters, and the unit of each that the last step was taken in.
+pub struct Point {
+    pub b: Vec<f64>,
+    unit: Vec<f64>,
+}
+
+/// Residuals with gradients; their triangle decomposed in units; the right-hand side of that.
+pub struct Local {
+    residuals: Vec<Dual>,
+    spectrum: Spectrum,
+    rhs: Vec<f64>,
+}
+
+impl Regression {
+    pub fn new(name: &str, model: Model, data: &Data) -> Self {
+        let row = |r: Vec<f64>| (response(name, r[0]), r[1..].to_vec());
+        Self {
+            model,
+            rows: data.numbers().into_iter().map(row).collect(),
+        }
+    }
+
+    pub fn fit(&self, start: &[f64]) -> Minimum<Point, Local> {
+        let start = Point {
+            b: start.to_vec(),
+            unit: vec![f64::INFINITY; start.len()],
+        };
+        let here = self.linearise(&start).unwrap();
+        levenberg_marquardt(self, start, here, ITERATIONS)
+    }
+
+    /// Standard deviations of the parameters.
+    pub fn sigma(&self, minimum: &Minimum<Point, Local>) -> Vec<f64> {
+        let covariance = minimum.here.rows.spectrum.covariance();
+        let n = minimum.at.b.len();
+        let variance = minimum.here.cost / (self.rows.len() - n) as f64;
+        (0..n)
+            .map(|k| (variance * covariance[(k, k)]).sqrt())
+            .collect()
+    }
+
+    pub fn residuals(&self, b: &[f64]) -> Vec<Dual> {
+        let b = Dual::parameters(b);
+        let rows = self.rows.iter();
+        rows.map(|(y, x)| *y - (self.model)(&b, x)).collect()
+    }
+
+    /// Second derivative of the residuals along a step, from one more evaluation (ibid., equation 8).
+    fn curvature(&self, b: &[f64], residuals: &[Dual], step: &[f64]) -> Vec<f64> {
+        let probe = moved(b, step.iter().map(|d| PROBE * d));
+        let second = |(near, here): (Dual, &Dual)| {
+            let slope: f64 = here.gradient.iter().zip(step).map(|(g, d)| g * d).sum();
+            2.0 / PROBE * ((near.value - here.value) / PROBE - slope)
+        };
+        let near = self.residuals(&probe).into_iter();
+        near.zip(residuals).map(second).collect()
+    }
+}
+
+impl LeastSquares for Regression {
+    type Point = Point;
+    type Rows = Local;
+
+    fn cost(&self, at: &Point) -> Option<f64> {
+        let cost = square(&self.residuals(&at.b));
+        cost.is_finite().then_some(cost)
+    }
+
+    fn linearise(&self, at: &Point) -> Option<Linearised<Local>> {
+        let n = at.b.len();
+        let residuals = self.residuals(&at.b);
+        let r = triangle(n, &residuals, |i| residuals[i].value);
+        let unit = |j: usize| {
+            let column = (0..=j).map(|i| r[(i, j)].powi(2)).sum::<f64>().sqrt();
+            let limit = UNIT_GROWTH * at.unit[j];
+            // A column of zeros has no unit of its own.
+            f64::min(
+                1.0 / column,
+                if limit.is_finite() {
+                    limit
+                } else {
+                    f64::MAX.sqrt()
+                },
+            )
+        };
+        let natural: Vec<f64> = (0..n).map(unit).collect();
+        let spectrum = Spectrum::new(&r, &natural, &vec![0.0; n * n], 0.0, f64::INFINITY).ok()?;
+        let rhs: Vec<f64> = (0..n).map(|i| r[(i, n)]).collect();
+        let cost = square(&residuals);
+        let response: f64 = self.rows.iter().map(|(y, _)| y * y).sum();
+        Some(Linearised {
+            cost,
+            round_off: 2.0 * ULPS * f64::EPSILON * (cost * response).sqrt(),
+            slack: 2.0 * ULPS * f64::EPSILON * (cost * response).sqrt(),
+            promised: spectrum.decrease(&rhs, 0.0),
+            weakest: spectrum.weakest(),
+            rows: Local {
+                residuals,
+                spectrum,
+                rhs,
+            },
+        })
+    }
+
+    fn settled(&self, at: &Point, here: &Linearised<Local>) -> bool {
+        let Local { spectrum, rhs, .. } = &here.rows;
+        let step = in_units(&spectrum.solve(rhs), spectrum);
+        let small = |(b, d): (&f64, &f64)| d.abs() <= SETTLED * b.abs();
+        at.b.iter().zip(&step).all(small)
+    }
+
+    /// Levenberg-Marquardt with geodesic acceleration (Transtrum and Sethna 2012, equation 7).
+    fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
+        let Local {
+            residuals,
+            spectrum,
+            rhs,
+        } = &here.rows;
+        let n = at.b.len();
+        let first = spectrum.damped(rhs, damping);
+        let mut second = vec![0.0; n];
+        // Where the step itself is round-off, so is its curvature.
+        if here.promised > here.round_off {
+            let curvature = self.curvature(&at.b, residuals, &in_units(&first, spectrum));
+            let r = triangle(n, residuals, |i| 0.5 * curvature[i]);
+            let rhs: Vec<f64> = (0..n).map(|i| r[(i, n)]).collect();
+            second = spectrum.damped(&rhs, damping);
+        }
+        let whole: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a + b).collect();
+        Step {
+            to: Point {
+                b: moved(&at.b, in_units(&whole, spectrum).into_iter()),
+                unit: spectrum.natural.clone(),
+            },
+            promised: spectrum.decrease(rhs, damping),
+            bend: 2.0 * length(&second) / length(&first).max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// Triangle of the sensitivities of the prediction, with a right-hand side.
+fn triangle(n: usize, residuals: &[Dual], rhs: impl Fn(usize) -> f64) -> faer::Mat<f64> {
+    let mut qr = BlockQr::new(n + 1);
+    qr.push(residuals.len(), |i, j| {
+        let slope = residuals[i].gradient.get(j).filter(|_| j < n);
+        slope.map_or_else(|| rhs(i), |g| -g)
+    });
+    qr.finish().r
+}
+
+fn in_units(scaled: &[f64], spectrum: &Spectrum) -> Vec<f64> {
+    let pairs = scaled.iter().zip(&spectrum.natural);
+    pairs.map(|(z, unit)| z * unit).collect()
+}
+
+fn moved(b: &[f64], step: impl Iterator<Item = f64>) -> Vec<f64> {
+    b.iter().zip(step).map(|(b, d)| b + d).collect()
+}
+
+fn square(residuals: &[Dual]) -> f64 {
+    residuals.iter().map(|r| r.value * r.value).sum()
+}
+
+fn length(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

@@ -1,0 +1,117 @@
+//! What the checks find, what they leave alone, and what their policies do.
+
+use crate::telemetry::read_text;
+use poinsot_telemetry::checks::{Check, Policies, apply, findings};
+use poinsot_telemetry::{ReadOptions, Table};
+
+/// Noise without pattern between -1 and 1.
+fn noise(k: usize) -> f64 {
+    let x = (k as f64 * 12.9898 + 4.1).sin() * 43758.5453;
+    2.0 * (x - x.floor()) - 1.0
+}
+
+/// A gyro that swings about x with noise about all axes.
+fn gyro(change: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Table {
+    let mut text = String::from("time_s,omega_x,omega_y,omega_z\n");
+    for k in 0..400 {
+        let t = k as f64 * 0.1;
+        let clean = [
+            (0.3 * t).sin() + 1e-3 * noise(k),
+            1e-3 * noise(k + 1000),
+            0.2 * (0.2 * t).cos() + 1e-3 * noise(k + 2000),
+        ];
+        let [x, y, z] = change(k, clean);
+        text.push_str(&format!("{t},{x},{y},{z}\n"));
+    }
+    read_text(text, &ReadOptions::default()).unwrap()
+}
+
+fn names(table: &Table) -> Vec<(Check, usize)> {
+    findings(table)
+        .into_iter()
+        .map(|f| (f.check, f.count))
+        .collect()
+}
+
+#[test]
+fn exact_a_good_gyro_has_no_finding() {
+    assert_eq!(names(&gyro(|_, w| w)), []);
+}
+
+#[test]
+fn exact_smooth_motion_without_noise_has_no_finding() {
+    // Coarse: twenty samples a swing.
+    let table = gyro(|k, _| {
+        let t = k as f64;
+        [
+            (0.314 * t).sin(),
+            0.0,
+            (0.2 * t).cos() + 0.3 * (0.31 * t).sin(),
+        ]
+    });
+    assert_eq!(names(&table), []);
+    // At rest, then a step that stays: no outlier, nothing stuck.
+    let table = gyro(|k, _| {
+        if k < 200 {
+            [0.0, 0.0, 0.1]
+        } else {
+            [0.5, 0.0, 0.1]
+        }
+    });
+    assert_eq!(names(&table), []);
+}
+
+#[test]
+fn exact_each_fault_is_found_with_its_count() {
+    let spikes = gyro(|k, [x, y, z]| [if k % 50 == 7 { x + 0.5 } else { x }, y, z]);
+    assert_eq!(names(&spikes), [(Check::Outlier, 8)]);
+    let cut = gyro(|_, [x, y, z]| [x.clamp(-0.8, 0.8), y, z]);
+    assert!(matches!(names(&cut)[..], [(Check::Saturation, n), ..] if n > 100));
+    let hangs = gyro(|k, [x, y, z]| [x, if (100..150).contains(&k) { 0.5e-3 } else { y }, z]);
+    assert_eq!(names(&hangs), [(Check::Stuck, 49)]);
+    let held = gyro(|k, _| {
+        let k = k - k % 4;
+        [noise(k), noise(k + 1000), noise(k + 2000)]
+    });
+    assert_eq!(names(&held), [(Check::Held, 300)]);
+}
+
+#[test]
+fn exact_policies_do_what_they_say() {
+    let faulty = || gyro(|k, [x, y, z]| [if k % 50 == 7 { x + 0.5 } else { x }, y, z]);
+    let policies = |changes: &[&str], strict| Policies::new(changes, strict).unwrap();
+    let mut table = faulty();
+    let found = apply(&mut table, "t.csv", &policies(&[], false)).unwrap();
+    assert_eq!(found.len(), 1);
+    // All axes of the sensor lose the sample, and the repairs say so.
+    assert!(table.channels.iter().all(|c| c.values.len() == 392));
+    assert!(
+        table
+            .repairs
+            .iter()
+            .any(|r| r.starts_with("t.csv: outlier: 8 of 400 samples of omega_x left out"))
+    );
+    let mut table = faulty();
+    apply(&mut table, "t.csv", &policies(&["outlier=report"], false)).unwrap();
+    assert!(table.channels.iter().all(|c| c.values.len() == 400));
+    for policies in [
+        policies(&["outlier=refuse"], false),
+        policies(&["outlier=report"], true),
+    ] {
+        let error = apply(&mut faulty(), "t.csv", &policies).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("E0220 t.csv: channel 'omega_x': outlier: 8 readings lie up to"),
+            "{error}"
+        );
+    }
+    assert_eq!(
+        Policies::new(&["outlier=repair"], false),
+        Err("outlier has no such policy; use one of exclude, report, refuse".to_owned())
+    );
+    assert_eq!(
+        Policies::new(&["spikes=report"], false),
+        Err("there is no check 'spikes'; use one of gap, placeholder, held, saturation, stuck, outlier, lag, units".to_owned())
+    );
+}

@@ -1,0 +1,282 @@
+//! A tumbling body told under every wrong convention: each must be found and named.
+
+use crate::telemetry::Folder;
+use poinsot_telemetry::{
+    Channel, ConventionTest, ReadOptions, Sense, Table, Verdict, check_conventions,
+    convention_tests, read, test_sensors, write,
+};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+/// Torque-free tumble of a body with moments 1, 2, 3 kg m2, integrated by fine Runge-Kutta steps: (q xyzw, omega).
+fn tumble(n: usize, dt: f64, rate: f64) -> Vec<([f64; 4], [f64; 3])> {
+    let derivative = |s: [f64; 7]| {
+        let [x, y, z, w, a, b, c] = s;
+        [
+            0.5 * (w * a + y * c - z * b),
+            0.5 * (w * b + z * a - x * c),
+            0.5 * (w * c + x * b - y * a),
+            0.5 * (-x * a - y * b - z * c),
+            (2.0 - 3.0) * b * c / 1.0,
+            (3.0 - 1.0) * c * a / 2.0,
+            (1.0 - 2.0) * a * b / 3.0,
+        ]
+    };
+    let plus = |s: [f64; 7], k: [f64; 7], h: f64| std::array::from_fn(|i| s[i] + h * k[i]);
+    let mut s = [0.3, -0.5, 0.1, 0.65_f64.sqrt(), 0.4, 0.9, 0.3].map(|x: f64| x);
+    for x in &mut s[4..] {
+        *x *= rate;
+    }
+    let fine = 10;
+    let h = dt / f64::from(fine);
+    let mut rows = Vec::new();
+    for _ in 0..n {
+        let norm = s[..4].iter().map(|x| x * x).sum::<f64>().sqrt();
+        rows.push(([0, 1, 2, 3].map(|k| s[k] / norm), [s[4], s[5], s[6]]));
+        for _ in 0..fine {
+            let k1 = derivative(s);
+            let k2 = derivative(plus(s, k1, h / 2.0));
+            let k3 = derivative(plus(s, k2, h / 2.0));
+            let k4 = derivative(plus(s, k3, h));
+            s = std::array::from_fn(|i| {
+                s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
+            });
+        }
+    }
+    rows
+}
+
+fn table(rows: &[([f64; 4], [f64; 3])], dt: f64) -> Table {
+    let time_s: std::sync::Arc<[f64]> = (0..rows.len()).map(|k| k as f64 * dt).collect();
+    let channel = |name: &str, unit: &str, values: Vec<f64>| Channel {
+        name: name.into(),
+        sensor: String::new(),
+        unit: unit.into(),
+        frame: String::new(),
+        time_s: time_s.clone(),
+        values,
+    };
+    let q = ["q_x", "q_y", "q_z", "q_w"].into_iter().enumerate();
+    let w = ["omega_x", "omega_y", "omega_z"].into_iter().enumerate();
+    let q = q.map(|(k, name)| channel(name, "1", rows.iter().map(|r| r.0[k]).collect()));
+    let w = w.map(|(k, name)| channel(name, "rad/s", rows.iter().map(|r| r.1[k]).collect()));
+    Table {
+        channels: q.chain(w).collect(),
+        ..Table::default()
+    }
+}
+
+fn noisy(rows: &mut [([f64; 4], [f64; 3])], attitude: f64, gyro: f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let normal = Normal::new(0.0, 1.0).unwrap();
+    for (q, w) in rows {
+        for x in q.iter_mut() {
+            *x += 0.5 * attitude * normal.sample(&mut rng);
+        }
+        let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        q.iter_mut().for_each(|x| *x /= norm);
+        w.iter_mut()
+            .for_each(|x| *x += gyro * normal.sample(&mut rng));
+    }
+}
+
+fn told(change: impl Fn([f64; 4], [f64; 3]) -> ([f64; 4], [f64; 3])) -> ConventionTest {
+    let mut rows = tumble(1200, 0.05, 0.2);
+    noisy(&mut rows, 1e-4, 1e-4);
+    for (q, w) in &mut rows {
+        (*q, *w) = change(*q, *w);
+    }
+    convention_tests(&table(&rows, 0.05)).remove(0)
+}
+
+fn conjugate([x, y, z, w]: [f64; 4]) -> [f64; 4] {
+    [-x, -y, -z, w]
+}
+
+#[test]
+fn exact_the_declared_convention_fits_and_only_it() {
+    let test = told(|q, w| (q, w));
+    assert_eq!(test.verdict, Verdict::DeclaredFits);
+    assert!(test.best.is_declared(), "{test}");
+    assert!(test.as_good.is_empty());
+    // Scalar first and inverse gives the same rates in axes turned by 180 deg about (1, 0, 1): no data tell.
+    assert_eq!(
+        test.twin.unwrap().to_string(),
+        "quaternion scalar first (wxyz), quaternion inertial to body (or body to inertial in JPL algebra), body rates = gyro (z, -y, x)"
+    );
+    assert!((test.scale - 1.0).abs() < 1e-3);
+    assert_eq!(
+        test.attitude_readings.len(),
+        4,
+        "eight conventions, four readings"
+    );
+    assert!(test.declared.residual_rad_s < 1e-3, "{test}");
+}
+
+#[test]
+fn exact_every_wrong_convention_is_named() {
+    let deg = 180.0 / std::f64::consts::PI;
+    type Change = fn([f64; 4], [f64; 3]) -> ([f64; 4], [f64; 3]);
+    let scalar_first: Change = |[x, y, z, w], rate| ([w, x, y, z], rate);
+    let cases: [(Change, &str); 9] = [
+        (scalar_first, "quaternion scalar first (wxyz)"),
+        (
+            |q, w| (conjugate(q), w),
+            "quaternion inertial to body (or body to inertial in JPL algebra)",
+        ),
+        (
+            |q, rate| {
+                let [x, y, z, w] = conjugate(q);
+                ([w, x, y, z], rate)
+            },
+            "quaternion scalar first (wxyz), quaternion inertial to body (or body to inertial in JPL algebra)",
+        ),
+        (|q, w| (q, w.map(f64::to_degrees)), "gyro in deg/s"),
+        (
+            |q, w| (q, w.map(|x| x * 30.0 / std::f64::consts::PI)),
+            "gyro in rpm",
+        ),
+        (
+            |q, w| (q, w.map(f64::to_radians)),
+            "gyro in rad/s (it is mapped as deg/s)",
+        ),
+        (
+            |q, [x, y, z]| (q, [x, -y, z]),
+            "body rates = gyro (x, -y, z)",
+        ),
+        (
+            |q, [x, y, z]| (q, [y, x, -z]),
+            "body rates = gyro (y, x, -z)",
+        ),
+        (
+            |[x, y, z, w], rate| ([w, x, y, z], rate.map(f64::to_degrees)),
+            "quaternion scalar first (wxyz), gyro in deg/s",
+        ),
+    ];
+    for (change, name) in cases {
+        let test = told(change);
+        assert_eq!(
+            test.verdict,
+            Verdict::DeclaredContradicted,
+            "{name}: {test}"
+        );
+        assert_eq!(test.best.to_string(), name);
+        assert!(test.best.residual_rad_s < 1e-3);
+    }
+    let test = told(|q, w| (q, w.map(f64::to_degrees)));
+    assert!((test.scale * deg - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn unit_the_error_names_both_residuals() {
+    let mut rows = tumble(400, 0.05, 0.2);
+    rows.iter_mut().for_each(|(q, _)| *q = conjugate(*q));
+    let message = check_conventions(&table(&rows, 0.05))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.starts_with(
+            "E0215 attitude 'q_x..q_w' and gyro 'omega_x..z' contradict the declared xyzw, Hamilton, body to inertial, gyro in rad/s and body axes: residual "
+        ) && message.ends_with(
+            " rad/s with quaternion inertial to body (or body to inertial in JPL algebra); correct the map or the file"
+        ),
+        "{message}"
+    );
+    let folder = Folder::new();
+    let path = folder.path("a.parquet");
+    write(&path, &table(&rows, 0.05).channels).unwrap();
+    let options = ReadOptions {
+        check_conventions: true,
+        ..ReadOptions::default()
+    };
+    assert_eq!(read(&[&path], &options).unwrap_err().code(), "E0215");
+}
+
+#[test]
+fn stat_motion_below_the_noise_decides_nothing() {
+    let mut rows = tumble(1200, 0.05, 1e-6);
+    noisy(&mut rows, 1e-4, 1e-4);
+    rows.iter_mut().for_each(|(q, _)| *q = conjugate(*q));
+    let test = convention_tests(&table(&rows, 0.05)).remove(0);
+    assert!(
+        matches!(&test.verdict, Verdict::Undecided { reason } if reason.contains("too small")),
+        "{test}"
+    );
+    let still = vec![([0.0, 0.0, 0.0, 1.0], [0.0; 3]); 100];
+    let test = convention_tests(&table(&still, 0.05)).remove(0);
+    assert!(matches!(test.verdict, Verdict::Undecided { .. }));
+    assert!(check_conventions(&table(&still, 0.05)).is_ok());
+}
+
+#[test]
+fn unit_a_spin_about_one_axis_says_what_it_cannot_tell() {
+    let spin = |sign: f64| -> Vec<_> {
+        (0..600)
+            .map(|k| {
+                let half = 0.5 * 0.3 * f64::from(k) * 0.05;
+                ([0.0, 0.0, sign * half.sin(), half.cos()], [0.0, 0.0, 0.3])
+            })
+            .collect()
+    };
+    let test = convention_tests(&table(&spin(1.0), 0.05)).remove(0);
+    assert_eq!(test.verdict, Verdict::DeclaredFits);
+    assert!(!test.as_good.is_empty());
+    let test = convention_tests(&table(&spin(-1.0), 0.05)).remove(0);
+    assert_eq!(test.verdict, Verdict::DeclaredContradicted);
+    assert_eq!(test.best.sense, Sense::InertialToBody);
+    assert!(test.as_good.iter().any(|h| h.gyro_axes.sign[2] == -1));
+}
+
+#[test]
+fn unit_a_turned_gyro_fits_with_its_mounting() {
+    let mut rows = tumble(400, 0.05, 0.2);
+    // The gyro is turned by 90 deg about z: its x axis lies along body y.
+    rows.iter_mut().for_each(|(_, w)| *w = [w[1], -w[0], w[2]]);
+    let table = table(&rows, 0.05);
+    assert!(check_conventions(&table).is_err());
+    let rotation = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let test = test_sensors(&table, "", "", Some(rotation)).unwrap();
+    assert!(test.check().is_ok());
+    assert_eq!(test.verdict, Verdict::DeclaredFits);
+}
+
+#[test]
+fn unit_the_gyro_is_not_averaged_across_its_gaps() {
+    let whole = table(&tumble(1200, 0.05, 0.2), 0.05);
+    let mut gapped = whole.clone();
+    for c in gapped
+        .channels
+        .iter_mut()
+        .filter(|c| c.name.starts_with("omega"))
+    {
+        let there = |k: &usize| !(*k > 300 && k % 100 < 5);
+        let kept: Vec<usize> = (0..c.values.len()).filter(there).collect();
+        c.time_s = kept.iter().map(|k| c.time_s[*k]).collect();
+        c.values = kept.iter().map(|k| c.values[*k]).collect();
+    }
+    let [whole, gapped] = [whole, gapped].map(|t| test_sensors(&t, "", "", None).unwrap());
+    assert!(
+        gapped.intervals + 9 <= whole.intervals,
+        "{} {}",
+        gapped.intervals,
+        whole.intervals
+    );
+    assert_eq!(gapped.verdict, Verdict::DeclaredFits);
+}
+
+/// Times a thousand times too large make the rates of the attitude a thousandth of the gyro's.
+#[test]
+fn exact_times_in_another_unit_are_told_by_their_factor() {
+    let rows = tumble(400, 0.05, 0.2);
+    for (step, says) in [
+        (50.0, "times in ms that are read as s"),
+        (5.0e-5, "times in s that are read as ms"),
+    ] {
+        let message = check_conventions(&table(&rows, step))
+            .unwrap_err()
+            .to_string();
+        assert!(message.starts_with("E0215"), "{message}");
+        assert!(message.contains(says), "{message}");
+    }
+}

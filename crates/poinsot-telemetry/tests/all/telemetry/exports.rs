@@ -1,0 +1,166 @@
+//! Files as ground stations export them: layout, times, units row, packed bytes.
+
+use crate::telemetry::{Folder, read_text};
+use poinsot_telemetry::{
+    AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, ReadOptions, Scale, Sense,
+    TelemetryMap, TimeFormat, TimeMap, read,
+};
+use std::f64::consts::PI;
+use std::io::Write;
+
+fn of(all: FileMap) -> ReadOptions {
+    ReadOptions {
+        map: TelemetryMap {
+            all,
+            files: Vec::new(),
+        },
+        ..ReadOptions::default()
+    }
+}
+
+fn iso(column: &str) -> Option<TimeMap> {
+    Some(TimeMap {
+        column: column.to_owned(),
+        format: TimeFormat::Iso8601,
+        ..TimeMap::default()
+    })
+}
+
+#[test]
+fn exact_layout_units_row_and_dates() {
+    let text = "Export 4\n\"unbalanced\n# spacecraft\nUTC;wx;RW1\n-;[deg/s];rpm\n# cut\n\
+                2026-03-14T18:19:00.5Z;180;60\n2026-03-14T18:19:00.7Z;-90;30\n";
+    let options = of(FileMap {
+        layout: Layout {
+            delimiter: Some(b';'),
+            comment: Some(b'#'),
+            header_row: Some(4),
+            units_row: Some(true),
+        },
+        time: iso("UTC"),
+        columns: vec![
+            ColumnMap {
+                unit: None,
+                sign: Some(-1.0),
+                ..ColumnMap::new("omega_x", "wx", "")
+            },
+            ColumnMap::new("wheel1_rad_s", "RW1", "rpm"),
+        ],
+        ..FileMap::default()
+    });
+    let table = read_text(text, &options).unwrap();
+    let x = table.channel("omega_x").unwrap();
+    assert_eq!(x.values, [-PI, PI / 2.0]);
+    assert_eq!(x.time_s.as_ref(), [0.0, 0.2]);
+    let turn = table.channel("wheel1_rad_s").unwrap().values[0];
+    assert!(
+        (turn / (2.0 * PI) - 1.0).abs() < 4.0 * f64::EPSILON,
+        "{turn}"
+    );
+    let date = table.origin.and_then(|o| o.date());
+    assert_eq!(date.as_deref(), Some("2026-03-14T18:19:00.5 UTC"));
+    // Lines are counted in the file, not from the header.
+    let broken = text.replace("-90", "x");
+    assert!(
+        read_text(broken, &options)
+            .unwrap_err()
+            .starts_with("E0203 run.csv:8 column 'wx': 'x' is not a number")
+    );
+}
+
+#[test]
+fn exact_files_with_clocks_of_their_own_share_one_origin() {
+    let folder = Folder::new();
+    let gyro = folder.file("gyro.csv", "t,omega_x\n1773512340.0,1\n1773512340.2,2\n");
+    let tracker = folder.file(
+        "tracker.csv",
+        "TAI,s1,s2,s3\n2026-03-14T18:19:37.100,0,0,0\n2026-03-14T18:19:37.300,0,0,0.41421356237309503\n",
+    );
+    let mut options = of(FileMap {
+        time: Some(TimeMap {
+            column: "t".into(),
+            epoch: Some("unix".into()),
+            ..TimeMap::default()
+        }),
+        ..FileMap::default()
+    });
+    let own = FileMap {
+        time: Some(TimeMap {
+            scale: Some(Scale::Tai),
+            ..iso("TAI").unwrap()
+        }),
+        attitude: vec![AttitudeMap {
+            sensor: String::new(),
+            form: AttitudeForm::Mrp,
+            columns: ["s1", "s2", "s3"].map(str::to_owned).to_vec(),
+            sense: Sense::InertialToBody,
+            unit: None,
+        }],
+        ..FileMap::default()
+    };
+    options.map.files = vec![("tracker*".to_owned(), own)];
+    let table = read(&[&gyro, &tracker], &options).unwrap();
+    assert_eq!(*table.channel("q_z").unwrap().time_s, [0.1, 0.3]);
+    // tan(90 deg / 4), the other way round: minus a quarter turn about z.
+    let z = table.channel("q_z").unwrap().values[1];
+    assert!((z + (PI / 4.0).sin()).abs() < 1e-15, "{z}");
+    let unused = ReadOptions {
+        map: TelemetryMap {
+            files: vec![("pulses*".to_owned(), FileMap::default())],
+            ..options.map.clone()
+        },
+        ..options.clone()
+    };
+    let told = read(&[&gyro], &unused).unwrap().repairs.join("\n");
+    assert!(told.contains("no file is named 'pulses*'"), "{told}");
+}
+
+#[test]
+fn exact_positions_in_axes_of_the_earth() {
+    // The Earth rotation angle of 2007 October 15, 0 h, is 0.4022837240028158 rad (SOFA, iauEra00).
+    let text = "UTC,x,y,z\n2007-10-15T00:00:00,7000,0,100\n2007-10-15T00:00:10,7000,0,100\n";
+    let options = of(FileMap {
+        time: iso("UTC"),
+        orbit: Some(OrbitMap {
+            position: ["x", "y", "z"].map(str::to_owned),
+            unit: Some("km".into()),
+            earth_fixed: true,
+        }),
+        ..FileMap::default()
+    });
+    let table = read_text(text, &options).unwrap();
+    let at = |name: &str| table.channel(name).unwrap().values[0];
+    let angle = 0.402_283_724_002_815_8_f64;
+    assert!((at("orbit_x") - 7.0e6 * angle.cos()).abs() < 0.02);
+    assert!((at("orbit_y") - 7.0e6 * angle.sin()).abs() < 0.02);
+    assert_eq!(at("orbit_z"), 1.0e5);
+}
+
+#[test]
+fn exact_packed_files_hold_what_the_plain_file_holds() {
+    let folder = Folder::new();
+    let rows: String = (0..2000)
+        .map(|k| format!("{k},{}\n", 0.1 * f64::from(k)))
+        .collect();
+    let text = format!("time_s,omega_x\n{rows}");
+    let plain = folder.file("run.csv", &text);
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gzip.write_all(text.as_bytes()).unwrap();
+    let gzip = gzip.finish().unwrap();
+    let wanted = read(&[&plain], &ReadOptions::default()).unwrap();
+    let zstd = zstd::encode_all(text.as_bytes(), 3).unwrap();
+    for (name, bytes) in [("run.csv.gz", gzip.clone()), ("run.csv.zst", zstd)] {
+        let path = folder.file(name, bytes);
+        let table = read(&[&path], &ReadOptions::default()).unwrap();
+        assert_eq!(table.channels, wanted.channels, "{name}");
+        assert_ne!(table.sources[0].sha256, wanted.sources[0].sha256);
+    }
+    let cut = folder.file("cut.csv.gz", &gzip[..gzip.len() / 2]);
+    let error = read(&[&cut], &ReadOptions::default()).unwrap_err();
+    assert!(
+        folder
+            .message(&error)
+            .starts_with("E0202 cut.csv.gz: the packed data are damaged"),
+        "{error}"
+    );
+}

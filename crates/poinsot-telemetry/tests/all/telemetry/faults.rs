@@ -1,0 +1,363 @@
+//! Every fault of a CSV file, with the whole line that the user sees.
+
+use crate::telemetry::{Folder, read_text};
+use poinsot_telemetry::{ColumnMap, ReadOptions, TelemetryMap, read};
+
+fn fault(text: impl AsRef<[u8]>) -> String {
+    read_text(text, &ReadOptions::default()).expect_err("must be refused")
+}
+
+fn strict(text: &str) -> String {
+    let options = ReadOptions {
+        strict: true,
+        ..ReadOptions::default()
+    };
+    read_text(text, &options).expect_err("must be refused")
+}
+
+fn map(channel: &str, column: &str, unit: &str) -> ReadOptions {
+    ReadOptions {
+        map: TelemetryMap::of(vec![ColumnMap::new(channel, column, unit)], Vec::new()),
+        ..ReadOptions::default()
+    }
+}
+
+#[test]
+fn unit_cells_that_are_no_numbers() {
+    for (cell, message) in [
+        (
+            "\"1,5\"",
+            "E0203 run.csv:3 column 'omega_x': '1,5' has a decimal comma; write a point",
+        ),
+        (
+            "\u{2212}1.5",
+            "E0203 run.csv:3 column 'omega_x': '\u{2212}1.5' has a typographic minus (U+2212); write the ASCII '-'",
+        ),
+        (
+            "1e400",
+            "E0203 run.csv:3 column 'omega_x': '1e400' is too large for a double; correct the number",
+        ),
+        (
+            "inf",
+            "E0203 run.csv:3 column 'omega_x': 'inf' is infinite; write a number, or leave the cell empty where there is no sample",
+        ),
+        (
+            "#N/A",
+            "E0203 run.csv:3 column 'omega_x': '#N/A' is not a number; write a number, or leave the cell empty where there is no sample",
+        ),
+        (
+            "off",
+            "E0203 run.csv:3 column 'omega_x': 'off' is not a number; write a number, or leave the cell empty where there is no sample",
+        ),
+        (
+            "1d-3",
+            "E0203 run.csv:3 column 'omega_x': '1d-3' has a Fortran exponent; write 'e'",
+        ),
+    ] {
+        let text = format!("time_s,omega_x\n0,0.5\n0.1,{cell}\n0.2,0.5\n");
+        assert_eq!(fault(text), message);
+    }
+    assert_eq!(
+        fault(b"time_s,omega_x\n0,1\n1,2\xb0\n2,3\n"),
+        "E0203 run.csv:3 column 'omega_x': '2\u{fffd}' is not UTF-8 text; save the file as UTF-8"
+    );
+}
+
+#[test]
+fn unit_line_numbers_count_blank_lines_and_line_ends_of_any_kind() {
+    for text in [
+        "time_s,omega_x\n\n0,1\n1,x\n",
+        "time_s,omega_x\r\n\r\n0,1\r\n1,x\r\n",
+        "time_s,omega_x\r\r0,1\r1,x\r",
+        "time_s,omega_x\n\n0,1\n1,x\n2,2",
+        "\u{feff}time_s,omega_x,\n\n0,1,\n1,x,\n",
+    ] {
+        assert_eq!(
+            fault(text),
+            "E0203 run.csv:4 column 'omega_x': 'x' is not a number; write a number, or leave the cell empty where there is no sample"
+        );
+    }
+}
+
+#[test]
+fn unit_rows_and_headers() {
+    for (text, message) in [
+        (
+            "time_s,omega_x\n0,1\n1\n2,3\n",
+            "E0204 run.csv:3: 1 fields where the header has 2; complete the row: an empty cell means no sample",
+        ),
+        (
+            "time_s,omega_x\n0,1,5\n1,1,5\n",
+            "E0204 run.csv:2: 3 fields where the header has 2: a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text",
+        ),
+        (
+            "time_s,omega_x\n# made by hand\n0,1\n",
+            "E0204 run.csv:2: 1 fields where the header has 2; leave the line out, or write [telemetry] comment = \"#\"",
+        ),
+        (
+            "time_s,omega_x,omega_x\n0,1,2\n",
+            "E0205 run.csv: column 'omega_x' stands twice in the header; rename one",
+        ),
+        (
+            "time_s;omega_x\n0;1,5\n",
+            "E0205 run.csv: the columns are separated by ';'; write [telemetry] delimiter = \";\", and points in decimal numbers",
+        ),
+        (
+            "time_s\tomega_x\n0\t1\n",
+            "E0205 run.csv: the columns are separated by '\\t'; write [telemetry] delimiter = \"tab\", and points in decimal numbers",
+        ),
+        (
+            "",
+            "E0205 run.csv: the file is empty; begin it with a header row",
+        ),
+        (
+            "time_s,omega_x\n",
+            "E0217 run.csv: no data rows after the header; give a file with samples",
+        ),
+        (
+            "t_s,omega_x\n0,1\n",
+            "E0207 run.csv: no column 'time_s'; map 't_s', which may be it, by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }",
+        ),
+        (
+            "omega_x,n\n0,1\n",
+            "E0207 run.csv: no column 'time_s'; map one of [omega_x, n] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }",
+        ),
+        (
+            "time_s,omega_x\n0,1\nnone,2\n",
+            "E0203 run.csv:3 column 'time_s': 'none' is not a number; write the time, or leave the row out",
+        ),
+    ] {
+        assert_eq!(fault(text), message);
+    }
+}
+
+#[test]
+fn unit_bytes_that_are_not_utf8_text() {
+    assert_eq!(
+        fault(b"\xff\xfet\0i\0m\0e\0"),
+        "E0202 run.csv: the file is UTF-16; save it as UTF-8"
+    );
+    assert_eq!(
+        fault(b"time_s,omega_x\n0,1\n1,\0\n"),
+        "E0202 run.csv: byte 21 is NUL: the file is not text, or is UTF-16; save it as UTF-8"
+    );
+    assert_eq!(
+        fault(b"time_s,w [\xb0/s]\n0,1\n"),
+        "E0202 run.csv:1: the header is not UTF-8 ('w [\u{fffd}/s]', byte 3 of the name); save the file as UTF-8, or read it by --encoding latin1"
+    );
+    let mut long = b"time_s,omega_x\n0,1\n".to_vec();
+    long.resize(long.len() + (17 << 20), b'7');
+    assert!(fault(long).contains("a line is longer than 16 MiB"));
+}
+
+#[test]
+fn unit_times_that_cannot_be() {
+    for (text, message) in [
+        (
+            "time_s,omega_x\n0,1\n2,2\n1,3\n",
+            "E0208 run.csv:4 column 'time_s': time goes back from 2 s (row 3) to 1 s; choose one run by [telemetry] where, or cut the file into segments",
+        ),
+        (
+            "time_s,omega_x\n0,1\n1,2\n1,3\n2,1\n",
+            "E0208 run.csv:4 column 'time_s': time 1 s stands already in row 3 with another value of 'omega_x'; keep one of the rows",
+        ),
+        (
+            "time_s,omega_x\n0,1\n,2\n2,3\n",
+            "E0208 run.csv:3 column 'time_s': the row has no time; give it one or leave the row out",
+        ),
+        (
+            "time_s,omega_x\n0,1\n1e8,2\n2e8,3\n",
+            "E0209 run.csv column 'time_s': the median step is 1e8 s, outside 1e-5 to 1e5 s: its unit is likely ns; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"ns\" }",
+        ),
+        (
+            "time_s,omega_x\n0,1\n1e-6,2\n2e-6,3\n",
+            "E0209 run.csv column 'time_s': the median step is 1e-6 s, outside 1e-5 to 1e5 s: its unit is likely d; map it by [telemetry.columns] time_s = { column = \"time_s\", unit = \"d\" }",
+        ),
+    ] {
+        assert_eq!(fault(text), message);
+    }
+}
+
+#[test]
+fn unit_a_repeated_row_is_dropped_and_listed() {
+    let text = "time_s,omega_x,omega_y\n0,1,\n1,2,\n1,2,\n2,3,4\n";
+    let table = read_text(text, &ReadOptions::default()).unwrap();
+    assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0, 3.0]);
+    assert_eq!(
+        table.repairs,
+        ["run.csv:4: 1 rows that repeat the row before them dropped (this is the first)"]
+    );
+    assert_eq!(
+        strict(text),
+        "E0218 run.csv:4: 1 rows that repeat the row before them dropped: --strict allows no repair; correct the file or leave out --strict"
+    );
+}
+
+#[test]
+fn unit_nan_is_no_sample_and_listed_but_an_empty_cell_is_just_no_sample() {
+    let text = "time_s,omega_x,omega_y\n0,1,\n1,NaN,2\n2,3,4\n";
+    let table = read_text(text, &ReadOptions::default()).unwrap();
+    let x = table.channel("omega_x").unwrap();
+    assert_eq!(
+        (x.time_s.as_ref(), x.values.as_slice()),
+        ([0.0, 2.0].as_slice(), [1.0, 3.0].as_slice())
+    );
+    assert_eq!(table.channel("omega_y").unwrap().values, [2.0, 4.0]);
+    assert_eq!(
+        table.repairs,
+        ["run.csv:3 column 'omega_x': 1 NaN cells taken as no sample (this is the first)"]
+    );
+    assert!(strict(text).starts_with("E0218 run.csv:3 column 'omega_x': 1 NaN"));
+}
+
+#[test]
+fn unit_a_cut_file_is_refused_or_recovered() {
+    let recover = ReadOptions {
+        recover: true,
+        ..ReadOptions::default()
+    };
+    for (text, message) in [
+        (
+            "time_s,omega_x\n0,1\n1,2\n2",
+            "E0206 run.csv:4: the file ends inside this row (1 of 2 fields, no line end); use --recover to keep the rows before it",
+        ),
+        (
+            "time_s,omega_x\n0,1\n1,2\n2,3.1e-",
+            "E0206 run.csv:4: the file ends inside this row ('3.1e-' in column 'omega_x', no line end); use --recover to keep the rows before it",
+        ),
+        (
+            "time_s,omega_x\n0,1\n1,2\n\"2,3",
+            "E0206 run.csv:4: the file ends inside this row (1 of 2 fields, no line end); use --recover to keep the rows before it",
+        ),
+    ] {
+        assert_eq!(fault(text), message);
+        let table = read_text(text, &recover).unwrap();
+        assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0]);
+        assert_eq!(table.sources[0].rows, 2);
+        assert_eq!(table.repairs, ["run.csv:4: cut last row dropped"]);
+    }
+    let whole = "time_s,omega_x\n0,1\n1,2";
+    let table = read_text(whole, &ReadOptions::default()).unwrap();
+    assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0]);
+    assert_eq!(
+        table.repairs,
+        ["run.csv:3: the last row has no line end; taken as whole"]
+    );
+    let table = read_text(whole, &recover).unwrap();
+    assert_eq!(table.channel("omega_x").unwrap().values, [1.0]);
+}
+
+#[test]
+fn unit_maps_that_cannot_be_followed() {
+    let text = "time_s,gyro_wx\n0,1\n1,2\n";
+    for (options, message) in [
+        (
+            map("omega_x", "gyro_w", "deg/s"),
+            "E0212 map of channel 'omega_x': no column 'gyro_w' in run.csv; did you mean 'gyro_wx'?",
+        ),
+        (
+            map("omega_x", "gyro_wx", "deg"),
+            "E0212 map of channel 'omega_x': unit 'deg' does not measure it; give a unit that converts to rad/s: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s",
+        ),
+        (
+            map("omega_x", "gyro_wx", "dgs/s"),
+            "E0211 map of channel 'omega_x': unit 'dgs/s' is not known; did you mean 'deg/s'? Use one of: rad/s, mrad/s, deg/s, mdeg/s, deg/h, arcsec/s, rpm, rev/s",
+        ),
+        (
+            map("omega", "gyro_wx", "deg/s"),
+            "E0212 map of channel 'omega': not a standard channel name; write one, for example omega_x, joint1_rad, wheel1_rad_s or thr1_N",
+        ),
+    ] {
+        assert_eq!(read_text(text, &options).unwrap_err(), message);
+    }
+}
+
+#[test]
+fn unit_quaternions_that_are_none() {
+    assert_eq!(
+        fault("time_s,q_x,q_y,q_z\n0,0,0,0\n1,0,0,0\n"),
+        "E0214 run.csv: 'q_w' is missing; add it: a quaternion needs q_x, q_y, q_z and q_w in one file"
+    );
+    assert_eq!(
+        fault("time_s,q_x,q_y,q_z,q_w\n0,0,0,0,1\n1,0,0,1,1\n"),
+        "E0214 run.csv:3 column 'q_x': the quaternion (0, 0, 1, 1) has norm 1.41421, not 1; correct the row or the order of the columns"
+    );
+}
+
+#[test]
+fn unit_files_that_are_none() {
+    let folder = Folder::new();
+    let missing = read(&[folder.path("none.csv")], &ReadOptions::default()).unwrap_err();
+    assert_eq!(
+        folder.message(&missing),
+        "E0201 none.csv: cannot be read: No such file or directory (os error 2); check the path"
+    );
+    assert!(!missing.is_environment());
+    std::fs::create_dir(folder.path("dir.csv")).unwrap();
+    let error = read(&[folder.path("dir.csv")], &ReadOptions::default()).unwrap_err();
+    assert_eq!(
+        folder.message(&error),
+        "E0202 dir.csv: not a regular file; give a .csv or .parquet file"
+    );
+    let path = folder.file("run.xlsx", "PK");
+    let error = read(&[path], &ReadOptions::default()).unwrap_err();
+    assert_eq!(
+        folder.message(&error),
+        "E0202 run.xlsx: the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
+    );
+}
+
+proptest::proptest! {
+    /// Whatever the bytes: a table or one line of error, never a panic.
+    #[test]
+    fn prop_any_bytes_are_answered(
+        noise in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200),
+        at in 0_usize..60,
+        strict: bool,
+        recover: bool,
+    ) {
+        let options = ReadOptions { strict, recover, check_conventions: true, ..ReadOptions::default() };
+        let mut text = b"time_s,q_x,q_y,q_z,q_w,omega_x\n0,0,0,0,1,1\n1,0,0,0,1,\n".to_vec();
+        text.truncate(at);
+        text.extend(noise);
+        let _ = read_text(&text, &options);
+    }
+
+    /// Cells drawn from what people write.
+    #[test]
+    fn prop_any_rows_are_answered(
+        cells in proptest::collection::vec(
+            proptest::sample::select(vec!["0", "1", "2.5", "-1e9", "1e308", "", "NaN", "nan", "x", "\"", "-0"]),
+            0..40,
+        ),
+        width in 1_usize..7,
+    ) {
+        let mut text = "time_s,q_x,q_y,q_z,q_w,omega_x\n".to_owned();
+        for row in cells.chunks(width) {
+            text.push_str(&row.join(","));
+            text.push('\n');
+        }
+        for strict in [false, true] {
+            let _ = read_text(&text, &ReadOptions { strict, ..ReadOptions::default() })
+                .map(|t| poinsot_telemetry::inspect(&t).to_string());
+        }
+    }
+}
+
+/// Found by fuzzing: line ends in a quoted column name broke the message into lines.
+#[test]
+fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
+    assert_eq!(
+        fault("\"tim\ne\",omega_x\n0,1\n"),
+        "E0207 run.csv: no column 'time_s'; map one of [tim\\ne, omega_x] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }"
+    );
+}
+
+/// Found by libFuzzer: a name with a line end that stands twice.
+#[test]
+fn regress_a_column_name_with_a_line_end_that_stands_twice_stays_in_one_line() {
+    assert_eq!(
+        fault("time_s,\"a\nb\",\"a\nb\"\n0,1,2\n"),
+        "E0205 run.csv: column 'a\\nb' stands twice in the header; rename one"
+    );
+}

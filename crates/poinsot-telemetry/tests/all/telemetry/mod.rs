@@ -1,0 +1,57 @@
+//! Reading, writing, resampling and judging telemetry, from outside the crate.
+
+mod checks;
+mod conventions;
+mod exports;
+mod faults;
+mod inspection;
+mod noise;
+mod parquet_files;
+mod real_data;
+mod resampling;
+mod round_trip;
+mod segments;
+
+use poinsot_telemetry::{ReadOptions, Table, TelemetryError, read};
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// A folder of files that is gone after the test.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// The whole message of an error, with the folder's own path taken out.
+    fn message(&self, error: &TelemetryError) -> String {
+        let folder = format!("{}/", self.0.path().display());
+        error.to_string().replace(&folder, "")
+    }
+}
+
+fn read_text(text: impl AsRef<[u8]>, options: &ReadOptions) -> Result<Table, String> {
+    let folder = Folder::new();
+    let path = folder.file("run.csv", text);
+    let mut table = read(&[path], options).map_err(|e| {
+        assert!(e.to_string().starts_with(e.code()), "{e}");
+        assert!(!e.to_string().contains('\n'), "{e}");
+        folder.message(&e)
+    })?;
+    let prefix = format!("{}/", folder.0.path().display());
+    for repair in &mut table.repairs {
+        *repair = repair.replace(&prefix, "");
+    }
+    Ok(table)
+}

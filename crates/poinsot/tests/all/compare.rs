@@ -1,0 +1,92 @@
+//! Answers of one vehicle side by side.
+
+use poinsot::compare::{CompareRequest, compare, comparison_document};
+use poinsot::{EstimateFile, IdentifyRequest, estimate_file, identify};
+use poinsot_formats::ComparisonFile;
+use std::path::{Path, PathBuf};
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3")
+}
+
+/// The first or the second half of the shipped slews: two nights of one satellite.
+fn night(half: [f64; 2]) -> EstimateFile {
+    let telemetry = examples().join("multiaxis/telemetry_noisy.csv");
+    let mut request = IdentifyRequest::new(examples().join("model.toml"), [telemetry]);
+    request.reading.time_s = Some(half);
+    let mut file = estimate_file(&identify(&request).unwrap());
+    // Each night has a file of its own.
+    file.inputs[0].sha256 = format!("{half:?}");
+    file
+}
+
+fn ask(files: &[&EstimateFile]) -> ComparisonFile {
+    let folder = tempfile::tempdir().unwrap();
+    let paths = files.iter().enumerate().map(|(k, file)| {
+        let path = folder.path().join(format!("{k}.json"));
+        std::fs::write(&path, serde_json::to_vec(file).unwrap()).unwrap();
+        path
+    });
+    let answers = paths.collect();
+    compare(&CompareRequest { answers }).unwrap()
+}
+
+#[test]
+fn stat_two_nights_agree_and_a_change_is_named() {
+    let (first, second) = (night([0.0, 240.0]), night([240.0, 480.0]));
+    let same = ask(&[&first, &second]);
+    assert_eq!(same.verdict, "agree", "{:?}", same.tests);
+    assert!(same.doubts.is_empty(), "{:?}", same.doubts);
+    assert_eq!(same.numbers.len(), 6);
+    for (name, n) in &same.numbers {
+        let best = n.sigmas.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(n.pooled_sigma.unwrap() < best, "{name}");
+    }
+    // The moment about x changed by twenty sigmas between the nights.
+    let mut changed = second.clone();
+    let body = &mut changed.bodies["spacecraft"];
+    let sigma = body.inertia_kg_m2.sigma.xx.unwrap();
+    body.inertia_kg_m2.value.xx = body.inertia_kg_m2.value.xx.map(|v| v + 20.0 * sigma);
+    let other = ask(&[&first, &changed]);
+    assert_eq!(other.verdict, "differ");
+    assert!(other.numbers["spacecraft.inertia_xx"].p < 1.0e-6);
+    assert!(other.numbers["spacecraft.inertia_xx"].pooled.is_none());
+    let said = comparison_document(&other).verdict;
+    assert!(said.contains("inertia of spacecraft"), "{said}");
+}
+
+#[test]
+fn regress_one_record_twice_is_not_two_answers() {
+    let first = night([0.0, 240.0]);
+    let twice = ask(&[&first, &first]);
+    assert_eq!(twice.verdict, "agree");
+    assert!(
+        twice.doubts[0].contains("not independent"),
+        "{:?}",
+        twice.doubts
+    );
+}
+
+#[test]
+fn cli_answers_of_different_vehicles_are_refused() {
+    let first = night([0.0, 240.0]);
+    let mut other = first.clone();
+    let body = other.bodies.swap_remove("spacecraft").unwrap();
+    other.bodies.insert("bus".to_owned(), body);
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, file: &EstimateFile| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, serde_json::to_vec(file).unwrap()).unwrap();
+        path
+    };
+    let answers = vec![write("a.json", &first), write("b.json", &other)];
+    let error = compare(&CompareRequest { answers })
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("E0601") && error.contains("bus"), "{error}");
+    let alone = CompareRequest {
+        answers: vec![write("a.json", &first)],
+    };
+    let error = compare(&alone).unwrap_err().to_string();
+    assert!(error.contains("at least two answers"), "{error}");
+}

@@ -1,0 +1,278 @@
+//! A problem evaluated at any value of its unknowns, by one who uses nothing else of the estimator.
+
+use crate::nutation;
+
+use nutation::{Cell, bus, study, study_of};
+use poinsot::bind::bind;
+use poinsot_dynamics::{SensorKind, Tree};
+use poinsot_identify::{
+    Evaluator, Firing, Noise, Observations, Problem, Samples, Segment, SensorRecord, SensorValue,
+    maximum_likelihood,
+};
+use poinsot_model::Model;
+use poinsot_spatial::{UnitQuaternion, Vector3};
+
+/// One record of the nutating bus, bound.
+fn record() -> (Model, Tree, Vec<Segment>, Noise) {
+    let cell = Cell {
+        stored_N_m_s: 3.0,
+        rate_hz: 2.0,
+    };
+    let (tables, _) = study(cell).draw(1);
+    let (model, tree) = (bus(), Tree::new(&bus()));
+    let bound = bind(&model, &tree, &tables).unwrap();
+    (model, tree, bound.segments, bound.noise)
+}
+
+fn problem<'a>(record: &'a (Model, Tree, Vec<Segment>, Noise)) -> Problem<'a> {
+    Problem {
+        model: &record.0,
+        tree: &record.1,
+        segments: &record.2,
+        noise: &record.3,
+        relative_accuracy: 1.0,
+    }
+}
+
+/// Gauss and Newton's steps from the nominal numbers.
+fn fitted(evaluator: &Evaluator) -> Vec<f64> {
+    let mut x = evaluator.nominal();
+    for _ in 0..8 {
+        let here = evaluator.at(&x).unwrap();
+        let step = here.covariance.unwrap() * (here.jacobian.transpose() * here.residuals);
+        x.iter_mut().zip(step.iter()).for_each(|(x, d)| *x -= d);
+    }
+    x
+}
+
+#[test]
+fn exact_jacobian_is_the_slope_of_the_residuals_and_of_the_likelihood() {
+    let record = record();
+    let evaluator = Evaluator::new(&problem(&record)).unwrap();
+    // Close to the fit: slopes of an attitude hold to first order in its residual.
+    let mut x = fitted(&evaluator);
+    x[0] += 3.0e-5;
+    x[1] -= 2.0e-5;
+    let here = evaluator.at(&x).unwrap();
+    assert_eq!(here.jacobian.nrows(), here.residuals.len());
+    let gradient = -(here.jacobian.transpose() * &here.residuals);
+    for (k, unknown) in evaluator.unknowns().iter().enumerate() {
+        let step = 1.0e-6;
+        let [up, down] = [step, -step].map(|d| {
+            let mut there = x.clone();
+            there[k] += d;
+            evaluator.at(&there).unwrap()
+        });
+        let by_differences = (&up.residuals - &down.residuals) / (2.0 * step);
+        let column = here.jacobian.column(k);
+        let gap = (&by_differences - column).norm() / column.norm();
+        assert!(gap < 1.0e-3, "{}: {gap:e}", unknown.name);
+        let slope = (up.log_likelihood - down.log_likelihood) / (2.0 * step);
+        let gap = (slope - gradient[k]).abs() / column.norm() / here.residuals.norm();
+        assert!(gap < 1.0e-3, "{}: {gap:e}", unknown.name);
+    }
+}
+
+#[test]
+fn exact_gauss_and_newton_on_an_evaluation_end_where_the_fit_does() {
+    let record = record();
+    let problem = problem(&record);
+    let evaluator = Evaluator::new(&problem).unwrap();
+    let x = fitted(&evaluator);
+    let here = evaluator.at(&x).unwrap();
+    let covariance = here.covariance.as_ref().unwrap();
+    let estimate = maximum_likelihood(&problem).unwrap();
+    let body = &estimate.bodies[0];
+    let first = x.len() - 6;
+    for (k, number) in body.inertia.iter().enumerate() {
+        let (value, sigma) = (number.value.unwrap(), number.sigma.unwrap());
+        let at = first + k;
+        let own = covariance[(at, at)].sqrt();
+        let name = &evaluator.unknowns()[at].name;
+        assert!(
+            (x[at] - value).abs() < 0.01 * sigma,
+            "{name}: {} {value}",
+            x[at]
+        );
+        assert!((own / sigma - 1.0).abs() < 0.05, "{name}: {own} {sigma}");
+    }
+    let squares = here.residuals.norm_squared();
+    let by_sensor: f64 = here
+        .sensors
+        .iter()
+        .flat_map(|s| &s.white)
+        .map(|w| w.norm_squared())
+        .sum();
+    assert!((squares - by_sensor).abs() < 1.0e-9 * squares);
+    assert_eq!(here.sensors.len(), 2);
+    assert!((squares / here.residuals.len() as f64 - 1.0).abs() < 0.2);
+}
+
+/// Heavy wheels, one sample a radian of nutation: relative speeds bend by a hundred times what the sensors see.
+#[test]
+fn exact_rotors_under_constant_torque_drive_the_motion_between_samples() {
+    let mut heavy = bus();
+    heavy.wheels.iter_mut().for_each(|w| w.spin_inertia = 0.1);
+    let cell = Cell {
+        stored_N_m_s: 18.0,
+        rate_hz: 1.0,
+    };
+    let exact = study_of(cell, heavy.clone()).exact;
+    let tree = Tree::new(&heavy);
+    let bound = bind(&heavy, &tree, &exact).unwrap();
+    let record = (heavy, tree, bound.segments, bound.noise);
+    let evaluator = Evaluator::new(&problem(&record)).unwrap();
+    let x = evaluator.nominal();
+    let here = evaluator.at(&x).unwrap();
+    let left = here.residuals.norm();
+    println!("residual of an exact record: {left:.4} sigma");
+    assert!(left < 0.3, "{left}");
+    for (k, unknown) in evaluator.unknowns().iter().enumerate() {
+        let step = 1.0e-5;
+        let [up, down] = [step, -step].map(|d| {
+            let mut there = x.clone();
+            there[k] += d;
+            evaluator.at(&there).unwrap().residuals
+        });
+        let by_differences = (up - down) / (2.0 * step);
+        let column = here.jacobian.column(k);
+        let gap = (&by_differences - column).norm() / column.norm();
+        println!("{}: {gap:.1e}", unknown.name);
+        assert!(gap < 1.0e-3, "{}: {gap:e}", unknown.name);
+    }
+}
+
+#[test]
+fn unit_short_and_ragged_arrays_are_errors_with_a_code() {
+    let whole = record();
+    let refused = |spoil: &dyn Fn(&mut Segment, &mut Noise)| {
+        let mut record = whole.clone();
+        spoil(&mut record.2[0], &mut record.3);
+        match Evaluator::new(&problem(&record)) {
+            Ok(_) => panic!("not refused"),
+            Err(error) => error.to_string(),
+        }
+    };
+    type Spoil<'a> = &'a dyn Fn(&mut Segment, &mut Noise);
+    let all: [(&str, Spoil); 9] = [
+        ("E0411", &|s, _| s.samples.w_NB_B.truncate(3)),
+        ("E0411", &|s, _| s.samples.R_NB.clear()),
+        ("E0411", &|s, _| s.samples.wheel_speed.truncate(7)),
+        ("E0411", &|s, _| s.observations.time_s.truncate(3)),
+        ("E0411", &|s, _| {
+            s.observations.sensors[0].samples[2].to = 100_000
+        }),
+        ("E0411", &|s, _| s.observations.wheel_speed.truncate(4)),
+        ("E0411", &|_, n| n.wheel_speed.clear()),
+        ("E0411", &|s, _| {
+            s.firings.push(Firing {
+                thruster: 5,
+                start_s: 1.0,
+                end_s: 2.0,
+                force: 1.0,
+            });
+        }),
+        ("E0404", &|s, _| s.samples.time_s.clear()),
+    ];
+    for (code, spoil) in all {
+        let message = refused(spoil);
+        assert!(message.starts_with(code), "{message}");
+    }
+    let evaluator = Evaluator::new(&problem(&whole)).unwrap();
+    for length in [0, 3, 13] {
+        let error = evaluator.at(&vec![0.1; length]).unwrap_err().to_string();
+        assert!(error.starts_with("E0411 values of the unknowns"), "{error}");
+    }
+    // No vehicle has such an inertia.
+    let mut x = evaluator.nominal();
+    *x.last_mut().unwrap() = -20.0;
+    assert!(
+        evaluator
+            .at(&x)
+            .unwrap_err()
+            .to_string()
+            .starts_with("E0405")
+    );
+}
+
+const TUG: &str = r#"
+schema = "poinsot.model/1"
+exact = true
+name = "tug"
+
+[[body]]
+name = "tug"
+mass_kg = 40.0
+com_m = [0.0, 0.0, 0.0]
+inertia_kg_m2 = { xx = 3.0, yy = 2.5, zz = 4.0 }
+estimate = true
+
+[[thruster]]
+name = "jet"
+body = "tug"
+position_m = [0.1, 0.3, 0.0]
+force_direction = [0.0, 1.0, 0.0]
+
+[[sensor]]
+name = "gyro"
+type = "gyro"
+noise_rad_s = 1.0e-3
+"#;
+
+/// Cost of thrust that changes at every sample: run with `--run-ignored only --no-capture`.
+#[test]
+#[ignore = "measures time"]
+fn stat_thrust_that_changes_every_sample_costs_time_linear_in_the_samples() {
+    let model = poinsot_model::parse_model(TUG, "tug.toml").unwrap();
+    let tree = Tree::new(&model);
+    let noise = record().3;
+    let noise = Noise {
+        wheel_speed: Vec::new(),
+        ..noise
+    };
+    let covariance = model.sensors[0].noise_covariance.unwrap();
+    for samples in [4_000, 8_000, 16_000, 32_000, 64_000] {
+        let time_s: Vec<f64> = (0..samples).map(|k| 0.1 * k as f64).collect();
+        let rate = Vector3::new(0.01, 0.02, 0.03);
+        let fire = |k: usize| Firing {
+            thruster: 0,
+            start_s: time_s[k],
+            end_s: time_s[k + 1],
+            force: 1.0e-3 * (1 + k % 2) as f64,
+        };
+        let segments = [Segment {
+            firings: (0..samples - 1).map(fire).collect(),
+            samples: Samples {
+                R_NB: vec![UnitQuaternion::identity(); samples],
+                w_NB_B: vec![rate; samples],
+                time_s: time_s.clone(),
+                ..Samples::default()
+            },
+            observations: Observations {
+                sensors: vec![
+                    SensorRecord::of_base(SensorKind::Gyro, covariance)
+                        .at_every_time(vec![SensorValue::Vector(rate); samples]),
+                ],
+                time_s,
+                ..Observations::default()
+            },
+            ..Segment::default()
+        }];
+        let problem = Problem {
+            model: &model,
+            tree: &tree,
+            segments: &segments,
+            noise: &noise,
+            relative_accuracy: 1.0,
+        };
+        let evaluator = Evaluator::new(&problem).unwrap();
+        let x = evaluator.nominal();
+        let start = std::time::Instant::now();
+        evaluator.at(&x).unwrap();
+        let spent = start.elapsed().as_secs_f64();
+        println!(
+            "{samples} samples: {spent:.2} s, {:.1} us a sample",
+            1.0e6 * spent / samples as f64
+        );
+    }
+}

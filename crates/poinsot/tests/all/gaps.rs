@@ -1,0 +1,164 @@
+//! Readings of wheels that stop for a while, or come at other times than those of the base's sensors.
+
+use poinsot::identify::{identify, read_options};
+use poinsot::{Identified, IdentifyRequest, Question, identify_tables};
+use poinsot_model::{Model, read_model};
+use poinsot_telemetry::{Channel, Table, read};
+use std::path::{Path, PathBuf};
+
+/// True tensor of the record, xx xy yy xz yz zz (`examples/stsat3/multiaxis/truth.json`).
+const TRUTH: [f64; 6] = [13.916, 0.085, 16.954, 0.133, 0.5896, 19.894];
+
+fn example(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/stsat3")
+        .join(path)
+}
+
+fn record() -> (Model, Table) {
+    let model = read_model(example("model.toml")).unwrap();
+    let options = read_options(&model, &model.telemetry, false, false);
+    let table = read(&[example("multiaxis/telemetry_noisy.csv")], &options).unwrap();
+    (model, table)
+}
+
+fn keep(channel: &mut Channel, wanted: impl Fn(usize) -> bool) {
+    let rows: Vec<usize> = (0..channel.values.len()).filter(|k| wanted(*k)).collect();
+    channel.time_s = rows.iter().map(|k| channel.time_s[*k]).collect();
+    channel.values = rows.iter().map(|k| channel.values[*k]).collect();
+}
+
+fn is_wheel(channel: &Channel) -> bool {
+    channel.name.starts_with("wheel")
+}
+
+fn request() -> Question {
+    Question::default()
+}
+
+fn answer(model: &Model, table: Table) -> Identified {
+    identify_tables(model.clone(), vec![table], &request()).unwrap()
+}
+
+/// Largest error in stated sigmas.
+fn worst(answer: &Identified) -> f64 {
+    let body = &answer.estimate.bodies[0];
+    let errors = body.inertia.iter().zip(TRUTH).map(|(n, truth)| {
+        let z = (n.value.unwrap() - truth) / n.sigma.unwrap();
+        println!("{:.6} {truth} {z:+.2}", n.value.unwrap());
+        z.abs()
+    });
+    errors.fold(0.0, f64::max)
+}
+
+#[test]
+fn regress_rows_that_are_missing_cut_the_record() {
+    for (from, to) in [(1620, 1670), (1620, 1700), (1000, 1300)] {
+        let (model, mut table) = record();
+        let lost = |k: usize| (from..to).contains(&k);
+        table
+            .channels
+            .iter_mut()
+            .for_each(|c| keep(c, |k| !lost(k)));
+        let answer = answer(&model, table);
+        assert_eq!(answer.estimate.fit.len(), 2, "segments");
+        assert!(worst(&answer) < 4.0, "rows {from} to {to}");
+        assert!(answer.estimate.covariance_trustworthy);
+        let told = answer.repairs.iter().any(|r| r.contains("2 segments"));
+        assert!(told, "{:?}", answer.repairs);
+    }
+}
+
+#[test]
+fn regress_wheels_that_are_not_read_for_a_while_cut_the_record() {
+    let (model, mut table) = record();
+    let wheels = table.channels.iter_mut().filter(|c| is_wheel(c));
+    wheels.for_each(|c| keep(c, |k| !(1000..1100).contains(&k)));
+    let answer = answer(&model, table);
+    assert_eq!(answer.estimate.fit.len(), 2, "segments");
+    assert!(worst(&answer) < 4.0);
+    assert!(answer.estimate.covariance_trustworthy);
+}
+
+/// The equation of motion carries the state across a pause of the gyro and the star tracker; the wheels go on.
+#[test]
+fn regress_a_pause_of_the_base_sensors_cuts_nothing() {
+    let (model, mut table) = record();
+    let base = table.channels.iter_mut().filter(|c| !is_wheel(c));
+    base.for_each(|c| keep(c, |k| !(1600..1700).contains(&k)));
+    let answer = answer(&model, table);
+    assert_eq!(answer.estimate.fit.len(), 1, "segments");
+    assert!(worst(&answer) < 4.0);
+}
+
+#[test]
+fn regress_wheel_readings_between_those_of_the_gyro_count() {
+    let (model, mut table) = record();
+    let base = table.channels.iter_mut().filter(|c| !is_wheel(c));
+    base.for_each(|c| keep(c, |k| k.is_multiple_of(5)));
+    let answer = answer(&model, table);
+    assert!(worst(&answer) < 4.0);
+    assert!(answer.estimate.covariance_trustworthy);
+}
+
+/// What the wheels do between their readings moves the answer by sigmas, and no residual shows it.
+#[test]
+fn regress_wheels_read_too_seldom_are_not_trusted() {
+    let (model, table) = record();
+    for (stride, trusted) in [(1, true), (2, false), (5, false)] {
+        let mut table = table.clone();
+        let wheels = table.channels.iter_mut().filter(|c| is_wheel(c));
+        wheels.for_each(|c| keep(c, |k| k.is_multiple_of(stride)));
+        let answer = answer(&model, table);
+        println!("every {stride}: {:.1}", worst(&answer));
+        let warnings = &answer.estimate.warnings;
+        let trusts = answer.estimate.covariance_trustworthy;
+        assert_eq!(trusts, trusted, "every {stride}: {warnings:?}");
+        let told = warnings.iter().any(|w| w.contains("would move by"));
+        assert_eq!(told, !trusted, "{warnings:?}");
+    }
+}
+
+/// Rows that were left out on purpose are known to have held something.
+#[test]
+fn regress_thinned_rows_are_not_trusted() {
+    let asked = |every: usize| {
+        let mut request = IdentifyRequest::new(
+            example("model.toml"),
+            [example("multiaxis/telemetry_noisy.csv")],
+        );
+        request.reading.every = every;
+        identify(&request).unwrap()
+    };
+    assert!(asked(1).estimate.covariance_trustworthy);
+    let thinned = asked(2);
+    assert!(worst(&thinned) > 4.0);
+    assert!(!thinned.estimate.covariance_trustworthy);
+    let told = |w: &String| w.starts_with("--every 2 leaves out");
+    assert!(thinned.estimate.warnings.iter().any(told));
+}
+
+/// An accuracy that is asked for judges the answer; the fit is the same.
+#[test]
+fn regress_a_strict_accuracy_leaves_the_fit_as_it_is() {
+    let (model, table) = record();
+    let asked = |relative_accuracy: f64| {
+        let request = Question {
+            relative_accuracy,
+            ..request()
+        };
+        identify_tables(model.clone(), vec![table.clone()], &request).unwrap()
+    };
+    let (plain, strict) = (asked(1.0), asked(1.0e-6));
+    let chi2 = |answer: &Identified| answer.estimate.fit[0].chi2_per_dof;
+    // The starts differ, the ends do not.
+    assert!((chi2(&plain) - chi2(&strict)).abs() < 1.0e-9);
+    assert_eq!(plain.estimate.identifiability.rank, 6);
+    assert!(strict.estimate.identifiability.rank < 6);
+    let open = |answer: &Identified| {
+        let numbers = &answer.estimate.bodies[0].inertia;
+        numbers.iter().filter(|n| n.value.is_none()).count()
+    };
+    assert_eq!((open(&plain), open(&strict)), (0, 6));
+    assert!(strict.estimate.covariance_trustworthy);
+}

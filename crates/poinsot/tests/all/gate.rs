@@ -1,0 +1,113 @@
+//! Files and tables in memory go through one gate: the same answer to the last bit, the same faults found.
+
+use poinsot::identify::read_options;
+use poinsot::{IdentifyRequest, Question, estimate_json, identify, identify_tables};
+use poinsot_model::read_model;
+use poinsot_telemetry::{Table, read, write};
+use std::path::{Path, PathBuf};
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3")
+}
+
+/// The first slews of the shipped record.
+fn record() -> Table {
+    let model = read_model(examples().join("model.toml")).unwrap();
+    let options = read_options(&model, &model.telemetry, false, false);
+    let mut table = read(
+        &[examples().join("multiaxis/telemetry_noisy.csv")],
+        &options,
+    )
+    .unwrap();
+    for c in &mut table.channels {
+        c.values.truncate(1500);
+        c.time_s = c.time_s.iter().take(1500).copied().collect();
+    }
+    table
+}
+
+fn scale(table: &mut Table, prefix: &str, factor: f64) {
+    let named = table
+        .channels
+        .iter_mut()
+        .filter(|c| c.name.starts_with(prefix));
+    named.flat_map(|c| &mut c.values).for_each(|v| *v *= factor);
+}
+
+fn stick(table: &mut Table, name: &str) {
+    let channel = table.channels.iter_mut().find(|c| c.name == name).unwrap();
+    let value = channel.values[700];
+    channel.values[700..1000].fill(value);
+}
+
+/// Answer or refusal in words, without the names of files.
+fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> String {
+    match answer {
+        Ok(identified) => {
+            let json = estimate_json(&identified);
+            let findings: Vec<&str> = identified
+                .findings
+                .iter()
+                .map(|f| f.text.as_str())
+                .collect();
+            format!("{} {} {findings:?}", json["bodies"], json["status"])
+        }
+        Err(error) => error.to_string().replace(file, "").replacen(": ", " ", 2),
+    }
+}
+
+/// Puts a fault into a table.
+type Plant = fn(&mut Table);
+
+#[test]
+fn prop_a_fault_found_in_a_file_is_found_in_memory() {
+    let faults: [(&str, Plant); 5] = [
+        ("none", |_| ()),
+        ("wheels in rpm", |t| {
+            scale(t, "wheel", 30.0 / std::f64::consts::PI)
+        }),
+        ("rates in deg/s", |t| {
+            scale(t, "omega", 180.0 / std::f64::consts::PI)
+        }),
+        ("a gyro axis that sticks", |t| stick(t, "omega_x")),
+        ("a rate of 1e9", |t| t.channels[0].values[3] = 1.0e9),
+    ];
+    let model = read_model(examples().join("model.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (name, plant) in faults {
+        let mut table = record();
+        plant(&mut table);
+        let path = folder.path().join("telemetry.parquet");
+        write(&path, &table.channels).unwrap();
+        let request = IdentifyRequest::new(examples().join("model.toml"), [&path]);
+        let from_file = told(identify(&request), &path.display().to_string());
+        let options = read_options(&model, &model.telemetry, false, false);
+        let from_memory = match read(std::slice::from_ref(&path), &options) {
+            Ok(mut table) => {
+                table.sources.clear();
+                told(
+                    identify_tables(model.clone(), vec![table], &Question::default()),
+                    "",
+                )
+            }
+            Err(error) => told(Err(error.into()), &path.display().to_string()),
+        };
+        assert_eq!(from_file, from_memory, "{name}");
+    }
+}
+
+#[test]
+fn regress_one_record_twice_in_memory_is_refused() {
+    let model = read_model(examples().join("model.toml")).unwrap();
+    let tables = [(); 2].map(|()| Table {
+        sources: Vec::new(),
+        ..record()
+    });
+    let tables = tables.to_vec();
+    let answer = identify_tables(model, tables, &Question::default());
+    let error = answer.err().unwrap().to_string();
+    assert!(
+        error.contains("its content is that of segment 1"),
+        "{error}"
+    );
+}

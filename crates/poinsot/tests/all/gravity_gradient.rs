@@ -1,0 +1,248 @@
+//! The gravity gradient as a source of information: no thruster, no slew.
+
+use crate::vehicle;
+
+use poinsot::{Error, identify_tables};
+use poinsot_dynamics::{Start, StartVelocity};
+use poinsot_identify::{Estimate, Status};
+use poinsot_model::{EstimateSet, Model, Nuisance, Orbit, SensorKind, Wheel};
+use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_telemetry::{Channel, Table};
+use std::sync::Arc;
+use vehicle::*;
+
+const GM: f64 = 3.986004418e14;
+
+fn low_orbit() -> Orbit {
+    Orbit {
+        semi_major_axis: 7.0e6,
+        eccentricity: 0.0,
+        inclination: 0.9,
+        raan: 0.4,
+        argument_of_periapsis: 0.2,
+        true_anomaly: -0.3,
+        epoch: 0.0,
+    }
+}
+
+fn in_orbit(mut model: Model) -> Model {
+    model.environment.point_mass_gm = Some(GM);
+    model.environment.gravity_gradient = true;
+    model.environment.orbit = Some(low_orbit());
+    // As good as instruments are: with less noise round-off of the integration would count as signal.
+    model.sensors = [SensorKind::Gyro, SensorKind::Attitude]
+        .map(|kind| sensor(kind, 1.0e-6))
+        .to_vec();
+    model
+}
+
+/// One rigid body of which the inertia is asked.
+fn satellite(seed: u64) -> Model {
+    let mut model = tree(seed, "");
+    model.bodies[0].estimate = EstimateSet {
+        inertia: true,
+        ..EstimateSet::default()
+    };
+    model
+}
+
+fn coast(model: &Model, w_NB_B: Vector3) -> Flight {
+    let mut flight = moving(model, 5);
+    flight.start = Start {
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B,
+        },
+        ..flight.start
+    };
+    flight.duration_s = 3000.0;
+    flight.rate_hz = 0.2;
+    flight
+}
+
+fn push(table: &mut Table, name: &str, time_s: &Arc<[f64]>, values: Vec<f64>) {
+    table.channels.push(Channel {
+        name: name.to_owned(),
+        sensor: String::new(),
+        unit: String::new(),
+        frame: String::new(),
+        time_s: time_s.clone(),
+        values,
+    });
+}
+
+fn inertia(answer: &Estimate) -> Option<Matrix3> {
+    let mut I = Matrix3::zeros();
+    for (k, (i, j)) in poinsot_identify::TENSOR.into_iter().enumerate() {
+        I[(i, j)] = answer.bodies[0].inertia[k].value?;
+        I[(j, i)] = I[(i, j)];
+    }
+    Some(I)
+}
+
+/// Wheels hold the attitude of a body in N. They take up the gravity-gradient torque, which is known in closed
+/// form: on a circular orbit `u = p cos a + q sin a`, `a' = n`, and `h_w' = 3 n^2 u x I u` integrates to sines and
+/// cosines of 2a. The body never turns, and yet its inertia shows: with w the orbit's normal, `I_pq`, `I_pp - I_qq`,
+/// `I_pw` and `I_qw`. A multiple of the identity has no hold on gravity, nor has `I_ww`: u stays in the plane.
+#[test]
+fn exact_held_attitude_shows_four_combinations() {
+    let mut truth = in_orbit(satellite(7));
+    for (k, axis) in [Vector3::x(), Vector3::y(), Vector3::z()]
+        .into_iter()
+        .enumerate()
+    {
+        truth.wheels.push(Wheel {
+            name: format!("w{k}"),
+            body: 0,
+            axis_B: axis,
+            spin_inertia: 0.05,
+            estimate: false,
+            misalignment: Nuisance::Known,
+        });
+    }
+    let orbit = low_orbit();
+    let n = (GM / orbit.semi_major_axis.powi(3)).sqrt();
+    let I = truth.bodies[0].nominal.I_BBcm_B;
+    // The body keeps the axes of N: u at argument of latitude 0 and 90 degrees.
+    let (so, co) = orbit.raan.sin_cos();
+    let (si, ci) = orbit.inclination.sin_cos();
+    let (p, q) = (
+        Vector3::new(co, so, 0.0),
+        Vector3::new(-so * ci, co * ci, si),
+    );
+    let a0 = orbit.argument_of_periapsis + orbit.true_anomaly;
+    let (pp, qq) = (p.cross(&(I * p)), q.cross(&(I * q)));
+    let pq = p.cross(&(I * q)) + q.cross(&(I * p));
+    // Antiderivative of u x I u over a.
+    let upto = |a: f64| {
+        pp * (0.5 * a + 0.25 * (2.0 * a).sin())
+            + qq * (0.5 * a - 0.25 * (2.0 * a).sin())
+            + pq * (0.5 * a.sin().powi(2))
+    };
+    let times: Arc<[f64]> = (0..=200).map(|k| 10.0 * f64::from(k)).collect();
+    let mut table = Table::default();
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        push(
+            &mut table,
+            &format!("omega_{axis}"),
+            &times,
+            vec![0.0; times.len()],
+        );
+        let h = |t: &f64| (upto(a0 + n * t) - upto(a0))[k] * 3.0 * n;
+        let speed = times.iter().map(|t| 20.0 + h(t) / 0.05).collect();
+        push(&mut table, &format!("w{k}_rad_s"), &times, speed);
+    }
+    for (axis, value) in [("x", 0.0), ("y", 0.0), ("z", 0.0), ("w", 1.0)] {
+        push(
+            &mut table,
+            &format!("q_{axis}"),
+            &times,
+            vec![value; times.len()],
+        );
+    }
+    let answer = ask(&off_nominal(&truth, 0.1), vec![table.clone()], "auto").estimate;
+    let found = &answer.identifiability;
+    assert_eq!(
+        (found.parameters, found.rank),
+        (6, 4),
+        "{:?}",
+        found.sigmas_natural
+    );
+    // Differences of moments and products are determined; each against the truth.
+    for c in &found.determined {
+        let expected: f64 = c
+            .coefficients
+            .iter()
+            .map(|(name, x)| {
+                let element = name.rsplit('_').next().unwrap();
+                let at = ["xx", "xy", "yy", "xz", "yz", "zz"]
+                    .iter()
+                    .position(|e| *e == element)
+                    .unwrap();
+                x * I[poinsot_identify::TENSOR[at]]
+            })
+            .sum();
+        println!("{}: {:.9} of {expected:.9}", c.text, c.value);
+        assert!((c.value - expected).abs() < 1.0e-5 * I.trace());
+    }
+    // In free fall nothing happens that an inertia could show in.
+    let mut free = off_nominal(&truth, 0.1);
+    free.environment = Default::default();
+    let answer = ask(&free, vec![table], "auto").estimate;
+    assert_ne!(answer.status, Status::Converged);
+}
+
+/// Gravity is proportional to mass: a coasting body shows the ratios of its inertia and never their scale, with
+/// the gradient as without it (the equivalence principle). What the gradient gives is the ratios of a body that
+/// starts at rest, which in free fall would show nothing at all.
+#[test]
+fn exact_coasting_from_rest_shows_ratios_and_no_scale() {
+    let truth = in_orbit(satellite(8));
+    let table = rotation_only(fly(&truth, &coast(&truth, Vector3::zeros())));
+    let answer = ask(&off_nominal(&truth, 0.05), vec![table], "auto").estimate;
+    assert_eq!(
+        answer.identifiability.rank, 5,
+        "{:?}",
+        answer.identifiability.sigmas_natural
+    );
+    assert!(inertia(&answer).is_none());
+    let mut free = truth.clone();
+    free.environment = Default::default();
+    let table = rotation_only(fly(&free, &coast(&free, Vector3::zeros())));
+    let answer = ask(&off_nominal(&free, 0.05), vec![table], "auto").estimate;
+    assert_eq!(answer.identifiability.rank, 0);
+}
+
+/// A wheel of known momentum gives the scale; the orbit comes from elements or from columns.
+#[test]
+fn exact_tumble_with_a_wheel_gives_the_whole_tensor() {
+    let truth = in_orbit(with_wheels(satellite(9)));
+    let flight = coast(&truth, Vector3::new(2.0e-3, -3.0e-3, 1.0e-3));
+    let mut flight = Flight {
+        duration_s: 1500.0,
+        rate_hz: 0.1,
+        ..flight
+    };
+    for (k, wheel) in flight.plan.wheels.iter_mut().enumerate() {
+        *wheel = poinsot_dynamics::WheelMotion::constant(1.0 + k as f64);
+    }
+    let mut table = rotation_only(fly(&truth, &flight));
+    let model = off_nominal(&truth, 0.05);
+    let scale = truth.bodies[0].nominal.I_BBcm_B;
+    let error = |answer: &Estimate| (inertia(answer).unwrap() - scale).norm() / scale.norm();
+    let by_elements = ask(&model, vec![table.clone()], "auto");
+    assert_eq!(by_elements.estimate.status, Status::Converged);
+    println!("by elements: {:.1e}", error(&by_elements.estimate));
+    assert!(error(&by_elements.estimate) < 1.0e-7);
+
+    let times = table.channels[0].time_s.clone();
+    let orbit: Vec<Vector3> = times
+        .iter()
+        .map(|t| poinsot_dynamics::orbit_state(GM, &low_orbit(), *t).0)
+        .collect();
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let values = orbit.iter().map(|r| r[k]).collect();
+        push(&mut table, &format!("orbit_{axis}"), &times, values);
+    }
+    let mut by_columns = model.clone();
+    by_columns.environment.orbit = None;
+    let answer = ask(&by_columns, vec![table.clone()], "auto");
+    println!("by columns: {:.1e}", error(&answer.estimate));
+    assert!(error(&answer.estimate) < 1.0e-7);
+
+    // Without the gradient the model cannot explain the motion, and says so.
+    let mut without_gradient = model.clone();
+    without_gradient.environment = Default::default();
+    let wrong = ask(&without_gradient, vec![table.clone()], "auto").estimate;
+    assert!(!wrong.covariance_trustworthy, "{:?}", wrong.warnings);
+
+    // Neither columns nor elements: an error, not a guess.
+    let blind = without(table.clone(), &["orbit_"]);
+    let text = match identify_tables(by_columns, vec![blind], &request("auto")) {
+        Err(error) => error.to_string(),
+        Ok(_) => unreachable!("answered without an orbit"),
+    };
+    assert!(text.contains("E0301") && text.contains("orbit_x"), "{text}");
+    let refused = identify_tables(model, vec![table], &request("linear"));
+    assert!(matches!(refused, Err(Error::Usage { .. })));
+}

@@ -1,0 +1,67 @@
+//! The integration tests of this crate, linked as one binary.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    non_snake_case
+)]
+
+mod accelerometer_noise;
+mod answers;
+mod any_vehicle;
+mod bad_questions;
+mod book;
+mod campaign;
+mod campaign_page;
+mod compare;
+mod counts;
+mod evaluation;
+mod faults;
+mod gaps;
+mod gate;
+mod gravity_gradient;
+mod identify_examples;
+mod input_faults;
+mod kim2010;
+mod known_numbers;
+mod late_inputs;
+mod ma2008;
+mod many_nuisances;
+mod many_sensors;
+mod methods;
+mod mixed_up;
+mod noisy_files;
+mod nutation;
+mod papers_outside;
+mod physical;
+#[allow(
+    dead_code,
+    non_snake_case,
+    reason = "a test uses a part of what the example has"
+)]
+#[path = "../../examples/faults/planted.rs"]
+mod planted;
+mod point_sensors;
+mod points;
+mod pyramid;
+mod random_torque;
+mod real_data;
+mod remedies;
+mod report;
+mod setups;
+mod simulate;
+mod statistics;
+mod stored_momentum;
+#[allow(
+    dead_code,
+    non_snake_case,
+    reason = "a test uses a part of what the example has"
+)]
+#[path = "../../examples/tudelft_throw/throws/mod.rs"]
+mod throws;
+mod torque;
+mod trust;
+mod uncertainty;
+mod validate;
+mod vehicle;
+mod xu2017;

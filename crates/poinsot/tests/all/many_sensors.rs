@@ -1,0 +1,342 @@
+//! Any number of sensors of a kind, on any body: gyros and star trackers of different quality on one tug, and on an arm.
+
+use poinsot::bind::{BindError, Bound, bind};
+use poinsot::case::{Case, parse_case};
+use poinsot::simulate::simulate_trial;
+use poinsot::trials::{Study, statistics};
+use poinsot_dynamics::Tree;
+use poinsot_identify::{Estimate, FitOptions, Number, Problem, Status, maximum_likelihood_with};
+use poinsot_model::{Model, SensorKind, parse_model};
+use poinsot_telemetry::{Channel, Table};
+use std::path::Path;
+
+/// A tug with an arm; the true numbers.
+const VEHICLE: &str = r#"
+schema = "poinsot.model/1"
+exact = true
+name = "tug with arm"
+
+[[body]]
+name = "bus"
+mass_kg = 60.0
+com_m = [0.03, -0.02, 0.05]
+inertia_kg_m2 = { xx = 8.2, yy = 9.5, zz = 11.0, xy = 0.35, xz = -0.2, yz = 0.4 }
+estimate = true
+
+[[body]]
+name = "arm"
+mass_kg = 4.0
+com_m = [0.3, 0.0, 0.0]
+inertia_kg_m2 = { xx = 0.02, yy = 0.2, zz = 0.2 }
+
+[[joint]]
+name = "elbow"
+type = "revolute"
+parent = "bus"
+child = "arm"
+origin_m = [0.3, 0.1, 0.2]
+axis = [0.0, 0.0, 1.0]
+
+[[thruster]]
+name = "jet"
+body = "bus"
+position_m = [-0.7, -0.2, 0.1]
+force_direction = [0.2, 0.5, 1.0]
+"#;
+
+const CASE: &str = r#"
+schema = "poinsot.case/1"
+model = "tug_truth.toml"
+duration_s = 20.0
+
+[initial]
+omega_rad_s = [0.1, -0.15, 0.2]
+
+[[joint_motion]]
+joint = "elbow"
+interpolation = "fourier"
+base_frequency_hz = 0.1
+sine_rad = [0.8]
+cosine_rad = [0.3]
+
+[[firing]]
+thruster = "jet"
+on_s = 2.0
+off_s = 8.0
+force_N = 2.0
+
+[[firing]]
+thruster = "jet"
+on_s = 12.0
+off_s = 15.0
+force_N = 2.0
+
+[output]
+rate_hz = 5.0
+seed = 7
+"#;
+
+/// Name, type, sigma, further keys.
+type Declared<'a> = (&'a str, &'a str, f64, &'a str);
+
+const FINE: Declared = ("fine", "gyro", 1.0e-5, "");
+const COARSE: Declared = ("coarse", "gyro", 4.0e-5, "");
+const STAR: Declared = ("star", "attitude", 2.0e-5, "");
+const SUN: Declared = ("sun", "attitude", 1.0e-4, "");
+const SPEED: Declared = ("speed", "velocity", 1.0e-4, "");
+const ON_ARM: Declared = (
+    "on arm",
+    "gyro",
+    5.0e-6,
+    "body = \"arm\"\nbias = \"estimate\"\n",
+);
+const ARM_STAR: Declared = ("arm star", "attitude", 1.0e-5, "body = \"arm\"\n");
+
+fn model(sensors: &[Declared]) -> Model {
+    let mut text = VEHICLE.to_owned();
+    for (name, kind, sigma, more) in sensors {
+        let unit = match *kind {
+            "gyro" => "rad_s",
+            "attitude" => "rad",
+            _ => "m_s",
+        };
+        text += &format!(
+            "\n[[sensor]]\nname = \"{name}\"\ntype = \"{kind}\"\nnoise_{unit} = {sigma:e}\n{more}"
+        );
+    }
+    parse_model(&text, "tug.toml").unwrap()
+}
+
+fn case() -> Case {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    parse_case(&folder.join("arm.toml"), CASE.to_owned()).unwrap()
+}
+
+fn bound(model: &Model, tables: &[Table]) -> Result<Bound, BindError> {
+    bind(model, &Tree::new(model), tables)
+}
+
+fn solved(model: &Model, table: &Table) -> Estimate {
+    let tables = [table.clone()];
+    let (tree, bound) = (Tree::new(model), bound(model, &tables).unwrap());
+    let problem = Problem {
+        model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    };
+    let options = FitOptions {
+        undiagnosed: true,
+        ..FitOptions::default()
+    };
+    let answer = maximum_likelihood_with(&problem, options).unwrap();
+    assert_eq!(answer.status, Status::Converged);
+    answer
+}
+
+fn study(model: &Model) -> Study {
+    Study {
+        diagnose: false,
+        ..Study::of_case(&case(), model, model.clone()).unwrap()
+    }
+}
+
+/// The Cramer-Rao bound of all sensors together.
+fn bound_of(model: &Model) -> Vec<(f64, f64)> {
+    numbers(&study(model).bound().unwrap())
+}
+
+/// Mass, mass centre and inertia of the bus: value and sigma.
+fn numbers(estimate: &Estimate) -> Vec<(f64, f64)> {
+    let bus = &estimate.bodies[0];
+    let all = std::iter::once(&bus.mass)
+        .chain(&bus.com)
+        .chain(&bus.inertia);
+    let pair = |n: &Number| (n.value.unwrap(), n.sigma.unwrap());
+    all.map(pair).collect()
+}
+
+/// What the sensors of a vehicle read, and the joint.
+fn written(model: &Model) -> Table {
+    let mut table = simulate_trial(&case(), model, 0).unwrap().table;
+    let unread = |c: &Channel| match c.name.split_once('_') {
+        Some(("r" | "acc" | "domega", _)) => true,
+        Some(("v", _)) => model.sensors_of(SensorKind::Velocity).next().is_none(),
+        _ => false,
+    };
+    table.channels.retain(|c| !unread(c));
+    table
+}
+
+/// Largest gap of values, in sigmas, and of sigmas, relative.
+fn gaps(ours: &[(f64, f64)], theirs: &[(f64, f64)]) -> (f64, f64) {
+    let pairs = || ours.iter().zip(theirs);
+    let value = pairs().map(|(a, b)| (a.0 - b.0).abs() / b.1);
+    let sigma = pairs().map(|(a, b)| (a.1 / b.1 - 1.0).abs());
+    (value.fold(0.0, f64::max), sigma.fold(0.0, f64::max))
+}
+
+fn columns<'t>(table: &'t Table, sensor: &str) -> Vec<&'t Channel> {
+    let own = table.channels.iter();
+    own.filter(|c| c.sensor == sensor).collect()
+}
+
+/// Two gyros at the same times tell what one tells that reads their weighted mean.
+#[test]
+fn exact_two_gyros_are_one_that_reads_their_weighted_mean() {
+    let both = model(&[COARSE, STAR, SPEED, FINE]);
+    let table = written(&both);
+    let [a, b] = [FINE.2, COARSE.2].map(|sigma| 1.0 / (sigma * sigma));
+    let mut mean = table.clone();
+    mean.channels.retain(|c| c.sensor != COARSE.0);
+    let coarse = columns(&table, COARSE.0);
+    for channel in mean.channels.iter_mut().filter(|c| c.sensor == FINE.0) {
+        let other = coarse.iter().find(|c| c.name == channel.name).unwrap();
+        for (x, y) in channel.values.iter_mut().zip(&other.values) {
+            *x = (a * *x + b * y) / (a + b);
+        }
+    }
+    let sigma = (1.0 / (a + b)).sqrt();
+    let one = model(&[("fine", "gyro", sigma, ""), STAR, SPEED]);
+    let (found, expected) = (solved(&both, &table), solved(&one, &mean));
+    let (value, sigma) = gaps(&numbers(&found), &numbers(&expected));
+    println!("values {value:.1e} sigma, sigmas {sigma:.1e}");
+    assert!(value < 1.0e-6 && sigma < 1.0e-7, "{value:e} {sigma:e}");
+}
+
+#[test]
+fn exact_order_of_declaration_changes_nothing_and_sigma_is_the_bound_of_all() {
+    let first = model(&[COARSE, SUN, FINE, STAR, SPEED]);
+    let last = model(&[STAR, SPEED, FINE, COARSE, SUN]);
+    let table = written(&first);
+    let (found, again) = (solved(&first, &table), solved(&last, &table));
+    let (value, sigma) = gaps(&numbers(&found), &numbers(&again));
+    println!("order: values {value:.1e} sigma, sigmas {sigma:.1e}");
+    assert!(value < 1.0e-9 && sigma < 1.0e-9, "{value:e} {sigma:e}");
+    let (_, sigma) = gaps(&numbers(&found), &bound_of(&first));
+    println!("bound: sigmas {sigma:.1e}");
+    assert!(sigma < 5.0e-3, "{sigma:e}");
+    // The coarse ones take nothing away.
+    let mut few = table.clone();
+    few.channels
+        .retain(|c| ![COARSE.0, SUN.0].contains(&&*c.sensor));
+    let fine = solved(&model(&[FINE, STAR, SPEED]), &few);
+    let ours = numbers(&found);
+    for ((_, with), (_, without)) in ours.iter().zip(numbers(&fine)) {
+        assert!(*with < without * (1.0 + 1.0e-6), "{with:e} {without:e}");
+    }
+    let names: Vec<&str> = found.fit[0].channels.iter().map(|c| &*c.name).collect();
+    let expected = [
+        "gyro.coarse",
+        "gyro.fine",
+        "attitude.star",
+        "attitude.sun",
+        "velocity",
+    ];
+    assert_eq!(names, expected);
+}
+
+/// Gyro and tracker on a link: what they tell is right, and makes sigma smaller.
+#[test]
+fn exact_sensors_on_a_link_tell_of_the_base() {
+    let sensors = [FINE, STAR, SPEED, ON_ARM, ARM_STAR];
+    let all = model(&sensors);
+    let table = written(&all);
+    let found = solved(&all, &table);
+    let (_, gap) = gaps(&numbers(&found), &bound_of(&all));
+    println!("bound: sigmas {gap:.1e}");
+    assert!(gap < 5.0e-3, "{gap:e}");
+    let mut base = table.clone();
+    base.channels
+        .retain(|c| ![ON_ARM.0, ARM_STAR.0].contains(&&*c.sensor));
+    let without = solved(&model(&sensors[..3]), &base);
+    let truth = all.bodies[0].nominal;
+    let ours = numbers(&found);
+    let z = (ours[0].0 - truth.mass) / ours[0].1;
+    assert!(z.abs() < 4.0, "{z}");
+    for ((_, with), (_, without)) in ours.iter().zip(numbers(&without)) {
+        assert!(*with < 0.9 * without, "{with:e} {without:e}");
+    }
+    for channel in &found.fit[0].channels {
+        let chi2 = channel.chi2_per_number.unwrap();
+        assert!((chi2 - 1.0).abs() < 0.35, "{}: {chi2}", channel.name);
+    }
+}
+
+#[test]
+fn stat_two_gyros_and_two_trackers_are_calibrated() {
+    let model = model(&[COARSE, SUN, FINE, STAR, SPEED, ON_ARM, ARM_STAR]);
+    let study = study(&model);
+    let bound = study.bound().unwrap();
+    let result = statistics(&study.run(0..60), Some(&bound));
+    assert!(result.nees.is_some());
+    let faults = result.faults();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn exact_simulate_writes_every_sensor_with_its_errors() {
+    let model = model(&[COARSE, FINE, STAR, SUN]);
+    let text = format!(
+        "{CASE}\n[[output.sensor]]\nname = \"coarse\"\nbias_rad_s = [0.0, 0.0, 0.0]\nscale = [0.1, 0.0, 0.0]\nnonorthogonality_rad = [0.0, 0.0, 0.02]\nlag_s = 0.05\n"
+    );
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let case = parse_case(&folder.join("arm.toml"), text).unwrap();
+    let table = simulate_trial(&case, &model, 0).unwrap().table;
+    for (sensor, count) in [("coarse", 3), ("fine", 3), ("star", 4), ("sun", 4)] {
+        assert_eq!(columns(&table, sensor).len(), count, "{sensor}");
+    }
+    let axes = |sensor: &str| {
+        ["x", "y"].map(|k| table.sensor_channel(sensor, &format!("omega_{k}")).unwrap())
+    };
+    let ([x, y], [u, _]) = (axes("fine"), axes("coarse"));
+    for k in 0..x.values.len() {
+        let expected = 1.1 * x.values[k] + 0.02 * y.values[k];
+        assert!((u.values[k] - expected).abs() < 3.0e-4, "{k}");
+        assert!((u.time_s[k] - x.time_s[k] - 0.05).abs() < 1.0e-12);
+    }
+}
+
+#[test]
+fn regress_a_sensor_without_data_and_data_without_sensor_are_said() {
+    let both = model(&[COARSE, FINE, STAR]);
+    let table = written(&both);
+    let said =
+        |model: &Model, table: &Table| bound(model, std::slice::from_ref(table)).map(|b| b.repairs);
+    let mut without = table.clone();
+    without.channels.retain(|c| c.sensor != "coarse");
+    let found = said(&both, &without).unwrap().join("\n");
+    assert!(
+        found.contains("of the gyro 'coarse': the sensor is not used"),
+        "{found}"
+    );
+    let found = said(&model(&[FINE, STAR]), &table).unwrap().join("\n");
+    assert!(
+        found.contains("'coarse.omega_x' and its companions belong to no gyro"),
+        "{found}"
+    );
+    let found = said(&both, &table).unwrap().join("\n");
+    assert!(
+        found.contains("the linear start uses 'fine', maximum likelihood uses all"),
+        "{found}"
+    );
+    let mut nameless = table.clone();
+    nameless.channels.retain(|c| c.sensor != "coarse");
+    for channel in nameless.channels.iter_mut().filter(|c| c.sensor == "fine") {
+        channel.sensor.clear();
+    }
+    let refused = said(&both, &nameless).unwrap_err().to_string();
+    assert!(
+        refused.starts_with("E0305") && refused.contains("name no sensor"),
+        "{refused}"
+    );
+    let mut silent = both;
+    silent.sensors.iter_mut().for_each(|s| {
+        if s.kind == SensorKind::Gyro && s.name == "coarse" {
+            s.noise_covariance = None;
+        }
+    });
+    let refused = said(&silent, &table).unwrap_err().to_string();
+    assert!(refused.contains("'coarse' declares no noise"), "{refused}");
+}

@@ -1,0 +1,128 @@
+//! Studies of the papers against code that is not ours: `fixtures/papers`, NumPy alone.
+
+use poinsot::study::{Cell, Context, Findings, Verbs, run, studies};
+use poinsot_papers::xu2017::studies::together;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn outside(name: &str) -> Value {
+    let path = repository().join("fixtures/papers").join(name);
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn study(paper: &str, name: &str) -> Findings {
+    let (_, study) = studies()
+        .find(|s| s.0 == paper && s.1.name == name)
+        .unwrap();
+    run(study, &repository().join("examples")).unwrap()
+}
+
+/// The numbers of the row whose first cell is `row`.
+fn row(findings: &Findings, table: &str, row: &str) -> Vec<f64> {
+    let table = findings.tables.iter().find(|t| t.name == table).unwrap();
+    let cells = table.rows.iter().find(|r| r[0].text() == row).unwrap();
+    let number = |c: &Cell| match c {
+        Cell::Number(x, _) => Some(*x),
+        _ => None,
+    };
+    cells[1..].iter().filter_map(number).collect()
+}
+
+/// Every number within a share of the other's.
+fn near(label: &str, ours: &[f64], theirs: &[f64], share: f64) {
+    assert_eq!(ours.len(), theirs.len(), "{label}");
+    for (a, b) in ours.iter().zip(theirs) {
+        assert!(
+            (a - b).abs() <= share * b.abs(),
+            "{label}: ours {ours:?}, outside {theirs:?}"
+        );
+    }
+}
+
+fn numbers(list: &Value) -> Vec<f64> {
+    list.as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap()
+}
+
+/// A constant velocity offset and a gyro bias in both options.
+#[test]
+fn xval_offset_and_bias_in_both_options() {
+    let (theirs, ours) = (outside("ma2008.json"), study("ma2008", "advantages"));
+    for cell in theirs["offset"].as_array().unwrap() {
+        let (size, axis) = (cell["m_s"].as_f64().unwrap(), text(&cell["axis"]));
+        let title = format!("Table 1 base, {size} m/s along {axis}");
+        near(
+            &title,
+            &row(&ours, "offset", &title),
+            &numbers(&cell["mass_kg"]),
+            1.0e-5,
+        );
+    }
+    for cell in theirs["bias"].as_array().unwrap() {
+        let title = format!("Table 1 base, 1e-4 rad/s about {}", text(&cell["axis"]));
+        let percent: Vec<f64> = numbers(&cell["tensor"]).iter().map(|x| 100.0 * x).collect();
+        near(&title, &row(&ours, "bias", &title), &percent, 0.01);
+    }
+}
+
+/// Bounds of mass and tensor against span of the motion, moving joints and mass ratio.
+#[test]
+fn xval_bounds_of_the_claims() {
+    let (theirs, ours) = (outside("ma2008.json"), study("ma2008", "reach"));
+    let names = [("span", "factor"), ("ratio", "ratio"), ("joints", "moves")];
+    for (table, key) in names {
+        for cell in theirs[table].as_array().unwrap() {
+            let title = match key {
+                "factor" => format!("{}", cell[key].as_f64().unwrap()),
+                "ratio" => format!("{}", 100.0 * cell[key].as_f64().unwrap()),
+                _ => match numbers(&cell[key]).as_slice() {
+                    [one] => format!("{}", one + 1.0),
+                    [_, _] => "1 and 2".to_owned(),
+                    _ => "1, 2, 3 (trajectory 1)".to_owned(),
+                },
+            };
+            let both = [numbers(&cell["known"]), numbers(&cell["unknown"])].concat();
+            let percent: Vec<f64> = both.iter().map(|x| 100.0 * x).collect();
+            let found = &row(&ours, table, &title)[..4];
+            near(&format!("{table} {title}"), found, &percent, 0.01);
+        }
+    }
+}
+
+/// (75) is loose by two in the products; all joints at once against one.
+#[test]
+fn xval_looseness_of_75_and_all_joints_at_once() {
+    let theirs = outside("xu2017.json");
+    let ours = study("xu2017", "coefficients");
+    for axis in ["x", "y", "z"] {
+        let largest = numbers(&theirs["largest"][axis]);
+        near(
+            axis,
+            &row(&ours, "bounds", &format!("dL_{axis}")),
+            &largest,
+            0.005,
+        );
+    }
+    let examples = repository().join("examples");
+    let context = Context {
+        examples: &examples,
+        tools: &Verbs,
+    };
+    let cases = together::cases(&context).unwrap();
+    for (case, key) in cases.iter().zip(["alone", "together"]) {
+        let (found, _) = together::answer(&context, case, "xu2017", None).unwrap();
+        let condition = theirs[key]["condition"].as_f64().unwrap();
+        near(key, &[together::condition(&found)], &[condition], 1.0e-3);
+    }
+}

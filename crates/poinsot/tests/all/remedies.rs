@@ -1,0 +1,121 @@
+//! What single change would help: what is said must come true when it is done.
+
+use crate::vehicle;
+
+use poinsot_dynamics::{Start, StartVelocity, WheelMotion};
+use poinsot_identify::Estimate;
+use poinsot_model::{EstimateSet, Model, SensorKind};
+use poinsot_spatial::{Matrix3, Vector3};
+use vehicle::*;
+
+fn say(answer: &Estimate) {
+    for open in &answer.identifiability.open {
+        println!("{}\n    {}", open.text, open.remedy);
+    }
+}
+
+/// A body with one wheel along z, whose inertia is asked.
+fn one_axis() -> Model {
+    let mut model = tree(31, "");
+    model.bodies[0].nominal.I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(5.0, 6.0, 7.0));
+    model.bodies[0].estimate = EstimateSet {
+        inertia: true,
+        ..EstimateSet::default()
+    };
+    model.wheels = with_wheels(model.clone()).wheels;
+    model.wheels.truncate(1);
+    model.wheels[0].axis_B = Vector3::z();
+    model.sensors = [SensorKind::Gyro, SensorKind::Attitude]
+        .map(|kind| sensor(kind, 1.0e-4))
+        .to_vec();
+    model
+}
+
+fn spinning(model: &Model, w_NB_B: Vector3) -> Flight {
+    let mut flight = moving(model, 5);
+    for wheel in &mut flight.plan.wheels {
+        *wheel = WheelMotion::constant(100.0);
+    }
+    flight.start = Start {
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B,
+        },
+        ..flight.start
+    };
+    flight
+}
+
+/// A spin along the wheel shows what it can; a turn about another axis is named, and does what was said of it.
+#[test]
+fn exact_the_axis_named_closes_what_it_was_said_to_close() {
+    let model = one_axis();
+    let alone = rotation_only(fly(&model, &spinning(&model, Vector3::new(0.0, 0.0, 0.05))));
+    let before = ask(&model, vec![alone.clone()], "auto").estimate;
+    say(&before);
+    let found = &before.identifiability;
+    assert!(found.rank < 6);
+    let axis = |text: &str| {
+        let at = text.find("about its ")? + "about its ".len();
+        ["x", "y", "z"]
+            .iter()
+            .position(|a| text[at..].starts_with(a))
+    };
+    for open in &found.open {
+        let Some(axis) = axis(&open.remedy) else {
+            unreachable!("{}: {}", open.text, open.remedy);
+        };
+        let mut w = Vector3::new(0.0, 0.0, 0.05);
+        w[axis] += 0.05;
+        let more = rotation_only(fly(&model, &spinning(&model, w)));
+        let after = ask(&model, vec![alone.clone(), more], "auto").estimate;
+        let closes: usize = open
+            .remedy
+            .split("closes ")
+            .nth(1)
+            .and_then(|t| t.split(' ').next())
+            .and_then(|n| n.parse().ok())
+            .unwrap();
+        let gained = after.identifiability.rank - found.rank;
+        println!("axis {axis}: said to close {closes}, gained {gained}");
+        assert!(gained >= closes && closes >= 1, "{}", open.remedy);
+    }
+}
+
+/// Nothing of known size acts on a coasting body: a known force would give its scale.
+#[test]
+fn exact_a_known_force_closes_the_scale() {
+    let mut model = tree(32, "");
+    model.sensors = sensors(1.0e-4);
+    let answer = ask(&model, vec![fly(&model, &moving(&model, 4))], "auto").estimate;
+    say(&answer);
+    let scale = answer
+        .identifiability
+        .open
+        .iter()
+        .find(|o| o.text.contains("common scale"));
+    let remedy = &scale.unwrap().remedy;
+    assert!(
+        remedy.contains("push the base") || remedy.contains("known force"),
+        "{remedy}"
+    );
+}
+
+/// A mass on a joint's axis moves between the bodies whatever one does: only a number that is given helps.
+#[test]
+fn exact_only_a_number_given_parts_the_bodies_of_a_joint() {
+    let mut model = with_thrusters(tree(33, "r"));
+    model.sensors = sensors(1.0e-5);
+    let answer = ask(&model, vec![fly(&model, &moving(&model, 4))], "auto").estimate;
+    say(&answer);
+    let open = &answer.identifiability.open;
+    assert_eq!(open.len(), 3);
+    for one in open {
+        assert!(
+            one.remedy.starts_with("give "),
+            "{}: {}",
+            one.text,
+            one.remedy
+        );
+    }
+}

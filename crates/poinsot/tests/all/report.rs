@@ -1,0 +1,264 @@
+//! The page: complete in itself, deaf to hostile names, true to the fit.
+
+use poinsot::report::{ReportData, report_data, report_html};
+use poinsot::{Identified, IdentifyRequest, estimate_json, identify};
+use scraper::{Html, Node, Selector};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+const LIMIT: usize = 5_000_000;
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+fn answer(model: &str, telemetry: &[&str], method: &str) -> Identified {
+    identify(
+        &IdentifyRequest::new(
+            examples().join(model),
+            telemetry.iter().map(|t| examples().join(t)),
+        )
+        .by(method),
+    )
+    .unwrap()
+}
+
+fn ma2008() -> Identified {
+    answer(
+        "ma2008/model_noisy.toml",
+        &["ma2008/traj1/telemetry_noisy.csv"],
+        "auto",
+    )
+}
+
+fn documents(identified: &Identified) -> (Value, ReportData) {
+    let command = ["poinsot", "identify", "--out", "a b"].map(str::to_owned);
+    (estimate_json(identified), report_data(identified, &command))
+}
+
+fn page(identified: &Identified) -> String {
+    let (estimate, data) = documents(identified);
+    report_html(&estimate, data).unwrap()
+}
+
+/// Elements with the names of their attributes, in order: what a hostile text must not change.
+fn skeleton(html: &str) -> Vec<String> {
+    Html::parse_document(html)
+        .tree
+        .nodes()
+        .filter_map(|n| match n.value() {
+            Node::Element(e) => {
+                let mut names: Vec<&str> = e.attrs().map(|a| a.0).collect();
+                names.sort_unstable();
+                Some(format!("{} {}", e.name(), names.join(",")))
+            }
+            Node::Comment(_) => Some("comment".to_owned()),
+            _ => None,
+        })
+        .collect()
+}
+
+/// Puts a text in place of every name and message, keeping what is one thing in one thing.
+fn rename(value: &mut Value, from: &str, to: &str) {
+    match value {
+        Value::String(s) => *s = s.replace(from, to),
+        Value::Array(all) => all.iter_mut().for_each(|v| rename(v, from, to)),
+        Value::Object(map) => {
+            let old = std::mem::take(map);
+            for (key, mut v) in old {
+                rename(&mut v, from, to);
+                map.insert(key.replace(from, to), v);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn unit_hostile_names_change_no_element() {
+    let identified = ma2008();
+    let (mut estimate, data) = documents(&identified);
+    let mut data = serde_json::to_value(data).unwrap();
+    estimate["warnings"] = serde_json::json!(["link1 looks odd"]);
+    estimate["repairs"] = serde_json::json!(["link1 was taken as locked"]);
+    estimate["ignored_columns"] = serde_json::json!(["link1", "acc_x"]);
+    estimate["model"] = "link1".into();
+    estimate["fit"][0]["segment"] = "link1".into();
+    data["segments"][0]["label"] = "link1".into();
+    data["command"] = serde_json::json!(["poinsot", "link1"]);
+    let read = |v: &Value| serde_json::from_value::<ReportData>(v.clone()).unwrap();
+    let tame = report_html(&estimate, read(&data)).unwrap();
+    for hostile in [
+        "<script>alert(1)</script>",
+        "</script><script>alert(1)</script>",
+        "--><img src=x onerror=alert(1)>",
+        "\" onload=\"alert(1)\" x=\"",
+        "' onclick='alert(1)",
+        "</style></svg></td></table><h1>",
+        "{{ 7 * 7 }}{% include 'x' %}",
+        "\u{2028}\u{2029}\u{202e}\0<!--",
+        "javascript:alert(1)",
+        "&lt;b&gt;",
+    ] {
+        let (mut e, mut d) = (estimate.clone(), data.clone());
+        rename(&mut e, "link1", hostile);
+        rename(&mut d, "link1", hostile);
+        let wild = report_html(&e, read(&d)).unwrap();
+        assert!(
+            skeleton(&tame) == skeleton(&wild),
+            "{hostile:?} changed the page"
+        );
+        assert!(!wild.contains("49{%"));
+    }
+}
+
+#[test]
+fn unit_page_is_complete_and_names_no_address() {
+    let html = page(&ma2008());
+    assert!(html.len() < LIMIT, "{} bytes", html.len());
+    let document = Html::parse_document(&html);
+    for selector in [
+        "[src]",
+        "link",
+        "iframe",
+        "object",
+        "embed",
+        "form",
+        "base",
+        "[style]",
+        "[onclick]",
+        "img",
+    ] {
+        let found = document.select(&Selector::parse(selector).unwrap()).count();
+        assert_eq!(found, 0, "{selector}");
+    }
+    for a in document.select(&Selector::parse("a").unwrap()) {
+        assert!(a.attr("href").unwrap().starts_with('#'));
+    }
+    let mut rest = html.clone();
+    // The name of a vocabulary, never fetched.
+    rest = rest.replace("http://www.w3.org/2000/svg", "");
+    for word in [
+        "http:",
+        "https:",
+        "//cdn",
+        "@import",
+        "url(",
+        "fetch(",
+        "XMLHttpRequest",
+    ] {
+        assert!(!rest.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn unit_policy_allows_what_is_there_and_nothing_else() {
+    let html = page(&answer(
+        "stsat3/model.toml",
+        &["stsat3/paper/telemetry.parquet"],
+        "auto",
+    ));
+    let document = Html::parse_document(&html);
+    let meta = Selector::parse("meta[http-equiv]").unwrap();
+    let policy = document
+        .select(&meta)
+        .next()
+        .unwrap()
+        .attr("content")
+        .unwrap();
+    assert!(policy.starts_with("default-src 'none';"));
+    assert!(!policy.contains("unsafe"));
+    let count = |s: &str| document.select(&Selector::parse(s).unwrap()).count();
+    assert_eq!(
+        policy.matches("'sha256-").count(),
+        count("style") + count("script:not([type])")
+    );
+    for section in [
+        "verdict",
+        "mass",
+        "motion",
+        "identifiable",
+        "fit",
+        "vehicle",
+        "provenance",
+    ] {
+        assert_eq!(count(&format!("section#{section} h2")), 1, "{section}");
+    }
+}
+
+#[test]
+fn unit_every_plot_has_units_or_none_to_have() {
+    let html = page(&ma2008());
+    let document = Html::parse_document(&html);
+    let axis = Selector::parse("text.axis").unwrap();
+    let labels: Vec<String> = document.select(&axis).map(|t| t.text().collect()).collect();
+    assert!(labels.len() > 20);
+    let without: Vec<&String> = labels.iter().filter(|l| !l.contains('[')).collect();
+    for label in without {
+        let dimensionless = [
+            "q",
+            "density",
+            "correlation",
+            "direction, best first",
+            "one sigma / natural scale",
+        ];
+        assert!(dimensionless.contains(&label.as_str()), "{label}");
+    }
+}
+
+#[test]
+fn unit_same_question_same_bytes() {
+    assert!(page(&ma2008()) == page(&ma2008()));
+}
+
+#[test]
+fn unit_files_of_different_runs_are_refused() {
+    let (estimate, _) = documents(&ma2008());
+    let other = answer(
+        "stsat3/model.toml",
+        &["stsat3/paper/telemetry.parquet"],
+        "auto",
+    );
+    let why = report_html(&estimate, documents(&other).1).unwrap_err();
+    assert!(why.contains("different runs"), "{why}");
+}
+
+/// The curves against the fit, which takes its residuals by another way.
+#[test]
+fn exact_curves_show_the_residual_that_was_fitted() {
+    let identified = ma2008();
+    let prediction = &identified.predictions[0];
+    let fit = &identified.estimate.fit[0];
+    for channel in &prediction.channels {
+        let fitted = fit
+            .channels
+            .iter()
+            .find(|c| c.name == channel.name)
+            .unwrap();
+        let all: Vec<f64> = channel.residual.iter().flatten().copied().collect();
+        let rms = (all.iter().map(|r| r * r).sum::<f64>() / all.len() as f64).sqrt();
+        // One of two samples is kept: 4000 numbers, so within a few times 1 / sqrt(2 * 4000).
+        assert!(
+            (rms / fitted.rms - 1.0).abs() < 0.04,
+            "{}: {rms} {}",
+            channel.name,
+            fitted.rms
+        );
+        let counted: u64 = channel.histogram.iter().flatten().sum();
+        assert_eq!(counted, 3 * channel.samples as u64, "{}", channel.name);
+    }
+    // No torque acts: the predicted momentum is constant.
+    for row in &prediction.momentum.predicted {
+        let worst = row.iter().map(|h| (h - row[0]).abs()).fold(0.0, f64::max);
+        assert!(worst < 1.0e-6, "{worst}");
+    }
+}
+
+#[test]
+fn unit_many_segments_stay_small() {
+    let runs =
+        ["C1", "C2", "C3", "C4", "C5", "C6", "C7"].map(|c| format!("xu2017/{c}/telemetry.parquet"));
+    let runs: Vec<&str> = runs.iter().map(String::as_str).collect();
+    let html = page(&answer("xu2017/model.toml", &runs, "linear"));
+    assert!(html.len() < LIMIT, "{} bytes", html.len());
+}

@@ -1,0 +1,387 @@
+//! Two vehicles under the same torques, and vehicles against telemetry.
+
+use poinsot::case::{Case, parse_case, read_case};
+use poinsot::simulate::simulate_trial;
+use poinsot::validate::*;
+use poinsot::{Identified, IdentifyRequest, Question, identify, write_estimate};
+use poinsot_model::{Model, read_model};
+use std::path::{Path, PathBuf};
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
+    let run = |k| vec![examples().join(format!("xu2017/C{k}/telemetry.parquet"))];
+    identify(&IdentifyRequest {
+        model: examples().join("xu2017/model.toml"),
+        segments: runs.map(run).collect(),
+        question: Question::by("linear"),
+        ..IdentifyRequest::default()
+    })
+    .unwrap()
+}
+
+fn table13(estimate: &Path) -> ValidateRequest {
+    ValidateRequest {
+        model: Some(examples().join("xu2017/model.toml")),
+        estimate: Some(estimate.to_owned()),
+        against: examples()
+            .join("cases/xu2017_truth.toml")
+            .display()
+            .to_string(),
+        case: Some(examples().join("cases/xu2017_table13.toml")),
+        within_m: Some(1e-9),
+        within_rad: Some(1e-9),
+        ..ValidateRequest::default()
+    }
+}
+
+fn load(name: &str) -> (Case, Model) {
+    let case = read_case(&examples().join("cases").join(name)).unwrap();
+    let model = read_model(&case.model).unwrap();
+    (case, model)
+}
+
+/// Xu et al. 2017, section 5.5: 3.31e-5 m, 5.56e-4 rad and 7.96e-4 rad after 2 s under the torques of Table 13. Of the
+/// combinations that C1 to C7 determine, 18 of 70 numbers open.
+#[test]
+fn paper_xu2017_base_parameters_move_like_the_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    write_estimate(folder.path(), &xu(1..=7)).unwrap();
+    let found = validate(&table13(folder.path())).unwrap();
+    assert_eq!(found.verdict, Verdict::Agrees);
+    assert_eq!(found.compared.len(), 8);
+    for one in &found.compared {
+        println!("{}: {:.1e} {}", one.name, one.largest, one.unit);
+        // 2e-13 was measured.
+        assert!(one.largest < 1e-11, "{}: {:e}", one.name, one.largest);
+    }
+    let completed = found.completed.as_ref().unwrap();
+    assert_eq!((completed.determined, completed.open), (52, 18));
+    assert!(completed.distance > 0.05);
+    assert!(!completed.effect.matters());
+    // The joints really moved, and the nominal vehicle moves otherwise, about as far off as the paper's.
+    let joint =
+        |v: &Validation, name: &str| v.compared.iter().find(|c| c.name == name).unwrap().clone();
+    let reach = joint(&found, "joint joint1").model[0]
+        .iter()
+        .fold(0.0_f64, |a, x| a.max(x.abs()));
+    assert!(reach > 0.03, "{reach}");
+    let nominal = ValidateRequest {
+        estimate: None,
+        ..table13(folder.path())
+    };
+    let nominal = validate(&nominal).unwrap();
+    assert_eq!(
+        (nominal.verdict, nominal.exit_code()),
+        (Verdict::Differs, 1)
+    );
+    assert!(joint(&nominal, "joint joint1").largest > 1e-4);
+}
+
+/// The same from the estimate in memory, and an estimate without C1, whose scale is open: not determined.
+#[test]
+fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
+    let folder = tempfile::tempdir().unwrap();
+    let identified = xu(2..=7);
+    write_estimate(folder.path(), &identified).unwrap();
+    let found = validate(&table13(folder.path())).unwrap();
+    assert_eq!(
+        (found.verdict, found.exit_code()),
+        (Verdict::Undetermined, 1)
+    );
+    let completed = found.completed.as_ref().unwrap();
+    assert_eq!((completed.determined, completed.open), (51, 19));
+    assert!(completed.effect.matters() && completed.effect.changes[2].2 > 1e-4);
+    let words = validation_document(&found).to_string();
+    assert!(
+        words.contains("the motion depends on what the estimate leaves open: not determined"),
+        "{words}"
+    );
+    // A given total mass closes the scale.
+    let memory = of_estimate(&identified.estimate, &identified.model).unwrap();
+    assert_eq!(memory.completion.unwrap().open.len(), 19);
+}
+
+/// A record that was not used: the estimate of the six slews predicts the paper's slew, the nominal numbers do not.
+#[test]
+fn stat_held_back_telemetry_agrees_with_a_good_estimate_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let request = IdentifyRequest::new(
+        examples().join("stsat3/model.toml"),
+        [examples().join("stsat3/multiaxis/telemetry_noisy.csv")],
+    );
+    write_estimate(folder.path(), &identify(&request).unwrap()).unwrap();
+    let held_back = ValidateRequest {
+        model: Some(examples().join("stsat3/model.toml")),
+        estimate: Some(folder.path().to_owned()),
+        against: examples()
+            .join("stsat3/paper/telemetry_noisy.csv")
+            .display()
+            .to_string(),
+        ..ValidateRequest::default()
+    };
+    let good = validate(&held_back).unwrap();
+    assert_eq!((good.verdict, good.exit_code()), (Verdict::Agrees, 0));
+    assert!(
+        (good.chi2_per_dof.unwrap() - 1.0).abs() < 0.05,
+        "{:?}",
+        good.chi2_per_dof
+    );
+    assert!(good.completed.is_none());
+    let names: Vec<&str> = good.compared.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["gyro", "attitude"]);
+    for one in &good.compared {
+        let sigmas = one.sigmas.unwrap();
+        assert!(
+            (sigmas.rms - 1.0).abs() < 0.05,
+            "{}: {}",
+            one.name,
+            sigmas.rms
+        );
+        assert!(
+            (3.0..5.5).contains(&sigmas.largest),
+            "{}: {}",
+            one.name,
+            sigmas.largest
+        );
+        assert!(sigmas.whiteness_p.unwrap() > 1e-3, "{}", one.name);
+    }
+    let nominal = validate(&ValidateRequest {
+        estimate: None,
+        ..held_back
+    })
+    .unwrap();
+    assert_eq!(
+        (nominal.verdict, nominal.exit_code()),
+        (Verdict::Differs, 1)
+    );
+    assert!(nominal.chi2_per_dof.unwrap() > 100.0);
+}
+
+/// The right vehicle under the torques of the case agrees with its noisy readings; a rigid one does not.
+#[test]
+fn stat_a_case_against_its_telemetry() {
+    let (mut case, model) = load("slosh.toml");
+    // Twice the readings of the example, so that the mean square is sharp.
+    case.rate_hz = 10.0;
+    for trial in 0..3 {
+        let table = simulate_trial(&case, &model, trial).unwrap().table;
+        let found = compare_with_telemetry(&case, &Mover::of_model(model.clone()), &table).unwrap();
+        assert_eq!(found.len(), 2);
+        for one in found {
+            let sigmas = one.sigmas.unwrap();
+            // 6000 numbers: one sigma of the mean square is 0.018.
+            assert!(
+                (sigmas.rms * sigmas.rms - 1.0).abs() < 0.08,
+                "{}: {}",
+                one.name,
+                sigmas.rms
+            );
+            assert!(sigmas.largest < 5.5);
+        }
+        let rigid = read_model(examples().join("cases/rigid_bus.toml")).unwrap();
+        let found = compare_with_telemetry(&case, &Mover::of_model(rigid), &table).unwrap();
+        assert!(found.iter().all(|c| c.sigmas.unwrap().rms > 10.0));
+    }
+}
+
+/// A heavier hand: every quantity departs from where both begin, and the file holds both sides.
+#[test]
+fn exact_histories_and_their_file() {
+    let (case, model) = load("xu2017_table13.toml");
+    let truth = Mover::of_model(model.clone());
+    let mut other = truth.clone();
+    other.bodies[6].mass *= 1.1;
+    let compared = compare_motion(&case, &other, &truth).unwrap();
+    let same = compare_motion(&case, &truth, &truth).unwrap();
+    assert!(same.iter().all(|c| c.largest < 1e-15));
+    for c in &compared {
+        assert_eq!(c.time_s.len(), 201);
+        assert!(
+            c.difference.iter().all(|row| row[0].abs() < 1e-15),
+            "{}",
+            c.name
+        );
+        assert!(
+            c.largest > 1e-9 && c.rms < c.largest,
+            "{}: {:e}",
+            c.name,
+            c.largest
+        );
+    }
+    // A rotation vector that the two quaternions give independently, to first order.
+    let attitude = &compared[1];
+    let (a, b) = (&attitude.model, &attitude.against);
+    for k in 0..201 {
+        let x =
+            2.0 * (b[3][k] * a[0][k] - b[0][k] * a[3][k] - b[1][k] * a[2][k] + b[2][k] * a[1][k]);
+        assert!((x - attitude.difference[0][k]).abs() < 1e-12);
+    }
+    let validation = Validation {
+        kind: Against::Model,
+        verdict: Verdict::Compared,
+        model: "a.toml".into(),
+        relied_on: true,
+        estimate: None,
+        against: "b.toml".into(),
+        case: Some("c.toml".into()),
+        compared,
+        chi2_per_dof: None,
+        completed: None,
+        limits: (None, None),
+        warnings: Vec::new(),
+        repairs: Vec::new(),
+    };
+    let csv = validation_csv(&validation);
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(
+        lines[0],
+        "quantity,component,unit,time_s,model,against,difference"
+    );
+    // Three of position, four quaternions and three turns, six joints.
+    assert_eq!(lines.len(), 1 + 16 * 201);
+    let last = lines
+        .iter()
+        .rfind(|l| l.starts_with("joint joint6,joint6_rad,rad,2,"))
+        .unwrap();
+    let numbers: Vec<f64> = last
+        .split(',')
+        .skip(4)
+        .map(|x| x.parse().unwrap())
+        .collect();
+    assert_eq!(numbers[0] - numbers[1], numbers[2]);
+    let json = validation_json(&validation);
+    assert_eq!(
+        json["compared"][7]["largest"],
+        validation.compared[7].largest
+    );
+}
+
+#[test]
+fn unit_refusals() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let write = |name: &str, text: &str| std::fs::write(at(name), text).unwrap();
+    let case = examples().join("cases/xu2017_table13.toml");
+    let own = examples()
+        .join("cases/xu2017_truth.toml")
+        .display()
+        .to_string();
+    let base = ValidateRequest {
+        against: own.clone(),
+        case: Some(case.clone()),
+        ..ValidateRequest::default()
+    };
+    let refused = |request: &ValidateRequest| {
+        let error = validate(request).err().unwrap();
+        assert_eq!(error.exit_code(), 2, "{error}");
+        let text = error
+            .to_string()
+            .replace(&format!("{}/", folder.path().display()), "");
+        text.replace(&format!("{}/", examples().display()), "")
+    };
+    let with = |estimate: &str| ValidateRequest {
+        estimate: Some(at(estimate)),
+        ..base.clone()
+    };
+    assert_eq!(
+        refused(&with("none.json")),
+        "E0701 none.json: this estimate cannot be moved: there is no such file; give the folder of identify --out"
+    );
+    write("no.json", "{}");
+    let text = refused(&with("no.json"));
+    assert!(
+        text.starts_with("E0701 no.json: this estimate cannot be moved: it has no key \"schema\""),
+        "{text}"
+    );
+    // An estimate of another model.
+    let identified = xu(2..=2);
+    write_estimate(folder.path(), &identified).unwrap();
+    let slosh = ValidateRequest {
+        estimate: Some(folder.path().to_owned()),
+        case: Some(examples().join("cases/slosh.toml")),
+        ..base.clone()
+    };
+    assert_eq!(
+        refused(&slosh),
+        "E0701 estimate.json: this estimate cannot be moved: it has 7 bodies, the model 2; give the model that the estimate was made with (--model)"
+    );
+    assert_eq!(
+        refused(&with("estimate.json")),
+        "E0701 estimate.json: this estimate cannot be moved: its nominal numbers of body \"base\" are not those of the model; give the model that the estimate was made with (--model)"
+    );
+    let rejected = std::fs::read_to_string(at("estimate.json")).unwrap();
+    write(
+        "rejected.json",
+        &rejected.replace("\"status\": \"partial\"", "\"status\": \"rejected\""),
+    );
+    assert_eq!(
+        refused(&with("rejected.json")),
+        "E0701 rejected.json: this estimate cannot be moved: its status is rejected: it holds no numbers to predict with; give an estimate that is converged or partial"
+    );
+    // Usage.
+    assert_eq!(
+        refused(&ValidateRequest {
+            case: None,
+            model: Some(own.clone().into()),
+            ..base.clone()
+        }),
+        "E0001 CASE '': no case is given; give one that says which torques both vehicles get"
+    );
+    assert_eq!(
+        refused(&ValidateRequest {
+            case: None,
+            ..base.clone()
+        }),
+        "E0001 --model '': no model is named; give --model, or a case that names one"
+    );
+    assert_eq!(
+        refused(&ValidateRequest {
+            within_m: Some(f64::NAN),
+            ..base.clone()
+        }),
+        "E0001 --within-m 'NaN': the limit is no number from zero up; give one"
+    );
+    let control = examples().join("cases/stsat3_three_slews.toml");
+    let truth = examples()
+        .join("cases/stsat3_truth.toml")
+        .display()
+        .to_string();
+    assert_eq!(
+        refused(&ValidateRequest {
+            case: Some(control),
+            against: truth,
+            ..base.clone()
+        }),
+        "E0702 cases/stsat3_three_slews.toml: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]"
+    );
+    write(
+        "late.csv",
+        "time_s,q_x,q_y,q_z,q_w\n100,0,0,0,1\n101,0,0,0,1\n102,0,0,0,1\n",
+    );
+    assert_eq!(
+        refused(&ValidateRequest {
+            against: at("late.csv").display().to_string(),
+            ..base.clone()
+        }),
+        "E0703 cases/xu2017_table13.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case"
+    );
+}
+
+/// Prescribed joints under another mass distribution: the base answers, and the joints agree exactly.
+#[test]
+fn exact_led_joints_agree_whatever_the_vehicle() {
+    let (_, model) = load("xu2017_table13.toml");
+    let text = "schema = \"poinsot.case/1\"\nmodel = \"xu2017_truth.toml\"\nduration_s = 2.0\n\
+        [[joint_motion]]\njoint = \"joint2\"\ninterpolation = \"quintic_rest\"\ntime_s = [0.0, 2.0]\n\
+        position_rad = [0.0, 1.0]\n[output]\nrate_hz = 20\n";
+    let case = parse_case(&examples().join("cases/x.toml"), text.to_owned()).unwrap();
+    let truth = Mover::of_model(model);
+    let mut other = truth.clone();
+    other.bodies[3].mass *= 1.2;
+    let compared = compare_motion(&case, &other, &truth).unwrap();
+    assert!(compared[0].largest > 1e-4 && compared[1].largest > 1e-4);
+    assert!(compared[2..].iter().all(|c| c.largest == 0.0));
+}
