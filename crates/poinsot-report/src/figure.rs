@@ -164,7 +164,7 @@ fn keys(legend: &[(&str, &str, usize)], width: f64) -> (usize, String) {
                     "<path class=\"dots large c{colour}\" d=\"M{middle:.1} {y}h0\"/>"
                 )
             }
-            "bars" => {
+            "bars" | "solid" | "ramp" => {
                 let high = y - 4.5;
                 write!(
                     out,

@@ -1,0 +1,224 @@
+//! The vehicle drawn from the model, moving in its joints, and where the suspected part is.
+
+use super::Answer;
+use super::data::{DrawnBody, DrawnJoint, Pointer, Segment, Vehicle};
+use super::tensor::{equivalent_ellipsoid, matrix};
+use super::trust::group;
+use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Name and colour of a body: determined, not all determined, known, suspected.
+const DETERMINED: (&str, usize) = ("determined", 0);
+const OPEN: (&str, usize) = ("not all determined", 4);
+const KNOWN: (&str, usize) = ("known", 6);
+const SUSPECT: (&str, usize) = ("suspected", 1);
+const JOINT: usize = 3;
+const WHEEL: usize = 2;
+const THRUSTER: usize = 7;
+/// Lengths of arrows over the largest semi-axis: a wheel's is seen from behind the body.
+const WHEEL_REACH: f64 = 1.6;
+const THRUSTER_REACH: f64 = 0.4;
+const JOINT_REACH: f64 = 0.15;
+/// Most instants of the motion in the joints.
+const INSTANTS: usize = 300;
+
+/// The vehicle as a figure.
+pub(super) fn drawn(answer: &Answer) -> Figure {
+    Figure::scene("vehicle", scene(answer, &[]))
+}
+
+/// The vehicle with what the diagnostics suspect first marked.
+pub(super) fn suspected(answer: &Answer) -> Scene {
+    let d = answer.estimate.diagnostics.iter();
+    let names: Vec<&str> = d
+        .flat_map(|d| &d.suspects)
+        .map(|s| s.name.as_str())
+        .collect();
+    scene(answer, names.get(..1).unwrap_or(&[]))
+}
+
+/// Whether a suspect's name, such as `wheel wheel2`, speaks of a part.
+fn named(suspect: &str, part: &str) -> bool {
+    let cut = |c: char| !(c.is_alphanumeric() || c == '_' || c == '-');
+    suspect == part || suspect.split(cut).any(|word| word == part)
+}
+
+fn scene(answer: &Answer, suspects: &[&str]) -> Scene {
+    let mut builder = Builder {
+        answer,
+        vehicle: &answer.data.vehicle,
+        suspects,
+        size: 0.0,
+        tree: Tree::default(),
+        scene: Scene {
+            title: "the vehicle, axes of the base, m".to_owned(),
+            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, \
+                   else nominal. Lines join the frame origins through the joints."
+                .to_owned(),
+            ..Scene::default()
+        },
+    };
+    builder.bodies();
+    builder.joints();
+    builder.pointers(&builder.vehicle.wheels, WHEEL, WHEEL_REACH);
+    builder.pointers(&builder.vehicle.thrusters, THRUSTER, THRUSTER_REACH);
+    builder.moving();
+    builder.scene
+}
+
+struct Builder<'a> {
+    answer: &'a Answer,
+    vehicle: &'a Vehicle,
+    suspects: &'a [&'a str],
+    size: f64,
+    tree: Tree,
+    scene: Scene,
+}
+
+fn vector(at: &Point) -> Vector3 {
+    Vector3::from(*at)
+}
+
+impl<'a> Builder<'a> {
+    fn is_suspect(&self, name: &str) -> bool {
+        self.suspects.iter().any(|s| named(s, name))
+    }
+
+    /// Place of a body among the bodies; the base where there is none of the name.
+    fn body(&self, name: &str) -> usize {
+        let place = self.vehicle.bodies.iter().position(|b| b.name == name);
+        place.unwrap_or(0)
+    }
+
+    fn role(&self, b: &DrawnBody) -> (&'static str, usize) {
+        let found = self.answer.estimate.bodies.get(&b.name);
+        let all = || found.iter().flat_map(|b| b.numbers()).map(|n| n.2);
+        match (self.is_suspect(&b.name), b.estimated) {
+            (true, _) => SUSPECT,
+            (false, false) => KNOWN,
+            (false, true) if all().all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
+            (false, true) => OPEN,
+        }
+    }
+
+    fn bodies(&mut self) {
+        let mut named: Vec<&str> = Vec::new();
+        for (k, b) in self.vehicle.bodies.iter().enumerate() {
+            let [r0, r1, r2] = b.rotation;
+            let R = Matrix3::from_row_slice(&[r0, r1, r2].concat());
+            let centre = vector(&b.origin_m) + R * vector(&b.com_m);
+            let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2;
+            let I = matrix(&[xx, yy, zz, xy, xz, yz]);
+            let Some(axes) = equivalent_ellipsoid(b.mass_kg, &I) else {
+                continue;
+            };
+            let axes = axes.map(|a| Point::from(R * vector(&a)));
+            let longest = axes.iter().map(|a| vector(a).norm());
+            self.size = longest.fold(self.size, f64::max);
+            let (role, colour) = self.role(b);
+            let first = !named.contains(&role);
+            named.push(role);
+            self.tree.ellipsoids.push(k);
+            self.scene.ellipsoids.push(Ellipsoid {
+                name: if first { role } else { "" }.to_owned(),
+                centre: centre.into(),
+                axes,
+                colour,
+                faint: false,
+            });
+            self.tree.spots.push(k);
+            self.scene.spots.push(Spot {
+                at: centre.into(),
+                label: b.name.clone(),
+                colour,
+            });
+        }
+    }
+
+    fn joints(&mut self) {
+        let vehicle = self.vehicle;
+        for j in &vehicle.joints {
+            let (parent, child) = (self.body(&j.parent), self.body(&j.child));
+            let from = vehicle.bodies.get(parent).map_or([0.0; 3], |b| b.origin_m);
+            self.tree.curves.push(parent);
+            self.scene.curves.push(Curve {
+                name: String::new(),
+                points: vec![Some(from), Some(j.origin_m)],
+                colour: KNOWN.1,
+                shares: None,
+            });
+            if j.kind != "fixed" {
+                let reach = vector(&j.axis) * (JOINT_REACH * self.size);
+                self.arrow(child, &j.origin_m, &(-reach), "", JOINT);
+                // Joints in one place share a word.
+                let here = |o: &&DrawnJoint| o.origin_m == j.origin_m;
+                let together: Vec<&str> = vehicle
+                    .joints
+                    .iter()
+                    .filter(here)
+                    .map(|o| o.name.as_str())
+                    .collect();
+                let first = together.first() == Some(&j.name.as_str());
+                let label = if first {
+                    together.join(", ")
+                } else {
+                    String::new()
+                };
+                self.arrow(child, &j.origin_m, &reach, &label, JOINT);
+            }
+        }
+    }
+
+    fn pointers(&mut self, list: &'a [Pointer], colour: usize, reach: f64) {
+        for p in list {
+            let by = vector(&p.direction) * (reach * self.size);
+            let (colour, label) = match self.is_suspect(&p.name) {
+                true => (SUSPECT.1, format!("{} (suspected)", p.name)),
+                false => (colour, p.name.clone()),
+            };
+            self.arrow(self.body(&p.body), &p.at_m, &by, &label, colour);
+        }
+    }
+
+    fn arrow(&mut self, body: usize, from: &Point, by: &Vector3, label: &str, colour: usize) {
+        self.tree.arrows.push(body);
+        self.scene.arrows.push(Arrow {
+            from: *from,
+            to: (vector(from) + by).into(),
+            label: label.to_owned(),
+            colour,
+        });
+    }
+
+    /// The motion in the joints during the first record that has one.
+    fn moving(&mut self) {
+        let segments = &self.answer.data.segments;
+        let Some(record) = segments.iter().position(|s| !s.joints.is_empty()) else {
+            return;
+        };
+        let s = &segments[record];
+        let stride = s.time_s.len().div_ceil(INSTANTS).max(1);
+        let hinge = |j: &DrawnJoint| Hinge {
+            parent: self.body(&j.parent),
+            child: self.body(&j.child),
+            origin: j.origin_m,
+            axis: j.axis,
+            slides: j.kind == "prismatic",
+            moved: moved(s, &j.name, stride),
+        };
+        self.tree.joints = self.vehicle.joints.iter().map(hinge).collect();
+        self.tree.time_s = s.time_s.iter().copied().step_by(stride).collect();
+        self.tree.bodies = self.vehicle.bodies.len();
+        self.tree.group = group(record);
+        self.scene.tree = Some(std::mem::take(&mut self.tree));
+    }
+}
+
+/// Positions of a joint less the first one, to a tenth of a milliradian.
+fn moved(s: &Segment, joint: &str, stride: usize) -> Vec<f64> {
+    let row = s.joints.iter().find(|r| r.name == joint);
+    let values = row.map_or(&[][..], |r| &r.values);
+    let first = values.first().copied().unwrap_or(0.0);
+    let short = |x: &f64| ((x - first) * 1.0e4).round() / 1.0e4;
+    values.iter().step_by(stride).map(short).collect()
+}
