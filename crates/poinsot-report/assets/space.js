@@ -157,7 +157,7 @@
         bar.appendChild(this.slider);
         this.clock = document.createElement("output");
         bar.appendChild(this.clock);
-        document.addEventListener("poinsot:time", e => { if (e.detail.from !== "space" && e.detail.group === this.timed.group) this.show(this.nearest(e.detail.time), false); });
+        document.addEventListener("poinsot:time", e => { if (e.detail.from !== this && e.detail.group === this.timed.group) this.show(this.nearest(e.detail.time), false); });
       }
       button("reset", () => { this.yaw = -0.9; this.pitch = 0.42; this.zoom = 1; });
       stage.after(bar);
@@ -171,8 +171,14 @@
     show(frame, tell) {
       this.frame = frame;
       if (this.slider) this.slider.value = frame;
-      if (tell) document.dispatchEvent(new CustomEvent("poinsot:time", { detail: { group: this.timed.group, time: this.timed.time_s[frame], from: "space" } }));
-      this.draw();
+      if (tell) document.dispatchEvent(new CustomEvent("poinsot:time", { detail: { group: this.timed.group, time: this.timed.time_s[frame], from: this } }));
+      this.soon();
+    }
+    // Several curves may tell one time: one picture a frame of the screen.
+    soon() {
+      if (this.waiting) return;
+      this.waiting = true;
+      requestAnimationFrame(() => { this.waiting = false; this.draw(); });
     }
     listen() {
       const c = this.canvas, held = new Map();
