@@ -7,10 +7,11 @@ use super::trust::group;
 use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Name and colour of a body: determined, not all determined, known, suspected.
+/// Name and colour of a body, by what the answer says of it.
 const DETERMINED: (&str, usize) = ("determined", 0);
 const OPEN: (&str, usize) = ("not all determined", 4);
 const KNOWN: (&str, usize) = ("known", 6);
+const WITHHELD: (&str, usize) = ("withheld", 6);
 const SUSPECT: (&str, usize) = ("suspected", 1);
 const JOINT: usize = 3;
 const WHEEL: usize = 2;
@@ -96,6 +97,7 @@ impl<'a> Builder<'a> {
         match (self.is_suspect(&b.name), b.estimated) {
             (true, _) => SUSPECT,
             (false, false) => KNOWN,
+            (false, true) if self.answer.estimate.is_withheld() => WITHHELD,
             (false, true) if all().all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
             (false, true) => OPEN,
         }
