@@ -64,7 +64,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         include_str!("templates/trust.html"),
         context! {
             tests, records,
-            red => tests.iter().any(|t| is_bad(t)),
+            red => tests.iter().any(is_bad),
             reduced => envelope.words(),
             validate => !e.is_withheld(),
         },
