@@ -4,9 +4,12 @@
 const NOISE_TOO_LARGE: f64 = 0.5;
 
 /// What an answer says of itself; the names are those of `estimate.json`.
-pub(crate) struct Standing<'a> {
+pub struct Standing<'a> {
+    /// Name of the status.
     pub status: &'a str,
+    /// Whether the method states an uncertainty that can be relied on.
     pub covariance_trustworthy: bool,
+    /// Evidence against the answer.
     pub doubts: &'a [String],
     /// Largest chi-square per degree of freedom of a segment.
     pub chi2: f64,
@@ -47,31 +50,151 @@ impl Standing<'_> {
         words.to_owned()
     }
 
+    /// The row of [`VERDICTS`] that holds.
+    fn verdict(&self) -> &'static Verdict {
+        let mut rows = VERDICTS.iter();
+        rows.find(|v| v.status == self.status && (v.holds)(self))
+            .unwrap_or(&UNKNOWN)
+    }
+
     /// Tone and word of the stated uncertainty: good only where numbers are stated and the residuals have the size of the
     /// declared noise.
     pub fn uncertainty(&self) -> (&'static str, &'static str) {
-        match self.status {
-            "rejected" | "iteration_limit" | "not_identifiable" => ("bad", "none stated"),
-            _ if !self.doubts.is_empty() => ("bad", "not to be relied on"),
-            _ if !self.covariance_trustworthy => ("fair", "none that could be relied on"),
-            _ if self.chi2 < NOISE_TOO_LARGE => ("fair", "noise declared too large"),
-            _ => ("good", "as the declared noise"),
-        }
+        self.verdict().uncertainty
     }
 
     /// Tone and word of the badge.
-    pub fn badge(&self) -> (&'static str, &str) {
-        match self.status {
-            "converged" if !self.doubts.is_empty() => ("bad", "converged, not to be relied on"),
-            "converged" if self.covariance_trustworthy => ("good", "converged"),
-            "converged" => ("fair", "converged, without an uncertainty"),
-            "partial" if !self.doubts.is_empty() => ("bad", "partial, not to be relied on"),
-            "partial" => ("fair", "partial"),
-            "not_identifiable" => ("bad", "not identifiable"),
-            "rejected" => ("bad", "rejected"),
-            "iteration_limit" => ("bad", "not settled"),
-            other => ("bad", other),
-        }
+    pub fn badge(&self) -> (&'static str, &'static str) {
+        self.verdict().badge
+    }
+}
+
+/// One verdict: the words and colours of an answer, with the condition that sets them.
+pub struct Verdict {
+    /// Name of the status in `estimate.json`.
+    pub status: &'static str,
+    /// What else must hold, in words.
+    pub condition: &'static str,
+    holds: fn(&Standing) -> bool,
+    /// Colour (good: green, fair: amber, bad: red) and word of the badge.
+    pub badge: (&'static str, &'static str),
+    /// The same of the stated uncertainty.
+    pub uncertainty: (&'static str, &'static str),
+    /// Exit code of `identify`.
+    pub exit: u8,
+}
+
+/// Every verdict; of those of a status the first whose condition holds.
+pub const VERDICTS: [Verdict; 11] = [
+    verdict(
+        (
+            "converged",
+            "any evidence against the answer (`doubts`)",
+            |s| !s.doubts.is_empty(),
+        ),
+        ("bad", "converged, not to be relied on"),
+        ("bad", "not to be relied on"),
+        1,
+    ),
+    verdict(
+        ("converged", "the method states no uncertainty", |s| {
+            !s.covariance_trustworthy
+        }),
+        ("fair", "converged, without an uncertainty"),
+        ("fair", "none that could be relied on"),
+        0,
+    ),
+    verdict(
+        (
+            "converged",
+            "chi-square per degree of freedom below 0.5",
+            |s| s.chi2 < NOISE_TOO_LARGE,
+        ),
+        ("good", "converged"),
+        ("fair", "noise declared too large"),
+        0,
+    ),
+    verdict(
+        ("converged", "otherwise", |_| true),
+        ("good", "converged"),
+        ("good", "as the declared noise"),
+        0,
+    ),
+    verdict(
+        (
+            "partial",
+            "any evidence against the answer (`doubts`)",
+            |s| !s.doubts.is_empty(),
+        ),
+        ("bad", "partial, not to be relied on"),
+        ("bad", "not to be relied on"),
+        1,
+    ),
+    verdict(
+        ("partial", "the method states no uncertainty", |s| {
+            !s.covariance_trustworthy
+        }),
+        ("fair", "partial"),
+        ("fair", "none that could be relied on"),
+        1,
+    ),
+    verdict(
+        (
+            "partial",
+            "chi-square per degree of freedom below 0.5",
+            |s| s.chi2 < NOISE_TOO_LARGE,
+        ),
+        ("fair", "partial"),
+        ("fair", "noise declared too large"),
+        1,
+    ),
+    verdict(
+        ("partial", "otherwise", |_| true),
+        ("fair", "partial"),
+        ("good", "as the declared noise"),
+        1,
+    ),
+    verdict(
+        ("not_identifiable", "always", |_| true),
+        ("bad", "not identifiable"),
+        ("bad", "none stated"),
+        1,
+    ),
+    verdict(
+        ("rejected", "always", |_| true),
+        ("bad", "rejected"),
+        ("bad", "none stated"),
+        1,
+    ),
+    verdict(
+        ("iteration_limit", "always", |_| true),
+        ("bad", "not settled"),
+        ("bad", "none stated"),
+        1,
+    ),
+];
+
+/// Of a status that no answer of this program has.
+const UNKNOWN: Verdict = verdict(
+    ("", "", |_| true),
+    ("bad", "unknown status"),
+    ("bad", "none stated"),
+    1,
+);
+
+const fn verdict(
+    (status, condition, holds): (&'static str, &'static str, fn(&Standing) -> bool),
+    badge: (&'static str, &'static str),
+    uncertainty: (&'static str, &'static str),
+    exit: u8,
+) -> Verdict {
+    Verdict {
+        status,
+        condition,
+        holds,
+        badge,
+        uncertainty,
+        exit,
     }
 }
 
@@ -95,6 +218,44 @@ mod tests {
         for status in ["rejected", "iteration_limit", "not_identifiable"] {
             assert_eq!(of(status, 1.0), "bad");
         }
+    }
+
+    #[test]
+    fn exact_every_verdict_is_reached_and_its_exit_code_is_that_of_the_answer() {
+        let doubts = ["a lag".to_owned()];
+        let mut reached = Vec::new();
+        for status in [
+            "converged",
+            "partial",
+            "not_identifiable",
+            "rejected",
+            "iteration_limit",
+        ] {
+            for (doubts, covariance_trustworthy, chi2) in [
+                (&doubts[..], true, 1.0),
+                (&[][..], false, 1.0),
+                (&[][..], true, 1.0e-9),
+                (&[][..], true, 1.0),
+            ] {
+                let standing = Standing {
+                    status,
+                    covariance_trustworthy,
+                    doubts,
+                    chi2,
+                };
+                let verdict = standing.verdict();
+                assert_eq!(
+                    verdict.exit,
+                    u8::from(status != "converged" || !doubts.is_empty())
+                );
+                reached.push(std::ptr::from_ref(verdict));
+            }
+        }
+        assert!(
+            VERDICTS
+                .iter()
+                .all(|v| reached.contains(&std::ptr::from_ref(v)))
+        );
     }
 
     #[test]
