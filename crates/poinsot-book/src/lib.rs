@@ -19,5 +19,6 @@ pub mod site;
 pub mod summary;
 pub mod trees;
 pub mod validation;
+mod verdicts;
 
 pub use error::BookError;

@@ -2,7 +2,7 @@
 
 use crate::error::BookError;
 use crate::repository::{ROOT_PAGES, root};
-use crate::{commands, formats, validation};
+use crate::{commands, formats, validation, verdicts};
 use std::path::PathBuf;
 
 /// Path and text of every generated page.
@@ -15,6 +15,7 @@ pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
         (docs.join("commands.md"), commands::page()),
         (docs.join("formats.md"), formats::page()?),
         (docs.join("validation.md"), validation::page()?),
+        (docs.join("verdicts.md"), verdicts::page()),
     ];
     for (file, page) in ROOT_PAGES {
         pages.push((docs.join(page), format!("{{{{#include ../{file}}}}}\n")));

@@ -75,6 +75,7 @@ pub(crate) fn conflict(
 pub(crate) fn finding(conflict: &Conflict) -> Finding {
     Finding {
         fault: FaultKind::Prior,
+        or: Vec::new(),
         text: conflict.text.clone(),
     }
 }

@@ -263,6 +263,15 @@ impl<'a> Experiment<'a> {
         bodies.iter().any(|b| b.estimate.any() && b.prior.is_some())
     }
 
+    /// Rows of the declared calibrations and, if wanted, of the design.
+    pub fn prior_rows(&self, at: &Point, with_design: bool) -> Vec<prior::PriorRow> {
+        let mut rows = prior::calibration(self.problem, self.parameters, &at.x).rows;
+        if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
+            rows.extend(design.rows);
+        }
+        rows
+    }
+
     /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
     /// calibrations, and, if wanted, those of the design.
     pub fn stack(&self, at: &Point, evaluated: &[Evaluated], with_design: bool) -> Triangle {
@@ -274,10 +283,7 @@ impl<'a> Experiment<'a> {
                 stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
             }
         }
-        let mut priors = prior::calibration(self.problem, self.parameters, &at.x).rows;
-        if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
-            priors.extend(design.rows);
-        }
+        let priors = self.prior_rows(at, with_design);
         for row in &priors {
             stacked.push(1, |_, j| {
                 row.gradient.get(j).copied().unwrap_or(row.residual)

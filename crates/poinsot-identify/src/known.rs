@@ -55,7 +55,7 @@ pub(crate) struct Centre {
 
 impl Centre {
     /// `changes` are added to the numbers of the problem; `None` where no such vehicle can be asked about.
-    fn new(
+    pub fn new(
         problem: &Problem,
         parameters: &Parameters,
         changes: &[(KnownNumber, usize, f64)],

@@ -14,7 +14,7 @@ pub(crate) use head::{Head, HeadColumns, Sight, start};
 use crate::input_curves::InputCurves;
 use crate::input_noise::InputNoise;
 use crate::loss::Loss;
-use crate::motion::{Grid, Motion, State};
+use crate::motion::{Column, Grid, Motion, State};
 use crate::parameters::Parameters;
 use crate::segment::{InputErrors, Noise, Segment};
 use crate::sensors::Ideal;
@@ -95,6 +95,8 @@ pub(crate) struct Evaluated {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct KeptRows {
     pub rows: Vec<KeptRow>,
+    /// How the state at grid times moves with the start.
+    pub transitions: Vec<Transition>,
     /// Rows of the last measurements, with `ln det` of the noise of each three, until their sensor is known.
     fresh: Vec<(Vec<f64>, f64)>,
 }
@@ -105,6 +107,16 @@ impl KeptRows {
         let rows = self.rows.iter();
         rows.filter(move |r| r.channel.as_deref() == channel)
     }
+}
+
+/// The state at a grid time.
+#[derive(Debug, Clone)]
+pub(crate) struct Transition {
+    /// Grid time.
+    pub at: usize,
+    pub R_NB: UnitQuaternion,
+    /// Its change with each column of the start.
+    pub start: Vec<Column>,
 }
 
 /// Three numbers of one measurement.
@@ -293,6 +305,14 @@ impl<'a> Compare<'a> {
         let (instant, _) = motion.velocity(state, k)?;
         if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
             self.inputs.reach(motion, state, &instant, k);
+        }
+        if due && self.setting.keep_rows && self.qr.is_some() {
+            let start = motion.columns[..self.head].to_vec();
+            self.kept.transitions.push(Transition {
+                at: k,
+                R_NB: state.R_NB,
+                start,
+            });
         }
         let mut joint_rates = RateNoise::new(&self.joint_rate);
         for i in 0..self.followers.len() {

@@ -19,6 +19,7 @@ mod variation;
 pub(crate) use acceleration::Point;
 pub(crate) use grid::Grid;
 pub(crate) use place::{JointEffect, Place};
+pub(crate) use surroundings::GRADIENT;
 pub(crate) use variation::{Matrix6x12, pose_change};
 
 use crate::segment::{Observations, Segment};
@@ -56,6 +57,8 @@ struct Site {
     joint_slopes: JointSlopes,
     /// Position of the reference orbit, in N, m; where a gravity gradient acts.
     orbit_N: Vector3,
+    /// Time, s.
+    time_s: f64,
     kinematics: Kinematics,
     /// Axis of each wheel in B, and its speed if the base did not turn, where wheels run along a chord; empty elsewhere.
     free: Vec<(Vector3, f64)>,
@@ -173,6 +176,7 @@ impl Site {
             changes: Vec::new(),
             joint_slopes: JointSlopes::default(),
             orbit_N: Vector3::zeros(),
+            time_s: 0.0,
             kinematics: Kinematics::new(tree),
             free: Vec::new(),
             locked: None,

@@ -82,7 +82,8 @@ impl Trust {
 
 /// The first suspect of the diagnosis: every one where no sensor shows more, the cause of most of it otherwise.
 fn suspect(solved: &Solved, shown: bool) -> Option<String> {
-    let first = solved.diagnostics.as_ref()?.suspects.first()?;
+    let suspects = &solved.diagnostics.as_ref()?.suspects;
+    let first = suspects.first().filter(|s| !s.fault.is_spread())?;
     if shown && first.explains < MOST {
         return None;
     }

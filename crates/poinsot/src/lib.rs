@@ -27,7 +27,7 @@ pub mod sweep;
 mod threads;
 pub mod trials;
 pub mod validate;
-mod verdict;
+pub mod verdict;
 
 pub use error::Error;
 pub use estimate_file::{estimate_file, estimate_json};

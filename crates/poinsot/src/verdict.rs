@@ -1,9 +1,12 @@
-//! The verdict in words: one source for the terminal and the page.
+//! The verdict in words: one table for the terminal, the page and the book.
 
 /// What an answer says of itself; the names are those of `estimate.json`.
-pub(crate) struct Standing<'a> {
+pub struct Standing<'a> {
+    /// Name of the status.
     pub status: &'a str,
+    /// Whether the method states an uncertainty that can be relied on.
     pub covariance_trustworthy: bool,
+    /// Evidence against the answer.
     pub doubts: &'a [String],
 }
 
@@ -24,45 +27,109 @@ impl Standing<'_> {
         }
     }
 
+    /// The row of [`VERDICTS`] that holds.
+    fn verdict(&self) -> &'static Verdict {
+        let mut rows = VERDICTS.iter();
+        rows.find(|v| v.status == self.status && (v.holds)(self))
+            .unwrap_or(&UNKNOWN)
+    }
+
     /// Tone and display word.
     pub fn display(&self) -> (&'static str, &'static str) {
-        let row = WORDS.iter().find(|w| w.0 == self.status);
-        let (_, word, tone, doubted) = *row.unwrap_or(&WORDS[WORDS.len() - 1]);
-        match (self.doubts.is_empty(), self.covariance_trustworthy) {
-            (false, _) => ("bad", doubted),
-            (true, false) if tone == "good" => ("fair", word),
-            (true, _) => (tone, word),
-        }
+        let verdict = self.verdict();
+        (verdict.tone, verdict.word)
     }
 }
 
-/// Status, display word, tone, and the display word where a test of the evidence failed.
-const WORDS: [(&str, &str, &str, &str); 5] = [
-    (
-        "converged",
-        "Determined",
-        "good",
-        "Determined, not reliable",
-    ),
-    (
+/// One verdict: word and colour of an answer, with the condition that sets them.
+pub struct Verdict {
+    /// Name of the status in `estimate.json`.
+    pub status: &'static str,
+    /// What else must hold, in words.
+    pub condition: &'static str,
+    holds: fn(&Standing) -> bool,
+    /// Colour: good (green), fair (amber), bad (red).
+    pub tone: &'static str,
+    /// Display word.
+    pub word: &'static str,
+    /// Exit code of `identify`.
+    pub exit: u8,
+}
+
+/// Every verdict; of those of a status the first whose condition holds.
+pub const VERDICTS: [Verdict; 9] = [
+    verdict("converged", DOUBTED, ("bad", "Determined, not reliable"), 1),
+    verdict("converged", UNSTATED, ("fair", "Determined"), 0),
+    verdict("converged", OTHERWISE, ("good", "Determined"), 0),
+    verdict(
         "partial",
-        "Partly determined",
-        "fair",
-        "Partly determined, not reliable",
+        DOUBTED,
+        ("bad", "Partly determined, not reliable"),
+        1,
     ),
-    (
-        "not_identifiable",
-        "Not determined",
-        "bad",
-        "Not determined",
-    ),
-    ("rejected", "Contradicted", "bad", "Contradicted"),
-    ("iteration_limit", "Not converged", "bad", "Not converged"),
+    verdict("partial", UNSTATED, ("fair", "Partly determined"), 1),
+    verdict("partial", OTHERWISE, ("fair", "Partly determined"), 1),
+    verdict("not_identifiable", ALWAYS, ("bad", "Not determined"), 1),
+    verdict("rejected", ALWAYS, ("bad", "Contradicted"), 1),
+    verdict("iteration_limit", ALWAYS, ("bad", "Not converged"), 1),
 ];
+
+/// Of a status that no answer of this program has.
+const UNKNOWN: Verdict = verdict("", ALWAYS, ("bad", "Unknown status"), 1);
+
+type Condition = (&'static str, fn(&Standing) -> bool);
+
+const DOUBTED: Condition = ("any evidence against the answer (`doubts`)", |s| {
+    !s.doubts.is_empty()
+});
+const UNSTATED: Condition = ("the method states no uncertainty", |s| {
+    !s.covariance_trustworthy
+});
+const OTHERWISE: Condition = ("otherwise", |_| true);
+const ALWAYS: Condition = ("always", |_| true);
+
+const fn verdict(
+    status: &'static str,
+    (condition, holds): Condition,
+    (tone, word): (&'static str, &'static str),
+    exit: u8,
+) -> Verdict {
+    Verdict {
+        status,
+        condition,
+        holds,
+        tone,
+        word,
+        exit,
+    }
+}
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exact_every_verdict_is_reached_and_its_exit_code_is_that_of_the_answer() {
+        let doubts = ["a lag of the gyro would explain 90 % of the misfit".to_owned()];
+        let mut reached = Vec::new();
+        for status in VERDICTS.iter().map(|v| v.status) {
+            for (doubts, covariance_trustworthy) in
+                [(&doubts[..], true), (&[][..], false), (&[][..], true)]
+            {
+                let standing = Standing {
+                    status,
+                    covariance_trustworthy,
+                    doubts,
+                };
+                let verdict = standing.verdict();
+                let doubted = status != "converged" || !doubts.is_empty();
+                assert_eq!(verdict.exit, u8::from(doubted));
+                reached.push(std::ptr::from_ref(verdict));
+            }
+        }
+        let reached = |v: &Verdict| reached.contains(&std::ptr::from_ref(v));
+        assert!(VERDICTS.iter().all(reached));
+    }
 
     #[test]
     fn prop_no_words_call_an_answer_good_that_anything_speaks_against() {

@@ -1,5 +1,7 @@
-//! Everything that may be wrong and was not unknown: each candidate is a group of unknowns.
+//! The registry of hypotheses: everything that may be wrong and was not unknown. Each is a group of numbers with columns.
 
+use super::changes::{Change, changes};
+use super::surroundings::of_surroundings;
 use super::types::FaultKind;
 use crate::information::Experiment;
 use crate::likelihood::Sight;
@@ -15,6 +17,18 @@ pub(super) struct Candidate {
     pub name: String,
     pub fault: FaultKind,
     pub unknowns: Vec<Unknown>,
+    pub columns: Columns,
+}
+
+/// Where the columns of a candidate come from.
+#[derive(Debug, Clone)]
+pub(super) enum Columns {
+    /// The unknowns have slopes of their own.
+    Slopes,
+    /// Differences of whole evaluations, one for each unknown.
+    Changes(Vec<Change>),
+    /// Those of the errors of a sensor, times the time since the start of the record.
+    Ramp { sensor: usize },
 }
 
 impl Candidate {
@@ -27,7 +41,7 @@ impl Candidate {
     }
 }
 
-fn unknown(kind: UnknownKind, name: String, unit: &'static str) -> Unknown {
+pub(super) fn unknown(kind: UnknownKind, name: String, unit: &'static str) -> Unknown {
     Unknown {
         kind,
         name,
@@ -37,24 +51,28 @@ fn unknown(kind: UnknownKind, name: String, unit: &'static str) -> Unknown {
     }
 }
 
-fn triple(kind: fn(usize) -> UnknownKind, prefix: &str, unit: &'static str) -> Vec<Unknown> {
+pub(super) fn triple(
+    kind: fn(usize) -> UnknownKind,
+    prefix: &str,
+    unit: &'static str,
+) -> Vec<Unknown> {
     (0..3)
         .map(|k| unknown(kind(k), format!("{prefix}_{}", axis_name(k)), unit))
         .collect()
 }
 
-/// Candidates that the fit did not have; the drift of momentum stands last.
+/// Candidates that the fit did not have; those with slopes of their own first.
 pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_sensors(experiment);
     list.extend(of_late_readings(experiment));
     list.extend(of_offsets(experiment));
-    list.extend(of_surroundings());
+    list.extend(of_surroundings(experiment));
     list.extend(of_actuators(experiment));
     if experiment.sight == Sight::Rotation {
         list.retain(|c| {
             !c.unknowns
                 .iter()
-                .any(|u| matches!(u.kind, UnknownKind::InertialForce(_)))
+                .any(|u| matches!(u.kind, UnknownKind::InertialForce(_) | UnknownKind::Tide(_)))
         });
     }
     let fitted = &experiment.parameters.unknowns;
@@ -67,7 +85,38 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
         number.is_some_and(|n| all.any(|k| k.number == n))
     };
     list.retain(|c| !c.unknowns.iter().any(|u| known(&u.kind)));
+    list.extend(of_drifts(experiment));
+    list.extend(changes(experiment));
     list
+}
+
+/// Drifts of biases: of rates, and of the attitude.
+fn of_drifts(experiment: &Experiment) -> Vec<Candidate> {
+    let model = experiment.problem.model;
+    let read = sensors_read(experiment.problem).into_iter();
+    let drifts = |sensor: &usize| {
+        let kind = model.sensors[*sensor].kind;
+        matches!(kind, SensorKind::Gyro | SensorKind::Attitude)
+    };
+    read.filter(|(sensor, _)| drifts(sensor))
+        .map(|(sensor, name)| {
+            let own = &model.sensors[sensor];
+            let unit = match own.kind {
+                SensorKind::Gyro => "rad/s2",
+                _ => "rad/s",
+            };
+            let number = |axis: usize| {
+                let name = format!("{}.bias_drift_{}", own.name, axis_name(axis));
+                unknown(UnknownKind::Changed, name, unit)
+            };
+            Candidate {
+                name: format!("a drift of the bias of the {}", name.replace('_', " ")),
+                fault: FaultKind::BiasDrift,
+                unknowns: (0..3).map(number).collect(),
+                columns: Columns::Ramp { sensor },
+            }
+        })
+        .collect()
 }
 
 /// The number of the model that an unknown changes.
@@ -125,7 +174,9 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
         );
         let alone = read.iter().filter(|(s, _)| kind(*s) == own).count() == 1;
         for group in ErrorGroup::of(own) {
-            if framed && alone && group.key != "lag" {
+            // A tracker turned in the body is more than a choice of N.
+            let turned = own == SensorKind::Attitude && group.key == "bias";
+            if framed && alone && group.key != "lag" && !turned {
                 continue;
             }
             let errors = group.errors.iter().map(|(error, what)| {
@@ -136,15 +187,16 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
                 let name = format!("{}.{what}", model.sensors[*sensor].name);
                 unknown(kind, name, group.unit(own))
             });
-            let word = if group.key == "scale" {
-                "scale error"
-            } else {
-                group.key
+            let word = match group.key {
+                "scale" => "scale error",
+                "bias" if turned => "misalignment",
+                key => key,
             };
             list.push(Candidate {
                 name: format!("a {word} of the {}", name.replace('_', " ")),
                 fault: fault_of(own, group),
                 unknowns: errors.collect(),
+                columns: Columns::Slopes,
             });
         }
     }
@@ -154,6 +206,7 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
 fn fault_of(kind: SensorKind, group: &ErrorGroup) -> FaultKind {
     match (group.key, kind) {
         ("bias", SensorKind::Gyro) => FaultKind::GyroBias,
+        ("bias", SensorKind::Attitude) => FaultKind::TrackerMisalignment,
         ("bias", _) => FaultKind::SensorBias,
         ("scale", SensorKind::Gyro) => FaultKind::GyroScale,
         ("scale", _) => FaultKind::SensorScale,
@@ -171,6 +224,7 @@ fn of_late_readings(experiment: &Experiment) -> Vec<Candidate> {
         name: format!("a lag of the {what}"),
         fault: FaultKind::Lag,
         unknowns: vec![unknown(kind, format!("{owner}.lag"), "s")],
+        columns: Columns::Slopes,
     };
     let mut list = Vec::new();
     let joints = readers(model, SensorKind::JointPosition, model.joints.len());
@@ -229,6 +283,7 @@ fn of_offsets(experiment: &Experiment) -> Vec<Candidate> {
                 name: format!("an offset of {}", joint.name),
                 fault: FaultKind::JointOffset,
                 unknowns: vec![unknown(UnknownKind::JointOffset(k), name, unit)],
+                columns: Columns::Slopes,
             }
         })
         .collect()
@@ -246,34 +301,6 @@ fn readers(model: &Model, kind: SensorKind, count: usize) -> Vec<(String, Vec<us
     }
 }
 
-fn of_surroundings() -> Vec<Candidate> {
-    let mut drift = triple(UnknownKind::InertialTorque, "drift.torque", "N m");
-    drift.extend(triple(UnknownKind::InertialForce, "drift.force", "N"));
-    let force = drift.split_off(3);
-    vec![
-        Candidate {
-            name: "a constant torque of the surroundings".to_owned(),
-            fault: FaultKind::Torque,
-            unknowns: triple(UnknownKind::DisturbanceTorque, "environment.torque", "N m"),
-        },
-        Candidate {
-            name: "drag".to_owned(),
-            fault: FaultKind::Drag,
-            unknowns: triple(UnknownKind::DragTorque, "environment.drag", "kg m2"),
-        },
-        Candidate {
-            name: "a drift of the angular momentum".to_owned(),
-            fault: FaultKind::MomentumDrift,
-            unknowns: drift,
-        },
-        Candidate {
-            name: "a drift of the linear momentum".to_owned(),
-            fault: FaultKind::MomentumDrift,
-            unknowns: force,
-        },
-    ]
-}
-
 fn of_actuators(experiment: &Experiment) -> Vec<Candidate> {
     let model = experiment.problem.model;
     let mut list = Vec::new();
@@ -288,6 +315,17 @@ fn of_actuators(experiment: &Experiment) -> Vec<Candidate> {
             name: format!("another spin inertia of {}", wheel.name),
             fault: FaultKind::WheelScale,
             unknowns: vec![spin],
+            columns: Columns::Slopes,
+        });
+        let tilt = |i: usize| {
+            let name = format!("{}.misalignment_{}", wheel.name, i + 1);
+            unknown(UnknownKind::WheelTilt(k, i), name, "rad")
+        };
+        list.push(Candidate {
+            name: format!("a tilt of {}", wheel.name),
+            fault: FaultKind::WheelTilt,
+            unknowns: vec![tilt(0), tilt(1)],
+            columns: Columns::Slopes,
         });
     }
     for (k, thruster) in model.thrusters.iter().enumerate() {
@@ -296,6 +334,7 @@ fn of_actuators(experiment: &Experiment) -> Vec<Candidate> {
             name: format!("another thrust of {}", thruster.name),
             fault: FaultKind::Thrust,
             unknowns: vec![unknown(UnknownKind::ThrusterScale(k), name, "1")],
+            columns: Columns::Slopes,
         });
     }
     list

@@ -4,97 +4,84 @@ use super::EXCESS;
 use super::types::{ChannelDiagnosis, Diagnostics, FaultKind, Finding, Suspect};
 use poinsot_model::rounded;
 
-/// Share of outliers worth a word.
-const OUTLIER_SHARE: f64 = 1.0e-3;
+/// Most causes that are named beside the first where the data cannot tell.
+const TIES: usize = 3;
 /// Share of the misfit from which a suspect is taken to be the cause.
 const CAUSE: f64 = 0.6;
-/// Probability below which a residual is not white.
-const COLOURED: f64 = 1.0e-4;
+/// Mean square of a sensor's residual below which its noise is declared too large: sigmas are half as large again as they
+/// need be.
+const OVERSTATED: f64 = 0.44;
 
 pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
     let misfit = d.excess_sigmas > EXCESS;
-    let mut list: Vec<(f64, Finding)> = Vec::new();
-    let excess = (d.chi2 - d.dof as f64).max(f64::MIN_POSITIVE);
-    for channel in &d.channels {
-        if let Some(text) = outliers(channel) {
-            let numbers = 3.0 * channel.readings as f64;
-            let over =
-                (channel.chi2_per_number - channel.typical_chi2_per_number.max(1.0)) * numbers;
-            list.push((over / excess, finding(FaultKind::Outliers, text)));
-        }
-    }
-    if let Some(best) = d.suspects.first().filter(|s| s.decrease > 0.0) {
-        let gain = match misfit {
-            true => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
-            false => format!("would lower chi-square by {:.0}", best.decrease),
-        };
-        let values: Vec<String> = best
-            .values
-            .iter()
-            .map(|(n, v, u)| value(n, *v, u))
-            .collect();
-        let text = format!(
-            "{} {gain}: {}{}",
-            best.name,
-            values.join(", "),
-            advice(best)
-        );
-        let share = if misfit { best.explains } else { 1.0 };
-        list.push((share, finding(best.fault, text)));
-    }
-    let caused = list.iter().any(|(share, _)| *share > CAUSE);
+    let best = d.suspects.first().filter(|s| s.decrease > 0.0);
+    let mut list: Vec<Finding> = best
+        .map(|best| cause(best, &d.suspects[1..], misfit))
+        .into_iter()
+        .collect();
+    let caused = best.is_some_and(|b| b.explains > CAUSE || !misfit || b.fault.is_spread());
     if misfit && !caused {
-        for line in &d.lines {
+        let lines = d.lines.iter().map(|line| {
             let text = format!(
                 "{}: a line at {:.3} Hz holds {:.0} % of the gyro residual: the vehicle is not rigid (flexing, slosh), or something unmodelled turns in it",
                 line.segment,
                 line.frequency_hz,
                 100.0 * line.share
             );
-            list.push((CAUSE, finding(FaultKind::NotRigid, text)));
-        }
+            finding(FaultKind::NotRigid, text)
+        });
+        list.splice(0..0, lines);
     }
     if misfit {
         for channel in &d.channels {
-            list.extend(too_large(channel, excess, caused));
+            list.extend(too_large(channel));
         }
         if list.is_empty() {
             let text = format!(
                 "chi-square lies {:.0} standard deviations above what the declared noise allows, and no known fault explains it",
                 d.excess_sigmas
             );
-            list.push((0.0, finding(FaultKind::Unexplained, text)));
+            list.push(finding(FaultKind::Unexplained, text));
         }
     }
-    list.sort_by(|a, b| b.0.total_cmp(&a.0));
-    list.into_iter().map(|(_, f)| f).collect()
+    let overstated = d.channels.iter().filter_map(too_small);
+    list.extend(overstated.filter(|_| !misfit));
+    list
 }
 
 fn finding(fault: FaultKind, text: String) -> Finding {
-    Finding { fault, text }
+    Finding {
+        fault,
+        or: Vec::new(),
+        text,
+    }
 }
 
-/// What would take a suspect into the model, or out of the data; begins with a separator.
-fn advice(suspect: &Suspect) -> &'static str {
-    match suspect.fault {
-        FaultKind::GyroBias | FaultKind::SensorBias => "; write bias = \"estimate\" for it",
-        FaultKind::GyroScale | FaultKind::SensorScale => "; write scale = \"estimate\" for it",
-        FaultKind::GyroMisalignment | FaultKind::SensorMisalignment => {
-            "; write misalignment = \"estimate\" for it"
-        }
-        FaultKind::Nonorthogonality => "; write nonorthogonality = \"estimate\" for it",
-        FaultKind::Lag => "; correct its times, or write lag = \"estimate\" for it",
-        FaultKind::WheelSign => "; turn the axis round, or the sign of the column",
-        FaultKind::WheelScale => "; write estimate = true for it",
-        FaultKind::Units => "; correct the unit in [telemetry.columns]",
-        FaultKind::Thrust => "; check its firings, or write scale = \"estimate\" for it",
-        FaultKind::Torque => "; write disturbance_torque = \"estimate\" in [environment]",
-        FaultKind::Drag => "; write drag_torque = \"estimate\" in [environment]",
-        // Forces that drift with the momentum are no unknown of the model file.
-        FaultKind::MomentumDrift if suspect.name.contains("angular") => {
-            "; write disturbance_torque_inertial = \"estimate\" in [environment]"
-        }
-        _ => "",
+/// The best suspect, with those that the data cannot tell from it.
+fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
+    let gain = match (misfit, best.fault.is_spread()) {
+        (true, false) => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
+        _ => format!("would lower chi-square by {:.0}", best.decrease),
+    };
+    let values: Vec<String> = best
+        .values
+        .iter()
+        .map(|(n, v, u)| value(n, *v, u))
+        .collect();
+    let values = match values.is_empty() {
+        true => String::new(),
+        false => format!(": {}", values.join(", ")),
+    };
+    let tied: Vec<&Suspect> = others.iter().filter(|s| s.tied).take(TIES).collect();
+    let names: Vec<&str> = tied.iter().map(|s| s.name.as_str()).collect();
+    let or = match names.is_empty() {
+        true => String::new(),
+        false => format!("; the data cannot tell it from {}", names.join(", or ")),
+    };
+    Finding {
+        fault: best.fault,
+        or: tied.iter().map(|s| s.fault).collect(),
+        text: format!("{} {gain}{values}{or}{}", best.name, best.fault.advice()),
     }
 }
 
@@ -105,53 +92,39 @@ fn value(name: &str, value: f64, unit: &str) -> String {
         .to_owned()
 }
 
-fn outliers(c: &ChannelDiagnosis) -> Option<String> {
-    (c.outlier_share() > OUTLIER_SHARE && c.outliers > 1).then(|| {
-        format!(
-            "{} of {} readings of the {} ({:.1} %) are outliers, beyond one in a million; a robust loss bounds what they do (--variant student_t)",
-            c.outliers,
-            c.readings,
-            c.name,
-            100.0 * c.outlier_share()
-        )
-    })
-}
-
-/// A sensor whose residual is larger than declared: white, the declaration is wrong; coloured, the model is.
-fn too_large(c: &ChannelDiagnosis, excess: f64, caused: bool) -> Option<(f64, Finding)> {
+/// A sensor whose residual is larger than declared, whatever the cause.
+fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
     let numbers = 3.0 * c.readings.max(1) as f64;
     let ratio = c.typical_chi2_per_number;
     // A median scatters 1.5 times as much as a mean.
     if ratio <= 1.0 + 1.5 * EXCESS * (2.0 / numbers).sqrt() {
         return None;
     }
-    let share = (ratio - 1.0) * numbers / excess;
-    let white = c.whiteness_p.is_none_or(|p| p > COLOURED);
-    Some(match white && !caused {
-        true => (
-            share,
-            finding(
-                FaultKind::NoiseUnderstated,
-                format!(
-                    "the noise of the {} is {:.2} times the declared one: the residual is white, so it is the declaration that is wrong; declare {} times as much",
-                    c.name,
-                    ratio.sqrt(),
-                    rounded(ratio.sqrt(), 3)
-                ),
-            ),
-        ),
-        false => (
-            0.0,
-            finding(
-                FaultKind::Unexplained,
-                format!(
-                    "residual of the {} is {:.2} times its declared noise{}",
-                    c.name,
-                    ratio.sqrt(),
-                    if white { "" } else { " and correlated in time" }
-                ),
-            ),
-        ),
+    let text = format!(
+        "residual of the {} is {:.2} times its declared noise{}",
+        c.name,
+        ratio.sqrt(),
+        if c.is_white() {
+            ""
+        } else {
+            " and correlated in time"
+        }
+    );
+    Some(finding(FaultKind::Unexplained, text))
+}
+
+/// A sensor whose residual is far smaller than declared.
+fn too_small(c: &ChannelDiagnosis) -> Option<Finding> {
+    let numbers = 3.0 * c.readings.max(1) as f64;
+    let ratio = c.chi2_per_number;
+    let by_chance = 1.0 - EXCESS * (2.0 / numbers).sqrt();
+    (ratio < OVERSTATED.min(by_chance)).then(|| {
+        let text = format!(
+            "the noise of the {} is declared too large: its residual is {} times as large; declare the noise that the sensor has",
+            c.name,
+            rounded(ratio.sqrt(), 3)
+        );
+        finding(FaultKind::NoiseOverstated, text)
     })
 }
 
@@ -167,6 +140,7 @@ mod tests {
             explains: 0.0,
             values: vec![("environment.drag_x".to_owned(), 1.0e-3, "kg m2")],
             fault: FaultKind::Drag,
+            tied: true,
         };
         let found = findings(&Diagnostics {
             chi2: 100.0,

@@ -168,5 +168,6 @@ fn named(owner: &str, factor: f64, what: &str, decrease: f64, excess: f64) -> Su
         explains: (decrease / excess).clamp(0.0, 1.0),
         values: vec![(format!("{owner}.factor"), factor, "1")],
         fault,
+        tied: false,
     }
 }

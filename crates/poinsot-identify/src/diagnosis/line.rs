@@ -7,6 +7,8 @@ use poinsot_spatial::Vector3;
 
 /// Share of the power of a residual in one line that is a line.
 const LINE: f64 = 0.25;
+/// Share of the power of the predicted motion, or of its change, in a line from which it is the manoeuvre that shows there.
+const DRIVEN: f64 = 0.02;
 /// Most samples that the periodogram takes.
 const PERIODOGRAM: usize = 4096;
 
@@ -20,34 +22,91 @@ pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<Sp
             continue;
         };
         let times: Vec<f64> = o.rates().map(|(k, _)| o.time_s[k]).collect();
-        if let Some((frequency, share)) = strongest_line(&times, &gyro.white) {
+        let Some(line) = strongest_line(&times, &gyro.white) else {
+            continue;
+        };
+        // What the vehicle would do if it were rigid.
+        let sigma = o.best_gyro().map_or_else(Vector3::zeros, |r| {
+            Vector3::from_fn(|i, _| r.covariance[(i, i)].sqrt())
+        });
+        let measured = o.rates().map(|(_, w)| w).zip(&gyro.white);
+        let predicted: Vec<Vector3> = measured.map(|(w, e)| w - e.component_mul(&sigma)).collect();
+        if !line.is_driven(&predicted) {
             found.push(SpectralLine {
                 segment: segment.label.clone(),
-                frequency_hz: frequency,
-                share,
+                frequency_hz: line.frequency_hz,
+                share: line.share,
             });
         }
     }
     found
 }
 
-/// Frequency, Hz, and share of the power of the strongest line, with its two neighbours on each side;
-/// `None` where none stands out. Slow drifts (the first few frequencies) are not lines.
-fn strongest_line(times: &[f64], white: &[Vector3]) -> Option<(f64, f64)> {
+/// The strongest line of a spectrum.
+struct Line {
+    frequency_hz: f64,
+    share: f64,
+    bins: std::ops::Range<usize>,
+}
+
+impl Line {
+    /// Whether the manoeuvre drives the vehicle at the line: then a wrong model of the rigid vehicle shows there too.
+    fn is_driven(&self, predicted: &[Vector3]) -> bool {
+        let changes: Vec<Vector3> = predicted.windows(2).map(|w| w[1] - w[0]).collect();
+        let share = |motion: &[Vector3]| {
+            let n = motion.len().min(PERIODOGRAM);
+            // A record that does not end as it began leaks into all frequencies: Hann's window.
+            let window = |k: usize| (std::f64::consts::PI * k as f64 / n as f64).sin().powi(2);
+            let faded: Vec<Vector3> = motion[..n]
+                .iter()
+                .enumerate()
+                .map(|(k, w)| w * window(k))
+                .collect();
+            let power = spectrum(&faded);
+            let at = power.get(self.bins.clone()).map_or(0.0, |p| p.iter().sum());
+            let all: f64 = power.iter().skip(1).sum();
+            if all > 0.0 { at / all } else { 0.0 }
+        };
+        share(predicted) > DRIVEN || share(&changes) > DRIVEN
+    }
+}
+
+/// The strongest line with its two neighbours on each side; `None` where none stands out. Slow drifts (the first few
+/// frequencies) are not lines.
+fn strongest_line(times: &[f64], white: &[Vector3]) -> Option<Line> {
     let n = times.len().min(white.len()).min(PERIODOGRAM);
     if n < 64 {
         return None;
     }
     let step = (times[n - 1] - times[0]) / (n - 1) as f64;
+    let power = spectrum(&white[..n]);
+    let total: f64 = power.iter().sum();
+    let (peak, _) = power
+        .iter()
+        .enumerate()
+        .skip(4)
+        .max_by(|a, b| a.1.total_cmp(b.1))?;
+    let bins = peak.saturating_sub(2)..(peak + 3).min(power.len());
+    let share = power[bins.clone()].iter().sum::<f64>() / total;
+    (share > LINE).then(|| Line {
+        frequency_hz: peak as f64 / (n as f64 * step),
+        share,
+        bins,
+    })
+}
+
+/// Power at each multiple of the lowest frequency, of all axes together.
+fn spectrum(series: &[Vector3]) -> Vec<f64> {
+    let n = series.len();
     let mut power = vec![0.0; n / 2];
     for axis in 0..3 {
-        let mean = white[..n].iter().map(|w| w[axis]).sum::<f64>() / n as f64;
+        let mean = series.iter().map(|w| w[axis]).sum::<f64>() / n as f64;
         for (k, p) in power.iter_mut().enumerate() {
             let turn = std::f64::consts::TAU * k as f64 / n as f64;
             let (sin, cos) = turn.sin_cos();
             // One rotating phasor instead of n sines.
             let (mut re, mut im, mut c, mut s) = (0.0, 0.0, 1.0, 0.0);
-            for w in &white[..n] {
+            for w in series {
                 re += (w[axis] - mean) * c;
                 im -= (w[axis] - mean) * s;
                 (c, s) = (c * cos - s * sin, s * cos + c * sin);
@@ -55,15 +114,7 @@ fn strongest_line(times: &[f64], white: &[Vector3]) -> Option<(f64, f64)> {
             *p += re * re + im * im;
         }
     }
-    let total: f64 = power.iter().sum();
-    let (peak, _) = power
-        .iter()
-        .enumerate()
-        .skip(4)
-        .max_by(|a, b| a.1.total_cmp(b.1))?;
-    let near = peak.saturating_sub(2)..(peak + 3).min(power.len());
-    let share = power[near].iter().sum::<f64>() / total;
-    (share > LINE).then(|| (peak as f64 / (n as f64 * step), share))
+    power
 }
 
 #[cfg(test)]
@@ -77,8 +128,15 @@ mod tests {
             .iter()
             .map(|t| Vector3::new((std::f64::consts::TAU * 0.4 * t).sin(), 0.0, 0.1))
             .collect();
-        let (frequency, share) = strongest_line(&times, &sine).unwrap();
-        assert!((frequency - 0.4).abs() < 0.01 && share > 0.9);
+        let line = strongest_line(&times, &sine).unwrap();
+        assert!((line.frequency_hz - 0.4).abs() < 0.01 && line.share > 0.9);
+        // A manoeuvre at the line itself, and one elsewhere.
+        assert!(line.is_driven(&sine));
+        let slow: Vec<Vector3> = times
+            .iter()
+            .map(|t| Vector3::x() * (0.06 * t).sin())
+            .collect();
+        assert!(!line.is_driven(&slow));
     }
 
     #[test]

@@ -6,13 +6,21 @@
 //! flexing or slosh; white noise that is too large, of a wrong declaration; few bad readings, of outliers.
 
 mod candidates;
+mod changes;
 mod channels;
 mod drift;
+mod fault;
 mod findings;
 mod gross;
 mod line;
+mod naming;
+mod onset;
 mod projected;
+mod pulse;
+mod spread;
+mod surroundings;
 mod suspects;
+mod table;
 mod types;
 
 pub(crate) use channels::{OUTLIER, whiteness};
@@ -22,11 +30,10 @@ pub use types::{
 };
 
 use crate::fit::Fitted;
-use crate::information::{Experiment, Point};
-use crate::likelihood::Evaluated;
-use candidates::{Candidate, candidates};
-use poinsot_solve::{BlockQr, Triangle};
-use projected::Projected;
+use crate::information::Experiment;
+use candidates::candidates;
+use suspects::Misfit;
+use table::Table;
 
 /// Excess of chi-square, in its own standard deviations, below which nothing is to be explained.
 pub(super) const EXCESS: f64 = 6.0;
@@ -58,24 +65,33 @@ pub(crate) fn diagnose(
     let misfit = out.excess_sigmas > EXCESS;
     let turn = turn_between_readings(experiment);
     let affordable = turn < COARSE;
-    let candidates = candidates(experiment);
-    if let Some(wide) = Widened::new(experiment, fitted, &candidates) {
-        let projected = wide.projected(experiment, fitted, None);
-        out.suspects = suspects::suspects(
+    let of = Misfit {
+        excess,
+        dof: dof as f64,
+        misfit,
+        affordable,
+    };
+    let mut candidates = candidates(experiment);
+    let table = Table::new(experiment, fitted, &mut candidates);
+    let about = (candidates.as_slice(), table.as_ref());
+    let mut others = spread::spreads(experiment, fitted, &out.channels, about, misfit);
+    if let Some(table) = &table {
+        let projected = table.projected(experiment, fitted, None);
+        others.extend(onset::onsets(
             experiment,
             fitted,
             &candidates,
-            &projected,
-            (excess, per_number, misfit),
-            affordable,
-        );
+            table,
+            misfit,
+        ));
+        out.suspects = suspects::suspects(experiment, fitted, &candidates, &projected, others, of);
         out.lags = drift::lags(experiment, &candidates, &projected, per_number);
         out.drift
             .extend(drift::drift(None, &candidates, &projected, per_number));
         let segments = experiment.problem.segments;
         if (2..=SEGMENTS).contains(&segments.len()) {
             for (at, segment) in segments.iter().enumerate() {
-                let alone = wide.projected(experiment, fitted, Some(at));
+                let alone = table.projected(experiment, fitted, Some(at));
                 let label = Some(segment.label.clone());
                 out.drift
                     .extend(drift::drift(label, &candidates, &alone, per_number));
@@ -83,7 +99,7 @@ pub(crate) fn diagnose(
         }
     }
     // A suspect that leaves chi-square right needs no gross mistake beside it; trying them all is slow.
-    let settled = |s: &Suspect| excess - s.decrease < dof as f64;
+    let settled = |s: &Suspect| !s.fault.is_spread() && excess - s.decrease < dof as f64;
     if affordable
         && !out.suspects.first().is_some_and(settled)
         && let Some(mistake) = gross::gross(experiment, fitted, (excess, dof as f64))
@@ -97,6 +113,7 @@ pub(crate) fn diagnose(
     if misfit && !affordable {
         out.findings.push(Finding {
             fault: FaultKind::Unexplained,
+            or: Vec::new(),
             text: format!(
                 "the vehicle turns by {turn:.1} rad from one reading to the next, too far to try single causes: are the times in seconds?"
             ),
@@ -118,64 +135,4 @@ fn turn_between_readings(experiment: &Experiment) -> f64 {
         intervals += t.len().saturating_sub(1);
     }
     turn / intervals.max(1) as f64
-}
-
-/// The experiment at the answer with the columns of all candidates.
-struct Widened {
-    unknowns: Vec<crate::parameters::Unknown>,
-    at: Point,
-    evaluated: Vec<Evaluated>,
-    stacked: Triangle,
-    heads: Vec<usize>,
-}
-
-impl Widened {
-    fn new(experiment: &Experiment, fitted: &Fitted, candidates: &[Candidate]) -> Option<Self> {
-        let unknowns: Vec<_> = candidates.iter().flat_map(|c| c.unknowns.clone()).collect();
-        let mut extended = experiment.parameters.clone();
-        extended.unknowns.extend(unknowns.iter().cloned());
-        let wide = experiment.with_parameters(&extended);
-        let mut x = fitted.at.x.clone();
-        x.extend(unknowns.iter().map(|u| u.nominal));
-        let at = Point {
-            x,
-            heads: fitted.at.heads.clone(),
-        };
-        let evaluated = wide.evaluate(&at, true)?;
-        let stacked = wide.stack(&at, &evaluated, true);
-        Some(Self {
-            unknowns,
-            stacked,
-            heads: experiment.unknown.iter().map(|u| u.count()).collect(),
-            at,
-            evaluated,
-        })
-    }
-
-    /// Candidates clear of the fit; with a segment given they act in that segment alone.
-    fn projected(
-        &self,
-        experiment: &Experiment,
-        fitted: &Fitted,
-        segment: Option<usize>,
-    ) -> Projected {
-        let base = experiment.parameters;
-        let Some(only) = segment else {
-            return Projected::new(&self.stacked, base, &self.unknowns, fitted);
-        };
-        let mut stacked = BlockQr::new(self.at.x.len() + 1);
-        for (s, one) in self.evaluated.iter().enumerate() {
-            if let Some(triangle) = &one.triangle {
-                let h = self.heads[s];
-                let candidate = base.len()..self.at.x.len();
-                stacked.push(triangle.r.nrows().saturating_sub(h), |i, j| {
-                    match candidate.contains(&j) && s != only {
-                        true => 0.0,
-                        false => triangle.r[(h + i, h + j)],
-                    }
-                });
-            }
-        }
-        Projected::new(&stacked.finish(), base, &self.unknowns, fitted)
-    }
 }

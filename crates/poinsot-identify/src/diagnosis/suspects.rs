@@ -1,101 +1,166 @@
 //! Which candidates explain what is left over, and what their numbers mean.
 
 use super::candidates::Candidate;
+use super::naming::{LATE_THRUST, name, near};
 use super::projected::Projected;
 use super::types::{FaultKind, Suspect};
 use crate::fit::{Fitted, fit_from};
 use crate::information::{Experiment, Point};
+use crate::motion::GRADIENT;
 use crate::parameters::UnknownKind;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Decrease of chi-square, over its mean per number, from which a candidate is named: one in 10^8 by chance.
-const SIGNIFICANT: f64 = 40.0;
+/// Probability of a score by chance from which a candidate is named.
+const CHANCE: f64 = 1.0e-7;
 /// Candidates that are fitted in earnest before one is named.
-const FITTED: usize = 3;
+const FITTED: usize = 2;
 /// Sigmas by which a number must lie beyond what nature allows to be impossible.
 const IMPOSSIBLE: f64 = 3.0;
 /// Share of a decrease of chi-square that counts as much as all of it.
 const AS_MUCH: f64 = 0.95;
-/// Name of the candidate that thrusters act at other times than their columns say.
-const LATE_THRUST: &str = "a lag of the thrust";
+/// Difference of evidence below which the data cannot tell two causes apart: odds of 150.
+const TIED: f64 = 10.0;
+/// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
+const STEEPEST: f64 = 4.6e-6;
 /// Iterations of such a fit.
 const ITERATIONS: usize = 12;
 
+/// What the misfit is, and whether fits may be tried to explain it.
+#[derive(Clone, Copy)]
+pub(super) struct Misfit {
+    /// Chi-square beyond the degrees of freedom, and these.
+    pub excess: f64,
+    pub dof: f64,
+    pub misfit: bool,
+    pub affordable: bool,
+}
+
+impl Misfit {
+    /// Mean square of the residual, at least one.
+    pub fn per_number(&self) -> f64 {
+        (1.0 + self.excess / self.dof.max(1.0)).max(1.0)
+    }
+
+    /// The same with what explains a part of it taken off.
+    fn left(&self, decrease: f64) -> f64 {
+        (1.0 + (self.excess - decrease) / self.dof.max(1.0)).max(1.0)
+    }
+}
+
 /// Significant candidates, the best first. Scores are of first order; where the misfit is large the best few
-/// are fitted, because a fault like a wrong sign is far away.
+/// are fitted, because a fault like a wrong sign is far away. `others` were scored elsewhere.
 pub(super) fn suspects(
     experiment: &Experiment,
     fitted: &Fitted,
     candidates: &[Candidate],
     projected: &Projected,
-    (excess, per_number, misfit): (f64, f64, bool),
-    affordable: bool,
+    others: Vec<Scored>,
+    of: Misfit,
 ) -> Vec<Suspect> {
+    let per_number = of.per_number();
+    let mut list = scores(candidates, projected, per_number);
+    list.extend(others);
+    let significant = |list: &mut Vec<Scored>| {
+        list.retain(|one| one.is_significant(per_number) && one.is_possible());
+    };
+    significant(&mut list);
+    rank(&mut list, of);
+    if of.misfit && of.affordable {
+        let mut tried = 0;
+        for one in &mut list {
+            let Some(candidate) = one.at.map(|at| &candidates[at]) else {
+                continue;
+            };
+            // What reads early may stand for what drives the vehicle late, so that is always tried.
+            if tried >= FITTED && !candidate.delays_inputs() {
+                continue;
+            }
+            tried += 1;
+            if let Some((decrease, values)) = in_earnest(experiment, fitted, candidate) {
+                one.suspect = suspect(candidate, decrease, &values);
+            }
+        }
+        significant(&mut list);
+        rank(&mut list, of);
+    }
+    late_before_early(&mut list, TIED * per_number);
+    let best = list.first().map(|one| one.suspect.decrease);
+    let left = of.left(best.unwrap_or(0.0));
+    let evidence: Vec<f64> = list.iter().map(|one| one.evidence(left, of.dof)).collect();
+    let all = list.into_iter().zip(&evidence);
+    all.map(|(one, own)| {
+        let mut s = one.suspect;
+        s.explains = match of.misfit {
+            true => (s.decrease / of.excess).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        s.tied = evidence[0] - own < TIED;
+        name(experiment, &mut s);
+        s
+    })
+    .collect()
+}
+
+/// Score of every candidate.
+fn scores(candidates: &[Candidate], projected: &Projected, per_number: f64) -> Vec<Scored> {
     let mut from = 0;
-    let mut list: Vec<Scored> = Vec::new();
-    let mut in_full: Vec<usize> = Vec::new();
+    let mut list = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
         let group: Vec<usize> = (from..from + candidate.unknowns.len()).collect();
         from += group.len();
         let score = projected.score(&group, None);
-        if score.decrease > SIGNIFICANT * per_number {
-            let values = candidate.unknowns.iter().zip(&score.values);
-            let values: Vec<f64> = values.map(|(u, v)| u.nominal + v).collect();
-            let sigma = |k: usize| (score.covariance[k][k] * per_number).sqrt();
-            let sigmas = (0..values.len()).map(sigma).collect();
-            list.push(Scored {
-                at,
-                suspect: suspect(candidate, score.decrease, &values),
-                sigmas,
-                nominal: candidate.unknowns.iter().map(|u| u.nominal).collect(),
-            });
-        }
+        let values = candidate.unknowns.iter().zip(&score.values);
+        let values: Vec<f64> = values.map(|(u, v)| u.nominal + v).collect();
+        let sigma = |k: usize| (score.covariance[k][k] * per_number).sqrt();
+        list.push(Scored {
+            at: Some(at),
+            suspect: suspect(candidate, score.decrease, &values),
+            sigmas: (0..values.len()).map(sigma).collect(),
+            nominal: candidate.unknowns.iter().map(|u| u.nominal).collect(),
+            numbers: group.len(),
+            trials: 1,
+        });
     }
-    list.retain(Scored::is_possible);
-    let falling = |a: &Scored, b: &Scored| b.suspect.decrease.total_cmp(&a.suspect.decrease);
-    list.sort_by(falling);
-    if misfit && affordable {
-        for (rank, one) in list.iter_mut().enumerate() {
-            let candidate = &candidates[one.at];
-            // What reads early may stand for what drives the vehicle late, so that is always tried.
-            if rank >= FITTED && !candidate.delays_inputs() {
-                continue;
-            }
-            if let Some((decrease, values)) = in_earnest(experiment, fitted, candidate) {
-                one.suspect = suspect(candidate, decrease, &values);
-            }
-            in_full.push(one.at);
-        }
-        list = significant(list, SIGNIFICANT * per_number);
-        list.retain(Scored::is_possible);
-        let is_fitted = |one: &Scored| in_full.contains(&one.at);
-        // Those fitted first: what is of first order only says little where the misfit is large.
-        list.sort_by(|a, b| is_fitted(b).cmp(&is_fitted(a)).then_with(|| falling(a, b)));
-    }
-    late_before_early(&mut list, SIGNIFICANT * per_number);
-    list.into_iter()
-        .map(|one| {
-            let mut s = one.suspect;
-            s.explains = if misfit {
-                (s.decrease / excess).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            name(experiment, &mut s);
-            s
-        })
-        .collect()
+    list
+}
+
+/// The best evidence first, on the scale of the residual that the best leaves.
+fn rank(list: &mut [Scored], of: Misfit) {
+    let most = list.iter().map(|one| one.suspect.decrease);
+    let left = of.left(most.fold(0.0, f64::max));
+    list.sort_by(|a, b| {
+        b.evidence(left, of.dof)
+            .total_cmp(&a.evidence(left, of.dof))
+    });
 }
 
 /// A suspect with the place of its candidate, and how well its numbers are known.
-struct Scored {
-    at: usize,
-    suspect: Suspect,
+pub(super) struct Scored {
+    /// Among the candidates that can be fitted.
+    pub at: Option<usize>,
+    pub suspect: Suspect,
     /// From the score, the size of the residual taken as seen.
-    sigmas: Vec<f64>,
-    nominal: Vec<f64>,
+    pub sigmas: Vec<f64>,
+    pub nominal: Vec<f64>,
+    /// How many numbers it has, and how many of its kind were tried.
+    pub numbers: usize,
+    pub trials: usize,
 }
 
 impl Scored {
+    /// Evidence for the fault (Schwarz 1978): the fall of `-2 ln L` on the scale of the residual, less what its numbers and
+    /// the choice among many may gain by chance.
+    fn evidence(&self, scale: f64, samples: f64) -> f64 {
+        let choice = 2.0 * (self.trials as f64).ln();
+        self.suspect.decrease / scale - self.numbers as f64 * samples.max(1.0).ln() - choice
+    }
+
+    fn is_significant(&self, per_number: f64) -> bool {
+        let chance = ChiSquared::new(self.numbers.max(1) as f64);
+        let score = self.suspect.decrease / per_number;
+        chance.is_ok_and(|c| c.sf(score) * (self.trials as f64) < CHANCE)
+    }
+
     /// Whether nature allows the numbers: no drag pushes, no rotor has less than no inertia unless its sign is wrong.
     fn is_possible(&self) -> bool {
         let values = self.suspect.values.iter().map(|v| v.1);
@@ -112,6 +177,11 @@ impl Scored {
                 let mirrored = self.nominal.iter().any(|n| near(value(0), -n));
                 mirrored || value(0) > -IMPOSSIBLE * sigma(0)
             }
+            // A tensor without a trace whose eigenvalues are below that bound has elements below it.
+            FaultKind::GravityGradient => {
+                let mut each = values.zip(&self.sigmas).take(GRADIENT);
+                each.all(|(x, sigma)| x.abs() < STEEPEST + IMPOSSIBLE * sigma)
+            }
             FaultKind::Thrust => near(value(0), -2.0) || value(0) > -1.0 - IMPOSSIBLE * sigma(0),
             _ => true,
         }
@@ -126,12 +196,6 @@ impl Scored {
             _ => 0.0,
         }
     }
-}
-
-/// Without those that turned out to explain nothing when they were fitted.
-fn significant(mut list: Vec<Scored>, least: f64) -> Vec<Scored> {
-    list.retain(|one| one.suspect.decrease > least);
-    list
 }
 
 /// Where one sensor reading early explains hardly more than something that is possible, that is named first: nothing
@@ -163,6 +227,7 @@ fn suspect(candidate: &Candidate, decrease: f64, values: &[f64]) -> Suspect {
             .map(|(u, v)| (u.name.clone(), *v, u.unit))
             .collect(),
         fault: candidate.fault,
+        tied: false,
     }
 }
 
@@ -172,14 +237,12 @@ fn in_earnest(
     fitted: &Fitted,
     candidate: &Candidate,
 ) -> Option<(f64, Vec<f64>)> {
-    let known = |u: &crate::parameters::Unknown| {
-        matches!(
-            u.kind,
-            UnknownKind::InertialTorque(_) | UnknownKind::InertialForce(_)
-        )
-    };
-    // A drift has columns only: its score is exact enough.
-    if candidate.unknowns.iter().any(known) {
+    // What has columns only has a score that is exact enough.
+    if candidate
+        .unknowns
+        .iter()
+        .any(|u| u.kind.is_only_tested() || matches!(u.kind, UnknownKind::InertialTorque(_)))
+    {
         return None;
     }
     let mut parameters = experiment.parameters.clone();
@@ -204,86 +267,32 @@ fn in_earnest(
     Some((before - after, values))
 }
 
-/// Factors by which a unit is mistaken, and the mistake.
-const MISTAKEN: [(f64, &str); 4] = [
-    (57.295_779_5, "radians read as degrees"),
-    (0.017_453_293, "degrees read as radians"),
-    (0.104_719_755, "revolutions a minute read as rad/s"),
-    (std::f64::consts::TAU, "revolutions read as radians"),
-];
-
-fn near(value: f64, wanted: f64) -> bool {
-    (value / wanted - 1.0).abs() < 0.2
-}
-
-/// Says what values mean where they speak for themselves: a wrong sign, a wrong unit.
-fn name(experiment: &Experiment, suspect: &mut Suspect) {
-    let model = experiment.problem.model;
-    match suspect.fault {
-        FaultKind::WheelScale => {
-            let Some((owner, value, _)) = suspect.values.first() else {
-                return;
-            };
-            let wheel = model
-                .wheels
-                .iter()
-                .find(|w| *owner == format!("{}.spin_inertia", w.name));
-            let Some(wheel) = wheel else { return };
-            let ratio = value / wheel.spin_inertia;
-            if near(ratio, -1.0) {
-                suspect.fault = FaultKind::WheelSign;
-                suspect.name = format!("a wrong sign of {}", wheel.name);
-            } else if let Some((_, what)) = MISTAKEN.iter().find(|(f, _)| near(ratio, *f)) {
-                suspect.fault = FaultKind::Units;
-                suspect.name = format!("a wrong unit of {} ({what})", wheel.name);
-            }
-        }
-        FaultKind::Lag
-            if suspect.name == LATE_THRUST && suspect.values.first().is_some_and(|v| v.1 < 0.0) =>
-        {
-            "thrust that is read late".clone_into(&mut suspect.name);
-        }
-        FaultKind::GyroScale => {
-            for (factor, what) in MISTAKEN {
-                // The gyro reads (1 + scale) w: the reading is 1/factor of what it should be.
-                if suspect
-                    .values
-                    .iter()
-                    .all(|(_, s, _)| near(1.0 + s, 1.0 / factor))
-                {
-                    suspect.fault = FaultKind::Units;
-                    suspect.name = format!("a wrong unit of the gyro ({what})");
-                }
-            }
-        }
-        _ => {}
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn regress_a_suspect_whose_fit_lowers_nothing_is_none() {
-        let with = |decrease: f64| scored("drag", FaultKind::Drag, decrease, &[]);
-        let left = significant(vec![with(-0.3), with(500.0), with(f64::NAN)], 40.0);
-        assert_eq!(left.len(), 1);
-        assert_eq!(left[0].suspect.decrease, 500.0);
+        let with = |decrease: f64| scored("drag", FaultKind::Drag, decrease, &[1.0]);
+        let named = |decrease: f64| with(decrease).is_significant(1.0);
+        assert!(named(500.0) && !named(-0.3) && !named(f64::NAN));
     }
 
     fn scored(name: &str, fault: FaultKind, decrease: f64, values: &[f64]) -> Scored {
         Scored {
-            at: 0,
+            at: None,
             suspect: Suspect {
                 name: name.to_owned(),
                 decrease,
                 explains: 0.0,
                 values: values.iter().map(|v| (String::new(), *v, "")).collect(),
                 fault,
+                tied: false,
             },
             sigmas: vec![0.1; values.len()],
             nominal: vec![1.0; values.len()],
+            numbers: values.len(),
+            trials: 1,
         }
     }
 

@@ -1,5 +1,10 @@
 //! What the residuals say, as part of the answer.
 
+pub use super::fault::FaultKind;
+
+/// Probability below which a residual is not white.
+pub(super) const COLOURED: f64 = 1.0e-4;
+
 /// Evidence for and against the fit.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics {
@@ -48,6 +53,11 @@ pub struct ChannelDiagnosis {
 }
 
 impl ChannelDiagnosis {
+    /// Whether the residual may be white.
+    pub(super) fn is_white(&self) -> bool {
+        self.whiteness_p.is_none_or(|p| p > COLOURED)
+    }
+
     /// Share of outliers.
     pub fn outlier_share(&self) -> f64 {
         self.outliers as f64 / self.readings.max(1) as f64
@@ -89,7 +99,7 @@ pub struct SensorLag {
 pub struct Suspect {
     /// In words.
     pub name: String,
-    /// By how much chi-square would fall.
+    /// By how much `-2 ln L`, of additive faults chi-square, would fall.
     pub decrease: f64,
     /// Share of the misfit that it explains, at most 1; 0 where there is no misfit.
     pub explains: f64,
@@ -97,6 +107,8 @@ pub struct Suspect {
     pub values: Vec<(String, f64, &'static str)>,
     /// What it is.
     pub fault: FaultKind,
+    /// Whether the data cannot tell it from the first suspect.
+    pub tied: bool,
 }
 
 /// A line in the spectrum of a segment's gyro residual.
@@ -115,82 +127,8 @@ pub struct SpectralLine {
 pub struct Finding {
     /// What it is.
     pub fault: FaultKind,
+    /// What else it may be: the data cannot tell.
+    pub or: Vec<FaultKind>,
     /// In words, with the evidence.
     pub text: String,
-}
-
-/// Kinds of faults that the diagnosis can name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FaultKind {
-    /// Bias of the gyro.
-    GyroBias,
-    /// Scale error of the gyro.
-    GyroScale,
-    /// Misalignment of the gyro.
-    GyroMisalignment,
-    /// Bias of another sensor.
-    SensorBias,
-    /// Scale error of another sensor.
-    SensorScale,
-    /// Misalignment of another sensor.
-    SensorMisalignment,
-    /// Axes of a sensor that are not square to each other.
-    Nonorthogonality,
-    /// One sensor reads later than the others.
-    Lag,
-    /// A joint stands elsewhere than it reads.
-    JointOffset,
-    /// The sign of a wheel's speed or axis.
-    WheelSign,
-    /// Spin inertia, or scale of the speed, of a wheel.
-    WheelScale,
-    /// Degrees for radians, revolutions for radians.
-    Units,
-    /// Thrust of one thruster.
-    Thrust,
-    /// Constant torque in body axes.
-    Torque,
-    /// Drag.
-    Drag,
-    /// Momentum drifts in inertial axes.
-    MomentumDrift,
-    /// A declared prior that the data contradict.
-    Prior,
-    /// Single bad readings.
-    Outliers,
-    /// Noise larger than declared, and white.
-    NoiseUnderstated,
-    /// A line in the residual: flexing, slosh.
-    NotRigid,
-    /// Larger than declared, and nothing known explains it.
-    Unexplained,
-}
-
-impl FaultKind {
-    /// Name in the result file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::GyroBias => "gyro_bias",
-            Self::GyroScale => "gyro_scale",
-            Self::GyroMisalignment => "gyro_misalignment",
-            Self::SensorBias => "sensor_bias",
-            Self::SensorScale => "sensor_scale",
-            Self::SensorMisalignment => "sensor_misalignment",
-            Self::Nonorthogonality => "nonorthogonality",
-            Self::Lag => "lag",
-            Self::JointOffset => "joint_offset",
-            Self::WheelSign => "wheel_sign",
-            Self::WheelScale => "wheel_scale",
-            Self::Units => "units",
-            Self::Thrust => "thrust",
-            Self::Torque => "torque",
-            Self::Drag => "drag",
-            Self::MomentumDrift => "momentum_drift",
-            Self::Prior => "prior",
-            Self::Outliers => "outliers",
-            Self::NoiseUnderstated => "noise_understated",
-            Self::NotRigid => "not_rigid",
-            Self::Unexplained => "unexplained",
-        }
-    }
 }

@@ -39,6 +39,7 @@ impl Motion<'_> {
         fill_inputs(self.observations, self.vehicle, k, at, site);
         site.changes.clear();
         let t = time_at(&self.observations.time_s, k, at);
+        site.time_s = t;
         for fault in &self.vehicle.input_faults {
             let (unknown, value) = (fault.unknown, fault.value);
             let changes = &mut site.changes;

@@ -12,7 +12,42 @@ use crate::parameters::UnknownKind;
 use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 
+/// Components of a symmetric tensor without a trace.
+pub(crate) const GRADIENT: usize = 5;
+
+/// A unit of one of them.
+fn symmetric(component: usize) -> Matrix3 {
+    let mut unit = Matrix3::zeros();
+    match component {
+        0 => (unit[(0, 0)], unit[(2, 2)]) = (1.0, -1.0),
+        1 => (unit[(1, 1)], unit[(2, 2)]) = (1.0, -1.0),
+        k => {
+            let (i, j) = [(0, 1), (0, 2), (1, 2)][k % 3];
+            (unit[(i, j)], unit[(j, i)]) = (1.0, 1.0);
+        }
+    }
+    unit
+}
+
+/// `e_ijk A_jk`: of `u u^T I` it is `u x (I u)`.
+fn axial(a: &Matrix3) -> Vector3 {
+    Vector3::new(
+        a[(1, 2)] - a[(2, 1)],
+        a[(2, 0)] - a[(0, 2)],
+        a[(0, 1)] - a[(1, 0)],
+    )
+}
+
 impl Motion<'_> {
+    /// Force of a tide or of a constant acceleration on the vehicle per unit of one component, in N.
+    pub(super) fn tide(&self, component: usize, state: &State, centre: &Centre) -> Vector3 {
+        let acceleration = match component.checked_sub(GRADIENT) {
+            Some(axis) => Vector3::from_fn(|i, _| f64::from(u8::from(i == axis))),
+            None => symmetric(component) * (state.p_NoBo_N + state.R_NB * centre.c),
+        };
+        acceleration * centre.mass
+    }
+
     /// Whether anything acts from outside in the interval after grid time k.
     pub(super) fn pushed(&self, k: usize) -> bool {
         self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.surrounded()
@@ -57,6 +92,12 @@ impl Motion<'_> {
             let mut e = Vector3::zeros();
             e[*k] = 1.0;
             change += to_base * e;
+        }
+        if let Some(UnknownKind::GravityGradient(k)) = kind {
+            let growth = if *k < GRADIENT { 1.0 } else { self.site.time_s };
+            let R = super::matrix(&state.R_NB);
+            let gradient = R.transpose() * symmetric(*k % GRADIENT) * R * growth;
+            change += axial(&(gradient * centre.I_SScm_B));
         }
         if let Some(gm) = v.gm {
             let distance = self.site.orbit_N.norm();

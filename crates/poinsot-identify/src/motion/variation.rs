@@ -367,8 +367,10 @@ impl Motion<'_> {
                 dT += change.T_B;
             }
             let (mut dP, dh) = (R * dF, R * dT);
-            if let UnknownKind::InertialForce(k) = kind {
-                dP[*k] += 1.0;
+            match kind {
+                UnknownKind::InertialForce(k) => dP[*k] += 1.0,
+                UnknownKind::Tide(k) => dP += self.tide(*k, state, centre),
+                _ => {}
             }
             Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
         };

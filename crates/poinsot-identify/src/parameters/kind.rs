@@ -41,6 +41,13 @@ pub enum UnknownKind {
     WheelTilt(usize, usize),
     /// Component in N of a constant force, N. Only tested for.
     InertialForce(usize),
+    /// Component of the tensor of a gravity gradient in N, 1/s2: five of it, then five of how it grows with time, 1/s3.
+    /// Only tested for.
+    GravityGradient(usize),
+    /// Component in N of the gradient of a tide, 1/s2, then of a constant acceleration, m/s2. Only tested for.
+    Tide(usize),
+    /// Something else that is changed in the question. Only tested for, by a difference.
+    Changed,
     /// A number that the model takes as known, within its uncertainty.
     Known(KnownUnknown),
 }
@@ -73,6 +80,9 @@ impl UnknownKind {
                 | Self::ThrusterLag(_)
                 | Self::WheelTilt(..)
                 | Self::InertialForce(_)
+                | Self::GravityGradient(_)
+                | Self::Tide(_)
+                | Self::Changed
                 | Self::Known(_)
         )
     }
@@ -93,6 +103,16 @@ impl UnknownKind {
                 | Self::InertialTorque(_)
                 | Self::DragTorque(_)
                 | Self::InertialForce(_)
+                | Self::GravityGradient(_)
+                | Self::Tide(_)
+        )
+    }
+
+    /// Whether it has slopes but no value: a fit cannot take it as an unknown.
+    pub(crate) fn is_only_tested(&self) -> bool {
+        matches!(
+            self,
+            Self::InertialForce(_) | Self::GravityGradient(_) | Self::Tide(_) | Self::Changed
         )
     }
 

@@ -139,6 +139,21 @@ pub struct Outcome {
     pub doubted: bool,
 }
 
+/// One thing that is said.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Said {
+    /// What it may be.
+    pub names: Vec<String>,
+    pub text: String,
+}
+
+impl Said {
+    pub fn error(text: String) -> Self {
+        let names = vec!["error".to_owned()];
+        Self { names, text }
+    }
+}
+
 /// Trials of one fault.
 pub struct Row {
     pub planted: Planted,
@@ -309,21 +324,22 @@ fn outcome(study: &Study, planted: Planted, trial: u64) -> Outcome {
         spoil(&mut tables[0], study, trial);
     }
     let (said, doubted) =
-        diagnosed(study, &tables).unwrap_or_else(|e| (vec![("error".to_owned(), e)], true));
+        diagnosed(study, &tables).unwrap_or_else(|e| (vec![Said::error(e)], true));
     let wanted = planted.fault();
-    let right = |(name, text): &(String, String)| {
-        wanted.is_some_and(|f| f.name() == name) && text.contains(planted.culprit())
+    let right = |said: &Said| {
+        let is = |name: &String| wanted.is_some_and(|f| f.name() == name);
+        said.names.iter().any(is) && said.text.contains(planted.culprit())
     };
     Outcome {
         detected: !said.is_empty(),
         named: said.first().is_some_and(right),
-        first: said.first().map(|f| f.0.clone()).unwrap_or_default(),
+        first: said.first().map(|f| f.names.join("|")).unwrap_or_default(),
         doubted,
     }
 }
 
 /// What a user is told, by the check on reading or by the diagnosis of the fit, and whether the answer is doubted.
-fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<(String, String)>, bool), String> {
+pub fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<Said>, bool), String> {
     for table in tables {
         if let Err(refusal) = check_conventions(table) {
             let text = refusal.to_string();
@@ -333,7 +349,8 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<(String, String)>, 
             } else {
                 "conventions"
             };
-            return Ok((vec![(name.to_owned(), text)], true));
+            let names = vec![name.to_owned()];
+            return Ok((vec![Said { names, text }], true));
         }
     }
     let tree = Tree::new(&study.model);
@@ -349,8 +366,12 @@ fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<(String, String)>, 
     let doubted = estimate.exit_code() != 0;
     let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
     let said = found.into_iter();
-    let said = said.map(|f| (f.fault.name().to_owned(), f.text)).collect();
-    Ok((said, doubted))
+    let name = |f: &FaultKind| f.name().to_owned();
+    let said = said.map(|f| Said {
+        names: std::iter::once(&f.fault).chain(&f.or).map(name).collect(),
+        text: f.text,
+    });
+    Ok((said.collect(), doubted))
 }
 
 /// Three of a hundred gyro readings off by twenty sigma in a random direction.

@@ -15,6 +15,13 @@ mod campaign;
 mod campaign_page;
 mod compare;
 mod counts;
+#[allow(
+    dead_code,
+    non_snake_case,
+    reason = "a test uses a part of what the example has"
+)]
+#[path = "../../examples/faults/drawn.rs"]
+mod drawn;
 mod evaluation;
 mod faults;
 mod gaps;

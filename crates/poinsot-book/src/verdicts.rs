@@ -1,0 +1,36 @@
+//! The page of verdicts: every word and colour of an answer with the condition that sets it, and every cause that the
+//! diagnosis can name.
+
+use crate::commands::GENERATED;
+use poinsot::verdict::VERDICTS;
+use poinsot_identify::FaultKind;
+use std::fmt::Write;
+
+/// The page.
+pub fn page() -> String {
+    let mut out = format!("{GENERATED}# Verdicts\n\n");
+    out.push_str(
+        "Look up here what set a word or a colour of an answer, and what to do about a named cause.\n\n\
+         Of the verdicts of a status the first whose condition holds is given. \
+         Green is *good*, amber *fair*, red *bad*. The exit code is that of `poinsot identify`.\n\n\
+         | status | condition | colour | word | exit code |\n|---|---|---|---|---|\n",
+    );
+    for v in &VERDICTS {
+        let _ = writeln!(
+            out,
+            "| `{}` | {} | {} | {} | {} |",
+            v.status, v.condition, v.tone, v.word, v.exit
+        );
+    }
+    out.push_str(
+        "\n## Causes\n\n\
+         The diagnosis tests each of these and names the one with the best evidence (Schwarz 1978). \
+         Where the data cannot tell two apart it names both.\n\n\
+         | name in `estimate.json` | what it is | what to do |\n|---|---|---|\n",
+    );
+    for fault in FaultKind::ALL {
+        let advice = fault.advice().trim_start_matches("; ");
+        let _ = writeln!(out, "| `{}` | {} | {advice} |", fault.name(), fault.what());
+    }
+    out
+}

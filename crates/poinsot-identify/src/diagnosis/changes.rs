@@ -1,0 +1,233 @@
+//! Hypotheses whose columns are differences: a known number, a firing that did not happen, play in a joint. The question is
+//! changed and every prediction made again.
+
+use super::candidates::{Candidate, Columns, unknown};
+use super::types::FaultKind;
+use crate::information::{Experiment, Point};
+use crate::known::Centre;
+use crate::parameters::UnknownKind;
+use crate::problem::Problem;
+use crate::segment::{InputErrors, Segment};
+use poinsot_model::{JointKind, KnownNumber, Origin};
+use poinsot_spatial::Vector3;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Step of a difference, in the usual uncertainty of a number: the bend over it and its round-off stay far below the noise.
+const STEP: f64 = 1.0e-3;
+/// Step of the play of a joint, rad or m.
+const PLAY: f64 = 1.0e-6;
+/// Step of the share of a firing's force.
+const SHARE: f64 = 1.0e-4;
+/// Most firings that are tried one by one.
+const FIRINGS: usize = 48;
+
+/// One change of the question.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Change {
+    /// A component of a known number.
+    Known(KnownNumber, usize),
+    /// The force of one firing in a segment, as a share of it.
+    Firing(usize, usize),
+    /// Play of a joint coordinate: its link stands behind its drive by half of it.
+    Play(usize),
+}
+
+/// Known numbers, firings and joints that the fit took as they are.
+pub(super) fn changes(experiment: &Experiment) -> Vec<Candidate> {
+    let mut list = of_known_numbers(experiment);
+    list.extend(of_firings(experiment));
+    list.extend(of_play(experiment));
+    list
+}
+
+/// Numbers whose errors have no slopes of their own.
+fn of_known_numbers(experiment: &Experiment) -> Vec<Candidate> {
+    let model = experiment.problem.model;
+    let fitted = &experiment.parameters.unknowns;
+    let is_unknown = |number: &KnownNumber| {
+        let mut known = fitted.iter().filter_map(|u| u.kind.known());
+        known.any(|k| k.number == *number)
+    };
+    let has_slopes = |number: &KnownNumber| {
+        matches!(
+            number,
+            KnownNumber::SpinInertia(_)
+                | KnownNumber::WheelAxis(_)
+                | KnownNumber::Force(_)
+                | KnownNumber::Mounting(_)
+        )
+    };
+    let numbers = model.known_numbers().into_iter();
+    numbers
+        .filter(|n| !is_unknown(n) && !has_slopes(n))
+        .map(|number| {
+            let components = 0..number.components();
+            let name = number.name(model, 0);
+            let what = match number {
+                KnownNumber::Mass(_) => name.clone(),
+                _ => name
+                    .rsplit_once('_')
+                    .map_or(name.clone(), |n| n.0.to_owned()),
+            };
+            Candidate {
+                name: format!("another {what} than known"),
+                fault: FaultKind::KnownNumber,
+                unknowns: components
+                    .clone()
+                    .map(|c| {
+                        let mut own =
+                            unknown(UnknownKind::Changed, number.name(model, c), number.unit());
+                        own.nominal = number.value(model, c);
+                        own
+                    })
+                    .collect(),
+                columns: Columns::Changes(components.map(|c| Change::Known(number, c)).collect()),
+            }
+        })
+        .collect()
+}
+
+fn of_firings(experiment: &Experiment) -> Vec<Candidate> {
+    let thrusters = &experiment.problem.model.thrusters;
+    let segments = experiment.problem.segments.iter().enumerate();
+    let all = segments.flat_map(|(s, segment)| {
+        let firings = segment.firings.iter().enumerate();
+        firings.map(move |(k, firing)| (s, k, firing))
+    });
+    all.take(FIRINGS)
+        .filter_map(|(s, k, firing)| {
+            let name = &thrusters.get(firing.thruster)?.name;
+            let number = format!("{name}.firing_at_{:.1}_s", firing.start_s);
+            let mut own = unknown(UnknownKind::Changed, number, "1");
+            own.nominal = 1.0;
+            Some(Candidate {
+                name: format!(
+                    "another force of the firing of {name} at {:.1} s",
+                    firing.start_s
+                ),
+                fault: FaultKind::Firing,
+                unknowns: vec![own],
+                columns: Columns::Changes(vec![Change::Firing(s, k)]),
+            })
+        })
+        .collect()
+}
+
+/// Play of the joints that are read.
+fn of_play(experiment: &Experiment) -> Vec<Candidate> {
+    let (model, tree) = (experiment.problem.model, experiment.problem.tree);
+    let moves = |j: usize| {
+        let mut segments = experiment.problem.segments.iter();
+        segments.any(|s| {
+            let o = &s.observations;
+            let mut rates = o.joint_rate.iter().skip(j).step_by(tree.dof());
+            o.joint_errors.get(j) != Some(&InputErrors::None) && rates.any(|r| *r != 0.0)
+        })
+    };
+    (0..tree.dof())
+        .filter(|j| moves(*j))
+        .map(|j| {
+            let joint = &model.joints[tree.coordinates[j]];
+            let unit = match joint.kind {
+                JointKind::Prismatic => "m",
+                _ => "rad",
+            };
+            let number = unknown(UnknownKind::Changed, format!("{}.play", joint.name), unit);
+            Candidate {
+                name: format!("backlash of {}", joint.name),
+                fault: FaultKind::Backlash,
+                unknowns: vec![number],
+                columns: Columns::Changes(vec![Change::Play(j)]),
+            }
+        })
+        .collect()
+}
+
+/// How every whitened prediction moves with a change: by segment, sensor compared and sample.
+pub(super) type Difference = Vec<Vec<Vec<Vector3>>>;
+
+/// The differences of all changes at a point; empty for one that cannot be made.
+pub(super) fn differences(
+    experiment: &Experiment,
+    at: &Point,
+    changes: &[Change],
+) -> Option<Vec<Difference>> {
+    let here = experiment.evaluate(at, false)?;
+    let of = |change: &Change| -> Option<Difference> {
+        let (there, step) = changed(experiment, at, *change)?;
+        let segments = here.iter().zip(&there);
+        let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
+        Some(
+            segments
+                .map(|(a, b)| {
+                    let sensors = a.channels.iter().zip(&b.channels);
+                    sensors
+                        .map(|(a, b)| a.white.iter().zip(&b.white).map(slope).collect())
+                        .collect()
+                })
+                .collect(),
+        )
+    };
+    let all = changes.par_iter();
+    Some(all.map(|c| of(c).unwrap_or_default()).collect())
+}
+
+/// All segments with the question changed, and by how much it is.
+fn changed(
+    experiment: &Experiment,
+    at: &Point,
+    change: Change,
+) -> Option<(Vec<crate::likelihood::Evaluated>, f64)> {
+    let problem = experiment.problem;
+    if let Change::Known(number, component) = change {
+        let usual = number.usual_sigma(Origin::Cad);
+        let step = STEP * number.absolute(problem.model, component, usual);
+        let changes = [(number, component, step)];
+        let centre = Centre::new(problem, experiment.parameters, &changes)?;
+        let there = centre.problem(problem);
+        let there = experiment.of_vehicle(&there, &centre.parameters);
+        return Some((there.evaluate(at, false)?, step));
+    }
+    let mut segments = Cow::Borrowed(problem.segments);
+    let step = match change {
+        Change::Firing(segment, firing) => {
+            let own = segments
+                .to_mut()
+                .get_mut(segment)?
+                .firings
+                .get_mut(firing)?;
+            own.force *= 1.0 + SHARE;
+            SHARE
+        }
+        Change::Play(joint) => {
+            let dof = problem.tree.dof();
+            segments
+                .to_mut()
+                .iter_mut()
+                .for_each(|s| take_play(s, joint, dof));
+            PLAY
+        }
+        Change::Known(..) => return None,
+    };
+    let other = Problem {
+        segments: &segments,
+        ..*problem
+    };
+    let there = experiment.of_vehicle(&other, experiment.parameters);
+    Some((there.evaluate(at, false)?, step))
+}
+
+/// The link behind its drive by half the play, on the side from which the joint moves.
+fn take_play(segment: &mut Segment, joint: usize, dof: usize) {
+    let o = &mut segment.observations;
+    let mut side = 0.0;
+    let rows = o.joint_rate.chunks_exact(dof);
+    for (rates, positions) in rows.zip(o.joint_position.chunks_exact_mut(dof)) {
+        // At rest the link stays on the side where it came to rest.
+        if rates[joint] != 0.0 {
+            side = rates[joint].signum();
+        }
+        positions[joint] -= 0.5 * PLAY * side;
+    }
+}

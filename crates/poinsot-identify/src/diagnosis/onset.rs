@@ -1,0 +1,360 @@
+//! What begins within a record: a motion that starts anew, a kick, a jump of the attitude or of the clock.
+//!
+//! Columns of a fault that acts from a time on are those of the same fault from the start with zeros before that time. So one
+//! pass from the end of a segment back gives the score of every time: products of the columns with themselves, with the
+//! residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. A kick changes the
+//! momentum alone; it is the start anew with the momentum that it has there and the pose as it is.
+
+use super::candidates::{Candidate, sensors_read};
+use super::pulse::pulse;
+use super::suspects::Scored;
+use super::table::{SegmentRows, Table};
+use super::types::{FaultKind, Suspect};
+use crate::fit::Fitted;
+use crate::information::Experiment;
+use crate::motion::Column;
+use crate::parameters::{Unknown, UnknownKind};
+use nalgebra::{DMatrix, DVector};
+use poinsot_dynamics::SensorError;
+use poinsot_model::SensorKind;
+use poinsot_solve::BlockQr;
+
+/// Most times that are tried in a segment.
+const TIMES: usize = 160;
+/// Share of a segment at either end where nothing begins.
+const MARGIN: f64 = 0.02;
+/// Share of the largest square below which a combination of columns shows nothing.
+const SHOWN: f64 = 1.0e-8;
+
+/// Something that may begin, and its columns.
+struct Onset {
+    name: &'static str,
+    fault: FaultKind,
+    columns: What,
+}
+
+enum What {
+    /// Combinations of columns: places, each with its factor.
+    Rows(Vec<Vec<usize>>),
+    /// The momentum at that time.
+    Kick,
+}
+
+/// The best time of each thing that may begin; pulses of some duration only where there is a misfit.
+pub(super) fn onsets(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    candidates: &[Candidate],
+    table: &Table,
+    misfit: bool,
+) -> Vec<Scored> {
+    let own = candidates.iter().flat_map(|c| &c.unknowns);
+    let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
+    let mut list = Vec::new();
+    let Some(basis) = Basis::new(experiment, fitted) else {
+        return list;
+    };
+    for (s, rows) in table.segments.iter().enumerate() {
+        let label = &experiment.problem.segments[s].label;
+        let t = &experiment.problem.segments[s].observations.time_s;
+        let clear = basis.clear(fitted, s, rows, experiment);
+        for onset in kinds(experiment, rows, &unknowns) {
+            if let Some((score, at, tried)) = best(&onset, rows, &clear, experiment, s) {
+                let name = format!("{} at {:.1} s of {label}", onset.name, t[at]);
+                list.push(found(name, onset.fault, &score, tried));
+            }
+        }
+        if misfit {
+            list.extend(pulse(experiment, rows, &clear, s));
+        }
+    }
+    list
+}
+
+/// A suspect of some thing that begins, and how many times were tried.
+pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
+    Scored {
+        at: None,
+        suspect: Suspect {
+            name,
+            decrease: score.decrease,
+            explains: 0.0,
+            values: Vec::new(),
+            fault,
+            tied: false,
+        },
+        sigmas: Vec::new(),
+        nominal: Vec::new(),
+        numbers: score.numbers,
+        trials: tried,
+    }
+}
+
+fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> Vec<Onset> {
+    let head = rows.head;
+    let place = |kind: &UnknownKind| {
+        let found = unknowns.iter().position(|u| u.kind == *kind);
+        found.map(|k| head + k)
+    };
+    let of = |sensor: usize, error| place(&UnknownKind::Sensor { sensor, error });
+    let read = sensors_read(experiment.problem);
+    let mut list = vec![
+        Onset {
+            name: "the motion starts anew",
+            fault: FaultKind::JoinedRecord,
+            columns: What::Rows((0..head).map(|k| vec![k]).collect()),
+        },
+        Onset {
+            name: "a kick that no telemetry has (a firing that is missing or in excess)",
+            fault: FaultKind::Firing,
+            columns: What::Kick,
+        },
+    ];
+    let lags: Vec<usize> = read
+        .iter()
+        .filter_map(|(s, _)| of(*s, SensorError::Lag))
+        .collect();
+    if !lags.is_empty() {
+        list.push(Onset {
+            name: "a jump of the clock",
+            fault: FaultKind::ClockJump,
+            columns: What::Rows(vec![lags]),
+        });
+    }
+    let model = experiment.problem.model;
+    for (sensor, _) in read
+        .iter()
+        .filter(|r| model.sensors[r.0].kind == SensorKind::Attitude)
+    {
+        let axes: Option<Vec<Vec<usize>>> = (0..3)
+            .map(|k| of(*sensor, SensorError::Bias(k)).map(|p| vec![p]))
+            .collect();
+        if let Some(axes) = axes {
+            list.push(Onset {
+                name: "a jump of the attitude as read",
+                fault: FaultKind::AttitudeJump,
+                columns: What::Rows(axes),
+            });
+        }
+    }
+    list
+}
+
+/// Triangle of all that was fitted.
+struct Basis {
+    /// Nuisances and identified directions of the mass properties over all unknowns.
+    directions: DMatrix<f64>,
+    shared: DMatrix<f64>,
+    rhs: DVector<f64>,
+}
+
+/// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
+pub(super) struct Clear {
+    pub basis: Vec<DVector<f64>>,
+    pub residual: Vec<f64>,
+}
+
+impl Basis {
+    fn new(experiment: &Experiment, fitted: &Fitted) -> Option<Self> {
+        let parameters = experiment.parameters;
+        let n = parameters.len();
+        let nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
+        let (front, mass): (Vec<usize>, Vec<usize>) = (0..n).partition(nuisance);
+        let spectrum = &fitted.spectrum;
+        let width = front.len() + spectrum.rank;
+        let mut directions = DMatrix::zeros(n, width);
+        for (j, k) in front.iter().enumerate() {
+            directions[(*k, j)] = 1.0;
+        }
+        for j in 0..spectrum.rank {
+            for (k, at) in mass.iter().enumerate() {
+                directions[(*at, front.len() + j)] =
+                    spectrum.natural[k] * spectrum.directions[(k, j)];
+            }
+        }
+        let stacked = experiment.stack(&fitted.at, &fitted.evaluated, true);
+        let r = &stacked.r;
+        let mut qr = BlockQr::new(width + 1);
+        qr.push(r.nrows(), |i, j| match j < width {
+            true => (0..n).map(|k| r[(i, k)] * directions[(k, j)]).sum(),
+            false => r[(i, n)],
+        });
+        let t = qr.finish().r;
+        (t.nrows() >= width).then(|| Self {
+            directions,
+            shared: DMatrix::from_fn(width, width, |i, j| t[(i, j)]),
+            rhs: DVector::from_fn(width, |i, _| t[(i, width)]),
+        })
+    }
+
+    fn clear(
+        &self,
+        fitted: &Fitted,
+        segment: usize,
+        rows: &SegmentRows,
+        experiment: &Experiment,
+    ) -> Clear {
+        let (h, n) = (rows.head, experiment.parameters.len());
+        let triangle = fitted.evaluated[segment].triangle.as_ref();
+        let part = |i: usize, j: usize| triangle.map_or(0.0, |t| t.r[(i, j)]);
+        let own = DMatrix::from_fn(h, h, part);
+        let carried = DMatrix::from_fn(h, n, |i, j| part(i, h + j)) * &self.directions;
+        let rhs = DVector::from_fn(h, |i, _| part(i, h + n));
+        let mut out = Clear {
+            basis: Vec::with_capacity(rows.rows.len()),
+            residual: Vec::with_capacity(rows.rows.len()),
+        };
+        for row in &rows.rows {
+            let head = solved(&own, &row[..h]);
+            let shared = DVector::from_column_slice(&row[h..h + n]);
+            let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&head);
+            let shared = solved(&self.shared, shared.as_slice());
+            let last = row.last().copied().unwrap_or(0.0);
+            out.residual
+                .push(last - head.dot(&rhs) - shared.dot(&self.rhs));
+            let all = head.iter().chain(shared.iter()).copied();
+            out.basis
+                .push(DVector::from_iterator(h + shared.len(), all));
+        }
+        out
+    }
+}
+
+/// `x` with `x R = row`; nothing along what shows nothing.
+fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
+    let n = row.len();
+    let largest = (0..n).fold(0.0_f64, |a, k| a.max(r[(k, k)].abs()));
+    let mut x = DVector::zeros(n);
+    for j in 0..n {
+        let pivot = r[(j, j)];
+        if pivot.abs() > SHOWN * SHOWN * largest {
+            let before: f64 = (0..j).map(|i| x[i] * r[(i, j)]).sum();
+            x[j] = (row[j] - before) / pivot;
+        }
+    }
+    x
+}
+
+pub(super) struct Score {
+    pub decrease: f64,
+    pub numbers: usize,
+    /// Value of each number.
+    pub values: DVector<f64>,
+}
+
+/// The time from which a fault explains most, and how many were tried.
+fn best(
+    onset: &Onset,
+    rows: &SegmentRows,
+    clear: &Clear,
+    experiment: &Experiment,
+    segment: usize,
+) -> Option<(Score, usize, usize)> {
+    let columns: Vec<Vec<usize>> = match &onset.columns {
+        What::Rows(columns) => columns.clone(),
+        What::Kick => (0..rows.head).map(|k| vec![k]).collect(),
+    };
+    let (m, p) = (columns.len(), clear.basis.first()?.len());
+    let times = rows.transitions.len();
+    let stride = times.div_ceil(TIMES).max(1);
+    let margin = (MARGIN * times as f64).ceil() as usize;
+    let mut square = DMatrix::<f64>::zeros(m, m);
+    let mut onto = DMatrix::<f64>::zeros(p, m);
+    let mut toward = DVector::<f64>::zeros(m);
+    let (mut found, mut tried): (Option<(Score, usize)>, usize) = (None, 0);
+    let mut next = rows.of.len();
+    for (place, transition) in rows.transitions.iter().enumerate().rev() {
+        let at = &transition.at;
+        while next > 0 && rows.of[next - 1].1 >= *at {
+            next -= 1;
+            for i in 3 * next..3 * next + 3 {
+                let d = DVector::from_iterator(
+                    m,
+                    columns
+                        .iter()
+                        .map(|c| c.iter().map(|k| rows.rows[i][*k]).sum::<f64>()),
+                );
+                square.ger(1.0, &d, &d, 1.0);
+                onto.ger(1.0, &clear.basis[i], &d, 1.0);
+                toward.axpy(clear.residual[i], &d, 1.0);
+            }
+        }
+        if place % stride != 0 || place < margin || place + margin >= times {
+            continue;
+        }
+        let left = &square - onto.tr_mul(&onto);
+        let score = match onset.columns {
+            What::Rows(_) => explained(&left, &square, &toward),
+            What::Kick => {
+                let Some(kick) = kick(&transition.start, experiment, segment) else {
+                    continue;
+                };
+                let of = |m: &DMatrix<f64>| kick.transpose() * m * &kick;
+                explained(&of(&left), &of(&square), &kick.tr_mul(&toward))
+            }
+        };
+        tried += 1;
+        if found.as_ref().is_none_or(|f| score.decrease > f.0.decrease) {
+            found = Some((score, *at));
+        }
+    }
+    found.map(|(score, at)| (score, at, tried.max(1)))
+}
+
+/// Changes of the start that change the momentum at a time and no pose; one column for each component.
+pub(super) fn kick(
+    start: &[Column],
+    experiment: &Experiment,
+    segment: usize,
+) -> Option<DMatrix<f64>> {
+    let unknown = experiment.unknown[segment];
+    let parts = [
+        unknown.attitude,
+        unknown.position,
+        unknown.linear,
+        unknown.angular,
+    ];
+    let places: Vec<usize> = (0..12).filter(|k| parts[k / 3]).collect();
+    let state = DMatrix::from_fn(places.len(), start.len(), |i, j| start[j][places[i]]);
+    let momenta: Vec<usize> = (0..places.len()).filter(|k| places[*k] >= 6).collect();
+    let mut wanted = DMatrix::zeros(places.len(), momenta.len());
+    for (j, k) in momenta.iter().enumerate() {
+        wanted[(*k, j)] = 1.0;
+    }
+    (!momenta.is_empty() && state.is_square()).then(|| state.lu().solve(&wanted))?
+}
+
+/// `g^T M^-1 g` over what shows, in units of the columns.
+pub(super) fn explained(
+    left: &DMatrix<f64>,
+    square: &DMatrix<f64>,
+    toward: &DVector<f64>,
+) -> Score {
+    let m = toward.len();
+    let unit = |k: usize| match square[(k, k)] {
+        s if s > 0.0 => 1.0 / s.sqrt(),
+        _ => 0.0,
+    };
+    let scaled = DMatrix::from_fn(m, m, |i, j| left[(i, j)] * unit(i) * unit(j));
+    let rhs = DVector::from_fn(m, |k, _| toward[k] * unit(k));
+    let eigen = scaled.symmetric_eigen();
+    let mut score = Score {
+        decrease: 0.0,
+        numbers: 0,
+        values: DVector::zeros(m),
+    };
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > SHOWN {
+            let along = vector.dot(&rhs);
+            score.decrease += along.powi(2) / value;
+            score.numbers += 1;
+            score.values += vector * (along / value);
+        }
+    }
+    (0..m).for_each(|k| score.values[k] *= unit(k));
+    score
+}

@@ -1,0 +1,173 @@
+//! A constant force and torque in the body over a part of a record: a firing that telemetry does not have.
+//!
+//! A kick at one time is a combination of the columns of the start; a pulse is a sum of kicks. With the sums up to every time
+//! at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best are moved.
+
+use super::onset::{Clear, Score, explained, found, kick};
+use super::suspects::Scored;
+use super::table::SegmentRows;
+use super::types::FaultKind;
+use crate::information::Experiment;
+use nalgebra::{DMatrix, DVector};
+use poinsot_spatial::Vector3;
+
+/// Shares of a segment that are tried as durations.
+const DURATIONS: [f64; 5] = [0.25, 0.125, 0.0625, 0.03125, 0.015625];
+/// Cosine between a force and a thruster's direction from which it is that thruster.
+const ALONG: f64 = 0.99;
+
+/// Kicks up to each time, and what is needed to score a part of them.
+struct Pulses<'a> {
+    rows: &'a SegmentRows,
+    clear: &'a Clear,
+    /// Sum of the kicks up to each transition.
+    sums: Vec<DMatrix<f64>>,
+    /// Transition of each measurement.
+    places: Vec<usize>,
+}
+
+/// The best pulse in a segment.
+pub(super) fn pulse(
+    experiment: &Experiment,
+    rows: &SegmentRows,
+    clear: &Clear,
+    segment: usize,
+) -> Option<Scored> {
+    let label = &experiment.problem.segments[segment].label;
+    let t = &experiment.problem.segments[segment].observations.time_s;
+    let pulses = Pulses::new(experiment, rows, clear, (segment, t))?;
+    let last = rows.transitions.len() - 1;
+    let mut best: Option<(Score, usize, usize)> = None;
+    let mut tried = 0;
+    let mut take = |from: usize, to: usize, best: &mut Option<(Score, usize, usize)>| {
+        let score = pulses.score(from, to);
+        tried += 1;
+        if best.as_ref().is_none_or(|b| score.decrease > b.0.decrease) {
+            *best = Some((score, from, to));
+        }
+    };
+    for share in DURATIONS {
+        let length = ((last as f64 * share) as usize).max(1);
+        for from in (0..last.saturating_sub(length)).step_by(length.div_ceil(2)) {
+            take(from, from + length, &mut best);
+        }
+    }
+    let (_, from, to) = best.as_ref()?;
+    let mut step = (to - from).div_ceil(2);
+    while step > 0 {
+        let (_, from, to) = best.as_ref()?;
+        let (from, to) = (*from, *to);
+        let ends = [
+            (from.saturating_sub(step), to),
+            (from + step, to),
+            (from, to.saturating_sub(step)),
+            (from, (to + step).min(last)),
+        ];
+        let before = best.as_ref().map_or(0.0, |b| b.0.decrease);
+        for (from, to) in ends.into_iter().filter(|(a, b)| a < b) {
+            take(from, to, &mut best);
+        }
+        if best.as_ref().is_some_and(|b| b.0.decrease <= before) {
+            step /= 2;
+        }
+    }
+    let (score, from, to) = best?;
+    let at = |k: usize| t[rows.transitions[k].at];
+    let who = match thruster(experiment, &score, segment) {
+        Some(name) => {
+            format!("a firing of {name} that telemetry does not have or that did not happen")
+        }
+        None => "a force or torque that telemetry does not have or that did not act".to_owned(),
+    };
+    let name = format!("{who}, {:.1} to {:.1} s of {label},", at(from), at(to));
+    Some(found(name, FaultKind::Firing, &score, tried))
+}
+
+/// The thruster along which the force of a pulse acts.
+fn thruster<'a>(experiment: &'a Experiment, score: &Score, segment: usize) -> Option<&'a str> {
+    if !experiment.unknown[segment].linear {
+        return None;
+    }
+    let force = Vector3::from_row_slice(score.values.as_slice().get(..3)?);
+    let cosine = |k: usize| {
+        let t = &experiment.thrusters[k];
+        (force.dot(&t.direction_B) / (force.norm() * t.direction_B.norm())).abs()
+    };
+    let mut along = (0..experiment.thrusters.len()).filter(|k| cosine(*k) > ALONG);
+    let first = along.next()?;
+    // Two along one line cannot be told apart by their force.
+    along
+        .next()
+        .is_none()
+        .then(|| experiment.thrusters[first].name.as_str())
+}
+
+impl<'a> Pulses<'a> {
+    fn new(
+        experiment: &Experiment,
+        rows: &'a SegmentRows,
+        clear: &'a Clear,
+        (segment, t): (usize, &[f64]),
+    ) -> Option<Self> {
+        let mut sums = Vec::with_capacity(rows.transitions.len());
+        let mut sum: Option<DMatrix<f64>> = None;
+        let mut before = None;
+        for transition in &rows.transitions {
+            let one = kick(&transition.start, experiment, segment)?;
+            // Forces and torques along the axes of the body.
+            let R = transition.R_NB.to_rotation_matrix();
+            let turned = DMatrix::from_fn(one.nrows(), one.ncols(), |i, j| {
+                (0..3)
+                    .map(|k| one[(i, j / 3 * 3 + k)] * R[(k, j % 3)])
+                    .sum()
+            });
+            let step = before.map_or(0.0, |b: usize| t[transition.at] - t[b]);
+            before = Some(transition.at);
+            let next = match sum {
+                Some(sum) => sum + &turned * step,
+                None => DMatrix::zeros(one.nrows(), one.ncols()),
+            };
+            sums.push(next.clone());
+            sum = Some(next);
+        }
+        let mut place = 0;
+        let places = rows.of.iter().map(|(_, at)| {
+            while rows.transitions.get(place + 1).is_some_and(|t| t.at <= *at) {
+                place += 1;
+            }
+            place
+        });
+        let places: Vec<usize> = places.collect();
+        (sums.len() > 1).then_some(Self {
+            rows,
+            clear,
+            sums,
+            places,
+        })
+    }
+
+    /// Score of a pulse between two transitions.
+    fn score(&self, from: usize, to: usize) -> Score {
+        let (h, m) = self.sums[0].shape();
+        let p = self.clear.basis.first().map_or(0, DVector::len);
+        let mut square = DMatrix::<f64>::zeros(m, m);
+        let mut onto = DMatrix::<f64>::zeros(p, m);
+        let mut toward = DVector::<f64>::zeros(m);
+        let whole = &self.sums[to] - &self.sums[from];
+        let begin = self.places.partition_point(|place| *place <= from);
+        for measurement in begin..self.places.len() {
+            let place = self.places[measurement];
+            let part = (place < to).then(|| &self.sums[place] - &self.sums[from]);
+            let part = part.as_ref().unwrap_or(&whole);
+            for i in 3 * measurement..3 * measurement + 3 {
+                let head = DVector::from_column_slice(&self.rows.rows[i][..h]);
+                let d = part.tr_mul(&head);
+                square.ger(1.0, &d, &d, 1.0);
+                onto.ger(1.0, &self.clear.basis[i], &d, 1.0);
+                toward.axpy(self.clear.residual[i], &d, 1.0);
+            }
+        }
+        let left = &square - onto.tr_mul(&onto);
+        explained(&left, &square, &toward)
+    }
+}

@@ -1,0 +1,227 @@
+//! Faults of the scatter: noise larger than declared, single bad samples, times that scatter, rounding.
+//!
+//! Each is a law of the variance of one sensor's whitened residual. The fall of `-2 ln L` is that of its best value, on the
+//! same scale as the fall of chi-square that a fault of the mean brings.
+
+use super::EXCESS;
+use super::candidates::{Candidate, sensors_read};
+use super::channels::whiteness;
+use super::suspects::Scored;
+use super::table::Table;
+use super::types::{COLOURED, ChannelDiagnosis, FaultKind, Suspect};
+use crate::fit::Fitted;
+use crate::information::Experiment;
+use crate::parameters::{Unknown, UnknownKind};
+use crate::segment::{SensorRecord, SensorValue};
+use poinsot_dynamics::SensorError;
+use poinsot_spatial::Vector3;
+
+/// Shares of outliers worth a word: where most samples are off, it is not the samples that are wrong.
+const OUTLIERS: [f64; 2] = [1.0e-3, 0.2];
+/// A median scatters so many times as much as a mean.
+const MEDIAN: f64 = 1.5;
+/// Share of the excess of a sensor's variance that rounding must make up to be its cause.
+const ROUNDING: f64 = 0.5;
+/// Part of a step by which a rounded value may lie off its multiple.
+const OFF_STEP: f64 = 1.0e-3;
+/// Values of the variance that are tried, per decade, and decades about the one that doubles the noise.
+const TRIED: (i32, i32) = (8, 4);
+
+/// Every law of the scatter of every sensor.
+pub(super) fn spreads(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    channels: &[ChannelDiagnosis],
+    (candidates, table): (&[Candidate], Option<&Table>),
+    misfit: bool,
+) -> Vec<Scored> {
+    let mut list = Vec::new();
+    for channel in channels {
+        list.extend(outliers(fitted, channel));
+        if misfit {
+            list.extend(noise(experiment, channel));
+        }
+    }
+    if let Some(table) = table {
+        list.extend(jitters(experiment, candidates, table));
+    }
+    list
+}
+
+fn scored(
+    name: String,
+    fault: FaultKind,
+    (decrease, numbers): (f64, usize),
+    values: Vec<(String, f64, &'static str)>,
+) -> Scored {
+    Scored {
+        at: None,
+        suspect: Suspect {
+            name,
+            decrease,
+            explains: 0.0,
+            values,
+            fault,
+            tied: false,
+        },
+        sigmas: Vec::new(),
+        nominal: Vec::new(),
+        numbers,
+        trials: 1,
+    }
+}
+
+/// A few samples with another, larger scatter.
+fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
+    let [least, most] = OUTLIERS;
+    let share = channel.outlier_share();
+    if share <= least || share > most || channel.outliers < 2 {
+        return None;
+    }
+    let residuals = fitted.evaluated.iter().flat_map(|e| &e.channels);
+    let own = residuals.filter(|c| c.name == channel.name);
+    let limit = super::channels::OUTLIER * channel.typical_chi2_per_number.max(1.0);
+    let squares = own.flat_map(|c| &c.white).map(|w| w.norm_squared());
+    let bad: f64 = squares.filter(|s| *s > limit).sum();
+    let (count, all) = (channel.outliers as f64, channel.readings as f64);
+    let larger = (bad / (3.0 * count)).max(1.0);
+    let decrease = bad * (1.0 - 1.0 / larger) - count * (3.0 * larger.ln() - 2.0 * share.ln())
+        + 2.0 * (all - count) * (1.0 - share).ln();
+    let name = format!(
+        "outliers, {} of {} samples of the {} ({:.1} %) beyond one in a million,",
+        channel.outliers,
+        channel.readings,
+        channel.name,
+        100.0 * share
+    );
+    Some(scored(name, FaultKind::Outliers, (decrease, 2), Vec::new()))
+}
+
+/// Noise larger than declared, or the rounding that makes it so.
+fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> {
+    let numbers = 3.0 * channel.readings.max(1) as f64;
+    let ratio = channel.typical_chi2_per_number;
+    if ratio <= 1.0 + MEDIAN * EXCESS * (2.0 / numbers).sqrt() {
+        return None;
+    }
+    let mean = channel.chi2_per_number.max(1.0);
+    let decrease = numbers * (mean - 1.0 - mean.ln());
+    let rounded = experiment
+        .problem
+        .segments
+        .iter()
+        .flat_map(|s| &s.observations.sensors)
+        .filter(|r| r.name == channel.name)
+        .find_map(|r| Some((step(r)?, r.covariance.trace() / 3.0)));
+    if let Some((step, variance)) = rounded
+        && step * step / 12.0 > ROUNDING * (mean - 1.0) * variance
+    {
+        let name = format!("rounding of the {}", channel.name);
+        let values = vec![(format!("{}.step", channel.name), step, "")];
+        return Some(scored(name, FaultKind::Quantisation, (decrease, 1), values));
+    }
+    channel.is_white().then(|| {
+        let factor = ratio.sqrt();
+        let name = format!(
+            "noise of the {} {factor:.2} times as large as declared",
+            channel.name
+        );
+        let values = vec![(format!("{}.noise_factor", channel.name), factor, "1")];
+        scored(name, FaultKind::NoiseUnderstated, (decrease, 1), values)
+    })
+}
+
+/// The step of which all values of a sensor are multiples, where it is not far below its noise.
+fn step(record: &SensorRecord) -> Option<f64> {
+    let of_axis = |axis: usize| {
+        let values = record.samples.iter().filter_map(|s| match s.value {
+            SensorValue::Vector(v) => Some(v[axis]),
+            SensorValue::Attitude(_) => None,
+        });
+        let mut values: Vec<f64> = values.collect();
+        values.sort_by(f64::total_cmp);
+        let gaps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+        let floor = OFF_STEP * record.covariance[(axis, axis)].sqrt();
+        let step = gaps
+            .iter()
+            .copied()
+            .filter(|g| *g > floor)
+            .fold(f64::INFINITY, f64::min);
+        let whole = |g: &f64| (g / step - (g / step).round()).abs() < OFF_STEP * (1.0 + g / step);
+        (step.is_finite() && gaps.iter().all(whole)).then_some(step)
+    };
+    (0..3)
+        .map(of_axis)
+        .try_fold(0.0_f64, |most, step| Some(most.max(step?)))
+}
+
+/// Times that scatter, by sensor: the residual is larger where the reading changes fast.
+fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> Vec<Scored> {
+    let own = candidates.iter().flat_map(|c| &c.unknowns);
+    let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
+    let mut list = Vec::new();
+    for (sensor, name) in sensors_read(experiment.problem) {
+        let lag = UnknownKind::Sensor {
+            sensor,
+            error: SensorError::Lag,
+        };
+        let Some(place) = unknowns.iter().position(|u| u.kind == lag) else {
+            continue;
+        };
+        // Residuals beside their changes with time.
+        let mut pairs: Vec<(Vector3, Vector3)> = Vec::new();
+        for rows in &table.segments {
+            let Some(index) = rows.names.iter().position(|n| *n == name) else {
+                continue;
+            };
+            let measured = rows.of.iter().enumerate().filter(|(_, of)| of.0 == index);
+            pairs.extend(measured.map(|(m, _)| {
+                let three = |k: usize| Vector3::from_fn(|i, _| rows.rows[3 * m + i][k]);
+                let residual = three(rows.rows[3 * m].len() - 1);
+                (residual, three(rows.head + place))
+            }));
+        }
+        if let Some((decrease, sigma)) = scatter(&pairs) {
+            let what = format!("scatter of the times of the {}", name.replace('_', " "));
+            let values = vec![(format!("{name}.jitter"), sigma, "s")];
+            list.push(scored(what, FaultKind::TimeJitter, (decrease, 1), values));
+        }
+    }
+    list
+}
+
+/// The fall of `-2 ln L` with the best sigma of the times, and that sigma; `None` where the residual is not white with it.
+fn scatter(pairs: &[(Vector3, Vector3)]) -> Option<(f64, f64)> {
+    let squares = pairs.iter().map(|p| p.1.norm_squared());
+    let mean = squares.sum::<f64>() / pairs.len().max(1) as f64;
+    let along = |(residual, slope): &(Vector3, Vector3)| {
+        let square = slope.norm_squared();
+        let part = if square > 0.0 {
+            residual.dot(slope).powi(2) / square
+        } else {
+            0.0
+        };
+        (part, square)
+    };
+    let along: Vec<(f64, f64)> = pairs.iter().map(along).collect();
+    let (per_decade, decades) = TRIED;
+    let tried = -per_decade * decades..=per_decade * decades;
+    let fall = |variance: f64| -> f64 {
+        let one = |(square, slope): &(f64, f64)| {
+            let more = variance * slope;
+            square * more / (1.0 + more) - more.ln_1p()
+        };
+        along.iter().map(one).sum()
+    };
+    let variances = tried.map(|k| 10.0_f64.powf(f64::from(k) / f64::from(per_decade)) / mean);
+    let all = variances.map(|v| (fall(v), v));
+    let (best, variance) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let scaled = |(residual, slope): &(Vector3, Vector3)| {
+        let square = slope.norm_squared().max(f64::MIN_POSITIVE);
+        let shrunk = 1.0 - 1.0 / (1.0 + variance * square).sqrt();
+        residual - slope * (residual.dot(slope) / square * shrunk)
+    };
+    let scaled: Vec<Vector3> = pairs.iter().map(scaled).collect();
+    let white = whiteness(&scaled).is_none_or(|p| p > COLOURED);
+    (best > 0.0 && white).then_some((best, variance.sqrt()))
+}

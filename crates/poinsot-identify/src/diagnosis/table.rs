@@ -1,0 +1,231 @@
+//! Every whitened row of the fit with the columns of all candidates beside its own.
+//!
+//! A row is `[start of the segment | fitted unknowns | candidates | residual]`. A record too long to be held keeps the
+//! triangle of the candidates that have slopes of their own; the others are not tried there.
+
+use super::candidates::{Candidate, Columns};
+use super::changes::{Change, Difference, differences};
+use super::projected::Projected;
+use crate::fit::Fitted;
+use crate::information::{Experiment, Point};
+use crate::likelihood::{Evaluated, Transition};
+use crate::parameters::{Unknown, UnknownKind};
+use poinsot_dynamics::SensorError;
+use poinsot_solve::{BlockQr, Triangle};
+
+/// Most numbers that the rows may hold: 64 MiB.
+const NUMBERS: usize = 8_000_000;
+
+/// The rows of one segment.
+#[derive(Default)]
+pub(super) struct SegmentRows {
+    /// Columns of the start.
+    pub head: usize,
+    /// Per measurement: index of the sensor among those compared, and grid time.
+    pub of: Vec<(usize, usize)>,
+    /// Three for each measurement.
+    pub rows: Vec<Vec<f64>>,
+    /// How the state at grid times moves with the start.
+    pub transitions: Vec<Transition>,
+    pub names: Vec<String>,
+}
+
+/// The experiment at the answer with the columns of all candidates.
+pub(super) struct Table {
+    /// Numbers of the candidates that have columns.
+    unknowns: Vec<Unknown>,
+    evaluated: Vec<Evaluated>,
+    heads: Vec<usize>,
+    /// Columns of the fit.
+    pub base: usize,
+    /// Empty where the record is too long.
+    pub segments: Vec<SegmentRows>,
+    stacked: Triangle,
+}
+
+impl Table {
+    /// Leaves in `candidates` those that have columns.
+    pub fn new(
+        experiment: &Experiment,
+        fitted: &Fitted,
+        candidates: &mut Vec<Candidate>,
+    ) -> Option<Self> {
+        let base = experiment.parameters.len();
+        let slopes = |c: &Candidate| matches!(c.columns, Columns::Slopes);
+        let own: Vec<Unknown> = candidates
+            .iter()
+            .filter(|c| slopes(c))
+            .flat_map(|c| c.unknowns.clone())
+            .collect();
+        let all: usize = candidates.iter().map(|c| c.unknowns.len()).sum();
+        let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+        let held = rows * (base + all) < NUMBERS;
+        if !held {
+            candidates.retain(slopes);
+        }
+        let mut extended = experiment.parameters.clone();
+        extended.unknowns.extend(own.iter().cloned());
+        let mut wide = experiment.with_parameters(&extended);
+        wide.keep_rows = held;
+        let mut x = fitted.at.x.clone();
+        x.extend(own.iter().map(|u| u.nominal));
+        let at = Point {
+            x,
+            heads: fitted.at.heads.clone(),
+        };
+        let mut evaluated = wide.evaluate(&at, true)?;
+        let mut table = Self {
+            base,
+            heads: experiment.unknown.iter().map(|u| u.count()).collect(),
+            segments: Vec::new(),
+            unknowns: candidates.iter().flat_map(|c| c.unknowns.clone()).collect(),
+            stacked: wide.stack(&at, &evaluated, true),
+            evaluated: Vec::new(),
+        };
+        if held {
+            table.hold(experiment, &mut evaluated);
+            let kinds: Vec<UnknownKind> =
+                extended.unknowns.iter().map(|u| u.kind.clone()).collect();
+            let changes: Vec<Change> = candidates.iter().flat_map(changes_of).collect();
+            let made = differences(experiment, &fitted.at, &changes)?;
+            table.derive(experiment, candidates, &kinds, &made);
+            table.stacked = table.stack(experiment, &fitted.at, None);
+        }
+        table.evaluated = evaluated;
+        Some(table)
+    }
+
+    /// Takes the kept rows over.
+    fn hold(&mut self, experiment: &Experiment, evaluated: &mut [Evaluated]) {
+        for (one, unknown) in evaluated.iter_mut().zip(&experiment.unknown) {
+            let kept = std::mem::take(&mut one.kept);
+            let names: Vec<String> = one.channels.iter().map(|c| c.name.clone()).collect();
+            let mut own = SegmentRows {
+                head: unknown.count(),
+                transitions: kept.transitions,
+                ..SegmentRows::default()
+            };
+            for row in kept.rows {
+                let sensor = names.iter().position(|n| Some(n) == row.channel.as_ref());
+                own.of.push((sensor.unwrap_or(usize::MAX), row.at));
+                own.rows.extend(row.rows);
+            }
+            own.names = names;
+            self.segments.push(own);
+        }
+    }
+
+    /// Puts the columns that are made of others, or of differences, between the candidates and the residual.
+    fn derive(
+        &mut self,
+        experiment: &Experiment,
+        candidates: &[Candidate],
+        kinds: &[UnknownKind],
+        made: &[Difference],
+    ) {
+        for (s, own) in self.segments.iter_mut().enumerate() {
+            let t = &experiment.problem.segments[s].observations.time_s;
+            let mut next = vec![0; own.names.len()];
+            for (m, (sensor, at)) in own.of.iter().enumerate() {
+                let sample = next.get(*sensor).copied().unwrap_or(0);
+                if let Some(next) = next.get_mut(*sensor) {
+                    *next += 1;
+                }
+                for axis in 0..3 {
+                    let row = &mut own.rows[3 * m + axis];
+                    let residual = row.pop().unwrap_or(0.0);
+                    let mut change = made.iter();
+                    for candidate in candidates {
+                        match &candidate.columns {
+                            Columns::Slopes => {}
+                            Columns::Changes(list) => row.extend(list.iter().map(|_| {
+                                let slope = change
+                                    .next()
+                                    .and_then(|d| d.get(s)?.get(*sensor)?.get(sample));
+                                slope.map_or(0.0, |v| v[axis])
+                            })),
+                            Columns::Ramp { sensor } => {
+                                let bias = |k: usize| UnknownKind::Sensor {
+                                    sensor: *sensor,
+                                    error: SensorError::Bias(k),
+                                };
+                                let place =
+                                    |k: usize| kinds.iter().position(|kind| *kind == bias(k));
+                                let value = |k: usize| place(k).map_or(0.0, |p| row[own.head + p]);
+                                let drift: [f64; 3] = std::array::from_fn(value);
+                                row.extend(drift.map(|d| d * (t[*at] - t[0])));
+                            }
+                        }
+                    }
+                    row.push(residual);
+                }
+            }
+        }
+    }
+
+    /// Triangle of the shared unknowns and the candidates; with a segment given they act in that segment alone.
+    fn stack(&self, experiment: &Experiment, at: &Point, only: Option<usize>) -> Triangle {
+        let (base, all) = (self.base, self.unknowns.len());
+        let mut stacked = BlockQr::new(base + all + 1);
+        for (s, own) in self.segments.iter().enumerate() {
+            let mut qr = BlockQr::new(own.head + base + all + 1);
+            let candidate = own.head + base..own.head + base + all;
+            qr.push(own.rows.len(), |i, j| {
+                match candidate.contains(&j) && only.is_some_and(|only| only != s) {
+                    true => 0.0,
+                    false => own.rows[i][j],
+                }
+            });
+            let r = qr.finish().r;
+            let h = own.head;
+            stacked.push(r.nrows().saturating_sub(h), |i, j| r[(h + i, h + j)]);
+        }
+        for row in experiment.prior_rows(at, true) {
+            stacked.push(1, |_, j| match j {
+                j if j < base => row.gradient.get(j).copied().unwrap_or(0.0),
+                j if j < base + all => 0.0,
+                _ => row.residual,
+            });
+        }
+        stacked.finish()
+    }
+
+    /// Candidates clear of the fit; with a segment given they act in that segment alone.
+    pub fn projected(
+        &self,
+        experiment: &Experiment,
+        fitted: &Fitted,
+        segment: Option<usize>,
+    ) -> Projected {
+        let of = |stacked: &Triangle| {
+            Projected::new(stacked, experiment.parameters, &self.unknowns, fitted)
+        };
+        let Some(only) = segment else {
+            return of(&self.stacked);
+        };
+        if !self.segments.is_empty() {
+            return of(&self.stack(experiment, &fitted.at, Some(only)));
+        }
+        let width = self.base + self.unknowns.len();
+        let mut stacked = BlockQr::new(width + 1);
+        for (s, one) in self.evaluated.iter().enumerate() {
+            if let Some(triangle) = &one.triangle {
+                let h = self.heads[s];
+                stacked.push(triangle.r.nrows().saturating_sub(h), |i, j| {
+                    match (self.base..width).contains(&j) && s != only {
+                        true => 0.0,
+                        false => triangle.r[(h + i, h + j)],
+                    }
+                });
+            }
+        }
+        of(&stacked.finish())
+    }
+}
+
+fn changes_of(candidate: &Candidate) -> Vec<Change> {
+    match &candidate.columns {
+        Columns::Changes(list) => list.clone(),
+        _ => Vec::new(),
+    }
+}

@@ -1,0 +1,192 @@
+//! What change would resolve an unobservable direction: tried, not guessed.
+//!
+//! To what the experiment determines already comes one record more, with a motion, a thrust, a momentum or a sensor that
+//! it does not have, or one number that is given. The information of both together is decomposed again, and a
+//! direction counts as resolved where it lies in what is then identified. Nothing is simulated: information needs
+//! the predicted motion and the noise, and no samples. Where no change alone resolves a direction, pairs are tried.
+
+mod ground;
+mod records;
+
+use crate::estimate::OpenCombination;
+use crate::problem::Problem;
+use crate::solved::Solved;
+use ground::Ground;
+use poinsot_solve::Spectrum;
+
+/// Share of a direction's square that must be identified for it to count as resolved.
+const CLOSED: f64 = 0.99;
+/// Share of a direction's square below which a change shows nothing of it.
+const NOTHING: f64 = 0.05;
+/// Changes of which pairs are tried for a direction.
+const PAIRED: usize = 8;
+
+/// A row of information: over all unknowns in the order of the parameters.
+type Row = Vec<f64>;
+
+/// What a change takes, the least first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Effort {
+    /// A manoeuvre with what the vehicle has.
+    Manoeuvre,
+    /// Something that the vehicle does not have.
+    Equipment,
+    /// A number from elsewhere.
+    Number,
+}
+
+/// One change.
+struct Change {
+    text: String,
+    effort: Effort,
+    rows: Vec<Row>,
+}
+
+/// What a change does.
+struct Effect {
+    text: String,
+    effort: Effort,
+    /// Per open direction: the share identified, and the one sigma of what is, natural units.
+    seen: Vec<(f64, f64)>,
+}
+
+impl Effect {
+    fn of(ground: &Ground, changes: &[&Change], directions: &[Vec<f64>]) -> Option<Self> {
+        let rows: Vec<&Row> = changes.iter().flat_map(|c| &c.rows).collect();
+        let spectrum = ground.spectrum(&rows)?;
+        let texts: Vec<&str> = changes.iter().map(|c| c.text.as_str()).collect();
+        Some(Self {
+            seen: directions.iter().map(|z| seen(&spectrum, z)).collect(),
+            text: texts.join(", and "),
+            effort: changes.iter().map(|c| c.effort).max()?,
+        })
+    }
+
+    fn closed(&self) -> usize {
+        self.seen
+            .iter()
+            .filter(|(share, _)| *share > CLOSED)
+            .count()
+    }
+
+    /// The action with its gain for one direction.
+    fn words(&self, k: usize) -> String {
+        format!(
+            "{} (then sigma {} of nominal; closes {} of {})",
+            self.text,
+            percent(self.seen[k].1),
+            self.closed(),
+            self.seen.len()
+        )
+    }
+}
+
+/// Puts what was tried in the place of each remedy. Open directions keep theirs where nothing can be tried: the
+/// answer was withheld, or priors hold what the data leave open.
+pub(crate) fn try_changes(problem: &Problem, solved: &Solved, open: &mut [OpenCombination]) {
+    let can = matches!(solved.method, "maximum_likelihood" | "cramer_rao")
+        && solved.data_alone.is_none()
+        && solved.settled
+        && !open.is_empty();
+    let Some(tried) = can.then(|| Tried::new(problem, solved, open)).flatten() else {
+        return;
+    };
+    for (k, direction) in open.iter_mut().enumerate() {
+        if let Some(text) = tried.sentence(k) {
+            direction.remedy = text;
+        }
+    }
+}
+
+/// Every change with what it does.
+struct Tried<'a> {
+    ground: Ground<'a>,
+    directions: Vec<Vec<f64>>,
+    changes: Vec<(Change, Effect)>,
+}
+
+impl<'a> Tried<'a> {
+    fn new(problem: &'a Problem<'a>, solved: &Solved, open: &[OpenCombination]) -> Option<Self> {
+        let ground = Ground::new(problem, solved)?;
+        let directions: Vec<Vec<f64>> = open.iter().map(|o| ground.direction(o)).collect();
+        let changes: Vec<(Change, Effect)> = ground
+            .changes()
+            .into_iter()
+            .filter_map(|change| {
+                let effect = Effect::of(&ground, &[&change], &directions)?;
+                Some((change, effect))
+            })
+            .collect();
+        (!changes.is_empty()).then_some(Self {
+            ground,
+            directions,
+            changes,
+        })
+    }
+
+    /// The best change for one direction in words; the best pair where none helps alone.
+    fn sentence(&self, k: usize) -> Option<String> {
+        let effects = || self.changes.iter().map(|c| &c.1);
+        if let Some(best) = best(effects(), k) {
+            return Some(best.words(k));
+        }
+        let mut most: Vec<&(Change, Effect)> = self.changes.iter().collect();
+        most.sort_by(|a, b| b.1.seen[k].0.total_cmp(&a.1.seen[k].0));
+        most.truncate(PAIRED);
+        let first = most.first()?;
+        let pairs = most.iter().enumerate().flat_map(|(i, a)| {
+            let others = most[i + 1..].iter();
+            others.map(move |b| [&a.0, &b.0])
+        });
+        let pairs: Vec<Effect> = pairs
+            .filter_map(|pair| Effect::of(&self.ground, &pair, &self.directions))
+            .collect();
+        if let Some(best) = best(pairs.iter(), k) {
+            return Some(format!("only together: {}", best.words(k)));
+        }
+        let count = self.changes.len();
+        Some(match first.1.seen[k].0 > NOTHING {
+            true => format!(
+                "none of {count} changes and {} pairs closes it; most shows: {} ({:.0} % of it)",
+                pairs.len(),
+                first.1.text,
+                100.0 * first.1.seen[k].0
+            ),
+            false => format!(
+                "none of {count} changes and {} pairs closes it",
+                pairs.len()
+            ),
+        })
+    }
+}
+
+/// What resolves a direction with the least effort; of equal ones what resolves most, then the most accurate.
+fn best<'e>(effects: impl Iterator<Item = &'e Effect>, k: usize) -> Option<&'e Effect> {
+    let closing = effects.filter(|e| e.seen[k].0 > CLOSED);
+    closing.min_by(|a, b| {
+        (a.effort, b.closed())
+            .cmp(&(b.effort, a.closed()))
+            .then(a.seen[k].1.total_cmp(&b.seen[k].1))
+    })
+}
+
+fn percent(sigma: f64) -> String {
+    let p = 100.0 * sigma;
+    let decimals = (1.0 - p.abs().max(1.0e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{p:.decimals$} %")
+}
+
+/// Share of a direction, by squares, that a spectrum identifies, and the one sigma of that part.
+fn seen(spectrum: &Spectrum, z: &[f64]) -> (f64, f64) {
+    let (mut share, mut variance) = (0.0, 0.0);
+    for k in 0..spectrum.rank {
+        let along: f64 = z
+            .iter()
+            .enumerate()
+            .map(|(i, x)| x * spectrum.directions[(i, k)])
+            .sum();
+        share += along * along;
+        variance += (along / spectrum.singular[k]).powi(2);
+    }
+    (share, variance.sqrt())
+}

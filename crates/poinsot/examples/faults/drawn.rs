@@ -1,0 +1,612 @@
+//! Faults of drawn size on three vehicles: is each noticed, and named rightly?
+//!
+//! The smallest size that shows at five sigma is that at which a fit to samples without noise leaves a chi-square of 25: the
+//! square of what the fault does to the predictions clear of all that is fitted. A trial draws its size between once and ten
+//! times that.
+
+use super::planted::{Said, diagnosed};
+use nalgebra::{Quaternion, UnitQuaternion};
+use poinsot::Error;
+use poinsot::bind::bind;
+use poinsot::case::{parse_case, read_case};
+use poinsot::trials::Study;
+use poinsot_dynamics::Tree;
+use poinsot_identify::{FaultKind, Problem, maximum_likelihood};
+use poinsot_model::{Model, Orbit, read_model};
+use poinsot_spatial::Vector3;
+use poinsot_telemetry::Table;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Chi-square at which a fault shows at five sigma.
+const NOTICEABLE: f64 = 25.0;
+/// Largest size, in the smallest that shows.
+const LARGEST: f64 = 10.0;
+/// Gravitational parameter of the Earth, m3/s2.
+const EARTH: f64 = 3.986_004_418e14;
+
+/// What is planted in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Craft {
+    /// One rigid body with three wheels and thrusters, 80 s.
+    Satellite,
+    /// A base with a two-link arm and three wheels, 80 s.
+    Arm,
+    /// Four wheels in a pyramid, 900 s.
+    LowOrbit,
+}
+
+impl Craft {
+    pub const ALL: [Self; 3] = [Self::Satellite, Self::Arm, Self::LowOrbit];
+
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Satellite => "satellite",
+            Self::Arm => "two-link arm",
+            Self::LowOrbit => "low orbit",
+        }
+    }
+
+    fn path(self) -> PathBuf {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        match self {
+            Self::Satellite => root.join("../../examples/cases/faults.toml"),
+            Self::Arm => root.join("examples/faults/cases/two_link_arm.toml"),
+            Self::LowOrbit => root.join("examples/faults/cases/low_orbit.toml"),
+        }
+    }
+
+    /// The experiment where the true vehicle is changed, and begins as `from` is replaced by `to` in the case.
+    fn study(
+        self,
+        change: impl Fn(&mut Model),
+        replace: Option<(&str, &str)>,
+    ) -> Result<Study, Error> {
+        let path = self.path();
+        let mut case = read_case(&path).map_err(poinsot::simulate::SimulateError::from)?;
+        if let Some((from, to)) = replace {
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            case = parse_case(&path, text.replace(from, to))
+                .map_err(poinsot::simulate::SimulateError::from)?;
+        }
+        if self == Self::Satellite {
+            case.rate_hz = RATE_HZ;
+        }
+        let nominal = read_model(&case.model)?;
+        let mut truth = nominal.clone();
+        change(&mut truth);
+        let mut model = nominal;
+        for body in model.bodies.iter_mut().filter(|b| b.estimate.any()) {
+            body.nominal.I_BBcm_B *= 0.93;
+            if body.estimate.mass {
+                body.nominal.mass *= 1.05;
+                body.nominal.p_BoBcm_B += Vector3::new(0.01, -0.01, 0.015);
+            }
+        }
+        Study::of_case(&case, &truth, model)
+    }
+}
+
+/// Rate of the satellite's record, 1/s.
+const RATE_HZ: f64 = 10.0;
+
+/// How a fault gets into the record.
+#[derive(Clone, Copy)]
+pub enum Way {
+    /// Into the true vehicle.
+    Vehicle(fn(&mut Model, f64)),
+    /// Into what sensors would read without noise.
+    Exact(fn(&mut Table, f64)),
+    /// Into what they read.
+    Read(fn(&mut Table, f64, &mut ChaCha8Rng)),
+    /// The second half is that of a motion that began otherwise.
+    Joined,
+    /// A wheel that stores momentum.
+    Stored,
+}
+
+/// A fault on one vehicle.
+pub struct Fault {
+    pub words: &'static str,
+    pub craft: Craft,
+    /// What it may be called; nothing where no alarm is wanted.
+    pub names: &'static [FaultKind],
+    /// What the sentence must contain.
+    pub culprit: &'static str,
+    /// A size at which it is small, with its unit; drawn unless `fixed`.
+    pub size: (f64, &'static str),
+    pub fixed: bool,
+    pub way: Way,
+}
+
+/// What came of the trials of one fault.
+pub struct Tally {
+    /// The smallest size that shows at five sigma.
+    pub noticeable: f64,
+    pub trials: u64,
+    pub noticed: usize,
+    /// Named rightly, alone or beside what the data cannot tell from it; and alone.
+    pub named: usize,
+    pub alone: usize,
+    /// Something else was named.
+    pub wrong: usize,
+    /// The same of sizes from twice the smallest.
+    pub large: (usize, usize),
+    pub firsts: BTreeMap<String, usize>,
+    /// Longest and mean processor time of a fit with its diagnosis, s; exact with one thread.
+    pub seconds: (f64, f64),
+}
+
+/// Processor time of this thread, s; zero where the system does not say.
+fn processor_s() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds = text.split(' ').next().and_then(|n| n.parse::<f64>().ok());
+    nanoseconds.unwrap_or(0.0) * 1.0e-9
+}
+
+/// Processor time of a fit without its diagnosis, and with it, s.
+pub fn times(craft: Craft) -> Result<[f64; 2], Error> {
+    let study = craft.study(|_| {}, None)?;
+    let (tables, biases) = study.draw(0);
+    let truth = study.true_numbers(&biases);
+    let timed = |diagnose: bool| -> Result<f64, Error> {
+        let start = processor_s();
+        study.answer(&tables, &truth, &study.question, diagnose)?;
+        Ok(processor_s() - start)
+    };
+    Ok([timed(false)?, timed(true)?])
+}
+
+/// Trials of one fault, in parallel.
+pub fn tally(fault: &Fault, trials: u64) -> Result<Tally, Error> {
+    let noticeable = noticeable(fault)?;
+    let clean = study_at(fault, 0.0)?;
+    let run = |trial: u64| -> Result<(f64, Vec<Said>, f64), Error> {
+        let mut rng = ChaCha8Rng::seed_from_u64(0x000d_4a31);
+        rng.set_stream(trial);
+        let factor = LARGEST.powf(rng.random::<f64>());
+        let size = match fault.fixed || !noticeable.is_finite() {
+            true => fault.size.0,
+            false => noticeable * factor,
+        };
+        let study = match fault.way {
+            Way::Read(_) => clean.clone(),
+            _ => study_at(fault, size)?,
+        };
+        let (mut tables, _) = study.draw(trial);
+        if let Way::Read(plant) = fault.way {
+            tables.iter_mut().for_each(|t| plant(t, size, &mut rng));
+        }
+        let start = processor_s();
+        let said = diagnosed(&study, &tables);
+        let said = said.map_or_else(|e| vec![Said::error(e)], |s| s.0);
+        Ok((factor, said, processor_s() - start))
+    };
+    let all: Vec<Result<_, Error>> = (0..trials).into_par_iter().map(run).collect();
+    let mut out = Tally {
+        noticeable,
+        trials,
+        noticed: 0,
+        named: 0,
+        alone: 0,
+        wrong: 0,
+        large: (0, 0),
+        firsts: BTreeMap::new(),
+        seconds: (0.0, 0.0),
+    };
+    for one in all {
+        let (factor, said, seconds) = one?;
+        out.seconds.0 = out.seconds.0.max(seconds);
+        out.seconds.1 += seconds / trials as f64;
+        let large = fault.fixed || factor >= 2.0;
+        out.large.1 += usize::from(large);
+        let Some(first) = said.first() else {
+            continue;
+        };
+        out.noticed += 1;
+        *out.firsts.entry(first.names.join("|")).or_insert(0) += 1;
+        let is = |name: &String| fault.names.iter().any(|f| f.name() == name);
+        let right = first.names.iter().any(is) && first.text.contains(fault.culprit);
+        out.named += usize::from(right);
+        out.alone += usize::from(right && first.names.iter().all(is));
+        out.large.0 += usize::from(right && large);
+        out.wrong += usize::from(!right);
+    }
+    Ok(out)
+}
+
+/// The size that leaves a chi-square of 25 in samples without noise.
+fn noticeable(fault: &Fault) -> Result<f64, Error> {
+    let (small, _) = fault.size;
+    if matches!(fault.way, Way::Read(_)) || fault.names.is_empty() {
+        return Ok(f64::NAN);
+    }
+    let study = study_at(fault, small)?;
+    let tree = Tree::new(&study.model);
+    let bound = bind(&study.model, &tree, &study.exact)?;
+    let estimate = maximum_likelihood(&Problem {
+        model: &study.model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    })?;
+    let chi2 = estimate.diagnostics.map_or(f64::NAN, |d| d.chi2);
+    Ok(small * (NOTICEABLE / chi2).sqrt())
+}
+
+/// The experiment with a fault of some size in the vehicle or in what perfect sensors read.
+fn study_at(fault: &Fault, size: f64) -> Result<Study, Error> {
+    let plain = |_: &mut Model| {};
+    match fault.way {
+        Way::Vehicle(change) if size != 0.0 => fault.craft.study(|m| change(m, size), None),
+        Way::Exact(change) if size != 0.0 => {
+            let mut study = fault.craft.study(plain, None)?;
+            study.exact.iter_mut().for_each(|t| change(t, size));
+            Ok(study)
+        }
+        Way::Stored => {
+            let fast = "speed_rad_s = [500.0, 380.0, 560.0, 640.0, 500.0]";
+            let slow = "speed_rad_s = [0.0, -120.0, 60.0, 140.0, 0.0]";
+            fault.craft.study(plain, Some((slow, fast)))
+        }
+        Way::Joined => {
+            let mut study = fault.craft.study(plain, None)?;
+            let start = format!("omega_rad_s = [{}, -0.015, 0.02]", 0.01 + size);
+            let other = Some(("omega_rad_s = [0.01, -0.015, 0.02]", start.as_str()));
+            let second = fault.craft.study(plain, other)?;
+            for (table, second) in study.exact.iter_mut().zip(&second.exact) {
+                for (channel, new) in table.channels.iter_mut().zip(&second.channels) {
+                    let half = channel.values.len() / 2;
+                    channel.values[half..].copy_from_slice(&new.values[half..]);
+                }
+            }
+            Ok(study)
+        }
+        _ => fault.craft.study(plain, None),
+    }
+}
+
+fn each(table: &mut Table, prefix: &str, mut change: impl FnMut(f64, &mut f64)) {
+    let own = table
+        .channels
+        .iter_mut()
+        .filter(|c| c.name.starts_with(prefix));
+    for channel in own {
+        let times = Arc::clone(&channel.time_s);
+        for (t, x) in times.iter().zip(&mut channel.values) {
+            change(*t, x);
+        }
+    }
+}
+
+/// Every attitude from a time on turned in the axes of the body.
+fn turn(table: &mut Table, from_s: f64, angle: Vector3) {
+    let at = |name: &str| table.channels.iter().position(|c| c.name == name);
+    let (Some(x), Some(y), Some(z), Some(w)) = (at("q_x"), at("q_y"), at("q_z"), at("q_w")) else {
+        return;
+    };
+    for k in 0..table.channels[x].values.len() {
+        if table.channels[x].time_s[k] < from_s {
+            continue;
+        }
+        let value = |c: usize| table.channels[c].values[k];
+        let q = UnitQuaternion::from_quaternion(Quaternion::new(
+            value(w),
+            value(x),
+            value(y),
+            value(z),
+        ));
+        let q = q * UnitQuaternion::from_scaled_axis(angle);
+        for (c, v) in [(x, q.i), (y, q.j), (z, q.k), (w, q.w)] {
+            table.channels[c].values[k] = v;
+        }
+    }
+}
+
+/// Positions and velocities with the acceleration of a tide of this strength, 1/s2.
+fn tide(table: &mut Table, strength: f64) {
+    for (axis, factor) in [("x", 2.0), ("y", -1.0), ("z", -1.0)] {
+        let name = format!("r_{axis}");
+        let Some(r) = table.channels.iter().find(|c| c.name == name) else {
+            continue;
+        };
+        let (t, p) = (Arc::clone(&r.time_s), r.values.clone());
+        let (mut moved, mut speed) = (vec![0.0; t.len()], vec![0.0; t.len()]);
+        for k in 1..t.len() {
+            let h = t[k] - t[k - 1];
+            let a = strength * factor * (p[k - 1] + moved[k - 1]);
+            speed[k] = speed[k - 1] + a * h;
+            moved[k] = moved[k - 1] + speed[k - 1] * h + 0.5 * a * h * h;
+        }
+        for (prefix, change) in [("r_", &moved), ("v_", &speed)] {
+            let name = format!("{prefix}{axis}");
+            let own = table.channels.iter_mut().filter(|c| c.name == name);
+            for channel in own {
+                channel
+                    .values
+                    .iter_mut()
+                    .zip(change)
+                    .for_each(|(x, d)| *x += d);
+            }
+        }
+    }
+}
+
+/// Readings at times that scatter by a share of the interval.
+fn jitter(table: &mut Table, share: f64, rng: &mut ChaCha8Rng) {
+    let channels = table.channels.iter_mut();
+    let gyro: Vec<_> = channels.filter(|c| c.name.starts_with("omega_")).collect();
+    let samples = gyro.first().map_or(0, |c| c.values.len());
+    let late: Vec<f64> = (0..samples)
+        .map(|_| share * 3.0_f64.sqrt() * (2.0 * rng.random::<f64>() - 1.0))
+        .collect();
+    for channel in gyro {
+        let old = channel.values.clone();
+        for k in 1..samples.saturating_sub(1) {
+            let slope = 0.5 * (old[k + 1] - old[k - 1]);
+            channel.values[k] += slope * late[k];
+        }
+    }
+}
+
+/// The link behind its drive by half the play.
+fn backlash(table: &mut Table, play: f64) {
+    let rate = table
+        .channels
+        .iter()
+        .find(|c| c.name.starts_with("elbow") && c.unit == "rad/s");
+    let Some(rates) = rate.map(|c| c.values.clone()) else {
+        return;
+    };
+    let own = table.channels.iter_mut();
+    for channel in own.filter(|c| c.name.starts_with("elbow") && c.unit == "rad") {
+        let pairs = channel.values.iter_mut().zip(&rates);
+        pairs.for_each(|(x, rate)| *x += 0.5 * play * rate.signum());
+    }
+}
+
+/// Every fault on every vehicle that can have it.
+pub fn faults() -> Vec<Fault> {
+    use Craft::{Arm, LowOrbit, Satellite};
+    use FaultKind as F;
+    let mut list = Vec::new();
+    let mut add = |words, craft, names, culprit, size, fixed, way| {
+        list.push(Fault {
+            words,
+            craft,
+            names,
+            culprit,
+            size,
+            fixed,
+            way,
+        });
+    };
+    let tilt: fn(&mut Model, f64) = |m, e| {
+        let a = m.wheels[1].axis_B;
+        m.wheels[1].axis_B =
+            (a + Vector3::new(0.8, 0.1, 0.6).cross(&a).normalize() * e).normalize();
+    };
+    let spin: fn(&mut Model, f64) = |m, e| m.wheels[1].spin_inertia *= 1.0 + e;
+    let drift: fn(&mut Table, f64) = |t, e| each(t, "omega_y", |s, x| *x += e * s);
+    let turned: fn(&mut Table, f64) =
+        |t, e| turn(t, f64::NEG_INFINITY, Vector3::new(0.6, -0.5, 0.62) * e);
+    let jump: fn(&mut Table, f64) = |t, e| turn(t, 37.0, Vector3::new(0.6, -0.5, 0.62) * e);
+    let scale: fn(&mut Table, f64) = |t, e| each(t, "omega_", |_, x| *x *= 1.0 + e);
+    for craft in Craft::ALL {
+        add(
+            "wheel tilt",
+            craft,
+            &[F::WheelTilt],
+            "wheel2",
+            (1.0e-4, "rad"),
+            false,
+            Way::Vehicle(tilt),
+        );
+        add(
+            "spin inertia",
+            craft,
+            &[F::WheelScale, F::KnownNumber],
+            "wheel2",
+            (1.0e-4, "1"),
+            false,
+            Way::Vehicle(spin),
+        );
+        add(
+            "tracker misalignment",
+            craft,
+            &[F::TrackerMisalignment],
+            "attitude",
+            (1.0e-4, "rad"),
+            false,
+            Way::Exact(turned),
+        );
+        add(
+            "gyro bias drift",
+            craft,
+            &[F::BiasDrift],
+            "gyro",
+            (1.0e-7, "rad/s2"),
+            false,
+            Way::Exact(drift),
+        );
+        add(
+            "gyro scale",
+            craft,
+            &[F::GyroScale],
+            "gyro",
+            (1.0e-4, "1"),
+            false,
+            Way::Exact(scale),
+        );
+        add(
+            "attitude jump",
+            craft,
+            &[F::AttitudeJump],
+            "attitude",
+            (1.0e-5, "rad"),
+            false,
+            Way::Exact(jump),
+        );
+        add(
+            "time jitter 20 %",
+            craft,
+            &[F::TimeJitter],
+            "gyro",
+            (0.2, "of an interval"),
+            true,
+            Way::Read(jitter),
+        );
+        add(
+            "rounded gyro",
+            craft,
+            &[F::Quantisation],
+            "gyro",
+            (3.0e-4, "rad/s"),
+            true,
+            Way::Read(|t, e, _| {
+                each(t, "omega_", |_, x| *x = (*x / e).round() * e);
+            }),
+        );
+    }
+    add(
+        "joined record",
+        Satellite,
+        &[F::JoinedRecord],
+        "",
+        (1.0e-5, "rad/s"),
+        false,
+        Way::Joined,
+    );
+    add(
+        "joined record",
+        Arm,
+        &[F::JoinedRecord],
+        "",
+        (1.0e-5, "rad/s"),
+        false,
+        Way::Joined,
+    );
+    add(
+        "tide",
+        Satellite,
+        &[F::Tide],
+        "",
+        (1.0e-6, "1/s2"),
+        false,
+        Way::Exact(tide),
+    );
+    add(
+        "firing missing from telemetry",
+        Satellite,
+        &[F::Firing],
+        "",
+        (1.0, "firing"),
+        true,
+        Way::Exact(|t, _| {
+            each(t, "thr2_N", |s, x| {
+                if s < 20.0 {
+                    *x = 0.0
+                }
+            });
+        }),
+    );
+    add(
+        "firing that did not happen",
+        Satellite,
+        &[F::Firing],
+        "thr2 at",
+        (1.0, "firing"),
+        true,
+        Way::Exact(|t, _| {
+            each(t, "thr2_N", |s, x| {
+                if (40.0..41.0).contains(&s) {
+                    *x = 5.0
+                }
+            });
+        }),
+    );
+    add(
+        "backlash",
+        Arm,
+        &[F::Backlash],
+        "elbow",
+        (1.0e-4, "rad"),
+        false,
+        Way::Exact(backlash),
+    );
+    add(
+        "link mass",
+        Arm,
+        &[F::KnownNumber],
+        "upper.mass",
+        (1.0e-3, "1"),
+        false,
+        Way::Vehicle(|m, e| m.bodies[1].nominal.mass *= 1.0 + e),
+    );
+    add(
+        "joint origin",
+        Arm,
+        &[F::KnownNumber],
+        "shoulder.origin",
+        (1.0e-4, "m"),
+        false,
+        Way::Vehicle(|m, e| m.joints[0].p_PoCo_P += Vector3::new(0.3, 0.8, -0.5) * e),
+    );
+    add(
+        "gravity gradient",
+        LowOrbit,
+        &[F::GravityGradient],
+        "",
+        (1.0, "of 600 km"),
+        true,
+        Way::Vehicle(|m, e| {
+            m.environment.point_mass_gm = Some(EARTH * e);
+            m.environment.gravity_gradient = true;
+            m.environment.orbit = Some(Orbit {
+                semi_major_axis: 6.978e6,
+                eccentricity: 0.0,
+                inclination: 0.9,
+                raan: 0.4,
+                argument_of_periapsis: 0.2,
+                true_anomaly: -0.3,
+                epoch: 0.0,
+            });
+        }),
+    );
+    add(
+        "reversed wheel",
+        LowOrbit,
+        &[F::WheelSign],
+        "wheel2",
+        (1.0, "sign"),
+        true,
+        Way::Exact(|t, _| {
+            each(t, "wheel2_rad_s", |_, x| *x = -*x);
+        }),
+    );
+    list
+}
+
+/// Vehicles without a fault; of the satellite the last has stored momentum.
+pub fn clean() -> Vec<Fault> {
+    let fault = |words, craft, way| Fault {
+        words,
+        craft,
+        names: &[],
+        culprit: "",
+        size: (1.0, ""),
+        fixed: true,
+        way,
+    };
+    let none: fn(&mut Table, f64) = |_, _| {};
+    let mut list: Vec<Fault> = Craft::ALL
+        .map(|craft| fault("none", craft, Way::Exact(none)))
+        .into();
+    list.push(fault("stored momentum", Craft::Satellite, Way::Stored));
+    list
+}
