@@ -227,7 +227,12 @@ pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
 
 fn determined(identified: &Identified) -> Section {
     let all = &identified.estimate.identifiability.determined;
-    let mut table = Table::new(&["determined combination", "value", "1 sigma", "unit"]);
+    let mut table = Table::new(&[
+        "determined combination or function",
+        "value",
+        "1 sigma",
+        "unit",
+    ]);
     for c in all.iter().take(LISTED) {
         let (value, sigma) = number_with_sigma(Some(c.value), Some(c.sigma));
         table.push(vec![c.text.clone(), value, sigma, c.unit.to_owned()]);

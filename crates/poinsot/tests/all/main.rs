@@ -17,6 +17,8 @@ mod compare;
 mod counts;
 mod evaluation;
 mod faults;
+#[path = "../../examples/open_set/flown.rs"]
+mod flown;
 mod gaps;
 mod gate;
 mod gravity_gradient;
@@ -32,6 +34,7 @@ mod methods;
 mod mixed_up;
 mod noisy_files;
 mod nutation;
+mod open_set;
 mod papers_outside;
 mod physical;
 #[allow(
