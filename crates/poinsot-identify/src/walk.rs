@@ -99,11 +99,16 @@ fn directions(problem: &Problem, solved: &Solved) -> Vec<Vec<f64>> {
         };
         return (0..open.ncols()).map(one).collect();
     }
+    // Names agree with the open space within a tolerance; walks begin in it.
+    let natural = &spectrum.natural;
+    let inside = |c: &OpenCombination| -> Vec<f64> {
+        let step = step_of(&solved.parameters, c, natural.len());
+        let z: Vec<f64> = step.iter().zip(natural).map(|(s, u)| s / u).collect();
+        let z = along(spectrum, spectrum.rank, &z);
+        z.iter().zip(natural).map(|(z, u)| z * u).collect()
+    };
     let named = words::open_directions(problem, solved);
-    named
-        .iter()
-        .map(|c| step_of(&solved.parameters, c, spectrum.natural.len()))
-        .collect()
+    named.iter().map(inside).collect()
 }
 
 fn step_of(parameters: &Parameters, named: &OpenCombination, unknowns: usize) -> Vec<f64> {
@@ -228,6 +233,9 @@ fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
     Some(segments)
 }
 
+/// Where a walk ends: the unknowns, and the spectrum there.
+type End = (Vec<f64>, Spectrum);
+
 /// One who walks from an answer.
 struct Walker<'a> {
     experiment: &'a Experiment<'a>,
@@ -256,7 +264,7 @@ impl Walker<'_> {
         let (further, last) = self.path(&tangent);
         points.extend(further);
         let ends = [first, last].into_iter().flatten();
-        let ends: Vec<(Vec<f64>, Spectrum)> = ends.collect();
+        let ends: Vec<End> = ends.collect();
         Walk { points, ends }
     }
 
@@ -283,7 +291,7 @@ impl Walker<'_> {
     }
 
     /// Points one way, and the spectrum at the last.
-    fn path(&self, direction: &[f64]) -> (Vec<Vec<f64>>, Option<(Vec<f64>, Spectrum)>) {
+    fn path(&self, direction: &[f64]) -> (Vec<Vec<f64>>, Option<End>) {
         let length = REACH / POINTS as f64;
         let mut points = Vec::new();
         let mut stand: Option<Stand> = None;

@@ -151,20 +151,8 @@ fn exact_augmented_inertias_stay_along_a_walk_and_linear_combinations_do_not() {
     };
     let far = moved(&walks, values);
     let moving = far.iter().filter(|d| **d > 1.0e-4).count();
-    println!(
-        "{moving} of {} combinations move by over 1e-4: {far:.0?}",
-        far.len()
-    );
-    assert!(
-        moving > 0
-            && linear.len() - moving
-                >= found
-                    .determined
-                    .iter()
-                    .filter(|c| !c.coefficients.is_empty())
-                    .count()
-                    / 2
-    );
+    println!("{moving} of {} combinations move by over 1e-4", far.len());
+    assert!(2 * moving > far.len());
 }
 
 /// The same tree for the judge.
