@@ -25,6 +25,8 @@ FLAGS = [
     "--disable-sync",
     "--disable-dev-shm-usage",
     "--hide-scrollbars",
+    # WebGL2 without a graphics card.
+    "--enable-unsafe-swiftshader",
     "--remote-debugging-pipe",
 ]
 
@@ -109,15 +111,15 @@ class Browser:
         text, self.buffer = self.buffer.split(b"\0", 1)
         return json.loads(text)
 
-    def open(self, address, width=1200, height=900, dark=False):
-        """A page, loaded."""
-        return Page(self, address, width, height, dark)
+    def open(self, address, width=1200, height=900, dark=False, still=True):
+        """A page, loaded; nothing moves by itself where it is to be still."""
+        return Page(self, address, width, height, dark, still)
 
 
 class Page:
     """One tab."""
 
-    def __init__(self, browser, address, width, height, dark):
+    def __init__(self, browser, address, width, height, dark, still):
         self.browser = browser
         self.address = address
         target = browser.call("Target.createTarget", url="about:blank")["targetId"]
@@ -125,8 +127,11 @@ class Page:
         for domain in ["Page", "Runtime", "Network", "Log"]:
             self.call(f"{domain}.enable")
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        scheme = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
-        self.call("Emulation.setEmulatedMedia", features=scheme)
+        features = [
+            {"name": "prefers-color-scheme", "value": "dark" if dark else "light"},
+            {"name": "prefers-reduced-motion", "value": "reduce" if still else "no-preference"},
+        ]
+        self.call("Emulation.setEmulatedMedia", features=features)
         browser.events.clear()
         begun = time.monotonic()
         self.call("Page.navigate", url=address)
@@ -166,6 +171,15 @@ class Page:
             "Input.dispatchMouseEvent", type=kind, x=at[0], y=at[1], button="left", buttons=1, clickCount=clicks
         )
 
+    def touch(self, start, end):
+        """One finger: down, along, up."""
+        along = [[a + (b - a) * k / 5 for a, b in zip(start, end)] for k in range(6)]
+        for k, (x, y) in enumerate(along):
+            kind = "touchMove" if k else "touchStart"
+            self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y}])
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.settle()
+
     def key(self, key):
         text = {"text": key} if len(key) == 1 else {}
         for kind in ["keyDown", "keyUp"]:
@@ -197,7 +211,8 @@ class Page:
                 said.append(given["exceptionDetails"].get("exception", {}).get("description", "exception"))
             elif what == "Log.entryAdded":
                 said.append(given["entry"]["text"])
-        return said
+        # Taking a picture of WebGL reads it back, which the driver notes.
+        return [s for s in said if "due to ReadPixels" not in s]
 
     def requests(self):
         """Addresses asked for, beside the page itself and what stands in it."""

@@ -11,8 +11,10 @@ __all__ = [
     "Problem",
     "Record",
     "after_fork",
+    "campaign",
     "command",
     "compare",
+    "design",
     "error_codes",
     "explain",
     "forward_dynamics",
@@ -26,6 +28,8 @@ __all__ = [
     "momentum_regressor",
     "predict",
     "simulate",
+    "study",
+    "sweep",
     "units",
     "validate",
     "version",
@@ -131,6 +135,30 @@ def validate(
     recover: bool = False,
     out: _Path | None = None,
 ) -> tuple[str, str, int]: ...
+def design(
+    case: _Path, out: _Path | None = None, minutes: float | None = None, verify: int = 0, progress: _Progress = None
+) -> tuple[str, str, int]: ...
+def campaign(
+    plan: _Path,
+    out: _Path | None = None,
+    trials: int | None = None,
+    resume: bool = False,
+    until: float | None = None,
+    progress: _Progress = None,
+) -> tuple[str, str, int]: ...
+def sweep(
+    case: _Path,
+    vary: Sequence[str],
+    methods: Sequence[str],
+    settings: Sequence[str],
+    trials: int,
+    model: _Path | None = None,
+    seed: int | None = None,
+    out: _Path | None = None,
+    resume: bool = False,
+    progress: _Progress = None,
+) -> tuple[str, str, int]: ...
+def study(paper: str, name: str, examples: _Path, progress: _Progress = None) -> tuple[str, str, int]: ...
 def compare(answers: Sequence[Answer | _Path]) -> tuple[str, str, int]: ...
 def methods() -> str: ...
 def units() -> str: ...

@@ -315,6 +315,127 @@ def validate(
     return Document(*_core.validate(joined, case, model, estimate, map, within_m, within_rad, strict, recover, out))
 
 
+def design(
+    case: PathLike,
+    *,
+    out: PathLike | None = None,
+    minutes: float | None = None,
+    verify: int = 0,
+    progress: Progress = None,
+) -> Document:
+    """Search the manoeuvre that gives the wanted accuracy within the limits of a case.
+
+    Parameters
+    ----------
+    case
+        Case file with ``[[want]]``, ``[limits]`` and ``[design]``.
+    out
+        Folder for ``case.toml``, ``model.toml``, ``commands.csv`` and ``design.json``.
+    minutes
+        Ends the search after this time with the best manoeuvre so far.
+    verify
+        Number of simulated flights whose errors are compared with the predicted sigmas.
+    progress
+        As of :func:`identify`.
+    """
+    return Document(*_core.design(case, out, minutes, verify, _reporter(progress)))
+
+
+def campaign(
+    plan: PathLike,
+    *,
+    out: PathLike | None = None,
+    trials: int | None = None,
+    resume: bool = False,
+    until: float | None = None,
+    progress: Progress = None,
+) -> Document:
+    """Run the simulated trials of a plan on all cores of this machine and return their statistics.
+
+    Parameters
+    ----------
+    plan
+        Plan file (TOML, ``poinsot.plan/1``).
+    out
+        Folder for shards, ``campaign.json`` and ``campaign.html``; in memory without.
+    trials
+        Trials of each experiment, in place of the number in the plan.
+    resume
+        Run the shards that are missing in ``out``.
+    until
+        Stop when no confidence interval of coverage is wider than twice this share; needs ``out``.
+    progress
+        As of :func:`identify`.
+
+    Examples
+    --------
+    >>> import poinsot as pn
+    >>> found = pn.campaign("examples/campaigns/ma_traj1.toml", trials=4)
+    >>> [cell["methods"][0]["trials"] for cell in found["cells"]][0]
+    4
+    """
+    if until is not None and out is None:
+        raise InputError("E0001 until: it needs a folder for the shards; give out=")
+    return Document(*_core.campaign(plan, out, trials, resume, until, _reporter(progress)))
+
+
+def sweep(
+    case: PathLike,
+    vary: Mapping[str, Iterable[float]],
+    *,
+    methods: Iterable[str] = ("auto",),
+    settings: Iterable[str] = (),
+    trials: int = 100,
+    model: PathLike | None = None,
+    seed: int | None = None,
+    out: PathLike | None = None,
+    resume: bool = False,
+    progress: Progress = None,
+) -> Document:
+    """Repeat simulated trials of one case over numbers that vary, with one or several methods.
+
+    Parameters
+    ----------
+    case
+        Case file.
+    vary
+        Values of each number by its address, for example ``{"noise": [1, 2, 5]}``.
+    methods
+        Names of methods, with a variant as ``name/variant``.
+    settings
+        Settings of published methods as ``key=value``.
+    trials
+        Trials at each point.
+    model
+        Model as the identification knows it; that of the case without.
+    seed
+        Seed of the trials.
+    out, resume, progress
+        As of :func:`campaign`.
+    """
+    numbers = [f"{name}={','.join(repr(float(v)) for v in values)}" for name, values in vary.items()]
+    return Document(
+        *_core.sweep(
+            case, numbers, list(methods), list(settings), trials, model, seed, out, resume, _reporter(progress)
+        )
+    )
+
+
+def study(paper: str, name: str, *, examples: PathLike = "examples", progress: Progress = None) -> Document:
+    """Repeat one study of a published paper, for example ``study("kim2010", "table2")``.
+
+    Parameters
+    ----------
+    paper, name
+        Paper and study, as ``poinsot study`` lists them.
+    examples
+        Folder of the shipped examples.
+    progress
+        As of :func:`identify`.
+    """
+    return Document(*_core.study(paper, name, examples, _reporter(progress)))
+
+
 def compare(answers: Iterable[Answer | PathLike]) -> Document:
     """Compare answers of one vehicle: differences in sigma, joint tests, pooled answer.
 

@@ -1,6 +1,7 @@
 """Every other verb against the command."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -122,3 +123,71 @@ def test_exact_inertia_of_other_programs():
     )
     assert np.abs(pn.Inertia.from_mujoco(model, "b").inertia_kg_m2 - tensor).max() < 1e-12
     assert not pn.Inertia(1.0, [0, 0, 0], np.diag([1.0, 1.0, 3.0])).is_physical
+
+
+def same(document, command, *words):
+    """A document and the command with these words: the same values and exit code."""
+    done = command(*words, "--json")
+    assert dict(document) == json.loads(done.stdout) and document.exit_code == done.returncode
+
+
+BOX_DESIGN = """
+schema = "poinsot.case/1"
+model = "MODEL"
+duration_s = 40.0
+[initial]
+momentum_zero = true
+[output]
+rate_hz = 4
+[[want]]
+number = "spacecraft.inertia_kg_m2"
+relative = 1e-3
+[[limits.wheel]]
+speed_rad_s = 150.0
+torque_N_m = 0.05
+[design]
+starts = 1
+evaluations = 60
+[[design.wheel]]
+nodes = 5
+"""
+
+
+def test_exact_design(command, tmp_path):
+    case = tmp_path / "design.toml"
+    case.write_text(BOX_DESIGN.replace("MODEL", str(Path(STSAT3).resolve())))
+    document = pn.design(case, out=tmp_path / "out")
+    assert (tmp_path / "out" / "commands.csv").exists()
+    same(document, command, "design", case)
+
+
+def test_exact_campaign_and_sweep(command, tmp_path):
+    """In memory and with files: the statistics of the command, times of computing apart."""
+
+    def untimed(value):
+        if isinstance(value, dict):
+            return {k: untimed(v) for k, v in value.items() if "second" not in k and "time" not in k and k != "cpu_s"}
+        return [untimed(v) for v in value] if isinstance(value, list) else value
+
+    plan = "examples/campaigns/ma_traj1.toml"
+    document = pn.campaign(plan, trials=4)
+    done = command("campaign", plan, "--trials", "4", "--out", tmp_path / "out", "--json")
+    assert untimed(dict(document)) == untimed(json.loads(done.stdout)) and document.exit_code == done.returncode
+    case = "examples/cases/stsat3_spin.toml"
+    document = pn.sweep(case, {"noise": [1, 2]}, trials=3)
+    done = command("sweep", case, "--vary", "noise=1,2", "--trials", "3", "--json")
+    assert untimed(dict(document)) == untimed(json.loads(done.stdout)) and document.exit_code == done.returncode
+    assert len(document["cells"]) == 2
+
+
+def test_paper_study(command):
+    same(pn.study("kim2010", "table2"), command, "study", "kim2010", "table2")
+
+
+def test_errors_of_searches():
+    with pytest.raises(pn.InputError, match="it needs a folder"):
+        pn.campaign("examples/campaigns/ma_traj1.toml", until=0.01)
+    with pytest.raises(pn.InputError, match="there is no such paper"):
+        pn.study("kim2011", "table2")
+    with pytest.raises(pn.InputError, match="it has no .design."):
+        pn.design(CASE)

@@ -3,7 +3,6 @@
 use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use poinsot::Coordinates;
-use poinsot::export::Target;
 use std::path::PathBuf;
 
 /// Exit codes with their meaning.
@@ -243,8 +242,8 @@ pub struct Export {
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Kind of file.
-    #[arg(long, value_enum)]
-    pub to: Format,
+    #[arg(long, value_name = "FORMAT", value_parser = Words::targets())]
+    pub to: String,
     /// The file that the vehicle came from, for model, urdf, sdf and mjcf: bodies are found by their names, and nothing
     /// but their mass properties changes.
     #[arg(long, value_name = "FILE")]
@@ -258,46 +257,6 @@ pub struct Export {
     /// Print nothing but errors, and the file where no --out is given; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
-}
-
-/// Files of other programs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
-    /// Model file of Poinsot, changed in place.
-    Model,
-    /// Robot description of ROS, changed in place.
-    Urdf,
-    /// Robot description of Gazebo and Drake, changed in place.
-    Sdf,
-    /// Model of MuJoCo, changed in place.
-    Mjcf,
-    /// Python that sets the hub of a Basilisk spacecraft.
-    Basilisk,
-    /// Attitude parameter message, CCSDS 504.0-B-2: inertia.
-    Apm,
-    /// Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia.
-    Acm,
-    /// Table, one row a number.
-    Csv,
-    /// On-board table with covariance, JSON.
-    Onboard,
-}
-
-impl Format {
-    /// What the library calls it.
-    pub fn target(self) -> Target {
-        match self {
-            Self::Model => Target::Model,
-            Self::Urdf => Target::Urdf,
-            Self::Sdf => Target::Sdf,
-            Self::Mjcf => Target::Mjcf,
-            Self::Basilisk => Target::Basilisk,
-            Self::Apm => Target::Apm,
-            Self::Acm => Target::Acm,
-            Self::Csv => Target::Csv,
-            Self::Onboard => Target::Onboard,
-        }
-    }
 }
 
 /// Arguments of `explain`.

@@ -1,26 +1,37 @@
 //! Names offered by help and completions that the verb itself checks, so that its error says what to use instead.
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use poinsot::export::Target;
 
 /// Offers names, takes any.
 #[derive(Clone)]
-pub struct Words(Vec<&'static str>);
+pub struct Words(Vec<PossibleValue>);
 
 impl Words {
+    fn plain(names: impl Iterator<Item = &'static str>) -> Self {
+        Self(names.map(PossibleValue::new).collect())
+    }
+
+    /// Formats of `export`.
+    pub fn targets() -> Self {
+        let value = |t: Target| PossibleValue::new(t.name()).help(t.about());
+        Self(Target::ALL.map(value).to_vec())
+    }
+
     /// Methods of `identify`.
     pub fn methods() -> Self {
-        Self(poinsot::methods::methods().iter().map(|m| m.name).collect())
+        Self::plain(poinsot::methods::methods().iter().map(|m| m.name))
     }
 
     /// Papers with studies.
     pub fn papers() -> Self {
-        Self(poinsot::study::papers().map(|p| p.0).collect())
+        Self::plain(poinsot::study::papers().map(|p| p.0))
     }
 
     /// Studies of any paper.
     pub fn studies() -> Self {
         let all = poinsot::study::studies().map(|s| s.1.name);
-        Self(all.chain([poinsot::study::ALL]).collect())
+        Self::plain(all.chain([poinsot::study::ALL]))
     }
 
     /// Variants of any method.
@@ -30,7 +41,7 @@ impl Words {
         let mut all: Vec<_> = all.collect();
         all.sort_unstable();
         all.dedup();
-        Self(all)
+        Self::plain(all.into_iter())
     }
 }
 
@@ -47,6 +58,6 @@ impl TypedValueParser for Words {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(self.0.iter().map(PossibleValue::new)))
+        Some(Box::new(self.0.iter().cloned()))
     }
 }

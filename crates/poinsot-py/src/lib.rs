@@ -11,6 +11,7 @@ mod model;
 mod problem;
 mod record;
 mod run;
+mod searches;
 mod value;
 mod verbs;
 
@@ -35,6 +36,8 @@ mod _core {
     use crate::record::CoreRecord;
     #[pymodule_export]
     use crate::run::after_fork;
+    #[pymodule_export]
+    use crate::searches::{campaign, design, study, sweep};
     #[pymodule_export]
     use crate::verbs::{
         compare, error_codes, explain, inspect, methods, predict, simulate, units, validate,

@@ -19,9 +19,9 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 
 /// JSON, text, exit code.
-type Printed = (String, String, u8);
+pub(crate) type Printed = (String, String, u8);
 
-fn text(document: &Document) -> String {
+pub(crate) fn text(document: &Document) -> String {
     document.text(&TextStyle {
         width: None,
         colour: false,

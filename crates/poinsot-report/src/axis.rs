@@ -39,7 +39,7 @@ pub(crate) fn tick_text(tick: f64, all: &[f64]) -> String {
     } else {
         tick
     };
-    format!("{tick:.decimals$}").replace('-', "\u{2212}")
+    format!("{tick:.decimals$}")
 }
 
 /// Power of ten, a multiple of three, that brings numbers of this size near one.
@@ -91,7 +91,7 @@ mod tests {
     fn unit_ticks_are_round() {
         let t = ticks(-0.3, 1.1, 5);
         assert_eq!(t.len(), 7);
-        assert_eq!(tick_text(t[0], &t), "\u{2212}0.2");
+        assert_eq!(tick_text(t[0], &t), "-0.2");
         assert_eq!(ticks(0.0, 480.0, 6), [0.0, 100.0, 200.0, 300.0, 400.0]);
         assert!(ticks(1.0, 1.0, 5).is_empty());
     }

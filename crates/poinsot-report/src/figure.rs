@@ -21,9 +21,9 @@ const EDGE: f64 = 12.0;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Picture {
     /// Curves.
-    Plot(Plot),
+    Plot(Box<Plot>),
     /// A picture in space.
-    Scene(Scene),
+    Scene(Box<Scene>),
 }
 
 /// A picture with the name of its file.
@@ -59,7 +59,7 @@ impl Figure {
     pub fn plot(name: &str, plot: Plot) -> Self {
         Self {
             name: file_name(name),
-            picture: Picture::Plot(plot),
+            picture: Picture::Plot(Box::new(plot)),
         }
     }
 
@@ -67,7 +67,7 @@ impl Figure {
     pub fn scene(name: &str, scene: Scene) -> Self {
         Self {
             name: file_name(name),
-            picture: Picture::Scene(scene),
+            picture: Picture::Scene(Box::new(scene)),
         }
     }
 
@@ -164,7 +164,7 @@ fn keys(legend: &[(&str, &str, usize)], width: f64) -> (usize, String) {
                     "<path class=\"dots large c{colour}\" d=\"M{middle:.1} {y}h0\"/>"
                 )
             }
-            "bars" => {
+            "bars" | "solid" | "ramp" => {
                 let high = y - 4.5;
                 write!(
                     out,

@@ -6,6 +6,7 @@ mod error;
 mod figure;
 mod figures;
 mod markup;
+mod packed;
 mod page;
 #[cfg(feature = "png")]
 mod pixels;
@@ -20,5 +21,5 @@ pub use figures::{number_with_sigma, significant};
 pub use markup::{Html, escape, island, render};
 pub use page::{Page, Part};
 pub use plot::{Axis, Mark, Plot, Series};
-pub use scene::{Arrow, Curve, Ellipsoid, Point, Rolling, Scene, Spot};
+pub use scene::{Arrow, Curve, Ellipsoid, Hinge, Point, Rolling, Scene, Spot, Tree};
 pub use text::{TextStyle, marked_code};

@@ -77,7 +77,7 @@ pub fn escape(text: &str) -> String {
 ///
 /// # Errors
 /// The value has no JSON form.
-pub fn island(value: &impl Serialize) -> Result<String, PageError> {
+pub fn island(value: &impl Serialize) -> Result<Html, PageError> {
     let text = serde_json::to_string(value)?;
     let mut out = String::with_capacity(text.len());
     for c in json_escaped(&text).chars() {
@@ -88,7 +88,7 @@ pub fn island(value: &impl Serialize) -> Result<String, PageError> {
             c => out.push(c),
         }
     }
-    Ok(out)
+    Ok(Html(out))
 }
 
 #[cfg(test)]
@@ -98,8 +98,11 @@ mod tests {
     #[test]
     fn unit_island_cannot_be_left() {
         let text = island(&"</script><!--\u{2028}&").unwrap();
-        assert_eq!(text, r#""\u003c/script\u003e\u003c!--\u2028\u0026""#);
-        let back: String = serde_json::from_str(&text).unwrap();
+        assert_eq!(
+            text.as_str(),
+            r#""\u003c/script\u003e\u003c!--\u2028\u0026""#
+        );
+        let back: String = serde_json::from_str(text.as_str()).unwrap();
         assert_eq!(back, "</script><!--\u{2028}&");
     }
 
@@ -108,7 +111,7 @@ mod tests {
         let bad = "a\u{202e}b\u{1b}[2J";
         let page = render("page", "{{ x }}", minijinja::context! { x => bad }).unwrap();
         assert_eq!(page.as_str(), "a\\u{202e}b\\u{1b}[2J");
-        assert_eq!(island(&bad).unwrap(), "\"a\\u202eb\\u001b[2J\"");
+        assert_eq!(island(&bad).unwrap().as_str(), "\"a\\u202eb\\u001b[2J\"");
     }
 
     #[test]

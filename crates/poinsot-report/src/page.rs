@@ -10,11 +10,19 @@ use minijinja::context;
 use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("../templates/page.html");
-const STYLE: &str = include_str!("../assets/style.css");
-const SCRIPTS: [&str; 2] = [
-    include_str!("../assets/plot.js"),
-    include_str!("../assets/scene.js"),
+const STYLE: &str = concat!(
+    include_str!("../assets/uplot/uPlot.min.css"),
+    "\n",
+    include_str!("../assets/style.css")
+);
+/// Scripts with the mark in the page that asks for each; the first is for every page.
+const SCRIPTS: [(&str, &str); 4] = [
+    ("", include_str!("../assets/page.js")),
+    (CURVES, include_str!("../assets/uplot/uPlot.iife.min.js")),
+    (CURVES, include_str!("../assets/curves.js")),
+    ("class=\"scene-data\"", include_str!("../assets/space.js")),
 ];
+const CURVES: &str = "class=\"curves-data\"";
 
 /// A titled part of the page.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +42,7 @@ pub struct Part {
 pub struct Page {
     /// Title.
     pub title: String,
-    /// Line under the title.
+    /// Line above the footer's words.
     pub subtitle: String,
     /// Line at the end.
     pub footer: String,
@@ -54,8 +62,10 @@ impl Page {
             .map(|p| context! { id => p.id, title => p.title, body => p.body.value() })
             .collect();
         let own = |text: &str| Html(text.to_owned()).value();
-        let scripts: Vec<_> = SCRIPTS.iter().map(|s| own(s)).collect();
-        let script_hashes: Vec<String> = SCRIPTS.iter().map(|s| hash(s)).collect();
+        let wanted = |mark: &str| self.parts.iter().any(|p| p.body.as_str().contains(mark));
+        let needed = || SCRIPTS.iter().filter(|s| wanted(s.0)).map(|s| s.1);
+        let scripts: Vec<_> = needed().map(own).collect();
+        let script_hashes: Vec<String> = needed().map(hash).collect();
         let policy = format!(
             "default-src 'none'; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
             hash(STYLE),

@@ -1,16 +1,15 @@
-//! A plot as inline SVG: complete on paper; `plot.js` adds zoom and read-out on screen.
+//! A plot as SVG; a plot over time stands on the page as packed samples that `curves.js` draws.
 
 use crate::axis::{exponent, superscript, tick_text, ticks, unit_text};
 use crate::markup::{Html, escape};
+use crate::packed::packed;
 use std::fmt::Write;
 
 const WIDTH: f64 = 860.0;
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 8.0;
-const BOTTOM: f64 = 40.0;
-/// Side of the square onto which data are mapped; zooming moves a window over it.
-const FIELD: f64 = 1000.0;
+const BOTTOM: f64 = 44.0;
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +75,7 @@ pub struct Plot {
     pub log: bool,
     /// Whether the horizontal axis counts things.
     pub whole: bool,
-    /// Words at 1, 2, 3 ... instead of numbers on the horizontal axis; such a plot does not zoom.
+    /// Words at 1, 2, 3 ... instead of numbers on the horizontal axis.
     pub names: Vec<String>,
     /// Whether zero belongs to the picture.
     pub from_zero: bool,
@@ -84,7 +83,7 @@ pub struct Plot {
     pub series: Vec<Series>,
     /// Horizontal lines across, with a word each.
     pub levels: Vec<(f64, String)>,
-    /// Plots of one group share their horizontal zoom; empty for none.
+    /// Drawn on the page by `curves.js`; plots of one group share zoom and cursor. Empty for a still plot.
     pub group: String,
     /// Height, px.
     pub height: f64,
@@ -127,12 +126,6 @@ impl Series {
         }
     }
 }
-
-/// Where the curves are drawn: left upper corner, width, height.
-type Field = [f64; 4];
-
-/// On the page: a square that zooming stretches.
-const SQUARE: Field = [0.0, 0.0, FIELD, FIELD];
 
 /// The data range and how it maps onto the field.
 struct Frame {
@@ -227,22 +220,30 @@ impl Frame {
 impl Plot {
     /// The plot as a figure; a word instead where there is nothing to draw.
     pub fn html(&self) -> Html {
-        let [width, height] = self.size();
         let mut out = String::new();
-        let class = if self.half { "plot half" } else { "plot" };
-        let _ = write!(
-            out,
-            "<figure class=\"{class}\"><figcaption><b>{}</b>",
-            escape(&self.title)
-        );
-        for (name, key, colour) in self.legend() {
-            let name = escape(name);
-            let _ = write!(out, "<span class=\"key {key} c{colour}\">{name}</span>");
+        let class = match (self.group.is_empty(), self.half) {
+            (false, _) => "plot curves",
+            (true, true) => "plot half",
+            (true, false) => "plot",
+        };
+        let title = escape(&self.title);
+        let _ = write!(out, "<figure class=\"{class}\"><figcaption><b>{title}</b>");
+        if self.group.is_empty() {
+            for (name, key, colour) in self.legend() {
+                let name = escape(name);
+                let _ = write!(out, "<span class=\"key {key} c{colour}\">{name}</span>");
+            }
         }
         out.push_str("</figcaption>");
-        match Frame::new(self) {
-            Some(frame) => self.draw(&frame, width, height, &mut out),
+        match self.drawing() {
             None => out.push_str("<p class=\"empty\">nothing to draw</p>"),
+            Some(_) if !self.group.is_empty() => out.push_str(&packed(self)),
+            Some(([width, height], elements)) => {
+                let _ = write!(
+                    out,
+                    "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">{elements}</svg>"
+                );
+            }
         }
         if !self.note.is_empty() {
             let _ = write!(out, "<p class=\"note\">{}</p>", escape(&self.note));
@@ -262,8 +263,7 @@ impl Plot {
         [width, height]
     }
 
-    /// The plot without its legend, for a file of its own: size and elements. Curves stand in pixels, since
-    /// a stretched field with strokes that do not stretch is beyond many programs.
+    /// The plot without its legend: size and elements. An inner SVG clips the curves.
     pub(crate) fn drawing(&self) -> Option<([f64; 2], String)> {
         let frame = Frame::new(self)?;
         let [width, height] = self.size();
@@ -272,11 +272,16 @@ impl Plot {
         self.draw_ticks(&frame, w, h, &mut out);
         let _ = write!(
             out,
-            "<clipPath id=\"field\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\"/></clipPath>\
-             <g clip-path=\"url(#field)\">"
+            "<svg x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\">"
         );
-        self.draw_curves(&frame, [LEFT, TOP, w, h], &mut out);
-        out.push_str("</g>");
+        for (level, _) in &self.levels {
+            let y = h * frame.share_y(*level);
+            let _ = write!(out, "<path class=\"level\" d=\"M0 {y:.2}H{w}\"/>");
+        }
+        for s in &self.series {
+            draw_series(&frame, [w, h], s, &mut out);
+        }
+        out.push_str("</svg>");
         self.draw_frame(&frame, [width, height], &mut out);
         Some(([width, height], out))
     }
@@ -287,52 +292,6 @@ impl Plot {
         named
             .map(|s| (s.name.as_str(), s.mark.key(), s.colour))
             .collect()
-    }
-
-    fn draw(&self, frame: &Frame, width: f64, height: f64, out: &mut String) {
-        let (w, h) = (width - LEFT - RIGHT, height - TOP - BOTTOM);
-        let _ = write!(
-            out,
-            "<svg class=\"{}\" viewBox=\"0 0 {width} {height}\" role=\"img\" tabindex=\"0\" aria-label=\"{}\" \
-             data-group=\"{}\" data-log=\"{}\" data-whole=\"{}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" data-box=\"{LEFT} {TOP} {w} {h}\">",
-            if self.names.is_empty() {
-                "chart"
-            } else {
-                "chart fixed"
-            },
-            escape(&self.title),
-            escape(&self.group),
-            u8::from(self.log),
-            u8::from(self.whole),
-            frame.x[0],
-            frame.x[1],
-            frame.y[0],
-            frame.y[1],
-        );
-        self.draw_ticks(frame, w, h, out);
-        let _ = write!(
-            out,
-            "<svg class=\"field\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {FIELD} {FIELD}\" preserveAspectRatio=\"none\">"
-        );
-        self.draw_curves(frame, SQUARE, out);
-        out.push_str("</svg>");
-        self.draw_frame(frame, [width, height], out);
-        out.push_str("</svg>");
-    }
-
-    fn draw_curves(&self, frame: &Frame, field: Field, out: &mut String) {
-        let [left, top, w, h] = field;
-        for (level, _) in &self.levels {
-            let y = top + h * frame.share_y(*level);
-            let _ = write!(
-                out,
-                "<path class=\"level\" d=\"M{left} {y:.2}H{}\"/>",
-                left + w
-            );
-        }
-        for s in &self.series {
-            draw_series(frame, field, s, out);
-        }
     }
 
     /// Words of the levels, the frame, and the words of the axes.
@@ -417,7 +376,7 @@ impl Plot {
     }
 }
 
-fn draw_series(frame: &Frame, [left, top, w, h]: Field, series: &Series, out: &mut String) {
+fn draw_series(frame: &Frame, [w, h]: [f64; 2], series: &Series, out: &mut String) {
     let class = match series.mark {
         Mark::Line => "line",
         Mark::Dashed => "line dashed",
@@ -429,9 +388,8 @@ fn draw_series(frame: &Frame, [left, top, w, h]: Field, series: &Series, out: &m
     let _ = write!(out, "<path class=\"{class} c{}\" d=\"", series.colour);
     let mut broken = true;
     let half = 0.42 * w / series.points.len().max(1) as f64;
-    let floor = top + h;
     for (x, y) in &series.points {
-        let (px, py) = (left + w * frame.share_x(*x), top + h * frame.share_y(*y));
+        let (px, py) = (w * frame.share_x(*x), h * frame.share_y(*y));
         if !(px.is_finite() && py.is_finite()) {
             broken = true;
             continue;
@@ -440,7 +398,7 @@ fn draw_series(frame: &Frame, [left, top, w, h]: Field, series: &Series, out: &m
             Mark::Dots | Mark::Points => write!(out, "M{px:.2} {py:.2}h0"),
             Mark::Bars => {
                 let (from, wide) = (px - half, 2.0 * half);
-                write!(out, "M{from:.2} {floor}V{py:.2}h{wide:.2}V{floor}z")
+                write!(out, "M{from:.2} {h}V{py:.2}h{wide:.2}V{h}z")
             }
             _ if broken => write!(out, "M{px:.2} {py:.2}"),
             _ => write!(out, "L{px:.2} {py:.2}"),

@@ -1,6 +1,6 @@
-//! A turnable picture in space: wire ellipsoids, curves, arrows, and a body that rolls on a plane.
+//! A turnable picture in space: lit ellipsoids, curves, arrows, and a body that rolls on a plane.
 //!
-//! On paper and without JavaScript a still SVG; `scene.js` draws the same numbers on a canvas.
+//! On paper and without WebGL2 a still SVG; `space.js` draws the same numbers.
 
 use crate::error::PageError;
 use crate::markup::{Html, escape, island};
@@ -17,7 +17,7 @@ const HEIGHT: f64 = 480.0;
 const YAW: f64 = -0.9;
 const PITCH: f64 = 0.42;
 
-/// An ellipsoid as a wire mesh.
+/// An ellipsoid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ellipsoid {
     /// Name in the legend; empty for none.
@@ -28,7 +28,7 @@ pub struct Ellipsoid {
     pub axes: [Point; 3],
     /// Colour, 0 to 7.
     pub colour: usize,
-    /// Drawn faintly.
+    /// Drawn translucent: a ghost.
     pub faint: bool,
 }
 
@@ -41,10 +41,8 @@ pub struct Curve {
     pub points: Vec<Option<Point>>,
     /// Colour, 0 to 7.
     pub colour: usize,
-    /// Dashed.
-    pub dashed: bool,
-    /// Drawn faintly.
-    pub faint: bool,
+    /// Place in time of each point, 0 to 1: coloured by it instead.
+    pub shares: Option<Vec<f64>>,
 }
 
 /// An arrow with a word at its tip.
@@ -84,8 +82,10 @@ pub struct Rolling {
     pub normal: Vec<Point>,
     /// What the plane is called.
     pub plane: String,
-    /// Shown first as seen from space, where the plane lies still.
-    pub from_space: bool,
+    /// Whether the plane is invariable: then it lies still in space, with the herpolhode on it.
+    pub free: bool,
+    /// The plots over the same time.
+    pub group: String,
 }
 
 /// A picture in space.
@@ -103,9 +103,58 @@ pub struct Scene {
     pub spots: Vec<Spot>,
     /// The motion, where there is one.
     pub rolling: Option<Rolling>,
+    /// Bodies that move in joints; without it everything is one body.
+    pub tree: Option<Tree>,
     /// A remark under the picture.
     #[serde(skip)]
     pub note: String,
+}
+
+/// Bodies that move in joints, drawn where they stand at the first time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Tree {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// The plots over the same time.
+    pub group: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Joints, those of a parent before those of its children.
+    pub joints: Vec<Hinge>,
+    /// Body of each ellipsoid.
+    pub ellipsoids: Vec<usize>,
+    /// Body of each curve.
+    pub curves: Vec<usize>,
+    /// Body of each arrow.
+    pub arrows: Vec<usize>,
+    /// Body of each marked point.
+    pub spots: Vec<usize>,
+}
+
+/// A joint as drawn at the first time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Hinge {
+    /// Body that carries it.
+    pub parent: usize,
+    /// Body that it moves.
+    pub child: usize,
+    /// A point of its axis.
+    pub origin: Point,
+    /// Unit axis.
+    pub axis: Point,
+    /// Whether it slides instead of turning.
+    pub slides: bool,
+    /// Positions less the first one, rad or m; none for a joint that does not move.
+    pub moved: Vec<f64>,
+}
+
+/// What `space.js` reads.
+#[derive(Serialize)]
+struct Island<'a> {
+    #[serde(flatten)]
+    scene: &'a Scene,
+    centre: Point,
+    extent: f64,
 }
 
 impl Scene {
@@ -114,7 +163,13 @@ impl Scene {
     /// # Errors
     /// The numbers have no JSON form.
     pub fn html(&self) -> Result<Html, PageError> {
-        let data = island(self)?;
+        let view = View::around(self);
+        let data = island(&Island {
+            scene: self,
+            centre: view.centre,
+            extent: self.extent(),
+        })?;
+        let data = data.as_str();
         let title = escape(&self.title);
         let mut out = format!("<figure class=\"scene\"><figcaption><b>{title}</b>");
         for (name, kind, colour) in self.legend() {
@@ -147,11 +202,11 @@ impl Scene {
     /// Name, mark and colour of what the legend shows.
     pub(crate) fn legend(&self) -> Vec<(&str, &'static str, usize)> {
         let named = self.ellipsoids.iter().map(|e| {
-            let kind = if e.faint { "dashed" } else { "line" };
+            let kind = if e.faint { "bars" } else { "solid" };
             (e.name.as_str(), kind, e.colour)
         });
         let curves = self.curves.iter().map(|c| {
-            let kind = if c.dashed { "dashed" } else { "line" };
+            let kind = if c.shares.is_some() { "ramp" } else { "line" };
             (c.name.as_str(), kind, c.colour)
         });
         let plane = self.rolling.iter().map(|r| (r.plane.as_str(), "bars", 6));
@@ -161,15 +216,19 @@ impl Scene {
 
     fn draw(&self, out: &mut String) {
         let view = View::around(self);
-        for e in &self.ellipsoids {
-            let class = if e.faint { "wire faint" } else { "wire" };
-            for line in mesh(e) {
-                let (front, back) = view.split(&line, &e.centre);
-                let c = e.colour;
-                let _ = write!(
-                    out,
-                    "<path class=\"{class} back c{c}\" d=\"{back}\"/><path class=\"{class} c{c}\" d=\"{front}\"/>"
-                );
+        let mut solids: Vec<&Ellipsoid> = self.ellipsoids.iter().collect();
+        solids.sort_by(|a, b| {
+            dot(&a.centre, &view.towards).total_cmp(&dot(&b.centre, &view.towards))
+        });
+        for e in solids {
+            let class = if e.faint { "ghost" } else { "body" };
+            let (outline, c) = (view.path(&view.outline(e)), e.colour);
+            let _ = write!(out, "<path class=\"{class} c{c}\" d=\"{outline}z\"/>");
+            if !e.faint {
+                for line in mesh(e) {
+                    let front = view.front(&line, Some(e));
+                    let _ = write!(out, "<path class=\"wire\" d=\"{front}\"/>");
+                }
             }
         }
         if let Some((pole, normal)) = self.rolling.as_ref().and_then(Rolling::still) {
@@ -188,23 +247,11 @@ impl Scene {
                 corner(-1.0, 1.0)
             );
         }
+        // A path on the body is hidden where the body is before it.
+        let body = self.rolling.as_ref().and_then(|_| self.ellipsoids.first());
         for c in &self.curves {
-            let dashed = if c.dashed { " dashed" } else { "" };
-            let faint = if c.faint { " faint" } else { "" };
-            let colour = c.colour;
-            let mut draw = |d: &str, back: &str| {
-                let _ = write!(
-                    out,
-                    "<path class=\"curve{dashed}{faint}{back} c{colour}\" d=\"{d}\"/>"
-                );
-            };
-            if self.rolling.is_some() {
-                let (front, back) = view.split(&c.points, &[0.0; 3]);
-                draw(&back, " back");
-                draw(&front, "");
-            } else {
-                draw(&view.path(&c.points), "");
-            }
+            let (d, colour) = (view.front(&c.points, body), c.colour);
+            let _ = write!(out, "<path class=\"curve c{colour}\" d=\"{d}\"/>");
         }
         for a in &self.arrows {
             let (from, to) = (view.text(&a.from), view.text(&a.to));
@@ -365,27 +412,37 @@ impl View {
         d
     }
 
-    /// The parts before and behind the centre.
-    fn split(&self, line: &[Option<Point>], centre: &Point) -> (String, String) {
-        let (mut front, mut back) = (String::new(), String::new());
-        for pair in line.windows(2) {
-            let [Some(from), Some(to)] = pair else {
-                continue;
-            };
-            let middle = [0, 1, 2].map(|k| (from[k] + to[k]) / 2.0 - centre[k]);
-            let side = if dot(&middle, &self.towards) >= 0.0 {
-                &mut front
-            } else {
-                &mut back
-            };
-            let (a, b) = (self.text(from), self.text(to));
-            if side.ends_with(&a) {
-                let _ = write!(side, "L{b}");
-            } else {
-                let _ = write!(side, "M{a}L{b}");
-            }
-        }
-        (front, back)
+    /// The part of a line that an ellipsoid on which it lies does not hide; all of it without one.
+    fn front(&self, line: &[Option<Point>], body: Option<&Ellipsoid>) -> String {
+        let Some(body) = body else {
+            return self.path(line);
+        };
+        let seen = |p: &Point| {
+            let from = [0, 1, 2].map(|k| p[k] - body.centre[k]);
+            let normal = body.axes.iter().map(|a| {
+                let square = dot(a, a).max(f64::MIN_POSITIVE);
+                dot(a, &from) * dot(a, &self.towards) / (square * square)
+            });
+            normal.sum::<f64>() >= 0.0
+        };
+        let shown: Vec<Option<Point>> = line.iter().map(|p| p.filter(|p| seen(p))).collect();
+        self.path(&shown)
+    }
+
+    /// The edge of an ellipsoid as seen: in each direction of the picture its farthest point.
+    fn outline(&self, e: &Ellipsoid) -> Vec<Option<Point>> {
+        (0..72)
+            .map(|k| {
+                let (s, c) = (TAU * f64::from(k) / 72.0).sin_cos();
+                let d = [0, 1, 2].map(|i| c * self.right[i] + s * self.up[i]);
+                let along = e.axes.map(|a| dot(&a, &d));
+                let length = dot(&along, &along).sqrt().max(f64::MIN_POSITIVE);
+                Some([0, 1, 2].map(|i| {
+                    let reach: f64 = (0..3).map(|a| along[a] * e.axes[a][i]).sum();
+                    e.centre[i] + reach / length
+                }))
+            })
+            .collect()
     }
 }
 

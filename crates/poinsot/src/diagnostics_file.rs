@@ -8,7 +8,7 @@ use poinsot_identify::{Diagnostics, MomentumDrift};
 use poinsot_report::{Section, Table, significant};
 
 /// Probability below which a drift or a lag is worth a word.
-const SIGNIFICANT: f64 = 1.0e-4;
+pub(crate) const SIGNIFICANT: f64 = 1.0e-4;
 
 /// The tests of the residuals as in the result file.
 pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
@@ -58,12 +58,17 @@ pub(crate) fn rows(d: &DiagnosticsFile) -> Vec<[String; 3]> {
     rows
 }
 
-fn chi_square(d: &DiagnosticsFile) -> [String; 3] {
-    let verdict = match d.excess_sigmas {
+/// The size of the residual against the declared noise.
+pub(crate) fn chi_square_verdict(d: &DiagnosticsFile) -> &'static str {
+    match d.excess_sigmas {
         Some(x) if x > 6.0 => "larger than declared",
         Some(x) if x < -6.0 => "smaller than declared",
         _ => "as declared",
-    };
+    }
+}
+
+fn chi_square(d: &DiagnosticsFile) -> [String; 3] {
+    let verdict = chi_square_verdict(d);
     let result = format!("{:.0} for {} expected", d.chi2.unwrap_or(f64::NAN), d.dof);
     ["chi-square".to_owned(), result, verdict.to_owned()]
 }
@@ -130,13 +135,18 @@ fn finding(f: &poinsot_identify::Finding) -> FindingFile {
     }
 }
 
-fn residual(name: &str, c: &ChannelFile) -> [String; 3] {
-    let verdict = match (c.outlier_share > 1.0e-3 && c.outliers > 1, c.whiteness_p) {
+/// The shape of a sensor's residual in time.
+pub(crate) fn residual_verdict(c: &ChannelFile) -> &'static str {
+    match (c.outlier_share > 1.0e-3 && c.outliers > 1, c.whiteness_p) {
         (true, _) => "outliers",
         (false, Some(p)) if p < SIGNIFICANT => "correlated in time",
         (false, Some(_)) => "white",
         (false, None) => "",
-    };
+    }
+}
+
+fn residual(name: &str, c: &ChannelFile) -> [String; 3] {
+    let verdict = residual_verdict(c);
     let white = c
         .whiteness_p
         .map_or(String::new(), |p| format!(", white p = {p:.2}"));

@@ -128,7 +128,6 @@ fn verdict(identified: &Identified) -> String {
         status: e.status.name(),
         covariance_trustworthy: e.covariance_trustworthy,
         doubts: &e.doubts,
-        chi2: e.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max),
     };
     let combinations = match e.status {
         Status::Rejected | Status::IterationLimit => String::new(),

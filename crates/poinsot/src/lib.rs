@@ -22,6 +22,7 @@ pub mod report;
 mod schema;
 pub mod simulate;
 pub mod study;
+mod summary;
 pub mod sweep;
 mod threads;
 pub mod trials;

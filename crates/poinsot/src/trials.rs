@@ -10,7 +10,7 @@ mod sums;
 mod text;
 
 pub use band::Band;
-pub(crate) use band::sigmas_of_interval;
+pub(crate) use band::{normal_quantile, sigmas_of_interval};
 pub use interval::Interval;
 pub use statistics::{ParameterStatistics, Statistics, statistics, statistics_of};
 pub use sums::{NumberSums, SUMS_SCHEMA, Sums};

@@ -87,12 +87,7 @@ pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &Ran) -> Outcome {
     for path in ran.written.iter().filter(|_| !quiet) {
         note(&format!("written: {}", path.display()));
     }
-    let crashed = result.cells.iter().flat_map(|c| &c.methods);
-    let crashed = crashed
-        .flat_map(|m| &m.failures)
-        .any(|(_, why)| why.starts_with("crashed"));
-    let short = !result.missing.is_empty() || ran.reached == Some(false);
-    Ok(u8::from(crashed || short))
+    Ok(ran.exit_code())
 }
 
 /// The statistics so far, on standard error.

@@ -10,7 +10,7 @@ pub fn run(arguments: &Export) -> Outcome {
     let onto = arguments.onto.as_deref();
     let inputs: Vec<&std::path::Path> = std::iter::once(estimate.as_path()).chain(onto).collect();
     check_outputs("-o", arguments.out.as_slice(), &inputs)?;
-    let exported = export(&arguments.folder, arguments.to.target(), onto)?;
+    let exported = export(&arguments.folder, arguments.to.parse()?, onto)?;
     for line in exported.left_out.iter().filter(|_| !arguments.quiet) {
         note(line);
     }

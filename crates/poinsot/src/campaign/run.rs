@@ -49,6 +49,19 @@ pub struct Ran {
     pub written: Vec<PathBuf>,
 }
 
+impl Ran {
+    /// Exit code of the command: 1 where a trial crashed, a shard is missing, or `until` was not reached.
+    pub fn exit_code(&self) -> u8 {
+        let Some(result) = &self.result else {
+            return 0;
+        };
+        let methods = result.cells.iter().flat_map(|c| &c.methods);
+        let mut failures = methods.flat_map(|m| &m.failures);
+        let crashed = failures.any(|(_, why)| why.starts_with("crashed"));
+        u8::from(crashed || !result.missing.is_empty() || self.reached == Some(false))
+    }
+}
+
 /// Runs a plan in memory, for a result whose trials nobody keeps.
 ///
 /// # Errors

@@ -71,6 +71,21 @@ impl Target {
         }
     }
 
+    /// What it is, in one line of help.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Model => "Model file of Poinsot, changed in place",
+            Self::Urdf => "Robot description of ROS, changed in place",
+            Self::Sdf => "Robot description of Gazebo and Drake, changed in place",
+            Self::Mjcf => "Model of MuJoCo, changed in place",
+            Self::Basilisk => "Python that sets the hub of a Basilisk spacecraft",
+            Self::Apm => "Attitude parameter message, CCSDS 504.0-B-2: inertia",
+            Self::Acm => "Attitude comprehensive message, CCSDS 504.0-B-2: mass and inertia",
+            Self::Csv => "Table, one row a number",
+            Self::Onboard => "On-board table with covariance, JSON",
+        }
+    }
+
     /// How numbers get into a file that is there; `None` where the file is made anew.
     fn patch(self) -> Option<Patch> {
         match self {

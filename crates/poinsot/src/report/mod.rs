@@ -1,18 +1,23 @@
 //! The answer as a page: `estimate.json` and `report_data.json` become one HTML file. One file and one
 //! template per section.
 
+mod answer;
+mod bodies;
 mod data;
-mod diagnostics;
-mod fit;
-mod identifiability;
-mod mass;
+mod envelope;
+mod export;
+mod flown;
+mod known;
+mod lights;
 mod numbers;
+mod open;
+mod picture;
+mod poles;
 mod provenance;
-mod rolling;
 mod tensor;
+mod trust;
 mod truth;
 mod vehicle;
-mod verdict;
 
 pub use data::{REPORT_SCHEMA, ReportData, report_data};
 
@@ -20,7 +25,7 @@ use crate::error::{Error, no_page, unreadable};
 use crate::output::{OutputFile, write_files};
 use poinsot_files::read;
 use poinsot_formats::{ESTIMATE, EstimateFile, LARGEST_RESULT};
-use poinsot_report::{FigureFormat, Page, PageError, Part};
+use poinsot_report::{FigureFormat, Page, PageError};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use truth::Truth;
@@ -133,25 +138,21 @@ pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
 
 fn page(answer: &Answer) -> Result<Page, PageError> {
     let e = &answer.estimate;
-    let parts: Vec<Part> = vec![
-        verdict::part(answer)?,
-        mass::part(answer)?,
-        rolling::part(answer)?,
-        identifiability::part(answer)?,
-        fit::part(answer)?,
-        vehicle::part(answer)?,
+    let mut parts = vec![answer::part(answer)?, picture::part(answer)?];
+    parts.extend(open::part(answer)?);
+    parts.extend([
+        bodies::part(answer)?,
+        trust::part(answer)?,
+        flown::part(answer)?,
+        known::part(answer)?,
         provenance::part(answer)?,
-    ];
+    ]);
     Ok(Page {
         title: format!("Mass properties of {}", e.model),
-        subtitle: format!(
-            "identified from telemetry; method {}; poinsot {}",
-            e.method_in_words(),
-            e.poinsot
-        ),
-        footer: "Inertia is given as tensor elements (I xy = −∫ x y dm) about the body's mass centre in body axes. \
-                 Intervals hold the true value in 95 of 100 cases where the declared noise and the rigid model hold. \
-                 This file is complete in itself and loads nothing."
+        subtitle: format!("Identified from telemetry by poinsot {}.", e.poinsot),
+        footer: "Inertia is given as tensor elements (I xy = -∫ x y dm) about the body's mass centre in body axes. \
+                 A 95 % interval holds the true value in 95 of 100 cases where the declared noise and the rigid model hold. \
+                 This file is complete and loads nothing."
             .to_owned(),
         parts,
     })

@@ -1,82 +1,41 @@
-//! Numbers as a reader wants them.
+//! Numbers as a reader wants them: no more figures than they deserve, a plain minus sign, no sign on zero.
 
+use crate::trials::sigmas_of_interval;
 use poinsot_report::{number_with_sigma, significant};
-
-/// Half width of a 95 % interval, sigmas.
-pub(super) const NINETY_FIVE: f64 = 1.959964;
-
-/// The minus sign of print.
-pub(super) fn minus(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut before = ' ';
-    for c in text.chars() {
-        // A sign, not the sign of an exponent.
-        let sign = c == '-' && (out.is_empty() || !before.is_alphabetic());
-        out.push(if sign { '\u{2212}' } else { c });
-        before = c;
-    }
-    out
-}
 
 /// Value with the decimals its sigma deserves.
 pub(super) fn value(value: Option<f64>, sigma: Option<f64>) -> String {
     match value {
-        Some(_) => unsigned_zero(minus(&number_with_sigma(value, sigma).0)),
-        None => "not identifiable".to_owned(),
+        Some(_) => unsigned_zero(number_with_sigma(value, sigma).0),
+        None => "not determined".to_owned(),
     }
+}
+
+/// Half width of the 95 % interval; `None` where there is none.
+pub(super) fn half_width(sigma: Option<f64>) -> Option<f64> {
+    let sigma = sigma.filter(|s| *s > 0.0 && s.is_finite())?;
+    Some(ninety_five() * sigma)
+}
+
+/// Sigmas each side of a 95 % interval.
+pub(super) fn ninety_five() -> f64 {
+    sigmas_of_interval()
 }
 
 /// Half width of the 95 % interval, two figures.
 pub(super) fn plus_minus(sigma: Option<f64>) -> String {
-    match sigma {
-        Some(s) if s > 0.0 => format!("± {}", significant(NINETY_FIVE * s, 2)),
-        _ => String::new(),
-    }
+    half_width(sigma).map_or_else(String::new, |half| {
+        format!("\u{b1}{}", significant(half, 2))
+    })
 }
 
-/// Both ends of the 95 % interval.
-pub(super) fn interval(value: Option<f64>, sigma: Option<f64>) -> String {
-    let (Some(v), Some(s)) = (value, sigma) else {
-        return String::new();
-    };
-    if !(s > 0.0 && s.is_finite()) {
-        return String::new();
-    }
-    let end = |x: f64| minus(&number_with_sigma(Some(x), Some(s)).0);
-    format!(
-        "{} … {}",
-        end(v - NINETY_FIVE * s),
-        end(v + NINETY_FIVE * s)
-    )
-}
-
-/// A difference in sigmas.
-pub(super) fn in_sigmas(difference: f64, sigma: Option<f64>) -> String {
-    match sigma {
-        Some(s) if s > 0.0 => {
-            let z = difference / s;
-            // Rounded to zero it has no sign.
-            let z = if z.abs() < 0.05 { 0.0 } else { z };
-            if z.abs() < 1000.0 {
-                minus(&format!("{z:+.1}"))
-            } else {
-                minus(&format!("{z:+.0}"))
-            }
-        }
-        _ => String::new(),
-    }
-}
-
-/// A difference in percent of a reference.
-pub(super) fn percent(difference: f64, reference: f64) -> String {
-    if reference == 0.0 {
-        return String::new();
-    }
-    let share = 100.0 * difference / reference.abs();
-    if share.abs() < 1.0e4 {
-        minus(&format!("{share:+.3} %"))
+/// A difference with its sign, to the figures its sigma deserves.
+pub(super) fn difference(gap: f64, sigma: Option<f64>) -> String {
+    let text = unsigned_zero(number_with_sigma(Some(gap), sigma).0);
+    if text.starts_with('-') || gap <= 0.0 || is_zero(&text) {
+        text
     } else {
-        String::new()
+        format!("+{text}")
     }
 }
 
@@ -90,18 +49,46 @@ pub(super) fn short(x: f64) -> String {
     trimmed(significant(x, 5))
 }
 
+/// A nominal value with no more figures than help; composites have as many as a double holds.
+pub(super) fn brief(x: f64) -> String {
+    let all = plain(x);
+    if all.len() <= 9 {
+        all
+    } else {
+        significant(x, 6)
+    }
+}
+
 fn trimmed(text: String) -> String {
-    let short = match text.contains('.') && !text.contains('e') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => text.as_str(),
-    };
-    minus(short)
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 /// A rounded number that shows only zeros has no sign.
 fn unsigned_zero(text: String) -> String {
-    if text.chars().any(|c| c.is_ascii_digit() && c != '0') {
-        return text;
+    if is_zero(&text) {
+        return text.replace('-', "");
     }
-    text.replace('\u{2212}', "")
+    text
+}
+
+fn is_zero(text: &str) -> bool {
+    let mantissa = text.split('e').next().unwrap_or(text);
+    !mantissa.chars().any(|c| c.is_ascii_digit() && c != '0')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_zero_has_no_sign_and_a_gain_has_one() {
+        assert_eq!(difference(-0.001, Some(0.16)), "0.00");
+        assert_eq!(difference(0.001, Some(0.16)), "0.00");
+        assert_eq!(difference(1.5, Some(0.16)), "+1.50");
+        assert_eq!(value(Some(-1.0e-9), Some(0.1)), "0.00");
+        assert_eq!(value(Some(-1.25), Some(0.1)), "-1.25");
+    }
 }

@@ -1,4 +1,4 @@
-//! Section 7: repairs, warnings, and where everything comes from.
+//! Warnings, repairs, and where everything comes from.
 
 use super::Answer;
 use minijinja::{Value, context};
@@ -11,7 +11,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .iter()
         .map(|i| {
             let [a, b] = i.time_s;
-            let span = format!("{} … {}", significant(a, 6), significant(b, 6));
+            let span = format!("{} to {}", significant(a, 6), significant(b, 6));
             context! { path => i.path, sha256 => i.sha256, segment => i.segment, span, rows => i.rows }
         })
         .collect();
@@ -28,11 +28,12 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             method => e.method_in_words(),
             iterations => e.iterations,
             truth => answer.truth.is_known(),
+            epoch => e.epoch.as_ref().and_then(|x| x.at.clone()),
         },
     )?;
     Ok(Part {
         id: "provenance",
-        title: "Warnings, repairs, provenance",
+        title: "Provenance",
         body,
         figures: Vec::new(),
     })

@@ -1,7 +1,6 @@
 //! Ellipsoids of a tensor.
 
 use nalgebra::SymmetricEigen;
-use poinsot_formats::BodyFile;
 use poinsot_report::Point;
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -11,22 +10,8 @@ pub(super) fn matrix(t: &[f64; 6]) -> Matrix3 {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
-/// Estimated where all six are, else nominal; and whether it is estimated.
-pub(super) fn best(body: &BodyFile) -> (Matrix3, bool) {
-    let numbers = body.inertia_kg_m2.named();
-    let estimated = numbers.iter().all(|(_, n)| n.value.is_some());
-    let pick = |k: usize| {
-        let n = &numbers[k].1;
-        if estimated {
-            n.value.unwrap_or(n.nominal)
-        } else {
-            n.nominal
-        }
-    };
-    (matrix(&std::array::from_fn(pick)), estimated)
-}
-
-/// Principal moments, ascending, and axes; `None` where one is not positive.
+/// Principal moments, ascending, and right-handed axes that point to the side of their largest component, the first turned
+/// where handedness asks for it; `None` where one moment is not positive.
 pub(super) fn principal(I: &Matrix3) -> Option<([f64; 3], [Vector3; 3])> {
     if !I.iter().all(|x| x.is_finite()) {
         return None;
@@ -35,7 +20,17 @@ pub(super) fn principal(I: &Matrix3) -> Option<([f64; 3], [Vector3; 3])> {
     let mut order = [0, 1, 2];
     order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
     let moments = order.map(|k| eigen.eigenvalues[k]);
-    let axes = order.map(|k| eigen.eigenvectors.column(k).into_owned());
+    let mut axes = order.map(|k| {
+        let axis: Vector3 = eigen.eigenvectors.column(k).into_owned();
+        if axis[axis.iamax()] < 0.0 {
+            -axis
+        } else {
+            axis
+        }
+    });
+    if axes[0].cross(&axes[1]).dot(&axes[2]) < 0.0 {
+        axes[0] = -axes[0];
+    }
     (moments[0] > 0.0).then_some((moments, axes))
 }
 

@@ -1,255 +1,226 @@
-//! Section 6: the manoeuvre and the model, drawn from the model.
+//! The vehicle drawn from the model, moving in its joints, and where the suspected part is.
 
 use super::Answer;
-use super::data::{Pointer, Row, Segment, Vehicle};
-use super::numbers::short;
-use super::tensor::equivalent_ellipsoid;
-use minijinja::{Value, context};
-use poinsot_report::{
-    Arrow, Axis, Curve, Ellipsoid, Figure, Mark, PageError, Part, Plot, Point, Scene, Series, Spot,
-    render, significant,
-};
+use super::data::{DrawnBody, DrawnJoint, Pointer, Segment, Vehicle};
+use super::tensor::{equivalent_ellipsoid, matrix};
+use super::trust::group;
+use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Segments whose manoeuvre is drawn.
-const DRAWN: usize = 4;
+/// Name and colour of a body, by what the answer says of it.
+const DETERMINED: (&str, usize) = ("determined", 0);
+const OPEN: (&str, usize) = ("not all determined", 4);
+const KNOWN: (&str, usize) = ("known", 6);
+const WITHHELD: (&str, usize) = ("withheld", 6);
+const SUSPECT: (&str, usize) = ("suspected", 1);
+const JOINT: usize = 3;
+const WHEEL: usize = 2;
+const THRUSTER: usize = 7;
+/// Lengths of arrows over the largest semi-axis: a wheel's is seen from behind the body.
+const WHEEL_REACH: f64 = 1.6;
+const THRUSTER_REACH: f64 = 0.4;
+const JOINT_REACH: f64 = 0.15;
+/// Most instants of the motion in the joints.
+const INSTANTS: usize = 300;
 
-pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
-    let v = &answer.data.vehicle;
-    let bodies: Vec<Value> = v
-        .bodies
-        .iter()
-        .map(|b| {
-            let i = b.inertia_kg_m2;
-            context! {
-                name => b.name,
-                mass => short(b.mass_kg),
-                com => b.com_m.map(short).join(", "),
-                inertia => [i[0], i[2], i[5]].map(short).join(", "),
-                role => if b.estimated { "estimated" } else { "known" },
-            }
-        })
+/// The vehicle as a figure.
+pub(super) fn drawn(answer: &Answer) -> Figure {
+    Figure::scene("vehicle", scene(answer, &[]))
+}
+
+/// The vehicle with what the diagnostics suspect first marked.
+pub(super) fn suspected(answer: &Answer) -> Scene {
+    let d = answer.estimate.diagnostics.iter();
+    let names: Vec<&str> = d
+        .flat_map(|d| &d.suspects)
+        .map(|s| s.name.as_str())
         .collect();
-    let joints: Vec<Value> = v
-        .joints
-        .iter()
-        .map(|j| context! { name => j.name, kind => j.kind, parent => j.parent, child => j.child })
-        .collect();
-    let sensors: Vec<Value> = v
-        .sensors
-        .iter()
-        .map(|s| {
-            let unit = sensor_unit(&s.kind);
-            context! {
-                name => s.name,
-                kind => s.kind.replace('_', " "),
-                body => s.body,
-                sigma => s.sigma.map(|x| format!("{} {unit}", significant(x, 3))),
-                lsb => (s.quantisation > 0.0).then(|| format!("{} {unit}", significant(s.quantisation, 3))),
-            }
-        })
-        .collect();
-    let all = &answer.data.segments;
-    let drawn = Figure::scene("vehicle", scene(v));
-    let picture = drawn.html()?;
-    let mut drawings = vec![drawn];
-    let mut manoeuvre: Vec<Value> = Vec::new();
-    for (k, s) in all.iter().take(DRAWN).enumerate() {
-        let made = figures(k, s);
-        let html = Figure::page(&made)?;
-        manoeuvre.push(context! { label => s.label, figures => html.value() });
-        drawings.extend(made);
-    }
-    let body = render(
-        "vehicle.html",
-        include_str!("templates/vehicle.html"),
-        context! {
-            scene => picture.value(),
-            bodies, joints, sensors, manoeuvre,
-            more => all.len().saturating_sub(DRAWN),
+    scene(answer, names.get(..1).unwrap_or(&[]))
+}
+
+/// Whether a suspect's name, such as `wheel wheel2`, speaks of a part.
+fn named(suspect: &str, part: &str) -> bool {
+    let cut = |c: char| !(c.is_alphanumeric() || c == '_' || c == '-');
+    suspect == part || suspect.split(cut).any(|word| word == part)
+}
+
+fn scene(answer: &Answer, suspects: &[&str]) -> Scene {
+    let mut builder = Builder {
+        answer,
+        vehicle: &answer.data.vehicle,
+        suspects,
+        size: 0.0,
+        tree: Tree::default(),
+        scene: Scene {
+            title: "the vehicle, axes of the base, m".to_owned(),
+            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, \
+                   else nominal. Lines join the frame origins through the joints."
+                .to_owned(),
+            ..Scene::default()
         },
-    )?;
-    Ok(Part {
-        id: "vehicle",
-        title: "Manoeuvre and model",
-        body,
-        figures: drawings,
-    })
-}
-
-fn sensor_unit(kind: &str) -> &str {
-    match kind {
-        "gyro" | "joint_rate" | "wheel_speed" => "rad/s",
-        "attitude" | "joint_position" => "rad",
-        "position" => "m",
-        "velocity" | "velocity_increment" => "m/s",
-        "accelerometer" => "m/s²",
-        "thrust" => "N",
-        _ => "",
-    }
-}
-
-fn figures(at: usize, s: &Segment) -> Vec<Figure> {
-    let group = format!("segment{at}");
-    let mut plots = Vec::new();
-    for (unit, kind) in [("rad", "joint_angles"), ("m", "joint_travels")] {
-        let rows: Vec<&Row> = s.joints.iter().filter(|j| j.unit == unit).collect();
-        let plot = rows_plot("joint positions", "q", unit, &rows, s, &group);
-        plots.extend(plot.map(|p| (kind, p)));
-    }
-    let wheels: Vec<&Row> = s.wheels.iter().collect();
-    let plot = rows_plot("wheel speeds", "Omega", "rad/s", &wheels, s, &group);
-    plots.extend(plot.map(|p| ("wheel_speeds", p)));
-    plots.extend(thrust(s, &group).map(|p| ("thrust", p)));
-    plots
-        .into_iter()
-        .map(|(kind, p)| Figure::plot(&format!("manoeuvre_segment{}_{kind}", at + 1), p))
-        .collect()
-}
-
-fn rows_plot(
-    title: &str,
-    symbol: &str,
-    unit: &str,
-    rows: &[&Row],
-    s: &Segment,
-    group: &str,
-) -> Option<Plot> {
-    (!rows.is_empty()).then(|| Plot {
-        title: title.to_owned(),
-        x: Axis::new("time", "s"),
-        y: Axis::new(symbol, unit),
-        series: rows
-            .iter()
-            .enumerate()
-            .map(|(k, r)| Series::new(&r.name, Mark::Line, k, &s.time_s, &r.values))
-            .collect(),
-        group: group.to_owned(),
-        height: 190.0,
-        ..Plot::default()
-    })
-}
-
-/// Thrust as steps, one series a thruster.
-fn thrust(s: &Segment, group: &str) -> Option<Plot> {
-    let (first, last) = (*s.time_s.first()?, *s.time_s.last()?);
-    let mut names: Vec<&str> = s.firings.iter().map(|f| f.0.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    if names.is_empty() {
-        return None;
-    }
-    let series = names
-        .iter()
-        .enumerate()
-        .map(|(k, name)| {
-            let mut points = vec![(first, 0.0)];
-            for (_, start, end, force) in s.firings.iter().filter(|f| f.0 == *name) {
-                points.extend([(*start, 0.0), (*start, *force), (*end, *force), (*end, 0.0)]);
-            }
-            points.push((last, 0.0));
-            let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-            Series::new(name, Mark::Line, k, &x, &y)
-        })
-        .collect();
-    Some(Plot {
-        title: "thrust".to_owned(),
-        x: Axis::new("time", "s"),
-        y: Axis::new("force", "N"),
-        series,
-        group: group.to_owned(),
-        height: 160.0,
-        ..Plot::default()
-    })
-}
-
-fn scene(v: &Vehicle) -> Scene {
-    let mut scene = Scene {
-        title: "the vehicle at the first sample, base axes, m".to_owned(),
-        note: "Each body is drawn as the homogeneous ellipsoid with its mass and inertia (estimated where identified, else \
-               nominal), with its mass centre; lines join the origins of the bodies through the joints."
-            .to_owned(),
-        ..Scene::default()
     };
-    let place = |at: &Point| Vector3::from(*at);
-    let mut size: f64 = 0.0;
-    for (k, b) in v.bodies.iter().enumerate() {
-        let [r0, r1, r2] = b.rotation;
-        let R = Matrix3::from_row_slice(&[r0, r1, r2].concat());
-        let centre = place(&b.origin_m) + R * place(&b.com_m);
-        let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2;
-        let I = super::tensor::matrix(&[xx, yy, zz, xy, xz, yz]);
-        let Some(axes) = equivalent_ellipsoid(b.mass_kg, &I) else {
-            continue;
-        };
-        let axes = axes.map(|a| Point::from(R * place(&a)));
-        size = axes.iter().map(|a| place(a).norm()).fold(size, f64::max);
-        let colour = if b.estimated { 0 } else { 6 };
-        let first = v.bodies.iter().position(|o| o.estimated == b.estimated) == Some(k);
-        let role = if b.estimated { "estimated" } else { "known" };
-        scene.ellipsoids.push(Ellipsoid {
-            name: if first {
-                role.to_owned()
-            } else {
-                String::new()
-            },
-            centre: centre.into(),
-            axes,
-            colour,
-            faint: false,
-        });
-        scene.spots.push(Spot {
-            at: centre.into(),
-            label: b.name.clone(),
-            colour,
-        });
+    builder.bodies();
+    builder.joints();
+    builder.pointers(&builder.vehicle.wheels, WHEEL, WHEEL_REACH);
+    builder.pointers(&builder.vehicle.thrusters, THRUSTER, THRUSTER_REACH);
+    builder.moving();
+    builder.scene
+}
+
+struct Builder<'a> {
+    answer: &'a Answer,
+    vehicle: &'a Vehicle,
+    suspects: &'a [&'a str],
+    size: f64,
+    tree: Tree,
+    scene: Scene,
+}
+
+fn vector(at: &Point) -> Vector3 {
+    Vector3::from(*at)
+}
+
+impl<'a> Builder<'a> {
+    fn is_suspect(&self, name: &str) -> bool {
+        self.suspects.iter().any(|s| named(s, name))
     }
-    for j in &v.joints {
-        let parent = v.bodies.iter().find(|b| b.name == j.parent);
-        let from = parent.map_or([0.0; 3], |b| b.origin_m);
-        scene.curves.push(Curve {
-            name: String::new(),
-            points: vec![Some(from), Some(j.origin_m)],
-            colour: 6,
-            dashed: false,
-            faint: false,
-        });
-        if j.kind != "fixed" {
-            let reach = place(&j.axis) * (0.15 * size);
-            scene.arrows.push(arrow(&j.origin_m, &(-reach), "", 3));
-            // Joints in one place share a word.
-            let here = |o: &&super::data::DrawnJoint| o.origin_m == j.origin_m;
-            let first = v.joints.iter().find(here).is_some_and(|o| o.name == j.name);
-            let names: Vec<&str> = v
-                .joints
-                .iter()
-                .filter(here)
-                .map(|o| o.name.as_str())
-                .collect();
-            let label = if first {
-                names.join(", ")
-            } else {
-                String::new()
+
+    /// Place of a body among the bodies; the base where there is none of the name.
+    fn body(&self, name: &str) -> usize {
+        let place = self.vehicle.bodies.iter().position(|b| b.name == name);
+        place.unwrap_or(0)
+    }
+
+    fn role(&self, b: &DrawnBody) -> (&'static str, usize) {
+        let found = self.answer.estimate.bodies.get(&b.name);
+        let all = || found.iter().flat_map(|b| b.numbers()).map(|n| n.2);
+        match (self.is_suspect(&b.name), b.estimated) {
+            (true, _) => SUSPECT,
+            (false, false) => KNOWN,
+            (false, true) if self.answer.estimate.is_withheld() => WITHHELD,
+            (false, true) if all().all(|n| n.is_known() || n.value.is_some()) => DETERMINED,
+            (false, true) => OPEN,
+        }
+    }
+
+    fn bodies(&mut self) {
+        let mut named: Vec<&str> = Vec::new();
+        for (k, b) in self.vehicle.bodies.iter().enumerate() {
+            let [r0, r1, r2] = b.rotation;
+            let R = Matrix3::from_row_slice(&[r0, r1, r2].concat());
+            let centre = vector(&b.origin_m) + R * vector(&b.com_m);
+            let [xx, xy, yy, xz, yz, zz] = b.inertia_kg_m2;
+            let I = matrix(&[xx, yy, zz, xy, xz, yz]);
+            let Some(axes) = equivalent_ellipsoid(b.mass_kg, &I) else {
+                continue;
             };
-            scene.arrows.push(arrow(&j.origin_m, &reach, &label, 3));
+            let axes = axes.map(|a| Point::from(R * vector(&a)));
+            let longest = axes.iter().map(|a| vector(a).norm());
+            self.size = longest.fold(self.size, f64::max);
+            let (role, colour) = self.role(b);
+            let first = !named.contains(&role);
+            named.push(role);
+            self.tree.ellipsoids.push(k);
+            self.scene.ellipsoids.push(Ellipsoid {
+                name: if first { role } else { "" }.to_owned(),
+                centre: centre.into(),
+                axes,
+                colour,
+                faint: false,
+            });
+            self.tree.spots.push(k);
+            self.scene.spots.push(Spot {
+                at: centre.into(),
+                label: b.name.clone(),
+                colour,
+            });
         }
     }
-    let pointers = |list: &[Pointer], colour, reach: f64, scene: &mut Scene| {
-        for p in list {
-            let to = place(&p.direction) * reach;
-            scene.arrows.push(arrow(&p.at_m, &to, &p.name, colour));
+
+    fn joints(&mut self) {
+        let vehicle = self.vehicle;
+        for j in &vehicle.joints {
+            let (parent, child) = (self.body(&j.parent), self.body(&j.child));
+            let from = vehicle.bodies.get(parent).map_or([0.0; 3], |b| b.origin_m);
+            self.tree.curves.push(parent);
+            self.scene.curves.push(Curve {
+                name: String::new(),
+                points: vec![Some(from), Some(j.origin_m)],
+                colour: KNOWN.1,
+                shares: None,
+            });
+            if j.kind != "fixed" {
+                let reach = vector(&j.axis) * (JOINT_REACH * self.size);
+                self.arrow(child, &j.origin_m, &(-reach), "", JOINT);
+                // Joints in one place share a word.
+                let here = |o: &&DrawnJoint| o.origin_m == j.origin_m;
+                let together: Vec<&str> = vehicle
+                    .joints
+                    .iter()
+                    .filter(here)
+                    .map(|o| o.name.as_str())
+                    .collect();
+                let first = together.first() == Some(&j.name.as_str());
+                let label = if first {
+                    together.join(", ")
+                } else {
+                    String::new()
+                };
+                self.arrow(child, &j.origin_m, &reach, &label, JOINT);
+            }
         }
-    };
-    pointers(&v.wheels, 2, 1.1 * size, &mut scene);
-    pointers(&v.thrusters, 1, 0.4 * size, &mut scene);
-    scene
+    }
+
+    fn pointers(&mut self, list: &'a [Pointer], colour: usize, reach: f64) {
+        for p in list {
+            let by = vector(&p.direction) * (reach * self.size);
+            let (colour, label) = match self.is_suspect(&p.name) {
+                true => (SUSPECT.1, format!("{} (suspected)", p.name)),
+                false => (colour, p.name.clone()),
+            };
+            self.arrow(self.body(&p.body), &p.at_m, &by, &label, colour);
+        }
+    }
+
+    fn arrow(&mut self, body: usize, from: &Point, by: &Vector3, label: &str, colour: usize) {
+        self.tree.arrows.push(body);
+        self.scene.arrows.push(Arrow {
+            from: *from,
+            to: (vector(from) + by).into(),
+            label: label.to_owned(),
+            colour,
+        });
+    }
+
+    /// The motion in the joints during the first record that has one.
+    fn moving(&mut self) {
+        let segments = &self.answer.data.segments;
+        let Some(record) = segments.iter().position(|s| !s.joints.is_empty()) else {
+            return;
+        };
+        let s = &segments[record];
+        let stride = s.time_s.len().div_ceil(INSTANTS).max(1);
+        let hinge = |j: &DrawnJoint| Hinge {
+            parent: self.body(&j.parent),
+            child: self.body(&j.child),
+            origin: j.origin_m,
+            axis: j.axis,
+            slides: j.kind == "prismatic",
+            moved: moved(s, &j.name, stride),
+        };
+        self.tree.joints = self.vehicle.joints.iter().map(hinge).collect();
+        self.tree.time_s = s.time_s.iter().copied().step_by(stride).collect();
+        self.tree.bodies = self.vehicle.bodies.len();
+        self.tree.group = group(record);
+        self.scene.tree = Some(std::mem::take(&mut self.tree));
+    }
 }
 
-fn arrow(from: &Point, by: &Vector3, label: &str, colour: usize) -> Arrow {
-    Arrow {
-        from: *from,
-        to: (Vector3::from(*from) + by).into(),
-        label: label.to_owned(),
-        colour,
-    }
+/// Positions of a joint less the first one, to a tenth of a milliradian.
+fn moved(s: &Segment, joint: &str, stride: usize) -> Vec<f64> {
+    let row = s.joints.iter().find(|r| r.name == joint);
+    let values = row.map_or(&[][..], |r| &r.values);
+    let first = values.first().copied().unwrap_or(0.0);
+    let short = |x: &f64| ((x - first) * 1.0e4).round() / 1.0e4;
+    values.iter().step_by(stride).map(short).collect()
 }

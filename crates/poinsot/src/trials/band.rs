@@ -61,17 +61,18 @@ impl Band {
     pub fn of_bias(numbers: u64) -> Self {
         Self {
             low: 0.0,
-            high: quantile(1.0 - 0.5 * OUTSIDE) / (numbers as f64).sqrt(),
+            high: normal_quantile(1.0 - 0.5 * OUTSIDE) / (numbers as f64).sqrt(),
         }
     }
 }
 
 /// Sigmas each side of a 95 % interval.
 pub(crate) fn sigmas_of_interval() -> f64 {
-    quantile(0.5 * (1.0 + STATED))
+    normal_quantile(0.5 * (1.0 + STATED))
 }
 
-fn quantile(p: f64) -> f64 {
+/// Inverse of the normal distribution function.
+pub(crate) fn normal_quantile(p: f64) -> f64 {
     Normal::standard().inverse_cdf(p)
 }
 

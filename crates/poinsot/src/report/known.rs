@@ -1,0 +1,44 @@
+//! Sensitivity of the estimate to the numbers taken as known.
+
+use super::Answer;
+use minijinja::{Value, context};
+use poinsot_report::{PageError, Part, render, significant};
+
+/// Known numbers listed; the result file has all.
+const LISTED: usize = 40;
+
+pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
+    let known = &answer.estimate.known_numbers;
+    let rows: Vec<Value> = known
+        .sensitivities
+        .iter()
+        .take(LISTED)
+        .filter_map(|s| {
+            let largest = s.variance_share.iter().max_by(|a, b| a.1.total_cmp(b.1))?;
+            Some(context! {
+                number => s.number, unit => s.unit,
+                value => significant(s.value, 5),
+                sigma => significant(s.sigma, 2),
+                estimate => s.estimate.map(|x| significant(x, 5)),
+                most => largest.0,
+                change => s.change.get(largest.0).map(|c| significant(*c, 2)),
+                step => s.step,
+                share => format!("{:.0} %", 100.0 * largest.1),
+            })
+        })
+        .collect();
+    let body = render(
+        "known.html",
+        include_str!("templates/known.html"),
+        context! {
+            rows, exact => known.exact, assumed => known.source_assumed,
+            more => known.sensitivities.len().saturating_sub(LISTED),
+        },
+    )?;
+    Ok(Part {
+        id: "known",
+        title: "Sensitivity to known numbers",
+        body,
+        figures: Vec::new(),
+    })
+}
