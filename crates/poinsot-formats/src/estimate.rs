@@ -182,7 +182,7 @@ pub struct IdentifiabilityFile {
     pub structural_rank: usize,
     /// One sigma of each direction in natural units, ascending; null where unbounded.
     pub sigmas_natural: Vec<Option<f64>>,
-    /// Combinations that are determined.
+    /// Combinations that are determined; where they are fewer than the rank, other functions of the parameters behind them.
     pub identifiable: Vec<DeterminedFile>,
     /// Directions that are not.
     pub not_identifiable: Vec<UndeterminedFile>,
@@ -193,7 +193,7 @@ pub struct IdentifiabilityFile {
 pub struct DeterminedFile {
     /// In words.
     pub combination: String,
-    /// Coefficients by parameter name.
+    /// Coefficients by parameter name; empty of a function that is not linear.
     pub coefficients: IndexMap<String, f64>,
     /// Unit.
     pub unit: String,
@@ -214,6 +214,10 @@ pub struct UndeterminedFile {
     pub reason: String,
     /// What would determine it.
     pub remedy: String,
+    /// Values of each parameter that moves, at points of equal prediction along the direction, evenly spaced, the answer in
+    /// the middle.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub walk: IndexMap<String, Vec<f64>>,
 }
 
 /// Fit of one segment.

@@ -4,10 +4,9 @@ use crate::answer_body::{Judge, body, system};
 use crate::answer_covariance::{covariance, covariance_rows};
 use crate::answer_known::known_numbers;
 use crate::answer_momentum::{momentum, nuisances};
-use crate::combination::split;
+use crate::determined;
 use crate::estimate::{
-    BodyEstimate, DeterminedCombination, Estimate, Identifiability, NamedNumber, Number, Source,
-    Status,
+    BodyEstimate, Estimate, Identifiability, NamedNumber, Number, Source, Status,
 };
 use crate::parameters::Equations;
 use crate::problem::Problem;
@@ -80,6 +79,8 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let identifiability = identifiability(problem, solved, &judge);
     let status = status(&bodies, &identifiability, rejected, solved.settled);
     let nuisance = nuisances(&judge, solved);
+    let mut all = warnings(solved, &trust, (rejected, impossible), &bodies, &nuisance);
+    all.extend(determined::withheld(&identifiability));
     let rows = covariance_rows(solved, &bodies, &nuisance);
     let momentum = solved.starts.iter().map(|s| momentum(&judge, s)).collect();
     let system = (solved.parameters.equations == Equations::Momentum)
@@ -91,7 +92,7 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
         status,
         iterations: solved.iterations,
         assumptions: solved.assumptions.clone(),
-        warnings: warnings(solved, &trust, (rejected, impossible), &bodies, &nuisance),
+        warnings: all,
         bodies,
         system,
         momentum,
@@ -236,30 +237,14 @@ fn status(
 fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identifiability {
     let spectrum = solved.of_data();
     let m = spectrum.natural.len();
-    let combinations = split(
-        &spectrum.open_directions(),
-        &spectrum.natural,
-        &words::weights(solved),
-    );
-    let determined = combinations
-        .determined
-        .iter()
-        .filter_map(|c| {
-            let gradient = c.gradient(m);
-            let mut full = gradient.clone();
-            full.resize(solved.parameters.len(), 0.0);
-            let lead = c.terms.first()?.0;
-            Some(DeterminedCombination {
-                text: words::sentence(solved, c),
-                coefficients: words::named(solved, &gradient),
-                unit: solved.parameters.unknowns[lead].unit,
-                value: c.value(&solved.x),
-                sigma: judge.sigma_with(&full, 0.0)?,
-            })
-        })
-        .collect();
+    let mut determined = determined::combinations(solved, judge);
+    determined.extend(determined::functions(problem, solved, judge));
     let absent = words::absent(&solved.parameters);
     let mut open = words::open_directions(problem, solved);
+    if solved.data_alone.is_none() {
+        let walks = open.iter_mut().zip(&solved.open_set.walks);
+        walks.for_each(|(open, walk)| open.walk = words::walked(solved, walk));
+    }
     let numbers: usize = absent.iter().map(|c| c.coefficients.len()).sum();
     open.extend(absent);
     Identifiability {
@@ -267,6 +252,7 @@ fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identif
         rank: spectrum.rank,
         structural_rank: spectrum.structural_rank,
         sigmas_natural: spectrum.certificate.clone(),
+        ranks: solved.open_set.ranks(),
         determined,
         open,
     }

@@ -1,6 +1,7 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
 use crate::estimate::{BodyEstimate, Number, Principal, Source};
+use crate::open_set::OpenSet;
 use crate::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::quantity::{Quantity, TenParameters};
 use crate::solved::{HeadSolution, Solved, head};
@@ -10,18 +11,13 @@ use poinsot_model::EstimateSet;
 use poinsot_solve::Spectrum;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
 
-/// How far the unknowns are moved along open directions, in natural units, to see what follows.
-const SWING: f64 = 0.3;
-/// A quantity that moves by more than this share of its slope while they swing is open.
-const STIFF: f64 = 1.0e-3;
-
 /// Judges quantities: determined or open.
 pub(crate) struct Judge<'a> {
     spectrum: &'a Spectrum,
     /// What the data say without the priors of mass properties.
     data_alone: Option<&'a Spectrum>,
-    /// Unknowns swung along open directions: catches dependence of second order.
-    swung: Vec<Vec<f64>>,
+    /// What stays the same along it is determined.
+    open_set: &'a OpenSet,
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,
     rejected: bool,
@@ -32,27 +28,10 @@ pub(crate) struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub(crate) fn new(solved: &'a Solved, inflation: f64, rejected: bool) -> Self {
         let spectrum = &solved.spectrum;
-        let open = spectrum.open_directions();
-        let d = open.ncols();
-        let mixed = |sign: f64| {
-            let mut x = solved.x.clone();
-            for (i, unit) in spectrum.natural.iter().enumerate() {
-                let step: f64 = (0..d)
-                    .map(|k| open[(i, k)] * if k % 2 == 0 { 1.0 } else { sign })
-                    .sum();
-                x[i] += SWING * unit * step / (d as f64).sqrt();
-            }
-            x
-        };
-        let swung = if d == 0 {
-            Vec::new()
-        } else {
-            vec![mixed(1.0), mixed(-1.0)]
-        };
         Self {
             spectrum,
             data_alone: solved.data_alone.as_ref(),
-            swung,
+            open_set: &solved.open_set,
             inflation,
             rejected,
             nuisances: head(
@@ -85,7 +64,7 @@ impl<'a> Judge<'a> {
         &self,
         quantity: &Quantity,
         nominal: f64,
-        at: impl Fn(&[f64]) -> f64,
+        at: impl Fn(&[f64]) -> Quantity,
     ) -> Number {
         let (used, own) = self.folded(&quantity.gradient);
         let used = used.as_slice();
@@ -95,15 +74,8 @@ impl<'a> Judge<'a> {
         if self.rejected || !quantity.value.is_finite() {
             return Number::open(nominal);
         }
-        let slope: f64 = used
-            .iter()
-            .zip(&self.spectrum.natural)
-            .map(|(g, s)| (g * s).powi(2))
-            .sum::<f64>()
-            .sqrt();
-        let stiff = |x: &Vec<f64>| (at(x) - quantity.value).abs() <= STIFF * slope;
         match self.spectrum.sigma(used) {
-            Some(sigma) if self.swung.iter().all(stiff) => {
+            Some(sigma) if self.open_set.holds(quantity, sigma, at) => {
                 let sigma = sigma.hypot(own.sqrt()) * self.inflation;
                 let mut number = Number::data(quantity.value, sigma, nominal);
                 if self.data_alone.is_some_and(|d| d.sigma(used).is_none()) {
@@ -178,13 +150,13 @@ fn from_ten(
     at: impl Fn(&[f64]) -> TenParameters,
 ) -> BodyEstimate {
     let nominal_pi = nominal.parameters().to_array();
-    let mass = judge.number(&ten.parameter(0), nominal.mass, |x| at(x).value[0]);
+    let mass = judge.number(&ten.parameter(0), nominal.mass, |x| at(x).parameter(0));
     let com = [0, 1, 2].map(|k| {
         if !asked.com {
             return Number::known(nominal.p_BoBcm_B[k]);
         }
         judge.number(&ten.mass_centre(k), nominal.p_BoBcm_B[k], |x| {
-            at(x).mass_centre(k).value
+            at(x).mass_centre(k)
         })
     });
     let inertia = [0, 1, 2, 3, 4, 5].map(|k| {
@@ -192,11 +164,12 @@ fn from_ten(
             return Number::known(nominal.I_BBcm_B[TENSOR[k]]);
         }
         judge.number(&ten.central_inertia(k), nominal.I_BBcm_B[TENSOR[k]], |x| {
-            at(x).central_inertia(k).value
+            at(x).central_inertia(k)
         })
     });
-    let barycentric =
-        std::array::from_fn(|k| judge.number(&ten.parameter(k), nominal_pi[k], |x| at(x).value[k]));
+    let barycentric = std::array::from_fn(|k| {
+        judge.number(&ten.parameter(k), nominal_pi[k], |x| at(x).parameter(k))
+    });
     BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }
 
@@ -217,7 +190,11 @@ fn rotation_body(
             Some(at) => {
                 let mut gradient = vec![0.0; parameters.len()];
                 gradient[at] = 1.0;
-                judge.number(&Quantity { value, gradient }, nominal, |x| x[at])
+                let quantity = Quantity { value, gradient };
+                judge.number(&quantity, nominal, |x| Quantity {
+                    value: x[at],
+                    gradient: quantity.gradient.clone(),
+                })
             }
         }
     };

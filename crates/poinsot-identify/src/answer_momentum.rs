@@ -51,6 +51,8 @@ pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
                 gradient[at] = 1.0;
                 judge.sigma_with(&gradient, 0.0)
             };
+            let stays = |s: &f64| solved.open_set.keeps(at, solved.x[at], *s);
+            let sigma = sigma.filter(stays);
             NamedNumber {
                 name: unknown.name.clone(),
                 unit: unknown.unit,

@@ -22,7 +22,10 @@ const ITERATIONS: usize = 60;
 /// kind that cannot be thinned.
 pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
     let whole = experiment.problem.segments;
-    let segments = whole.iter().map(thinned).collect::<Option<Vec<_>>>()?;
+    let segments = whole
+        .iter()
+        .map(|s| thinned(s, FEW))
+        .collect::<Option<Vec<_>>>()?;
     let times =
         |all: &[Segment]| -> usize { all.iter().map(|s| s.observations.time_s.len()).sum() };
     if WORTH * times(&segments) > times(whole) {
@@ -38,13 +41,13 @@ pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
     far.then(|| levenberg_marquardt(&few, from.clone(), here, ITERATIONS).at)
 }
 
-/// A segment with a share of its readings; `None` with instruments whose readings span intervals of the grid.
-fn thinned(segment: &Segment) -> Option<Segment> {
+/// A segment with a share of its readings, at least `few` of each sensor; `None` with instruments whose readings span intervals of the grid.
+pub(crate) fn thinned(segment: &Segment, few: usize) -> Option<Segment> {
     let o = &segment.observations;
     if o.reads_points() {
         return None;
     }
-    let kept = kept(segment);
+    let kept = kept(segment, few);
     let dof = o.joint_position.len() / o.time_s.len().max(1);
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
     let rows = |all: &[f64], width: usize| -> Vec<f64> {
@@ -75,12 +78,12 @@ fn thinned(segment: &Segment) -> Option<Segment> {
 }
 
 /// Grid times that stay: some readings of each sensor, both ends, and where a thruster starts or stops.
-fn kept(segment: &Segment) -> Vec<usize> {
+fn kept(segment: &Segment, few: usize) -> Vec<usize> {
     let o = &segment.observations;
     let n = o.time_s.len();
     let mut stays = vec![false; n];
     for record in &o.sensors {
-        let stride = (record.samples.len() / FEW).clamp(1, STRIDE);
+        let stride = (record.samples.len() / few).clamp(1, STRIDE);
         let samples = record.samples.iter().step_by(stride);
         samples.for_each(|s| stays[s.to] = true);
     }

@@ -36,6 +36,16 @@ pub enum CompletionError {
         "the estimate holds no determined combination (status rejected, or nothing identified): there is nothing to predict with; give an estimate of more data"
     )]
     Nothing,
+    /// Linear combinations do not hold all that is determined.
+    #[error(
+        "the estimate determines {rank} directions and states {linear} linear combinations: parameters that predict the same do not follow from these; validate against the model instead, or give an estimate with translation measured"
+    )]
+    Curved {
+        /// Determined directions.
+        rank: usize,
+        /// Linear combinations.
+        linear: usize,
+    },
     /// Two combinations say the same.
     #[error(
         "the determined combinations of the estimate contradict each other: the file was changed; write it anew with identify"
@@ -67,24 +77,32 @@ pub struct CompletedVehicle {
     pub thrust_factor: Vec<(usize, f64)>,
 }
 
-/// Completes the determined combinations of an estimate with the nominal numbers of its model.
+/// Completes the determined combinations of an estimate with the nominal numbers of its model. `rank` directions are
+/// determined.
 ///
 /// # Errors
-/// The combinations do not belong to this model.
+/// The combinations do not belong to this model, or are not all that is determined.
 pub fn complete(
     model: &Model,
     tree: &Tree,
     determined: &[DeterminedCombination],
+    rank: usize,
 ) -> Result<Completion, CompletionError> {
-    if determined.is_empty() {
-        return Err(CompletionError::Nothing);
+    let nothing = determined.is_empty();
+    let linear = determined.iter().filter(|c| !c.coefficients.is_empty());
+    let determined: Vec<&DeterminedCombination> = linear.collect();
+    let linear = determined.len();
+    match linear {
+        0 if nothing => return Err(CompletionError::Nothing),
+        _ if linear < rank => return Err(CompletionError::Curved { rank, linear }),
+        _ => {}
     }
     // The unknowns of an estimate that saw rotation alone have other names.
     let equations = [Equations::Momentum, Equations::Rotation];
     let mut refused = CompletionError::Nothing;
     for parameters in equations.map(|e| Parameters::new(model, tree, e, true)) {
         let Ok(parameters) = parameters else { continue };
-        match complete_parameters(&parameters, determined) {
+        match complete_parameters(&parameters, &determined) {
             Err(e @ CompletionError::UnknownParameter(_)) => refused = e,
             done => return done,
         }
@@ -94,7 +112,7 @@ pub fn complete(
 
 fn complete_parameters(
     parameters: &Parameters,
-    determined: &[DeterminedCombination],
+    determined: &[&DeterminedCombination],
 ) -> Result<Completion, CompletionError> {
     let unknowns = &parameters.unknowns;
     let m = unknowns.iter().filter(|u| !u.kind.is_nuisance()).count();
@@ -220,7 +238,7 @@ estimate = true
             combination(&[("bus.m", 1.0), ("bus.mc_x", -3.0)], 8.0),
             combination(&[("bus.I_BBo_yy", 1.0)], 1.7),
         ];
-        let done = complete(&model, &tree, &given).unwrap();
+        let done = complete(&model, &tree, &given, 2).unwrap();
         let bus = done.vehicle().bodies[0];
         assert!((bus.mass - 3.0 * bus.mc_B.x - 8.0).abs() < 1e-12);
         assert!((bus.I_BBo_B[(1, 1)] - 1.7).abs() < 1e-12);
@@ -239,7 +257,9 @@ estimate = true
     fn unit_combinations_of_another_model_are_refused() {
         let model = parse_model(MODEL, "m.toml").unwrap();
         let tree = Tree::new(&model);
-        let refusal = |given: &[DeterminedCombination]| complete(&model, &tree, given).unwrap_err();
+        let refusal = |given: &[DeterminedCombination]| {
+            complete(&model, &tree, given, given.len()).unwrap_err()
+        };
         let stranger = CompletionError::UnknownParameter("arm.m".into());
         assert_eq!(refusal(&[combination(&[("arm.m", 1.0)], 1.0)]), stranger);
         assert_eq!(refusal(&[]), CompletionError::Nothing);

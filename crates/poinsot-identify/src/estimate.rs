@@ -165,12 +165,12 @@ pub struct NamedNumber {
     pub number: Number,
 }
 
-/// A combination of parameters that the data determine.
+/// A combination of parameters, or a function of them that is no combination, that the data determine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeterminedCombination {
     /// In words and numbers.
     pub text: String,
-    /// Name and coefficient of each parameter.
+    /// Name and coefficient of each parameter; empty of a function that is not linear.
     pub coefficients: Vec<(String, f64)>,
     /// Unit of the leading parameter.
     pub unit: &'static str,
@@ -191,6 +191,9 @@ pub struct OpenCombination {
     pub reason: String,
     /// What would close it.
     pub remedy: String,
+    /// Values of each parameter that moves, at points of equal prediction along it, evenly spaced, the answer in the middle;
+    /// empty where nobody walked.
+    pub walk: Vec<(String, Vec<f64>)>,
 }
 
 /// What the data determine and what they leave open.
@@ -202,9 +205,12 @@ pub struct Identifiability {
     pub rank: usize,
     /// Directions above round-off.
     pub structural_rank: usize,
+    /// Rank at the answer and at two points of equal prediction as far from it as was walked; empty where the open set is
+    /// straight.
+    pub ranks: Vec<usize>,
     /// Sigma of each direction in natural units, best first.
     pub sigmas_natural: Vec<f64>,
-    /// Determined combinations.
+    /// Determined combinations; where they are fewer than the rank, other functions behind them.
     pub determined: Vec<DeterminedCombination>,
     /// Open directions.
     pub open: Vec<OpenCombination>,

@@ -295,7 +295,7 @@ impl Local {
     }
 
     /// What a step of the mass properties takes with it.
-    fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
+    pub fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
         (&self.evaluated, &self.shared, &self.spectrum.natural)
     }
 }
@@ -528,7 +528,7 @@ fn heads_decrease(experiment: &Experiment, local: &Local) -> f64 {
 }
 
 /// The point after a step of the mass properties: biases and heads follow.
-fn moved(
+pub(crate) fn moved(
     experiment: &Experiment,
     at: &Point,
     (evaluated, shared, natural): (&[Evaluated], &Shared, &[f64]),

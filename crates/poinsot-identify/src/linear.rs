@@ -10,6 +10,7 @@ use crate::estimate::{Estimate, SegmentFit};
 use crate::fit::fit;
 use crate::impulse;
 use crate::information::Experiment;
+use crate::open_set::OpenSet;
 use crate::parameters::{Equations, Parameters};
 use crate::problem::{Problem, ProblemError};
 use crate::quantity::TenParameters;
@@ -17,6 +18,7 @@ use crate::residual;
 use crate::rows::{RowSetting, Rows, StartMomentum};
 use crate::segment::Segment;
 use crate::solved::{Reduced, Shared, Solved, StartOfSegment, VectorQuantity, head};
+use crate::walk::straight_set;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
@@ -53,6 +55,7 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
         let judged = fitted.spectrum.judged(problem.relative_accuracy);
         restrict(problem, &mut solved, &judged)?;
     }
+    solved.open_set = straight_set(problem, &solved);
     Ok(answer::write(problem, &solved))
 }
 
@@ -258,6 +261,7 @@ fn conclude(
         starts: Vec::new(),
         fit: Vec::new(),
         reduced,
+        open_set: OpenSet::default(),
         iterations: 1,
         settled: true,
         warnings: Vec::new(),

@@ -18,12 +18,14 @@ use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
 use crate::octaves::octaves;
+use crate::open_set::OpenSet;
 use crate::parameters::{
     Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
 };
 use crate::problem::{Problem, ProblemError};
 use crate::propagation::within_steps;
 use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
+use crate::walk::open_set;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::{LeastSquares, Spectrum};
 use poinsot_spatial::Vector3;
@@ -121,6 +123,10 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
     let centre = match &known {
         Some(_) => Centre::at(problem, &solved.parameters, &at.x),
         None => None,
+    };
+    solved.open_set = match &known {
+        None => open_set(&experiment, &at, &solved),
+        Some(known) => open_set(&known.experiment(&experiment), &at, &solved),
     };
     solved.assumptions = assumptions;
     if let Some(warning) = crate::input_noise::approximate(problem) {
@@ -426,6 +432,7 @@ pub(crate) fn conclude(
         sensitive_to: Vec::new(),
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
+        open_set: OpenSet::default(),
         rows,
     }
 }

@@ -4,6 +4,7 @@ use crate::conflict::Conflict;
 use crate::estimate::SegmentFit;
 use crate::fit::Held;
 use crate::known::Effects;
+use crate::open_set::OpenSet;
 use crate::parameters::Parameters;
 use crate::rows::StartMomentum;
 use faer::Mat;
@@ -230,6 +231,8 @@ pub(crate) struct Solved {
     pub fit: Vec<SegmentFit>,
     /// Triangles of the linear method; empty for others.
     pub reduced: Vec<Reduced>,
+    /// Walks along what is open.
+    pub open_set: OpenSet,
     /// Iterations, and whether they settled.
     pub iterations: usize,
     pub settled: bool,

@@ -2,6 +2,7 @@
 
 use crate::combination::{Combination, split};
 use crate::estimate::OpenCombination;
+use crate::open_set::{POINTS, REACH, Walk};
 use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, axis_name};
 use crate::problem::Problem;
 use crate::rows::parameters_in_base;
@@ -55,6 +56,7 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
                 text: symmetry.text,
                 reason: symmetry.reason,
                 remedy: symmetry.remedy,
+                walk: Vec::new(),
             });
         }
     }
@@ -86,6 +88,7 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
                 coefficients: vec![(format!("{body}.{what}"), 1.0)],
                 reason: reason.to_owned(),
                 remedy: remedy.to_owned(),
+                walk: Vec::new(),
             });
         };
         if asked.mass {
@@ -351,7 +354,25 @@ fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> 
         coefficients: named(solved, &combination.gradient(m)),
         reason,
         remedy,
+        walk: Vec::new(),
     }
+}
+
+/// Values of each parameter that moves on a walk; none where it ended early.
+pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
+    let m = solved.of_data().natural.len();
+    if walk.points.len() != 2 * POINTS + 1 {
+        return Vec::new();
+    }
+    let unknowns = solved.parameters.unknowns[..m].iter().enumerate();
+    let moves = unknowns.filter_map(|(i, u)| {
+        let values: Vec<f64> = walk.points.iter().map(|x| x[i]).collect();
+        let far = values
+            .iter()
+            .any(|v| (v - solved.x[i]).abs() > SAID * u.natural * REACH);
+        far.then(|| (u.name.clone(), values))
+    });
+    moves.collect()
 }
 
 /// Why a direction without a closed form is open: how the base turned.

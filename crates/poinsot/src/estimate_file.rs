@@ -221,6 +221,7 @@ pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
                 coefficients: coefficients(&c.coefficients),
                 reason: c.reason.clone(),
                 remedy: c.remedy.clone(),
+                walk: c.walk.iter().cloned().collect(),
             })
             .collect(),
     }

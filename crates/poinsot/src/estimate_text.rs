@@ -226,7 +226,11 @@ pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
 
 fn determined(identified: &Identified) -> Section {
     let all = &identified.estimate.identifiability.determined;
-    let mut table = Table::new(&["determined combination", "value", "1 sigma", "unit"]);
+    let what = match all.iter().all(|c| !c.coefficients.is_empty()) {
+        true => "determined combination",
+        false => "determined combination or function",
+    };
+    let mut table = Table::new(&[what, "value", "1 sigma", "unit"]);
     for c in all.iter().take(LISTED) {
         let (value, sigma) = number_with_sigma(Some(c.value), Some(c.sigma));
         table.push(vec![c.text.clone(), value, sigma, c.unit.to_owned()]);

@@ -70,6 +70,7 @@ pub(super) fn identifiability(
                     reason: "step 2 needs mass and mass centre, which step 1 leaves open"
                         .to_owned(),
                     remedy: remedy.to_owned(),
+                    walk: Vec::new(),
                 });
                 found.sigmas_natural.push(f64::INFINITY);
             }
@@ -159,6 +160,7 @@ pub(super) fn describe<const N: usize>(
                 } else {
                     remedy.to_owned()
                 },
+                walk: Vec::new(),
             });
         }
     }

@@ -82,6 +82,7 @@ pub fn of_estimate(estimate: &Estimate, model: &Model) -> Result<EstimatedVehicl
         model,
         &Tree::new(model),
         &estimate.identifiability.determined,
+        estimate.identifiability.rank,
     );
     let completion = completion.map_err(|e| ValidateError::Estimate {
         path: PathBuf::from("estimate"),
@@ -162,10 +163,11 @@ fn completed(
             })
         })
         .collect();
-    let determined = determined.filter(|d| d.len() == read.identifiability.rank);
     let determined =
         determined.ok_or("it withholds some of its combinations: nothing to predict with; give an estimate of more data")?;
-    let completion = complete(model, &Tree::new(model), &determined).map_err(|e| e.to_string())?;
+    let rank = read.identifiability.rank;
+    let completion = complete(model, &Tree::new(model), &determined, rank);
+    let completion = completion.map_err(|e| e.to_string())?;
     Ok((completion.vehicle(), Some(completion)))
 }
 

@@ -24,6 +24,8 @@ mod counts;
 mod drawn;
 mod evaluation;
 mod faults;
+#[path = "../../examples/open_set/flown.rs"]
+mod flown;
 mod gaps;
 mod gate;
 mod gravity_gradient;
@@ -39,6 +41,7 @@ mod methods;
 mod mixed_up;
 mod noisy_files;
 mod nutation;
+mod open_set;
 mod papers_outside;
 mod physical;
 #[allow(
