@@ -14,7 +14,9 @@ impl Words {
 
     /// Papers with studies.
     pub fn papers() -> Self {
-        Self(poinsot::study::papers().map(|p| p.0).collect())
+        let mut papers: Vec<&'static str> = poinsot::study::studies().map(|s| s.0).collect();
+        papers.dedup();
+        Self(papers)
     }
 
     /// Studies of any paper.

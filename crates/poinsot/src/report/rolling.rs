@@ -87,7 +87,7 @@ fn moment_sigmas(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> O
     let rows: Option<Vec<usize>> = numbers
         .iter()
         .map(|(element, _)| {
-            let wanted = format!("{name}.inertia_{element}");
+            let wanted = format!("{name}.inertia_kg_m2.{element}");
             covariance.names.iter().position(|n| *n == wanted)
         })
         .collect();

@@ -17,6 +17,7 @@ mod compare;
 mod counts;
 mod evaluation;
 mod faults;
+mod formats;
 mod gaps;
 mod gate;
 mod gravity_gradient;
