@@ -7,7 +7,7 @@ use crate::shape::{Order, Space, Target, Use};
 use crate::trial::Question;
 use crate::vehicles::{drawn, has_prior};
 use crate::verify::verify;
-use crate::watch::Watch;
+use crate::watch::{Watch, fine_times};
 use crate::written::manoeuvre_text;
 use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
@@ -39,8 +39,6 @@ const TIME_LEFT: f64 = 0.01;
 const FALL: f64 = 1.5;
 /// By how much a shortest time reaches what is wanted: thinned rows and limits that are left to the end cost as much.
 const SURE: f64 = 0.01;
-/// Samples of the final check for each one of the case.
-const FINE: f64 = 5.0;
 /// Shares of a manoeuvre that are tried where a limit is broken by what the search does not resolve.
 const SHARES: [f64; 7] = [1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.95];
 /// By what part of itself a limit may be exceeded: the error of the integration.
@@ -506,13 +504,6 @@ fn word(objective: Objective) -> &'static str {
         Objective::LogDet => "log_det",
         Objective::ShortestTime => "shortest_time",
     }
-}
-
-/// Times on which limits are checked in the end.
-pub(crate) fn fine_times(case: &Case) -> Vec<f64> {
-    let mut fine = case.clone();
-    fine.rate_hz *= FINE;
-    fine.times()
 }
 
 /// A duration of whole samples.

@@ -24,8 +24,8 @@ mod written;
 
 pub use design::{DesignRequest, design, design_case};
 pub use file::design_file;
-pub use result::{Designed, LimitUse, Reach, Relaxed};
+pub use result::{Designed, LimitUse, Reach, Relaxed, Verification, VerifiedNumber};
 pub use text::design_document;
 pub use vehicles::{drawn, has_prior};
-pub use verify::{Verification, VerifiedNumber};
+
 pub use written::{manoeuvre_case, write_design};

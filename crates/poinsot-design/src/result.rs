@@ -1,8 +1,8 @@
 //! What a design gives.
 
 use crate::shape::Command;
-use crate::verify::Verification;
 use poinsot::case::Want;
+use poinsot::trials::Band;
 use poinsot_model::Model;
 
 /// One wanted number and what the manoeuvre gives of it.
@@ -57,6 +57,41 @@ pub struct Relaxed {
     pub factor: f64,
     /// Largest ratio then.
     pub ratio: f64,
+}
+
+/// One wanted number over all flights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerifiedNumber {
+    /// What is wanted.
+    pub name: String,
+    /// Root mean square of error over the predicted sigma of that flight.
+    pub rms_ratio: f64,
+    /// Its 99.9 % band.
+    pub band: Band,
+    /// Flights that determined it.
+    pub flights: u64,
+}
+
+/// What trial flights show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// Flights.
+    pub flights: u64,
+    /// Flights without an answer to everything that is wanted, and why.
+    pub failed: Vec<String>,
+    /// In the order of what is wanted.
+    pub numbers: Vec<VerifiedNumber>,
+    /// Flights in which a limit was broken.
+    pub limits_broken: u64,
+}
+
+impl Verification {
+    /// Whether every ratio lies in its band, no flight failed, and at most one in a hundred broke a limit.
+    pub fn agrees(&self) -> bool {
+        let held = self.numbers.iter().all(|n| n.band.holds(n.rms_ratio));
+        // Margins are for 99 % of the prior.
+        held && self.failed.is_empty() && 100 * self.limits_broken <= self.flights
+    }
 }
 
 /// The manoeuvre with what it gives.

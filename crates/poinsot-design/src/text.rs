@@ -1,7 +1,6 @@
 //! A design in words: one sentence first, then the numbers behind it.
 
-use crate::result::Designed;
-use crate::verify::Verification;
+use crate::result::{Designed, Verification};
 use poinsot_report::{Document, Section, Table, Tone, significant};
 
 /// Figures of a sigma.

@@ -1,10 +1,10 @@
 //! Trial flights of a designed manoeuvre: a vehicle of the prior and sensor noise of its own each time, identified from
 //! the nominal numbers, and its error beside the sigma that was predicted for it.
 
-use crate::design::fine_times;
-use crate::result::Designed;
+use crate::result::{Designed, Verification, VerifiedNumber};
 use crate::trial::Question;
 use crate::vehicles::drawn;
+use crate::watch::fine_times;
 use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
@@ -18,41 +18,6 @@ use rayon::prelude::*;
 const FLIGHT_STREAM: u64 = 1 << 33;
 /// How far a limit may be exceeded by round-off.
 const ROUNDED: f64 = 2.0e-6;
-
-/// One wanted number over all flights.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VerifiedNumber {
-    /// What is wanted.
-    pub name: String,
-    /// Root mean square of error over the predicted sigma of that flight.
-    pub rms_ratio: f64,
-    /// Its 99.9 % band.
-    pub band: Band,
-    /// Flights that determined it.
-    pub flights: u64,
-}
-
-/// What trial flights show.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Verification {
-    /// Flights.
-    pub flights: u64,
-    /// Flights without an answer to everything that is wanted, and why.
-    pub failed: Vec<String>,
-    /// In the order of what is wanted.
-    pub numbers: Vec<VerifiedNumber>,
-    /// Flights in which a limit was broken.
-    pub limits_broken: u64,
-}
-
-impl Verification {
-    /// Whether every ratio lies in its band, no flight failed, and at most one in a hundred broke a limit.
-    pub fn agrees(&self) -> bool {
-        let held = self.numbers.iter().all(|n| n.band.holds(n.rms_ratio));
-        // Margins are for 99 % of the prior.
-        held && self.failed.is_empty() && 100 * self.limits_broken <= self.flights
-    }
-}
 
 /// One flight: error over predicted sigma of everything that is wanted, and whether a limit was broken.
 type Outcome = Result<(Vec<f64>, bool), String>;

@@ -2,13 +2,23 @@
 //!
 //! Between two samples a value may rise above both by an eighth of its second difference; that much is added.
 
-use poinsot::case::{Capsule, Limits};
+use poinsot::case::{Capsule, Case, Limits};
 use poinsot_dynamics::MotionSample;
 use poinsot_model::Model;
 use poinsot_spatial::Vector3;
 
 /// Parts of the manoeuvre whose largest values are limited one by one: the search sees where a limit is broken.
 const WINDOWS: usize = 12;
+
+/// Samples of the final check for each one of the case.
+const FINE: f64 = 5.0;
+
+/// Times on which limits are checked in the end.
+pub(crate) fn fine_times(case: &Case) -> Vec<f64> {
+    let mut fine = case.clone();
+    fine.rate_hz *= FINE;
+    fine.times()
+}
 
 /// A limit on the motion.
 #[derive(Debug, Clone, PartialEq)]

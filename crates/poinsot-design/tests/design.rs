@@ -194,9 +194,7 @@ fn prop_vehicles_of_the_prior_hold_the_limits_that_depend_on_them() {
     assert!(body.value < 0.04 && body.value > 0.03, "{body:?}");
 }
 
-/// Open: on this box the errors are 0.07 to 0.09 of the predicted sigma, far below the band (docs/validation/design.md).
 #[test]
-#[ignore = "fails: the prediction for this box is 13 times too large, cause not found"]
 fn stat_trial_flights_scatter_as_predicted() {
     let (case, model) = boxed("", 1.0e-3);
     let request = DesignRequest {
@@ -221,17 +219,16 @@ fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_woul
             .iter()
             .any(|l| l.is_active() && l.what.starts_with("speed of"))
     );
-    let faster = found
-        .relaxed
-        .iter()
-        .find(|r| r.what == "wheel speeds")
-        .unwrap();
-    assert!(faster.ratio < 0.95 * found.worst_ratio(), "{faster:?}");
+    let ratio = |what: &str| found.relaxed.iter().find(|r| r.what == what).unwrap().ratio;
+    let (worst, faster, longer) = (
+        found.worst_ratio(),
+        ratio("wheel speeds"),
+        ratio("duration"),
+    );
+    // More of a limit never tells less, and more time tells much more.
     assert!(
-        found
-            .relaxed
-            .iter()
-            .any(|r| r.what == "duration" && r.ratio < found.worst_ratio())
+        faster <= worst && longer < 0.95 * worst,
+        "{worst} {faster} {longer}"
     );
 }
 

@@ -11,7 +11,7 @@ use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
 use crate::file::ModelFile;
 use crate::finding::{Findings, Key};
-use crate::known::Knowledge;
+use crate::knowledge::Knowledge;
 use crate::vehicle::Model;
 
 /// More bodies than this are refused.

@@ -3,7 +3,7 @@
 use crate::check_sensor::kind_of;
 use crate::file::{ModelFile, SourceFile};
 use crate::finding::{Findings, Key};
-use crate::known::{Knowledge, KnownNumber, Origin, Uncertain};
+use crate::knowledge::{Knowledge, KnownNumber, Origin, Uncertain};
 use crate::vehicle::Model;
 
 /// What one table declares.

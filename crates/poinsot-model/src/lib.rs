@@ -21,6 +21,7 @@ mod document;
 mod file;
 mod finding;
 mod kinematic;
+mod knowledge;
 mod known;
 mod number;
 mod patch;
@@ -35,7 +36,9 @@ mod write_telemetry;
 
 pub use describe::*;
 pub use finding::{Finding, ModelError};
-pub use known::{Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across};
+pub use knowledge::{
+    Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
+};
 pub use number::rounded;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_telemetry::TelemetryMap;

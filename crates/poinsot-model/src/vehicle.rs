@@ -1,6 +1,6 @@
 //! The vehicle as the rest of the program sees it: checked, in SI, names resolved to indices.
 
-use crate::known::{Knowledge, across};
+use crate::knowledge::{Knowledge, across};
 pub use poinsot_dynamics::{Nuisance, Orbit, Sensor, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;

@@ -1,6 +1,6 @@
 //! A checked vehicle as a `poinsot.model/1` file that reads back equal.
 
-use crate::known::{KnownNumber, Origin};
+use crate::knowledge::{KnownNumber, Origin};
 use crate::vehicle::{
     Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
 };

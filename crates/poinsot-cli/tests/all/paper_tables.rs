@@ -113,18 +113,19 @@ fn commands(cell: &str) -> Vec<&str> {
 }
 
 /// Whether a test file of a crate has a test whose name begins so.
-fn has_test(package: &str, test: &str, filter: Option<&str>) -> bool {
+/// Whether a file of a crate's tests, or of a folder of them, has this test.
+fn has_test(package: &str, file: &str, name: &str) -> bool {
     let tests = repository().join("crates").join(package).join("tests");
-    let mut files = vec![tests.join(format!("{test}.rs"))];
-    if let Ok(entries) = std::fs::read_dir(tests.join(test)) {
+    let folder = tests.join("all").join(file);
+    let mut files = vec![
+        tests.join(format!("{file}.rs")),
+        folder.with_extension("rs"),
+    ];
+    if let Ok(entries) = std::fs::read_dir(&folder) {
         files.extend(entries.map(|e| e.unwrap().path()));
     }
-    let mut texts = files
-        .iter()
-        .filter_map(|f| std::fs::read_to_string(f).ok())
-        .peekable();
-    texts.peek().is_some()
-        && filter.is_none_or(|name| texts.any(|t| t.contains(&format!("fn {name}"))))
+    let mut texts = files.iter().filter_map(|f| std::fs::read_to_string(f).ok());
+    texts.any(|t| t.contains(&format!("fn {name}")))
 }
 
 #[test]
@@ -146,9 +147,13 @@ fn cli_every_command_of_the_papers_tables_exists() {
                             assert!(repository().join(path).exists(), "{command}: {path}");
                         }
                     }
-                    ["cargo", "test", "-p", package, "--test", test, filter @ ..] => {
-                        let filter = filter.first().copied();
-                        assert!(has_test(package, test, filter), "{command}");
+                    ["cargo", "test", "-p", package, test] => {
+                        let (file, name) = test.split_once("::").expect(&command);
+                        assert!(has_test(package, file, name), "{command}");
+                    }
+                    // A crate with one file of tests.
+                    ["cargo", "test", "-p", package, "--test", file, name] => {
+                        assert!(has_test(package, file, name), "{command}");
                     }
                     _ => panic!("{paper}, {what}: '{command}' is no command of a known kind"),
                 }

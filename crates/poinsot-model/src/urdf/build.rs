@@ -5,7 +5,7 @@ use super::inertial::rotation;
 use super::raw::{Kind, Robot};
 use super::tree::Order;
 use crate::Environment;
-use crate::known::Knowledge;
+use crate::knowledge::Knowledge;
 use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
