@@ -174,6 +174,6 @@ fn cli_what_is_not_determined_is_not_exported() {
         );
     }
     let table = exported(folder.path(), "csv");
-    let row = table.lines().find(|l| l.contains("inertia_xy")).unwrap();
-    assert_eq!(row, "spacecraft,inertia_xy,kg m2,,,0.0,not determined");
+    let row = table.lines().find(|l| l.contains("inertia_kg_m2.xy")).unwrap();
+    assert_eq!(row, "spacecraft,inertia_kg_m2.xy,kg m2,,,0.0,not determined");
 }
