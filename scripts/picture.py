@@ -50,16 +50,16 @@ def rows_of(answer, truth):
         rows.append(
             {
                 "label": [("I", e)],
-                "sigma": inertia["sigma"][e],
-                "error": None if inertia["value"][e] is None else abs(inertia["value"][e] - truth[e]),
-                "start": abs(inertia["nominal"][e] - truth[e]),
+                "sigma": inertia[e]["sigma"],
+                "error": None if inertia[e]["value"] is None else abs(inertia[e]["value"] - truth[e]),
+                "start": abs(inertia[e]["nominal"] - truth[e]),
             }
         )
     if any(row["error"] is None for row in rows):
         for c in answer["identifiability"]["identifiable"]:
-            parts = [(name.rsplit("_", 1)[1], k) for name, k in c["coefficients"].items()]
+            parts = [(name.rsplit(".", 1)[1], k) for name, k in c["coefficients"].items()]
             true_value = sum(k * truth[e] for e, k in parts)
-            start = sum(k * inertia["nominal"][e] for e, k in parts)
+            start = sum(k * inertia[e]["nominal"] for e, k in parts)
             said = sorted((p for p in parts if abs(p[1]) >= 0.01), key=lambda p: p[1] != 1.0)
             rows.append(
                 {

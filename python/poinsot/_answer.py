@@ -26,14 +26,18 @@ def _float(value: float | None) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _tensor(elements: Mapping[str, float | None]) -> Array:
+def _tensor(quantity: Mapping[str, Any], part: str) -> Array:
     out = np.full((3, 3), np.nan)
     for name, (i, j) in _ELEMENTS.items():
-        out[i, j] = out[j, i] = _float(elements[name])
+        out[i, j] = out[j, i] = _float(quantity[name][part])
     return out
 
 
-def _vector(values: Any) -> Array:
+def _vector(quantity: Mapping[str, Any], part: str) -> Array:
+    return np.array([_float(quantity[axis][part]) for axis in "xyz"])
+
+
+def _list(values: Any) -> Array:
     return np.array([_float(x) for x in values])
 
 
@@ -52,10 +56,10 @@ class Body:
     inertia_kg_m2, inertia_sigma_kg_m2 : ndarray, shape (3, 3)
         Inertia tensor about the mass centre, tensor elements, in the body's axes.
     source : dict
-        Origin of every number, ``"mass"``, ``"com_x"`` ..., ``"I_xx"`` ...: ``"data"``, ``"prior"``, ``"known"``, or None
-        where it is undetermined.
+        Origin of every number by address, ``"mass_kg"``, ``"com_m.x"`` ..., ``"inertia_kg_m2.xx"`` ...: ``"data"``,
+        ``"prior"``, ``"known"``, or None where it is undetermined.
     nominal : dict
-        Numbers of the model by the same names.
+        Numbers of the model by the same addresses.
     first_moment_kg_m, first_moment_sigma_kg_m : ndarray, shape (3,)
         Mass times mass centre; may be determined where the mass centre is not.
     inertia_origin_kg_m2, inertia_origin_sigma_kg_m2 : ndarray, shape (3, 3)
@@ -89,30 +93,25 @@ class Body:
     def _of(cls, name: str, d: Mapping[str, Any]) -> Body:
         mass, com, tensor, about = d["mass_kg"], d["com_m"], d["inertia_kg_m2"], d["barycentric"]
         first, origin, principal = about["mc_kg_m"], about["I_BBo_kg_m2"], d["principal"]
-        sources = {"mass": _source(mass["source"])}
-        nominal = {"mass": _float(mass["nominal"])}
-        for k, axis in enumerate("xyz"):
-            sources[f"com_{axis}"] = _pick(com["source"], k)
-            nominal[f"com_{axis}"] = _float(com["nominal"][k])
-        for element in _ELEMENTS:
-            sources[f"I_{element}"] = _pick(tensor["source"], element)
-            nominal[f"I_{element}"] = _float(tensor["nominal"][element])
+        numbers = {"mass_kg": mass}
+        numbers |= {f"com_m.{axis}": com[axis] for axis in "xyz"}
+        numbers |= {f"inertia_kg_m2.{element}": tensor[element] for element in _ELEMENTS}
         return cls(
             name=name,
             mass_kg=_float(mass["value"]),
             mass_sigma_kg=_float(mass["sigma"]),
-            com_m=_vector(com["value"]),
-            com_sigma_m=_vector(com["sigma"]),
-            inertia_kg_m2=_tensor(tensor["value"]),
-            inertia_sigma_kg_m2=_tensor(tensor["sigma"]),
-            source=sources,
-            nominal=nominal,
-            first_moment_kg_m=_vector(first["value"]),
-            first_moment_sigma_kg_m=_vector(first["sigma"]),
-            inertia_origin_kg_m2=_tensor(origin["value"]),
-            inertia_origin_sigma_kg_m2=_tensor(origin["sigma"]),
-            principal_moments_kg_m2=_vector(principal["moments_kg_m2"] if principal else [None] * 3),
-            principal_axes_xyzw=_vector(principal["axes_xyzw"] if principal else [None] * 4),
+            com_m=_vector(com, "value"),
+            com_sigma_m=_vector(com, "sigma"),
+            inertia_kg_m2=_tensor(tensor, "value"),
+            inertia_sigma_kg_m2=_tensor(tensor, "sigma"),
+            source={name: number["source"] for name, number in numbers.items()},
+            nominal={name: _float(number["nominal"]) for name, number in numbers.items()},
+            first_moment_kg_m=_vector(first, "value"),
+            first_moment_sigma_kg_m=_vector(first, "sigma"),
+            inertia_origin_kg_m2=_tensor(origin, "value"),
+            inertia_origin_sigma_kg_m2=_tensor(origin, "sigma"),
+            principal_moments_kg_m2=_list(principal["moments_kg_m2"] if principal else [None] * 3),
+            principal_axes_xyzw=_list(principal["axes_xyzw"] if principal else [None] * 4),
             physically_consistent=d["physically_consistent"],
         )
 
@@ -122,14 +121,6 @@ class Body:
         return all(source is not None for source in self.source.values())
 
 
-def _source(source: Any) -> str | None:
-    return None if source is None else str(source)
-
-
-def _pick(source: Any, key: int | str) -> str | None:
-    return _source(source if source is None or isinstance(source, str) else source[key])
-
-
 @dataclass(frozen=True)
 class Covariance:
     """Covariance of all determined numbers.
@@ -137,7 +128,7 @@ class Covariance:
     Attributes
     ----------
     names : tuple of str
-        Rows, for example ``"bus.mass"``.
+        Addresses of the rows, for example ``"bus.com_m.x"``, ``"gyro.bias_rad_s.x"``.
     units : tuple of str
         Their units.
     matrix : ndarray, shape (n, n)
@@ -292,7 +283,7 @@ class Answer:
 
     @property
     def nuisance(self) -> dict[str, dict[str, Any]]:
-        """Biases, scales, lags and spin inertias: value, sigma, nominal, source by name."""
+        """Biases, scales, lags and spin inertias: value, sigma, nominal, source by address, ``"gyro.bias_rad_s.x"``."""
         return dict(self._document["nuisance"])
 
     @property

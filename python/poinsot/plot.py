@@ -76,7 +76,7 @@ def compare(answers: Mapping[str, Answer] | Sequence[Answer], body: str | None =
                 panel.text(k, 0.5, "undetermined", rotation=90, ha="center", va="center", transform=panel.get_xaxis_transform())
             else:
                 panel.errorbar([k], [value], yerr=[_INTERVAL * sigma], fmt="o", capsize=4, label=name)
-            panel.axhline(found.nominal[f"I_{element}"], color="0.6", linestyle=":", linewidth=1)
+            panel.axhline(found.nominal[f"inertia_kg_m2.{element}"], color="0.6", linestyle=":", linewidth=1)
         panel.set_xlim(-0.6, len(named) - 0.4)
         panel.set_xticks(range(len(named)), list(named), rotation=45, ha="right")
         panel.set_title(f"$I_{{{element}}}$ (kg m²)", fontsize="medium")

@@ -59,10 +59,10 @@ def answer(command, tmp_path_factory):
 @pytest.fixture(scope="module")
 def expected(answer):
     body = json.loads((answer / "estimate.json").read_text())["bodies"][BODY]
-    i = body["inertia_kg_m2"]["value"]
+    i = {name: number["value"] for name, number in body["inertia_kg_m2"].items()}
     tensor = [[i["xx"], i["xy"], i["xz"]], [i["xy"], i["yy"], i["yz"]], [i["xz"], i["yz"], i["zz"]]]
     return SimpleNamespace(
-        mass=body["mass_kg"]["value"], com=np.array(body["com_m"]["value"]), inertia=np.array(tensor)
+        mass=body["mass_kg"]["value"], com=np.array([body["com_m"][axis]["value"] for axis in "xyz"]), inertia=np.array(tensor)
     )
 
 
@@ -159,7 +159,7 @@ def test_exact_table_and_onboard(command, answer, expected):
 
     rows = list(csv.DictReader(exported(command, answer, "csv").open()))
     found = {row["quantity"]: row for row in rows if row["body"] == BODY}
-    assert float(found["inertia_xx"]["value"]) == expected.inertia[0, 0] and found["mass"]["source"] == "known"
+    assert float(found["inertia_kg_m2.xx"]["value"]) == expected.inertia[0, 0] and found["mass_kg"]["source"] == "known"
     table = json.loads(exported(command, answer, "onboard").read_text())
     assert np.array_equal(table["bodies"][BODY]["inertia_kg_m2"], expected.inertia)
     covariance = np.array(table["covariance"])

@@ -78,11 +78,11 @@ def test_exact_answer_holds_the_document(answer):
     assert answer.acceptable and answer.evidence == ()
     assert 0.0 <= answer.sensitivities["wheel motion between samples"] < 1.0
     tensor = entry["inertia_kg_m2"]
-    assert body.inertia_kg_m2[0, 1] == body.inertia_kg_m2[1, 0] == tensor["value"]["xy"]
-    assert body.inertia_sigma_kg_m2[2, 2] == tensor["sigma"]["zz"]
-    assert body.source["mass"] == "known" and body.source["I_xx"] == "data"
+    assert body.inertia_kg_m2[0, 1] == body.inertia_kg_m2[1, 0] == tensor["xy"]["value"]
+    assert body.inertia_sigma_kg_m2[2, 2] == tensor["zz"]["sigma"]
+    assert body.source["mass_kg"] == "known" and body.source["inertia_kg_m2.xx"] == "data"
     assert answer.covariance.matrix.shape == (len(answer.covariance.names),) * 2
-    k = answer.covariance.names.index("spacecraft.I_xx") if "spacecraft.I_xx" in answer.covariance.names else 0
+    k = answer.covariance.names.index("spacecraft.inertia_kg_m2.xx")
     assert answer.covariance.sigma[k] > 0.0
     residuals = answer.residuals("gyro")
     assert residuals.residual.shape == (residuals.time_s.size, 3)
@@ -95,7 +95,7 @@ def test_exact_undetermined_is_nan_and_named():
     body = answer.bodies["spacecraft"]
     assert answer.rank == (3, 6) and answer.status == "partial" and not answer.acceptable
     for element, (i, j) in {"xx": (0, 0), "xy": (0, 1), "zz": (2, 2)}.items():
-        open_entry = body.source[f"I_{element}"] is None
+        open_entry = body.source[f"inertia_kg_m2.{element}"] is None
         assert open_entry == bool(np.isnan(body.inertia_kg_m2[i, j])) == bool(np.isnan(body.inertia_sigma_kg_m2[i, j]))
     assert np.isnan(body.inertia_kg_m2).any() and not body.determined
     assert len(answer.undetermined) == 3

@@ -31,6 +31,6 @@ def test_exact_compare_marks_what_is_undetermined(answers):
 
     figure = plot.compare({"six slews": answers[0], "one slew": answers[1]})
     words = [t.get_text() for panel in figure.axes for t in panel.texts]
-    assert words.count("undetermined") == sum(answers[1].bodies["spacecraft"].source[f"I_{e}"] is None for e in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    assert words.count("undetermined") == sum(answers[1].bodies["spacecraft"].source[f"inertia_kg_m2.{e}"] is None for e in ("xx", "yy", "zz", "xy", "xz", "yz"))
     with pytest.raises(pn.InputError):
         answers[0].plot("pie")

@@ -1,16 +1,11 @@
-//! The page of formats: keys of the model file from its schema, keys of the result from an answer.
+//! The page of formats: keys of the model file and of the results, from their schemas.
 
 use crate::commands::{GENERATED, cell};
-use crate::error::BookError;
-use crate::results::Example;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 
 /// The page `formats.md`.
-///
-/// # Errors
-/// The program refuses its own example.
-pub fn page() -> Result<String, BookError> {
+pub fn page() -> String {
     let mut out = "# Formats\n\n".to_owned();
     out.push_str(GENERATED);
     out.push_str(
@@ -19,8 +14,38 @@ pub fn page() -> Result<String, BookError> {
          [the cases](../examples/cases/README.md).\n\n",
     );
     model(&mut out);
-    estimate(&mut out)?;
-    Ok(out)
+    out
+}
+
+/// The page `results.md`.
+pub fn results_page() -> String {
+    let mut out = "# Result formats\n\n".to_owned();
+    out.push_str(GENERATED);
+    out.push_str(
+        "Every file that Poinsot writes, and every answer under `--json`, names its format in the key `schema`. `poinsot \
+         schema NAME` prints the JSON Schema from which this page is made. Null means: not determined. What was not asked, \
+         or does not apply, is absent. Numbers have the same name, shape and unit in every format.\n\n\
+         Names of numbers are addresses: the name of a body, joint, wheel, thruster or sensor, a quantity with its unit, and \
+         a component: `bus.mass_kg`, `bus.com_m.x`, `bus.inertia_kg_m2.xy`, `gyro.bias_rad_s.x`, `wheel1.spin_inertia_kg_m2`. \
+         Plans, `--vary` and `[[want]]` use the same addresses.\n",
+    );
+    let mut parts = std::collections::BTreeMap::new();
+    for name in poinsot_formats::names() {
+        let Some(schema) = poinsot_formats::schema(name) else {
+            continue;
+        };
+        table(&format!("The {name} format"), &schema, &mut out);
+        let own = schema.get("$defs").and_then(Value::as_object);
+        parts.extend(
+            own.into_iter()
+                .flatten()
+                .map(|(k, v)| (k.clone(), v.clone())),
+        );
+    }
+    for (name, part) in &parts {
+        definition(name, part, &mut out);
+    }
+    out
 }
 
 fn model(out: &mut String) {
@@ -37,24 +62,29 @@ fn model(out: &mut String) {
         .and_then(Value::as_object)
         .unwrap_or(&empty);
     for (name, part) in parts {
-        if part.get("properties").is_some() {
-            table(&title(name), part, out);
-        } else {
-            let about = part
-                .get("description")
-                .and_then(Value::as_str)
-                .unwrap_or_default();
-            let _ = write!(out, "\n### {}\n\n{}\n", title(name), about.trim());
-            let _ = write!(out, "\n{}\n", kind(part));
-        }
+        definition(name, part, out);
     }
 }
 
-/// `BodyFile` is written "body".
+/// A part of a schema that has a name.
+fn definition(name: &str, part: &Value, out: &mut String) {
+    if part.get("properties").is_some() {
+        table(&title(name), part, out);
+    } else {
+        let about = part
+            .get("description")
+            .and_then(Value::as_str)
+            .unwrap_or_default();
+        let _ = write!(out, "\n### {}\n\n{}\n", title(name), about.trim());
+        let _ = write!(out, "\n{}\n", kind(part));
+    }
+}
+
+/// `BodyFile` is written "body", `Axes_for_NumberFile` "axes of number".
 fn title(name: &str) -> String {
     let mut out = String::new();
-    for c in name.strip_suffix("File").unwrap_or(name).chars() {
-        if c.is_uppercase() && !out.is_empty() {
+    for c in name.replace("File", "").replace("_for_", " of ").chars() {
+        if c.is_uppercase() && !out.is_empty() && !out.ends_with(' ') {
             out.push(' ');
         }
         out.extend(c.to_lowercase());
@@ -137,118 +167,5 @@ fn kind(value: &Value) -> String {
         Some("boolean") => "`true`, `false`".to_owned(),
         Some(other) => other.to_owned(),
         None => String::new(),
-    }
-}
-
-/// Meaning of the keys at the top of a result.
-const MEANINGS: [(&str, &str); 20] = [
-    ("schema", "Format."),
-    ("poinsot", "Version that wrote it."),
-    ("method", "Method that gave the answer."),
-    ("variant", "Variant of the method, where it has any."),
-    (
-        "status",
-        "`converged`, `partial`, `not_identifiable`, `iteration_limit` or `rejected`.",
-    ),
-    ("iterations", "Iterations of the fit; 0 for a closed form."),
-    ("model", "Name of the vehicle."),
-    (
-        "inputs",
-        "Every file read, with its SHA-256, segment, time span and rows.",
-    ),
-    (
-        "bodies",
-        "By name: mass, mass centre and inertia about the mass centre in body axes, each with value, sigma, nominal and source; principal moments and axes; the ten parameters about the body's origin.",
-    ),
-    (
-        "covariance",
-        "Names, units and matrix of all estimated mass properties and nuisances.",
-    ),
-    (
-        "system",
-        "Composite of the whole vehicle at the first sample, with the joint positions for which it holds.",
-    ),
-    (
-        "momentum",
-        "Linear momentum, and angular momentum about the mass centre, at the first sample of every segment, in N.",
-    ),
-    (
-        "nuisance",
-        "Whatever else was estimated: biases, scales, lags.",
-    ),
-    (
-        "identifiability",
-        "Number of unknowns, rank, sigma of every direction in natural units, combinations that are determined and that are not.",
-    ),
-    (
-        "fit",
-        "Per segment: samples, chi-square per degree of freedom, and for every sensor rms and whiteness of the residual.",
-    ),
-    (
-        "covariance_trustworthy",
-        "`false` where anything speaks against the answer, or no covariance is stated.",
-    ),
-    (
-        "doubts",
-        "Why the answer is not to be relied on, the most important first; empty where nothing speaks against it. Not empty: exit code 1.",
-    ),
-    (
-        "method_report",
-        "What a published method prints besides; `null` otherwise.",
-    ),
-    ("repairs", "What was assumed or repaired."),
-    ("ignored_columns", "Columns nobody asked for."),
-];
-
-fn estimate(out: &mut String) -> Result<(), BookError> {
-    let answer = Example::named("stsat3, several axes").answer()?;
-    out.push_str(
-        "\n## The result: poinsot.estimate/1\n\n\
-         `estimate.json`. A number that the data and declared priors do not determine is `null` in value, sigma and source. \
-         The keys below are those of a real answer; `[]` is an entry of a list, `*` any name.\n\n\
-         | key | meaning |\n|---|---|\n",
-    );
-    let empty = Map::new();
-    let keys = answer.as_object().unwrap_or(&empty);
-    for key in keys.keys() {
-        let meaning = MEANINGS.iter().find(|(k, _)| k == key).map(|(_, m)| *m);
-        let meaning = meaning.unwrap_or(match key.as_str() {
-            "warnings" => "What a reader should know before trusting the numbers.",
-            _ => "",
-        });
-        let _ = writeln!(out, "| `{key}` | {meaning} |");
-    }
-    out.push_str("\nIn full:\n\n```text\n");
-    let mut lines = Vec::new();
-    for (key, value) in keys {
-        paths(key, value, &mut lines);
-    }
-    lines.dedup();
-    out.push_str(&lines.join("\n"));
-    out.push_str("\n```\n");
-    Ok(())
-}
-
-/// Every path of a document with the type of what stands there.
-fn paths(path: &str, value: &Value, out: &mut Vec<String>) {
-    let named = ["bodies", "nuisance", "fit[].channels"].contains(&path);
-    match value {
-        Value::Object(map) if named => {
-            if let Some(first) = map.values().next() {
-                paths(&format!("{path}.*"), first, out);
-            }
-        }
-        Value::Object(map) if map.is_empty() => out.push(format!("{path}: table")),
-        Value::Object(map) => map
-            .iter()
-            .for_each(|(key, value)| paths(&format!("{path}.{key}"), value, out)),
-        Value::Array(list) => match list.first() {
-            Some(first) => paths(&format!("{path}[]"), first, out),
-            None => out.push(format!("{path}[]")),
-        },
-        Value::Null => out.push(format!("{path}: null here")),
-        Value::Bool(_) => out.push(format!("{path}: true or false")),
-        Value::Number(_) => out.push(format!("{path}: number")),
-        Value::String(_) => out.push(format!("{path}: text")),
     }
 }

@@ -13,7 +13,8 @@ pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
     let docs = root().join("docs");
     let mut pages = vec![
         (docs.join("commands.md"), commands::page()),
-        (docs.join("formats.md"), formats::page()?),
+        (docs.join("formats.md"), formats::page()),
+        (docs.join("results.md"), formats::results_page()),
         (docs.join("validation.md"), validation::page()?),
         (docs.join("verdicts.md"), verdicts::page()),
     ];

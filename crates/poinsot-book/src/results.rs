@@ -2,8 +2,8 @@
 
 use crate::error::BookError;
 use crate::repository::root;
-use poinsot::{IdentifyRequest, estimate_json, identify};
-use serde_json::Value;
+use poinsot::{IdentifyRequest, estimate_file, identify};
+use poinsot_formats::{EstimateFile, TruthFile, read_truth};
 
 /// One shipped record, or several of one vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +95,7 @@ impl Example {
     ///
     /// # Errors
     /// The program refuses the question.
-    pub fn answer(&self) -> Result<Value, BookError> {
+    pub fn answer(&self) -> Result<EstimateFile, BookError> {
         let examples = root().join("examples");
         let identified = identify(
             &IdentifyRequest::new(
@@ -108,21 +108,20 @@ impl Example {
             example: self.name.to_owned(),
             source: Box::new(source),
         })?;
-        Ok(estimate_json(&identified))
+        Ok(estimate_file(&identified))
     }
 
     /// `truth.json` beside the first record.
     ///
     /// # Errors
-    /// It is not there or not JSON.
-    pub fn truth(&self) -> Result<Value, BookError> {
+    /// It is not there or no truth.
+    pub fn truth(&self) -> Result<TruthFile, BookError> {
         let first = self.telemetry.first().copied().unwrap_or_default();
         let path = root()
             .join("examples")
             .join(first)
             .with_file_name("truth.json");
-        let bytes = std::fs::read(&path).map_err(BookError::io(&path))?;
-        serde_json::from_slice(&bytes).map_err(|e| BookError::io(&path)(e.into()))
+        read_truth(&path).map_err(|e| BookError::io(&path)(std::io::Error::other(e)))
     }
 }
 
@@ -140,51 +139,27 @@ pub struct Compared {
 }
 
 /// All numbers of an answer that the data determine, against the truth.
-pub fn compare(answer: &Value, truth: &Value) -> Vec<Compared> {
+pub fn compare(answer: &EstimateFile, truth: &TruthFile) -> Vec<Compared> {
     let mut out = Vec::new();
-    let Some(bodies) = answer["bodies"].as_object() else {
-        return out;
-    };
-    for (name, body) in bodies {
-        let true_body = &truth["bodies"][name];
-        let scalar = &body["mass_kg"];
-        push(
-            &mut out,
-            0,
-            [&scalar["value"], &scalar["sigma"], &scalar["source"]],
-            &true_body["mass_kg"]["value"],
-        );
-        let com = &body["com_m"];
-        for k in 0..3 {
-            let numbers = [&com["value"][k], &com["sigma"][k], &com["source"][k]];
-            push(&mut out, 1, numbers, &true_body["com_m"]["value"][k]);
-        }
-        let I = &body["inertia_kg_m2"];
-        for k in ["xx", "yy", "zz", "xy", "xz", "yz"] {
-            let numbers = [&I["value"][k], &I["sigma"][k], &I["source"][k]];
-            push(
-                &mut out,
-                2,
-                numbers,
-                &true_body["inertia_kg_m2"]["value"][k],
-            );
+    for (name, body) in &answer.bodies {
+        let Some(true_body) = truth.bodies.get(name) else {
+            continue;
+        };
+        let mass = &true_body.mass;
+        let centre = mass.com_m.named().map(|(_, n)| n);
+        let inertia = mass.inertia_kg_m2.named().map(|(_, n)| n);
+        let truths = std::iter::once(&mass.mass_kg).chain(centre).chain(inertia);
+        for (k, ((_, _, n), truth)) in body.numbers().into_iter().zip(truths).enumerate() {
+            let estimated = n.source.is_some() && !n.is_known();
+            if let (true, Some(value), Some(sigma)) = (estimated, n.value, n.sigma) {
+                out.push(Compared {
+                    kind: usize::from(k > 0) + usize::from(k > 3),
+                    value,
+                    sigma,
+                    truth: truth.value,
+                });
+            }
         }
     }
     out
-}
-
-fn push(out: &mut Vec<Compared>, kind: usize, [value, sigma, source]: [&Value; 3], truth: &Value) {
-    if source != "data" && source != "prior" {
-        return;
-    }
-    if let (Some(value), Some(sigma), Some(truth)) =
-        (value.as_f64(), sigma.as_f64(), truth.as_f64())
-    {
-        out.push(Compared {
-            kind,
-            value,
-            sigma,
-            truth,
-        });
-    }
 }

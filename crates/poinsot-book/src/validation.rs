@@ -72,17 +72,16 @@ fn row(example: &Example) -> Result<String, BookError> {
     let answer = example.answer()?;
     let truth = example.truth()?;
     let all = compare(&answer, &truth);
-    let i = &answer["identifiability"];
+    let i = &answer.identifiability;
     let within = all
         .iter()
         .filter(|c| c.sigma > 0.0 && (c.value - c.truth).abs() <= NINETY_FIVE * c.sigma);
-    let status = answer["status"].as_str().unwrap_or_default();
     Ok(format!(
         "| {} | {} | {} of {} | {} | {} | {} | {} | {} of {} |",
         example.name,
-        status.replace('_', " "),
-        i["rank"],
-        i["parameters"],
+        answer.status.replace('_', " "),
+        i.rank,
+        i.parameters,
         all.len(),
         worst(&all, 0, 1.0),
         worst(&all, 1, 1000.0),

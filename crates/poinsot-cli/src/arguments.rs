@@ -538,7 +538,8 @@ pub struct Compare {
 /// Arguments of `schema`.
 #[derive(Debug, Args)]
 pub struct Schema {
-    /// Format: model, estimate, comparison, plan or campaign.
+    /// Format: model, plan, estimate, truth, prediction, validation, comparison, design, campaign, onboard; an unknown name
+    /// lists all.
     #[arg(value_name = "NAME", default_value = "model")]
     pub name: String,
 }

@@ -58,7 +58,7 @@ mod tests {
     fn exact_a_panic_is_one_line_and_exit_code_4() {
         let failure = guarded::<u8>(|| panic!("two\nlines"))
             .err()
-            .map(|f| (f.exit_code, f.message));
+            .map(|f| (f.file.exit_code, f.message));
         let (code, message) = failure.unwrap_or_default();
         assert_eq!(code, 4);
         let line = message.rsplit_once(':').map_or("", |m| m.0);

@@ -29,10 +29,12 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Ok(parsed) => parsed,
         Err(usage) => return terminal::usage_exit(&usage),
     };
-    let quiet = matches
-        .subcommand()
-        .and_then(|(_, m)| m.try_get_one::<bool>("quiet").ok().flatten())
-        .is_some_and(|q| *q);
+    let asked = |word: &str| {
+        let verb = matches.subcommand();
+        verb.and_then(|(_, m)| m.try_get_one::<bool>(word).ok().flatten())
+            .is_some_and(|given| *given)
+    };
+    let (quiet, json) = (asked("quiet"), asked("json"));
     let progress = Progress::start(quiet);
     let result = guard::guarded(|| match &arguments.verb {
         Verb::Identify(a) => verbs::identify::run(a),
@@ -66,7 +68,10 @@ pub fn run(words: Vec<OsString>) -> u8 {
                 &mut std::io::stderr(),
                 format!("{message}\n").as_bytes(),
             );
-            failure.exit_code
+            if json {
+                verbs::print_json(&failure.file);
+            }
+            failure.file.exit_code
         }
     }
 }

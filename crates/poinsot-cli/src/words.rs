@@ -25,7 +25,9 @@ impl Words {
 
     /// Papers with studies.
     pub fn papers() -> Self {
-        Self::plain(poinsot::study::papers().map(|p| p.0))
+        let mut papers: Vec<&'static str> = poinsot::study::studies().map(|s| s.0).collect();
+        papers.dedup();
+        Self::plain(papers.into_iter())
     }
 
     /// Studies of any paper.

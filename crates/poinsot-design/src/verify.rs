@@ -9,6 +9,7 @@ use poinsot::Error;
 use poinsot::case::{Case, Want};
 use poinsot::predict::{covariance_name, wanted_sigma};
 use poinsot::trials::{Answer, Band, Study};
+use poinsot_formats::address;
 use poinsot_identify::Estimate;
 use poinsot_model::Model;
 use rayon::prelude::*;
@@ -96,7 +97,7 @@ fn without_priors(model: &Model) -> Model {
 fn error_of(bound: &Estimate, answer: &Answer, want: &Want) -> Option<f64> {
     let mut sum = 0.0;
     for term in &want.terms {
-        let name = covariance_name(bound.bodies.get(term.body)?, term);
+        let name = address(&covariance_name(bound.bodies.get(term.body)?, term), "");
         let number = answer.numbers.iter().find(|n| n.name == name)?;
         sum += term.factor * number.error;
     }

@@ -42,22 +42,26 @@ pub struct ChannelFile {
     pub outliers: usize,
     /// Share of outliers.
     pub outlier_share: f64,
-    /// Probability that a white residual is as correlated in time.
+    /// Probability that a white residual is as correlated in time. Absent where it is not tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness_p: Option<f64>,
 }
 
 /// Unexplained force and torque.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DriftFile {
-    /// Segment; null for all segments together.
+    /// Segment. Absent for all segments together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub segment: Option<String>,
     /// Torque in N, N m.
     pub torque_N_m: [Option<f64>; 3],
     /// One sigma each.
     pub torque_sigma_N_m: [Option<f64>; 3],
-    /// Force in N, N; null where translation is not measured.
+    /// Force in N, N. Absent where translation is not measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_N: Option<[Option<f64>; 3]>,
     /// One sigma each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_sigma_N: Option<[Option<f64>; 3]>,
     /// Probability of a drift as large by chance.
     pub p: Option<f64>,

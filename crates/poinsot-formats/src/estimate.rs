@@ -1,25 +1,27 @@
 //! `estimate.json`, the answer of `identify`.
 
+use crate::body::BodyFile;
 use crate::diagnostics::DiagnosticsFile;
-use crate::number::{NumberFile, TensorFile, VectorFile};
+use crate::number::{Axes, NumberFile};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const ESTIMATE: &str = "poinsot.estimate/1";
+pub const ESTIMATE: &str = "poinsot.estimate/2";
 
-/// The answer of `identify`. SI units, stated by the key. A number that the data and the declared priors do not determine
-/// is null.
+/// The answer of `identify`. SI units, stated by the key. Null means: not determined by the data and the declared priors.
+/// What was not asked, or does not apply, is absent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EstimateFile {
-    /// "poinsot.estimate/1".
+    /// "poinsot.estimate/2".
     pub schema: String,
     /// Version of the program.
     pub poinsot: String,
     /// Method, for example "maximum_likelihood".
     pub method: String,
-    /// Variant of the method; null without one.
+    /// Variant of the method, where it has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
     /// "converged", "partial", "not_identifiable", "iteration_limit" or "rejected".
     pub status: String,
@@ -29,9 +31,18 @@ pub struct EstimateFile {
     /// Name of the vehicle.
     #[serde(default)]
     pub model: String,
-    /// What all times count from; absent where that is the zero of the files.
+    /// Units, frames and points of all numbers.
+    #[serde(default)]
+    pub reference: ReferenceFile,
+    /// What all times count from. Absent for tables in memory without an epoch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epoch: Option<EpochFile>,
+    /// The model file. Absent for a model that is no file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_file: Option<ModelInputFile>,
+    /// File with the map of the telemetry, where it is not part of the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map_file: Option<ModelInputFile>,
     /// Telemetry files.
     pub inputs: Vec<InputFile>,
     /// Bodies by name, in the order of the model.
@@ -43,14 +54,15 @@ pub struct EstimateFile {
     pub system: Vec<SystemFile>,
     /// Momentum at the first sample, one entry per segment.
     pub momentum: Vec<MomentumFile>,
-    /// Everything else that was estimated: biases, scales, lags, spin inertias.
+    /// Everything else that was estimated, by address: biases, scales, lags, spin inertias, for example
+    /// "gyro.bias_rad_s.x".
     pub nuisance: IndexMap<String, NumberFile>,
     /// What the data determine and what they do not.
     pub identifiability: IdentifiabilityFile,
     /// Fit, one entry per segment.
     pub fit: Vec<SegmentFitFile>,
-    /// Tests of the residuals; null of a method that makes none.
-    #[serde(default)]
+    /// Tests of the residuals. Absent for a method that makes none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnostics: Option<DiagnosticsFile>,
     /// How the answer depends on numbers that the model gives as known.
     #[serde(default)]
@@ -60,8 +72,8 @@ pub struct EstimateFile {
     /// Evidence against relying on the answer, most important first.
     #[serde(default)]
     pub doubts: Vec<String>,
-    /// Numbers that a published method prints; null for other methods.
-    #[serde(default)]
+    /// Numbers that a published method prints. Absent for other methods.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method_report: Option<MethodReportFile>,
     /// Findings of the telemetry checks.
     #[serde(default)]
@@ -75,7 +87,7 @@ pub struct EstimateFile {
     pub warnings: Vec<String>,
 }
 
-/// An instant: a date, or a count of the files where their epoch is unknown.
+/// What all times count from: a date, or a count of the files where their epoch is unknown. Times are in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EpochFile {
     /// Date and time of day in `scale`, for example "2026-03-14T18:19:00".
@@ -84,9 +96,63 @@ pub struct EpochFile {
     /// "UTC", "TAI", "GPS" or "TT".
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<String>,
-    /// Seconds of the files' own count.
+    /// Seconds of the files' own count; 0 where times are as in the files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_count_s: Option<f64>,
+}
+
+/// Units, frames and points of all numbers of an answer. N does not rotate and falls freely near the vehicle; B is the
+/// frame of a body, with its origin Bo and its axes as the model gives them; Bcm is the body's mass centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReferenceFile {
+    /// "SI": s, m, kg, rad, N. The key of a number ends in its unit.
+    pub units: String,
+    /// Frame of attitude and momentum: "N".
+    pub inertial_frame: String,
+    /// Name of the base, whose frame is that of the whole vehicle.
+    pub base: String,
+    /// Point and axes of `com_m`: "Bcm from Bo, axes of B".
+    pub com_m: String,
+    /// Point and axes of `inertia_kg_m2`: "about Bcm, axes of B, tensor elements".
+    pub inertia_kg_m2: String,
+    /// Point and axes of `barycentric`: "about Bo, axes of B, tensor elements".
+    pub barycentric: String,
+    /// Point, axes and instant of `momentum`: "angular about the vehicle's mass centre, axes of N, at the first sample".
+    pub momentum: String,
+    /// Convention of `*_xyzw`: "Hamilton, scalar last".
+    pub quaternions: String,
+}
+
+impl ReferenceFile {
+    /// The conventions of this program, for a vehicle with this base.
+    pub fn of_base(base: &str) -> Self {
+        Self {
+            units: "SI".to_owned(),
+            inertial_frame: "N".to_owned(),
+            base: base.to_owned(),
+            com_m: "Bcm from Bo, axes of B".to_owned(),
+            inertia_kg_m2: "about Bcm, axes of B, tensor elements".to_owned(),
+            barycentric: "about Bo, axes of B, tensor elements".to_owned(),
+            momentum: "angular about the vehicle's mass centre, axes of N, at the first sample"
+                .to_owned(),
+            quaternions: "Hamilton, scalar last".to_owned(),
+        }
+    }
+}
+
+impl Default for ReferenceFile {
+    fn default() -> Self {
+        Self::of_base("")
+    }
+}
+
+/// A model file, or a file with a map of telemetry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ModelInputFile {
+    /// Path as given.
+    pub path: String,
+    /// SHA-256 of its bytes, lower-case hexadecimal.
+    pub sha256: String,
 }
 
 /// A telemetry file.
@@ -104,47 +170,10 @@ pub struct InputFile {
     pub rows: usize,
 }
 
-/// Mass properties of one body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct BodyFile {
-    /// Mass, kg.
-    pub mass_kg: NumberFile,
-    /// Mass centre from the origin of the body's frame, in its axes, m.
-    pub com_m: VectorFile,
-    /// Inertia tensor about the mass centre, in the body's axes, kg m2.
-    pub inertia_kg_m2: TensorFile,
-    /// Principal moments and axes; null where the tensor is not determined.
-    pub principal: Option<PrincipalFile>,
-    /// The ten parameters about the origin of the body's frame.
-    pub barycentric: BarycentricFile,
-    /// Whether a distribution of positive mass has this tensor; null where it is not determined.
-    pub physically_consistent: Option<bool>,
-}
-
-/// Principal moments and axes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct PrincipalFile {
-    /// Moments in ascending order, kg m2.
-    pub moments_kg_m2: [f64; 3],
-    /// Rotation from principal axes to body axes: quaternion, Hamilton, scalar last.
-    pub axes_xyzw: [f64; 4],
-}
-
-/// Mass, first moment and inertia about the origin of the body's frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct BarycentricFile {
-    /// Mass, kg.
-    pub m_kg: NumberFile,
-    /// First moment of mass, kg m.
-    pub mc_kg_m: VectorFile,
-    /// Inertia tensor about the origin, kg m2.
-    pub I_BBo_kg_m2: TensorFile,
-}
-
 /// Covariance of all determined numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CovarianceFile {
-    /// Names of the rows, for example "bus.mass".
+    /// Addresses of the rows, for example "bus.com_m.x", "gyro.bias_rad_s.x".
     pub names: Vec<String>,
     /// Units of the rows.
     pub units: Vec<String>,
@@ -164,11 +193,11 @@ pub struct SystemFile {
 
 /// Momentum at the first sample of a segment, in N.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct MomentumFile {
+pub struct MomentumFile<N = NumberFile> {
     /// Linear momentum, N s.
-    pub linear_N_s: VectorFile,
+    pub linear_N_s: Axes<N>,
     /// Angular momentum about the mass centre of the vehicle, N m s.
-    pub angular_N_m_s: VectorFile,
+    pub angular_N_m_s: Axes<N>,
 }
 
 /// What the data determine.
@@ -193,7 +222,7 @@ pub struct IdentifiabilityFile {
 pub struct DeterminedFile {
     /// In words.
     pub combination: String,
-    /// Coefficients by parameter name; empty of a function that is not linear.
+    /// Coefficients by the address of the parameter; empty of a function that is not linear.
     pub coefficients: IndexMap<String, f64>,
     /// Unit.
     pub unit: String,
@@ -208,7 +237,7 @@ pub struct DeterminedFile {
 pub struct UndeterminedFile {
     /// In words.
     pub combination: String,
-    /// Coefficients by parameter name.
+    /// Coefficients by the address of the parameter.
     pub coefficients: IndexMap<String, f64>,
     /// Why.
     pub reason: String,
@@ -240,9 +269,11 @@ pub struct SensorFitFile {
     pub rms: Option<f64>,
     /// Unit.
     pub unit: String,
-    /// Chi-square per number measured.
+    /// Chi-square per number measured. Absent where the method does not weigh this sensor on its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chi2_per_number: Option<f64>,
-    /// Probability that a white residual is as correlated in time.
+    /// Probability that a white residual is as correlated in time. Absent where it is not tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness_p: Option<f64>,
 }
 
@@ -256,7 +287,7 @@ pub struct KnownNumbersFile {
     /// Whether some known number has no declared source, so that it is taken as exact.
     #[serde(default)]
     pub source_assumed: bool,
-    /// One sigma of numbers of the answer if every known number were exact, by name of the covariance.
+    /// One sigma of numbers of the answer if every known number were exact, by address.
     #[serde(default)]
     pub sigma_data: IndexMap<String, f64>,
     /// Uncertain known numbers on which the readings depend, the largest share of a variance first.
@@ -267,7 +298,7 @@ pub struct KnownNumbersFile {
 /// What one known number does to the answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensitivityFile {
-    /// Name of the known number, for example "link1.mass".
+    /// Address of the known number, for example "link1.mass_kg".
     pub number: String,
     /// Unit.
     pub unit: String,
@@ -275,13 +306,15 @@ pub struct SensitivityFile {
     pub value: f64,
     /// Declared one sigma.
     pub sigma: f64,
-    /// Value with the data, where they bring its sigma below 0.7 of the declared one; else null.
+    /// Value with the data, where they bring its sigma below 0.7 of the declared one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<f64>,
     /// One sigma of the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate_sigma: Option<f64>,
     /// Step of the number for `change`: "1 %", "1 mm" or "1 mrad".
     pub step: String,
-    /// Change of the numbers of the answer with that step, the readings held, by name of the covariance.
+    /// Change of the numbers of the answer with that step, the readings held, by address.
     pub change: IndexMap<String, f64>,
     /// Share of their variance.
     pub variance_share: IndexMap<String, f64>,
@@ -328,25 +361,6 @@ pub struct CheckFile {
     pub text: String,
     /// What was done: "report", "exclude" or "refuse".
     pub policy: String,
-}
-
-impl BodyFile {
-    /// Mass, mass centre and inertia with name and unit.
-    pub fn numbers(&self) -> Vec<(String, &'static str, NumberFile)> {
-        let mut all = vec![("mass".to_owned(), "kg", self.mass_kg.clone())];
-        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            all.push((format!("com {axis}"), "m", self.com_m.number(k)));
-        }
-        for (element, number) in self.inertia_kg_m2.named() {
-            all.push((format!("I {element}"), "kg m²", number));
-        }
-        all
-    }
-
-    /// Whether any of its numbers was asked for.
-    pub fn is_asked(&self) -> bool {
-        self.numbers().iter().any(|(_, _, n)| !n.is_known())
-    }
 }
 
 impl EstimateFile {

@@ -1,25 +1,35 @@
 //! Result files as types: every file has one type, which writes it, reads it and gives its JSON Schema.
 //!
 //! ```
-//! use poinsot_formats::{NumberFile, Elements};
+//! use poinsot_formats::{Elements, NumberFile};
 //!
 //! let mass = NumberFile { value: Some(312.4), sigma: Some(0.2), nominal: 310.0, source: Some("data".into()) };
 //! assert!(!mass.is_known());
 //! let tensor = Elements { xx: 1.0, yy: 2.0, zz: 2.5, xy: 0.1, xz: 0.0, yz: -0.1 };
 //! assert_eq!(tensor.named().map(|(name, _)| name), ["xx", "yy", "zz", "xy", "xz", "yz"]);
+//! assert_eq!(poinsot_formats::address("gyro.bias_x", "rad/s"), "gyro.bias_rad_s.x");
 //! ```
 #![allow(non_snake_case)]
 
+mod address;
+mod body;
 mod campaign;
 mod comparison;
 mod design;
 mod diagnostics;
 mod estimate;
+mod listing;
 mod number;
 mod onboard;
 mod plan;
+mod prediction;
 mod read;
+mod truth;
+mod upgrade;
+mod validation;
 
+pub use address::{address, unknown_name};
+pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
     BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
     PairNumberFile,
@@ -35,41 +45,75 @@ pub use diagnostics::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
 };
 pub use estimate::{
-    BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile,
-    EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, MomentumFile,
-    PrincipalFile, ReportedNumberFile, SegmentFitFile, SensitivityFile, SensorFitFile, SystemFile,
-    UndeterminedFile,
+    CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile, EstimateFile,
+    IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile, ModelInputFile,
+    MomentumFile, ReferenceFile, ReportedNumberFile, SegmentFitFile, SensitivityFile,
+    SensorFitFile, SystemFile, UndeterminedFile,
 };
-pub use number::{Elements, NumberFile, TensorFile, VectorFile, finite};
+pub use listing::{
+    CODES, CodeFile, CodesFile, DESCRIPTION, ERROR, ErrorFile, FINDINGS, FaultFile, FindingsFile,
+    FoundCellFile, FoundTableFile, INSPECTION, ListedMethodFile, ListedSettingFile, METHODS,
+    MethodsFile, PaperFile, STUDIES, StatedFile, StatementFile, StudiesFile, StudyFile,
+    StudyFindingsFile, UNITS, UnitFile, UnitsFile, VariantFile, WRITTEN, WrittenFile,
+};
+pub use number::{
+    Axes, Elements, NumberFile, PredictedNumberFile, TensorFile, TrueNumberFile, VectorFile, finite,
+};
 pub use onboard::{ONBOARD, OnboardBodyFile, OnboardFile};
 pub use plan::{
     ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
     REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
 };
-pub use read::{FormatError, LARGEST_RESULT, read_estimate};
+pub use prediction::{PREDICTION, PredictionFile, WantedFile};
+pub use read::{FormatError, LARGEST_RESULT, parse_estimate, read_estimate, read_truth};
+pub use truth::{
+    InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,
+    WheelUseFile,
+};
+pub use validation::{
+    ComparedQuantityFile, CompletedFile, EstimateRefFile, InSigmasFile, PredictionChangeFile,
+    VALIDATION, ValidationFile, ValidationLimitsFile,
+};
 
-use schemars::schema_for;
+pub use serde::Serialize;
+
+use schemars::{JsonSchema, schema_for};
 use serde_json::Value;
 
-/// Names of the formats that [`schema`] knows.
-pub const NAMES: [&str; 6] = [
-    "estimate",
-    "comparison",
-    "design",
-    "onboard",
-    "plan",
-    "campaign",
+/// A format: its name, and its JSON Schema.
+type Format = (&'static str, fn() -> Value);
+
+fn of<T: JsonSchema>() -> Value {
+    schema_for!(T).to_value()
+}
+
+/// Every format of a result.
+const FORMATS: [Format; 16] = [
+    ("estimate", of::<EstimateFile>),
+    ("truth", of::<TruthFile>),
+    ("prediction", of::<PredictionFile>),
+    ("validation", of::<ValidationFile>),
+    ("comparison", of::<ComparisonFile>),
+    ("design", of::<DesignFile>),
+    ("onboard", of::<OnboardFile>),
+    ("plan", of::<PlanFile>),
+    ("campaign", of::<CampaignFile>),
+    ("methods", of::<MethodsFile>),
+    ("units", of::<UnitsFile>),
+    ("codes", of::<CodesFile>),
+    ("studies", of::<StudiesFile>),
+    ("findings", of::<FindingsFile>),
+    ("written", of::<WrittenFile>),
+    ("error", of::<ErrorFile>),
 ];
+
+/// Names of the formats that [`schema`] knows.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FORMATS.into_iter().map(|(name, _)| name)
+}
 
 /// JSON Schema (2020-12) of a result file by name; `None` for an unknown name.
 pub fn schema(name: &str) -> Option<Value> {
-    match name {
-        "estimate" => Some(schema_for!(EstimateFile).to_value()),
-        "comparison" => Some(schema_for!(ComparisonFile).to_value()),
-        "design" => Some(schema_for!(DesignFile).to_value()),
-        "onboard" => Some(schema_for!(OnboardFile).to_value()),
-        "plan" => Some(schema_for!(PlanFile).to_value()),
-        "campaign" => Some(schema_for!(CampaignFile).to_value()),
-        _ => None,
-    }
+    let found = FORMATS.into_iter().find(|(n, _)| *n == name)?;
+    Some(found.1())
 }

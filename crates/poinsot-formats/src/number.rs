@@ -16,17 +16,33 @@ pub struct NumberFile {
     pub source: Option<String>,
 }
 
-/// A vector: components x, y, z.
+/// One number of the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TrueNumberFile {
+    /// Value, in the unit of the key.
+    pub value: f64,
+}
+
+/// One number of a prediction: there is no measurement yet, so it has no value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct VectorFile {
-    /// Values, in the unit of the key.
-    pub value: [Option<f64>; 3],
-    /// One sigma each.
-    pub sigma: [Option<f64>; 3],
-    /// Values in the model.
-    pub nominal: [f64; 3],
-    /// Sources as of a single number.
-    pub source: [Option<String>; 3],
+pub struct PredictedNumberFile {
+    /// Value in the model, which the prediction takes as true.
+    pub nominal: f64,
+    /// Smallest one sigma that an unbiased estimator reaches (Cramer-Rao); null where the number is not identifiable.
+    pub sigma: Option<f64>,
+    /// "data", "prior" or "known"; null where the number is not identifiable.
+    pub source: Option<String>,
+}
+
+/// Components of a vector.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Axes<T> {
+    /// Component x.
+    pub x: T,
+    /// Component y.
+    pub y: T,
+    /// Component z.
+    pub z: T,
 }
 
 /// The six elements of a symmetric tensor. Products of inertia are tensor elements: xy = -integral x y dm.
@@ -46,18 +62,10 @@ pub struct Elements<T> {
     pub yz: T,
 }
 
-/// A symmetric tensor.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TensorFile {
-    /// Values, in the unit of the key.
-    pub value: Elements<Option<f64>>,
-    /// One sigma each.
-    pub sigma: Elements<Option<f64>>,
-    /// Values in the model.
-    pub nominal: Elements<f64>,
-    /// Sources as of a single number.
-    pub source: Elements<Option<String>>,
-}
+/// A vector of an answer.
+pub type VectorFile = Axes<NumberFile>;
+/// A symmetric tensor of an answer.
+pub type TensorFile = Elements<NumberFile>;
 
 impl NumberFile {
     /// Whether the model gives it as known.
@@ -66,25 +74,27 @@ impl NumberFile {
     }
 }
 
+impl<T> Axes<T> {
+    /// From the three components.
+    pub fn of([x, y, z]: [T; 3]) -> Self {
+        Self { x, y, z }
+    }
+
+    /// Every component with its name.
+    pub fn named(&self) -> [(&'static str, &T); 3] {
+        [("x", &self.x), ("y", &self.y), ("z", &self.z)]
+    }
+
+    /// Another value for each component.
+    pub fn map<U>(&self, mut value: impl FnMut(&T) -> U) -> [U; 3] {
+        self.named().map(|(_, t)| value(t))
+    }
+}
+
 impl VectorFile {
     /// Component 0, 1 or 2.
     pub fn number(&self, k: usize) -> NumberFile {
-        NumberFile {
-            value: self.value[k],
-            sigma: self.sigma[k],
-            nominal: self.nominal[k],
-            source: self.source[k].clone(),
-        }
-    }
-
-    /// From its three components.
-    pub fn of(numbers: [NumberFile; 3]) -> Self {
-        Self {
-            value: numbers.each_ref().map(|n| n.value),
-            sigma: numbers.each_ref().map(|n| n.sigma),
-            nominal: numbers.each_ref().map(|n| n.nominal),
-            source: numbers.map(|n| n.source),
-        }
+        self.named()[k % 3].1.clone()
     }
 }
 
@@ -112,32 +122,26 @@ impl<T> Elements<T> {
             yz: value("yz"),
         }
     }
-}
 
-impl TensorFile {
-    /// Every element with its name, in the order of the file.
-    pub fn named(&self) -> [(&'static str, NumberFile); 6] {
-        let (value, sigma) = (self.value.named(), self.sigma.named());
-        let (nominal, source) = (self.nominal.named(), self.source.named());
-        std::array::from_fn(|k| {
-            let number = NumberFile {
-                value: *value[k].1,
-                sigma: *sigma[k].1,
-                nominal: *nominal[k].1,
-                source: source[k].1.clone(),
-            };
-            (value[k].0, number)
+    /// From rows and columns of a symmetric matrix, counted from zero.
+    pub fn of_matrix(mut element: impl FnMut(usize, usize) -> T) -> Self {
+        Self::by_name(|name| {
+            let [row, column] = [0, 1].map(|k| usize::from(name.as_bytes()[k] - b'x'));
+            element(row, column)
         })
     }
 
-    /// From one number per element name.
-    pub fn of(number: impl Fn(&'static str) -> NumberFile) -> Self {
-        Self {
-            value: Elements::by_name(|e| number(e).value),
-            sigma: Elements::by_name(|e| number(e).sigma),
-            nominal: Elements::by_name(|e| number(e).nominal),
-            source: Elements::by_name(|e| number(e).source),
-        }
+    /// Another value for each element, row by row of the symmetric matrix.
+    pub fn rows<U>(&self, mut value: impl FnMut(&T) -> U) -> [[U; 3]; 3] {
+        let Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| row.map(&mut value))
     }
 }
 

@@ -1,7 +1,11 @@
-//! The reader of `estimate.json`.
+//! The one reader of result files, from disk or from memory.
 
 use crate::estimate::{ESTIMATE, EstimateFile};
+use crate::truth::{TRUTH, TruthFile};
+use crate::upgrade;
 use poinsot_files::InputError;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// A result file that cannot be read.
@@ -48,6 +52,29 @@ fn schema_found(found: &str) -> String {
 /// Largest file that is read, bytes.
 pub const LARGEST_RESULT: u64 = 256 << 20;
 
+/// A format that is read, with the version before it.
+trait Versioned: DeserializeOwned {
+    const SCHEMA: &'static str;
+    const EARLIER: &'static str;
+    fn upgrade(file: &mut Value);
+}
+
+impl Versioned for EstimateFile {
+    const SCHEMA: &'static str = ESTIMATE;
+    const EARLIER: &'static str = "poinsot.estimate/1";
+    fn upgrade(file: &mut Value) {
+        upgrade::estimate_1(file);
+    }
+}
+
+impl Versioned for TruthFile {
+    const SCHEMA: &'static str = TRUTH;
+    const EARLIER: &'static str = "poinsot.truth/1";
+    fn upgrade(file: &mut Value) {
+        upgrade::truth_1(file);
+    }
+}
+
 /// Reads `estimate.json`, or the folder that holds it; gives the path of the file too.
 ///
 /// # Errors
@@ -57,26 +84,63 @@ pub fn read_estimate(path: &Path) -> Result<(PathBuf, EstimateFile), FormatError
         true => path.join("estimate.json"),
         false => path.to_owned(),
     };
-    let bytes = match poinsot_files::read(&path, LARGEST_RESULT) {
-        Ok(bytes) => bytes,
-        Err(InputError::Missing(_)) => return Err(FormatError::Missing { path }),
-        Err(InputError::System(source)) => return Err(FormatError::Io { path, source }),
-        Err(other) => {
-            let why = other.to_string();
-            return Err(FormatError::Shape { path, why });
-        }
-    };
-    let shape = |path: &Path, e: serde_json::Error| FormatError::Shape {
+    let file = read(&path)?;
+    Ok((path, file))
+}
+
+/// Reads the bytes of an `estimate.json`; messages call it `path`.
+///
+/// # Errors
+/// It is of another format or damaged.
+pub fn parse_estimate(path: &Path, bytes: &[u8]) -> Result<EstimateFile, FormatError> {
+    parse(path, bytes)
+}
+
+/// Reads a `truth.json`.
+///
+/// # Errors
+/// The file is missing, unreadable, of another format or damaged.
+pub fn read_truth(path: &Path) -> Result<TruthFile, FormatError> {
+    read(path)
+}
+
+fn read<T: Versioned>(path: &Path) -> Result<T, FormatError> {
+    match poinsot_files::read(path, LARGEST_RESULT) {
+        Ok(bytes) => parse(path, &bytes),
+        Err(InputError::Missing(_)) => Err(FormatError::Missing {
+            path: path.to_owned(),
+        }),
+        Err(InputError::System(source)) => Err(FormatError::Io {
+            path: path.to_owned(),
+            source,
+        }),
+        Err(other) => Err(FormatError::Shape {
+            path: path.to_owned(),
+            why: other.to_string(),
+        }),
+    }
+}
+
+fn parse<T: Versioned>(path: &Path, bytes: &[u8]) -> Result<T, FormatError> {
+    let shape = |e: serde_json::Error| FormatError::Shape {
         path: path.to_owned(),
         why: e.to_string(),
     };
-    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(|e| shape(&path, e))?;
-    let found = value.get("schema").and_then(|s| s.as_str()).unwrap_or("");
-    if found != ESTIMATE {
-        let found = found.to_owned();
-        return Err(FormatError::Schema { path, found });
+    let mut value: Value = serde_json::from_slice(bytes).map_err(shape)?;
+    let found = value.get("schema").and_then(Value::as_str).unwrap_or("");
+    if found == T::SCHEMA {
+        // From the text once more: only then does an error have line and column.
+        return serde_json::from_slice(bytes).map_err(shape);
     }
-    // From the text once more: only then does an error have line and column.
-    let file = serde_json::from_slice(&bytes).map_err(|e| shape(&path, e))?;
-    Ok((path, file))
+    if found != T::EARLIER {
+        return Err(FormatError::Schema {
+            path: path.to_owned(),
+            found: found.to_owned(),
+        });
+    }
+    T::upgrade(&mut value);
+    if let Some(schema) = value.get_mut("schema") {
+        *schema = T::SCHEMA.into();
+    }
+    serde_json::from_value(value).map_err(shape)
 }

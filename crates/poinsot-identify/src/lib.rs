@@ -78,7 +78,7 @@ pub use maximum_likelihood::{SENSITIVE, maximum_likelihood, maximum_likelihood_w
 pub use octaves::Octave;
 pub use parameters::{
     Equations, ErrorGroup, KnownUnknown, Parameters, ParametersError, TENSOR, Unknown, UnknownKind,
-    axis_name, tensor_name,
+    axis_name, tensor_index, tensor_name,
 };
 pub use poinsot_solve::{NotFinite, Spectrum};
 pub use prediction::{

@@ -476,6 +476,13 @@ pub fn tensor_name(k: usize) -> &'static str {
     TENSOR_NAMES[k % 6]
 }
 
+/// Place of an element in the order of [`TENSOR`] by its name; zx is xz.
+pub fn tensor_index(name: &str) -> usize {
+    let turned: String = name.chars().rev().collect();
+    let found = TENSOR_NAMES.iter().position(|n| *n == name || *n == turned);
+    found.unwrap_or_default()
+}
+
 /// Values of the rotation unknowns: mass centre and central inertia of the base.
 pub fn rotation_properties(parameters: &Parameters, x: &[f64]) -> MassProperties {
     let mut p = parameters.nominal_properties[0];

@@ -7,8 +7,8 @@ use crate::run::run;
 use numpy::{PyArray1, PyArray2};
 use poinsot::report::{report_data, report_html};
 use poinsot::{
-    Coordinates, Identified, Question, Reading, estimate_document, estimate_file, estimate_json,
-    estimate_text, identify_records, write_result,
+    Coordinates, Identified, Question, Reading, estimate_document, estimate_file, estimate_text,
+    identify_records, write_result,
 };
 use poinsot_identify::PredictedChannel;
 use poinsot_report::{FigureFormat, TextStyle};
@@ -80,6 +80,7 @@ impl Options {
                 policies: entry(given, "policies")?.unwrap_or_default(),
             },
             reading: Reading {
+                model: None,
                 map: entry(given, "map")?,
                 recover: entry(given, "recover")?.unwrap_or(false),
                 encoding: encoding(encoded.as_deref().unwrap_or("utf8"))?,
@@ -106,10 +107,14 @@ pub fn identify(
     options: Options,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<CoreAnswer> {
-    let model = model.model.clone();
+    let (from, model) = (model.file.clone(), model.model.clone());
     let records = parts(&records);
     let identified = run(py, progress.as_ref(), move || {
         let Options { question, reading } = options;
+        let reading = Reading {
+            model: from,
+            ..reading
+        };
         Ok(identify_records(model, &records, &reading, &question)?)
     })?;
     Ok(CoreAnswer {
@@ -166,7 +171,7 @@ impl CoreAnswer {
         let identified = Arc::clone(&self.identified);
         run(py, None, move || {
             let data = report_data(&identified, &origin());
-            report_html(&estimate_json(&identified), data).map_err(|why| {
+            report_html(estimate_file(&identified), data).map_err(|why| {
                 Fault::from(poinsot::Error::Report {
                     path: "report.html".into(),
                     why,

@@ -23,7 +23,7 @@ impl Fault {
     pub fn of(failure: Failure) -> Self {
         Self {
             message: failure.message,
-            exit_code: failure.exit_code,
+            exit_code: failure.file.exit_code,
         }
     }
 
@@ -42,10 +42,7 @@ impl Fault {
 
     /// As the command would print it.
     pub fn into_failure(self) -> Failure {
-        Failure {
-            message: self.message,
-            exit_code: self.exit_code,
-        }
+        Failure::of_lines(self.message, self.exit_code)
     }
 
     fn exception(&self, py: Python<'_>) -> PyResult<PyErr> {

@@ -23,6 +23,8 @@ pub struct CoreModel {
     pub tree: Arc<Tree>,
     /// Nominal parameters of each body.
     pub nominal: Vec<InertialParameters>,
+    /// The file that it was read from; `None` for a model in memory, or one that was changed.
+    pub file: Option<PathBuf>,
 }
 
 impl From<Model> for CoreModel {
@@ -31,7 +33,17 @@ impl From<Model> for CoreModel {
         Self {
             tree: Arc::new(Tree::new(&model)),
             nominal: nominal.collect(),
+            file: None,
             model,
+        }
+    }
+}
+
+impl CoreModel {
+    fn from_file(model: Model, path: PathBuf) -> Self {
+        Self {
+            file: Some(path),
+            ..model.into()
         }
     }
 }
@@ -40,12 +52,14 @@ impl From<Model> for CoreModel {
 impl CoreModel {
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Self> {
-        Ok(read_model(&path).map_err(Fault::from)?.into())
+        let model = read_model(&path).map_err(Fault::from)?;
+        Ok(Self::from_file(model, path))
     }
 
     #[staticmethod]
     fn from_urdf(path: PathBuf) -> PyResult<Self> {
-        Ok(read_urdf(&path).model.map_err(Fault::from)?.into())
+        let model = read_urdf(&path).model.map_err(Fault::from)?;
+        Ok(Self::from_file(model, path))
     }
 
     #[staticmethod]

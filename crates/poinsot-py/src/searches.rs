@@ -2,7 +2,7 @@
 
 use crate::fault::Fault;
 use crate::run::run;
-use crate::verbs::{Printed, text};
+use crate::verbs::{Printed, json, text};
 use poinsot::campaign::{
     CampaignRequest, Plan, Ran, campaign as run_campaign, campaign_document, campaign_in_memory,
     made_plan, read_plan,
@@ -10,9 +10,10 @@ use poinsot::campaign::{
 use poinsot::case::read_case;
 use poinsot::check_outputs;
 use poinsot::simulate::SimulateError;
-use poinsot::study::{document, find, json, run as run_study};
+use poinsot::study::{document, find, findings_file, run as run_study};
 use poinsot::sweep::{SweepRequest, sweep_plan};
 use poinsot_design::{DesignRequest, design_document, design_file, write_design};
+use poinsot_formats::{FINDINGS, FindingsFile};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +39,7 @@ pub fn design(
             write_design(folder, &designed, &model)?;
         }
         Ok((
-            serde_json::to_string(&design_file(&designed)).map_err(unwritten)?,
+            json(&design_file(&designed))?,
             text(&design_document(&designed)),
             designed.exit_code(),
         ))
@@ -99,7 +100,7 @@ pub fn sweep(
     })
 }
 
-/// `poinsot study` of one study of a paper.
+/// `poinsot study` of one study of a paper, or of all.
 #[pyfunction]
 #[pyo3(signature = (paper, name, examples, progress=None))]
 pub fn study(
@@ -110,13 +111,18 @@ pub fn study(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {
-        let chosen = find(Some(&paper), Some(&name))?;
-        let [(paper, study)] = chosen.as_slice() else {
-            return Err(Fault::argument("study", name, "names no single study"));
+        let (mut findings, mut words) = (Vec::new(), Vec::new());
+        for (paper, study) in find(Some(&paper), Some(&name))? {
+            let found = run_study(study, &examples)?;
+            words.push(text(&document(paper, study, &found)));
+            findings.push(findings_file(paper, study, &found));
+        }
+        let file = FindingsFile {
+            schema: FINDINGS.to_owned(),
+            findings,
         };
-        let findings = run_study(study, &examples)?;
-        let values = json(paper, study, &findings).to_string();
-        Ok((values, text(&document(paper, study, &findings)), 0))
+        let values = json(&file)?;
+        Ok((values, words.join("\n"), 0))
     })
 }
 
@@ -153,11 +159,6 @@ fn flown(
     };
     let documents = campaign_document(plan, &folded, &result);
     let all: Vec<String> = documents.iter().map(text).collect();
-    let values = serde_json::to_string(&result).map_err(unwritten)?;
+    let values = json(&result)?;
     Ok((values, all.join("\n"), code))
-}
-
-fn unwritten(error: serde_json::Error) -> Fault {
-    let what = error.to_string();
-    poinsot::Error::Internal { what }.into()
 }

@@ -7,14 +7,14 @@ use crate::run::run;
 use poinsot::bind::mountings;
 use poinsot::case::read_case;
 use poinsot::compare::{compare_estimates, comparison_document};
-use poinsot::predict::{prediction_document, prediction_json};
+use poinsot::predict::{prediction_document, prediction_file};
 use poinsot::simulate::{SimulateError, simulate_case};
-use poinsot::validate::{ValidateRequest, validation_document, validation_json, write_validation};
-use poinsot::{estimate_file, inspection_json};
+use poinsot::validate::{ValidateRequest, validation_document, validation_file, write_validation};
+use poinsot::{estimate_file, inspection_file};
 use poinsot_formats::{EstimateFile, read_estimate};
 use poinsot_model::{read_model, read_telemetry_map};
 use poinsot_report::{Document, TextStyle};
-use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount, units as all_units};
+use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -25,6 +25,15 @@ pub(crate) fn text(document: &Document) -> String {
     document.text(&TextStyle {
         width: None,
         colour: false,
+    })
+}
+
+/// A document as the text that crosses into Python.
+pub(crate) fn json<T: poinsot_formats::Serialize>(document: &T) -> Result<String, Fault> {
+    serde_json::to_string(document).map_err(|error| {
+        Fault::from(poinsot::Error::Internal {
+            what: error.to_string(),
+        })
     })
 }
 
@@ -62,7 +71,7 @@ pub fn inspect(
         }
         let (inspection, proposal) = poinsot::inspect(&paths, &options, map.is_some())?;
         let printed = inspection.to_string();
-        Ok((inspection_json(&inspection, proposal).to_string(), printed))
+        Ok((json(&inspection_file(inspection, proposal))?, printed))
     })
 }
 
@@ -91,7 +100,7 @@ pub fn simulate(
         let name = format!("<simulation of {}>", case.display());
         Ok((
             record_of(&name, &simulation.table),
-            simulation.truth.to_string(),
+            json(&simulation.truth)?,
         ))
     })
 }
@@ -113,7 +122,7 @@ pub fn predict(
     run(py, progress.as_ref(), move || {
         let found = poinsot::predict::predict(&case, relative_accuracy)?;
         Ok((
-            prediction_json(&found).to_string(),
+            json(&prediction_file(&found))?,
             text(&prediction_document(&found)),
             found.exit_code(),
         ))
@@ -154,7 +163,7 @@ pub fn validate(
             write_validation(folder, &found)?;
         }
         Ok((
-            validation_json(&found).to_string(),
+            json(&validation_file(&found))?,
             text(&validation_document(&found)),
             found.exit_code(),
         ))
@@ -187,7 +196,7 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
     }
     run(py, None, move || {
         let found = compare_estimates(&files)?;
-        let json = serde_json::json!(found).to_string();
+        let json = json(&found)?;
         let agree = found.verdict == "agree" && found.doubts.is_empty();
         Ok((json, text(&comparison_document(&found)), u8::from(!agree)))
     })
@@ -195,21 +204,15 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
 
 /// `poinsot methods` as JSON.
 #[pyfunction]
-pub fn methods() -> String {
+pub fn methods() -> PyResult<String> {
     let all = poinsot::methods::methods();
-    let list = all.iter().map(poinsot::methods::MethodText::json);
-    serde_json::Value::Array(list.collect()).to_string()
+    Ok(json(&poinsot::methods::methods_file(&all).methods)?)
 }
 
 /// `poinsot units` as JSON.
 #[pyfunction]
-pub fn units() -> String {
-    let list = all_units().map(|unit| {
-        let mut value = serde_json::json!(unit);
-        value["si"] = unit.dimension.si().into();
-        value
-    });
-    serde_json::Value::Array(list.collect()).to_string()
+pub fn units() -> PyResult<String> {
+    Ok(json(&poinsot::units_file().units)?)
 }
 
 /// Meaning, usual cause and remedy of a code; `None` for an unknown one.

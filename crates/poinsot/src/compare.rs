@@ -167,14 +167,18 @@ fn tests(common: &Answers) -> Vec<JointTestFile> {
         .collect()
 }
 
-/// `bus.inertia_xy` belongs to the inertia of bus.
-fn group(name: &str) -> String {
-    let (body, number) = name.rsplit_once('.').unwrap_or(("", name));
-    let what = match number.split('_').next().unwrap_or(number) {
-        "com" => "mass centre",
-        other => other,
-    };
-    format!("{what} of {body}")
+/// `bus.inertia_kg_m2.xy` belongs to the inertia of bus.
+fn group(address: &str) -> String {
+    const GROUPS: [(&str, &str); 3] = [
+        (".com_m.", "mass centre"),
+        (".inertia_kg_m2.", "inertia"),
+        (".mass_kg", "mass"),
+    ];
+    let found = GROUPS.iter().find_map(|(key, what)| {
+        let (owner, _) = address.rsplit_once(key)?;
+        Some(format!("{what} of {owner}"))
+    });
+    found.unwrap_or_else(|| address.to_owned())
 }
 
 /// Numbers that some answer asked for and not all determine, and numbers that were known with different values.
@@ -184,9 +188,12 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
     let Some(first) = files.first() else {
         return out;
     };
-    for (body, numbers) in first.bodies.iter().map(|(name, b)| (name, b.numbers())) {
-        for (k, (what, unit, _)) in numbers.iter().enumerate() {
-            let name = format!("{body}.{}", statistics::address(what));
+    for (body, numbers) in first
+        .bodies
+        .iter()
+        .map(|(name, b)| (name, b.addressed(name)))
+    {
+        for (k, (name, unit, _)) in numbers.iter().enumerate() {
             if compared.contains(name.as_str()) {
                 continue;
             }

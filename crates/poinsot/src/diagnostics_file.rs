@@ -2,7 +2,7 @@
 
 use poinsot_formats::{
     ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile,
-    ValueFile, finite,
+    ValueFile, address, finite,
 };
 use poinsot_identify::{Diagnostics, MomentumDrift};
 use poinsot_report::{Section, Table, significant};
@@ -107,7 +107,7 @@ fn lag(l: &poinsot_identify::SensorLag) -> LagFile {
 
 fn suspect(s: &poinsot_identify::Suspect) -> SuspectFile {
     let value = |(name, value, unit): &(String, f64, &'static str)| ValueFile {
-        name: name.clone(),
+        name: address(name, unit),
         value: finite(*value),
         unit: (*unit).to_owned(),
     };

@@ -1,18 +1,18 @@
-//! From an answer to the result file, `poinsot.estimate/1`.
+//! From an answer to the result file, `poinsot.estimate/2`.
 
 use crate::diagnostics_file::diagnostics_file;
 use crate::identify::Identified;
 use poinsot_formats::{
-    BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, Elements,
+    Axes, BarycentricFile, BodyFile, CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, Elements,
     EpochFile, EstimateFile, IdentifiabilityFile, InputFile, KnownNumbersFile, MethodReportFile,
-    MomentumFile, NumberFile, PrincipalFile, ReportedNumberFile, SegmentFitFile, SensitivityFile,
-    SensorFitFile, SystemFile, TensorFile, UndeterminedFile, VectorFile, finite,
+    MomentumFile, NumberFile, PrincipalFile, ReferenceFile, ReportedNumberFile, SegmentFitFile,
+    SensitivityFile, SensorFitFile, SystemFile, UndeterminedFile, address, finite,
 };
 use poinsot_identify::{
     BodyEstimate, Estimate, Identifiability, MethodReport, MomentumEstimate, Number, SegmentFit,
-    axis_name, tensor_name,
+    axis_name, tensor_index,
 };
-use poinsot_model::JointKind;
+use poinsot_model::{Joint, JointKind, Model};
 use poinsot_telemetry::checks::Finding;
 
 /// The answer as the machine-readable result.
@@ -26,14 +26,13 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
         status: e.status.name().to_owned(),
         iterations: e.iterations,
         model: identified.model.name.clone(),
-        epoch: epoch(identified),
+        reference: reference(&identified.model),
+        epoch: Some(epoch(identified)),
+        model_file: identified.files.model.clone(),
+        map_file: identified.files.map.clone(),
         inputs: inputs(identified),
         bodies: e.bodies.iter().map(|b| (b.name.clone(), body(b))).collect(),
-        covariance: CovarianceFile {
-            names: e.covariance_names.clone(),
-            units: e.covariance_units.iter().map(|u| (*u).to_owned()).collect(),
-            matrix: e.covariance.iter().map(|row| finite_list(row)).collect(),
-        },
+        covariance: covariance(e),
         system: system(identified),
         momentum: e.momentum.iter().map(momentum).collect(),
         nuisance: nuisance(e),
@@ -51,24 +50,37 @@ pub fn estimate_file(identified: &Identified) -> EstimateFile {
     }
 }
 
-/// The same as JSON.
-pub fn estimate_json(identified: &Identified) -> serde_json::Value {
-    serde_json::json!(estimate_file(identified))
+/// Frames and points, with the name of the base.
+pub(crate) fn reference(model: &Model) -> ReferenceFile {
+    let base = model.bodies.first();
+    ReferenceFile::of_base(base.map_or("", |b| b.name.as_str()))
 }
 
-/// What all times count from; `None` where that is the files' own zero.
-fn epoch(identified: &Identified) -> Option<EpochFile> {
-    let origin = identified.origin?;
-    let date = origin.date();
-    if date.is_none() && origin.own_zero_s() == 0.0 {
-        return None;
+/// Addresses of the rows of a covariance.
+fn rows(e: &Estimate) -> impl Iterator<Item = String> + '_ {
+    let rows = e.covariance_names.iter().zip(&e.covariance_units);
+    rows.map(|(name, unit)| address(name, unit))
+}
+
+/// The covariance of all determined numbers.
+pub(crate) fn covariance(e: &Estimate) -> CovarianceFile {
+    CovarianceFile {
+        names: rows(e).collect(),
+        units: e.covariance_units.iter().map(|u| (*u).to_owned()).collect(),
+        matrix: e.covariance.iter().map(|row| finite_list(row)).collect(),
     }
+}
+
+/// What all times count from; without dates, the files' own count.
+fn epoch(identified: &Identified) -> EpochFile {
+    let date = identified.origin.and_then(|origin| origin.date());
     let parts = date.as_deref().and_then(|date| date.split_once(' '));
-    Some(EpochFile {
+    let own = identified.origin.map_or(0.0, |origin| origin.own_zero_s());
+    EpochFile {
         at: parts.map(|(at, _)| at.to_owned()),
         scale: parts.map(|(_, scale)| scale.to_owned()),
-        own_count_s: date.is_none().then(|| origin.own_zero_s()),
-    })
+        own_count_s: date.is_none().then_some(own),
+    }
 }
 
 fn inputs(identified: &Identified) -> Vec<InputFile> {
@@ -90,19 +102,19 @@ fn finite_list(list: &[f64]) -> Vec<Option<f64>> {
 }
 
 fn body(b: &BodyEstimate) -> BodyFile {
-    let [m, x, y, z, ..] = &b.barycentric;
+    let [m, x, y, z, tensor @ ..] = &b.barycentric;
     BodyFile {
         mass_kg: number(&b.mass),
-        com_m: VectorFile::of(b.com.each_ref().map(number)),
-        inertia_kg_m2: tensor(&b.inertia),
+        com_m: Axes::of(b.com.each_ref().map(number)),
+        inertia_kg_m2: Elements::by_name(|name| number(&b.inertia[tensor_index(name)])),
         principal: b.principal.as_ref().map(|p| PrincipalFile {
             moments_kg_m2: p.moments,
             axes_xyzw: p.axes_xyzw,
         }),
         barycentric: BarycentricFile {
             m_kg: number(m),
-            mc_kg_m: VectorFile::of([x, y, z].map(number)),
-            I_BBo_kg_m2: tensor(&b.barycentric[4..]),
+            mc_kg_m: Axes::of([x, y, z].map(number)),
+            I_BBo_kg_m2: Elements::by_name(|name| number(&tensor[tensor_index(name)])),
         },
         physically_consistent: b.physically_consistent,
     }
@@ -117,13 +129,13 @@ fn number(n: &Number) -> NumberFile {
     }
 }
 
-fn tensor(t: &[Number]) -> TensorFile {
-    TensorFile::of(|name| number(&t[element(name)]))
-}
-
-/// Index of a tensor element by name, within the ten parameters' tensor.
-fn element(name: &str) -> usize {
-    (0..6).find(|k| tensor_name(*k) == name).unwrap_or_default()
+/// Key of a moving joint's position.
+pub(crate) fn position_key(joint: &Joint) -> String {
+    let unit = match joint.kind {
+        JointKind::Prismatic => "m",
+        _ => "rad",
+    };
+    format!("{}_{unit}", joint.name)
 }
 
 fn system(identified: &Identified) -> Vec<SystemFile> {
@@ -132,13 +144,7 @@ fn system(identified: &Identified) -> Vec<SystemFile> {
     };
     let joints = identified.model.joints.iter();
     let moving = joints.filter(|j| j.kind != JointKind::Fixed);
-    let joint_positions = moving.zip(position).map(|(j, q)| {
-        let unit = match j.kind {
-            JointKind::Prismatic => "m",
-            _ => "rad",
-        };
-        (format!("{}_{unit}", j.name), *q)
-    });
+    let joint_positions = moving.zip(position).map(|(j, q)| (position_key(j), *q));
     vec![SystemFile {
         body: body(whole),
         joint_positions: joint_positions.collect(),
@@ -147,29 +153,23 @@ fn system(identified: &Identified) -> Vec<SystemFile> {
 
 fn momentum(m: &MomentumEstimate) -> MomentumFile {
     MomentumFile {
-        linear_N_s: VectorFile::of(m.linear.each_ref().map(number)),
-        angular_N_m_s: VectorFile::of(m.angular.each_ref().map(number)),
+        linear_N_s: Axes::of(m.linear.each_ref().map(number)),
+        angular_N_m_s: Axes::of(m.angular.each_ref().map(number)),
     }
 }
 
 fn nuisance(e: &Estimate) -> indexmap::IndexMap<String, NumberFile> {
     let all = e.nuisance.iter();
-    all.map(|n| {
-        let unit = match n.unit {
-            "1" => String::new(),
-            unit => format!("_{}", unit.replace(['/', ' '], "_")),
-        };
-        (format!("{}{unit}", n.name), number(&n.number))
-    })
-    .collect()
+    all.map(|n| (address(&n.name, n.unit), number(&n.number)))
+        .collect()
 }
 
 fn known_numbers(e: &Estimate) -> KnownNumbersFile {
     let known = &e.known_numbers;
     let named = |list: &[Option<f64>]| {
-        let pairs = e.covariance_names.iter().zip(list);
+        let pairs = rows(e).zip(list);
         pairs
-            .filter_map(|(name, x)| Some((name.clone(), (*x).and_then(finite)?)))
+            .filter_map(|(name, x)| Some((name, (*x).and_then(finite)?)))
             .collect()
     };
     KnownNumbersFile {
@@ -180,7 +180,7 @@ fn known_numbers(e: &Estimate) -> KnownNumbersFile {
             .effects
             .iter()
             .map(|n| SensitivityFile {
-                number: n.name.clone(),
+                number: address(&n.name, n.unit),
                 unit: n.unit.to_owned(),
                 value: n.value,
                 sigma: n.sigma,
@@ -196,7 +196,10 @@ fn known_numbers(e: &Estimate) -> KnownNumbersFile {
 
 /// What the data determine and what they do not, as in the result file.
 pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
-    let coefficients = |list: &[(String, f64)]| list.iter().cloned().collect();
+    let coefficients = |list: &[(String, f64)]| {
+        let named = list.iter().map(|(name, c)| (address(name, ""), *c));
+        named.collect()
+    };
     IdentifiabilityFile {
         parameters: i.parameters,
         rank: i.rank,
@@ -279,10 +282,7 @@ pub(crate) fn component(prefix: &str, k: usize) -> String {
 }
 
 /// Tensor entries in the order of the file: index and name.
-pub(crate) fn inertia_entries() -> impl Iterator<Item = (usize, &'static str)> {
-    let names = Elements::by_name(|name| name);
-    names
-        .named()
-        .map(|(name, _)| (element(name), name))
-        .into_iter()
+pub(crate) fn inertia_entries() -> [(usize, &'static str); 6] {
+    let index = Elements::by_name(tensor_index);
+    index.named().map(|(name, k)| (*k, name))
 }

@@ -1,16 +1,18 @@
 //! The verb `identify`: model and telemetry in, mass properties out.
 
 use crate::bind::{BindError, Bound, acceleration_channels, bind, mountings, wanted_channels};
+use crate::digest::sha256;
 use crate::error::Error;
 use crate::methods::{is_own, methods};
 use crate::mixups;
 use crate::progress::step;
 use poinsot_dynamics::Tree;
+use poinsot_formats::ModelInputFile;
 use poinsot_identify::{
     Coordinates, Estimate, FitOptions, Loss, Prediction, Problem, SENSITIVE, Status, linear,
     linear_predicted, maximum_likelihood_predicted, maximum_likelihood_with, predicted_by,
 };
-use poinsot_model::{Model, TelemetryMap, read_model, read_telemetry_map};
+use poinsot_model::{Model, TelemetryMap, read_model, read_model_text, read_telemetry_map};
 use poinsot_papers::{Settings, answered, identify_by, method};
 use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
@@ -71,6 +73,8 @@ impl Default for Question {
 /// How telemetry files are read, beyond the model's own map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Reading {
+    /// File that the model came from, named in the answer; `None` for a model in memory.
+    pub model: Option<PathBuf>,
     /// File with a `[telemetry]` table that replaces the model's.
     pub map: Option<PathBuf>,
     /// Read what a damaged file still holds.
@@ -130,6 +134,8 @@ pub struct Identified {
     pub predictions: Vec<Prediction>,
     /// Files of each segment.
     pub inputs: Vec<Vec<Source>>,
+    /// Files of the model and of the map of the telemetry.
+    pub files: ModelFiles,
     /// What all times count from; `None` for tables that were not read from files.
     pub origin: Option<Origin>,
     /// Assumptions and repairs.
@@ -138,6 +144,34 @@ pub struct Identified {
     pub ignored: Vec<String>,
     /// What the checks of the telemetry found.
     pub findings: Vec<Finding>,
+}
+
+/// The files that say what the vehicle is and what the columns of the telemetry are.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ModelFiles {
+    /// Of the model.
+    pub model: Option<ModelInputFile>,
+    /// Of the map.
+    pub map: Option<ModelInputFile>,
+}
+
+impl ModelFiles {
+    fn of(reading: &Reading) -> Result<Self, Error> {
+        let file = |path: &Option<PathBuf>| {
+            let hashed = path.as_ref().map(|path| {
+                let text = read_model_text(path)?;
+                Ok::<_, Error>(ModelInputFile {
+                    path: path.display().to_string(),
+                    sha256: sha256(text.as_bytes()),
+                })
+            });
+            hashed.transpose()
+        };
+        Ok(Self {
+            model: file(&reading.model)?,
+            map: file(&reading.map)?,
+        })
+    }
 }
 
 impl Identified {
@@ -158,7 +192,11 @@ pub fn identify(request: &IdentifyRequest) -> Result<Identified, Error> {
     let file = |path: &PathBuf| Part::File(path.clone());
     let segments = request.segments.iter();
     let records: Vec<Vec<Part>> = segments.map(|f| f.iter().map(file).collect()).collect();
-    identify_records(model, &records, &request.reading, &request.question)
+    let reading = Reading {
+        model: Some(request.model.clone()),
+        ..request.reading.clone()
+    };
+    identify_records(model, &records, &reading, &request.question)
 }
 
 /// The same with a model and records that need not be files, one list of parts per segment.
@@ -173,10 +211,12 @@ pub fn identify_records(
 ) -> Result<Identified, Error> {
     check_method(question)?;
     policies(question)?;
+    let files = ModelFiles::of(reading)?;
     let (model, tables) = read_records(model, records, reading, question)?;
     let segments = tables.len();
     let identified = identify_tables(model, tables, question);
     let mut identified = identified.map_err(|error| join_files(error, segments))?;
+    identified.files = files;
     if reading.every > 1 {
         distrust_thinned(&mut identified.estimate, reading.every);
     }
@@ -454,6 +494,7 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         estimate,
         predictions,
         origin,
+        files: ModelFiles::default(),
         inputs: tables.into_iter().map(|t| t.sources).collect(),
         repairs,
         ignored,

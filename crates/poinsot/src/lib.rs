@@ -6,11 +6,13 @@ pub mod campaign;
 pub mod case;
 pub mod compare;
 mod diagnostics_file;
+mod digest;
 mod error;
 mod estimate_file;
 mod estimate_text;
 pub mod explain;
 pub mod export;
+mod fault_file;
 pub mod identify;
 pub mod methods;
 mod mixups;
@@ -26,11 +28,12 @@ mod summary;
 pub mod sweep;
 mod threads;
 pub mod trials;
+mod units;
 pub mod validate;
 pub mod verdict;
 
 pub use error::Error;
-pub use estimate_file::{estimate_file, estimate_json};
+pub use estimate_file::estimate_file;
 pub use estimate_text::estimate_document;
 pub use identify::{
     Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
@@ -41,7 +44,8 @@ pub use output::{
 };
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
-pub use propose::{inspect, inspection_json, proposed_map};
+pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
 pub use report::write_report;
 pub use schema::schema;
 pub use threads::start_threads;
+pub use units::units_file;

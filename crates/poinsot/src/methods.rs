@@ -1,5 +1,6 @@
 //! The verb `methods`: what `identify --method` and `--variant` take.
 
+use poinsot_formats::{ListedMethodFile, ListedSettingFile, METHODS, MethodsFile, VariantFile};
 pub use poinsot_papers::{SettingText, VariantText};
 
 /// A method of `identify`.
@@ -17,23 +18,27 @@ pub struct MethodText {
     pub settings: &'static [SettingText],
 }
 
-impl MethodText {
-    /// The method as JSON.
-    pub fn json(&self) -> serde_json::Value {
-        let variants = self.variants.iter();
-        let variants =
-            variants.map(|v| serde_json::json!({ "name": v.name, "summary": v.summary }));
-        let settings = self.settings.iter();
-        let settings = settings.map(
-            |s| serde_json::json!({ "key": s.key, "summary": s.summary, "default": s.default }),
-        );
-        serde_json::json!({
-            "name": self.name,
-            "summary": self.summary,
-            "paper": self.paper,
-            "variants": variants.collect::<Vec<_>>(),
-            "settings": settings.collect::<Vec<_>>(),
-        })
+/// Methods as a file.
+pub fn methods_file(listed: &[MethodText]) -> MethodsFile {
+    let variant = |v: &VariantText| VariantFile {
+        name: v.name.to_owned(),
+        summary: v.summary.to_owned(),
+    };
+    let setting = |s: &SettingText| ListedSettingFile {
+        key: s.key.to_owned(),
+        summary: s.summary.to_owned(),
+        default: s.default.to_owned(),
+    };
+    let method = |m: &MethodText| ListedMethodFile {
+        name: m.name.to_owned(),
+        summary: m.summary.to_owned(),
+        paper: m.paper.map(str::to_owned),
+        variants: m.variants.iter().map(variant).collect(),
+        settings: m.settings.iter().map(setting).collect(),
+    };
+    MethodsFile {
+        schema: METHODS.to_owned(),
+        methods: listed.iter().map(method).collect(),
     }
 }
 

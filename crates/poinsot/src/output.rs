@@ -73,7 +73,8 @@ pub fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, E
     )
 }
 
-fn json(folder: &Path, text: serde_json::Result<String>) -> Result<String, Error> {
+/// A document as JSON, with a last line end, for a file of a folder.
+pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<String, Error> {
     let text = text.map_err(|e| Error::Io {
         path: folder.to_owned(),
         what: "the result cannot be written as JSON",

@@ -7,7 +7,7 @@ mod file;
 mod text;
 mod wanted;
 
-pub use file::prediction_json;
+pub use file::prediction_file;
 pub use text::prediction_document;
 pub use wanted::{Met, covariance_name, wanted_sigma};
 

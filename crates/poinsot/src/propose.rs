@@ -1,10 +1,12 @@
 //! A `[telemetry]` table for a CSV file that nobody has described: what its first lines suggest, and what they leave open.
 
 use crate::error::Error;
+use poinsot_formats::{INSPECTION, StatedFile};
 use poinsot_model::parse_telemetry_map;
 use poinsot_telemetry::{
     Dimension, Inspection, ReadOptions, classify, inspect_files, parse_unit, suggest,
 };
+use serde::Serialize;
 use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -54,13 +56,29 @@ pub fn inspect(
     Ok((inspection, proposal))
 }
 
-/// The same as JSON.
-pub fn inspection_json(inspection: &Inspection, proposal: Option<String>) -> serde_json::Value {
-    let mut value = serde_json::to_value(inspection).unwrap_or_default();
-    if let (Some(map), Some(object)) = (proposal, value.as_object_mut()) {
-        object.insert("proposed_map".to_owned(), map.into());
+/// An inspection with the map that it proposes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InspectionAnswer {
+    /// What was found.
+    #[serde(flatten)]
+    pub inspection: Inspection,
+    /// The `[telemetry]` table to paste.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proposed_map: Option<String>,
+}
+
+/// The same as a file.
+pub fn inspection_file(
+    inspection: Inspection,
+    proposed_map: Option<String>,
+) -> StatedFile<InspectionAnswer> {
+    StatedFile {
+        schema: INSPECTION,
+        content: InspectionAnswer {
+            inspection,
+            proposed_map,
+        },
     }
-    value
 }
 
 /// A table to paste; lines that are unsure say so. `None` where the file is no text, or has standard names in SI.

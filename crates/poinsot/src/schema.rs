@@ -19,7 +19,7 @@ pub fn schema(name: &str) -> Result<Value, Error> {
         value: name.to_owned(),
         why: format!(
             "there is no such format; use one of {MODEL}, {}",
-            poinsot_formats::NAMES.join(", ")
+            poinsot_formats::names().collect::<Vec<_>>().join(", ")
         ),
     })
 }

@@ -6,19 +6,22 @@ mod truth;
 use crate::bind::mountings;
 use crate::case::{Case, CaseError, Format, Scenario, read_case};
 use crate::error::Error;
-use crate::output::check_outputs;
+use crate::output::{check_outputs, json};
 use crate::progress::step;
 use poinsot_dynamics::{
     ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
     JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
 };
-use poinsot_files::{Stage, json_escaped};
+use poinsot_files::Stage;
+use poinsot_formats::TruthFile;
 use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Mounting, Table, mount, write_staged};
 use record::Recorder;
 pub(crate) use record::{joint_channels, names};
 use std::path::{Path, PathBuf};
+use truth::Drawn;
+pub(crate) use truth::mass as true_mass;
 
 /// Samples between two reports of progress.
 const REPORTED: usize = 500;
@@ -69,8 +72,8 @@ impl SimulateError {
 pub struct Simulation {
     /// What the sensors report; exact where the model has no sensor for a channel.
     pub table: Table,
-    /// The document `truth.json` (`poinsot.truth/1`).
-    pub truth: serde_json::Value,
+    /// The document `truth.json`.
+    pub truth: TruthFile,
 }
 
 /// The files of a simulation.
@@ -108,8 +111,8 @@ pub fn simulate(case_path: &Path, out: &Path) -> Result<Written, Error> {
     let channels = &simulation.table.channels;
     let mut stage = Stage::new(out)?;
     write_staged(&mut stage, Path::new(name), channels)?;
-    let text = format!("{:#}\n", simulation.truth);
-    stage.add(Path::new("truth.json"), json_escaped(&text).as_bytes())?;
+    let text = json(out, serde_json::to_string_pretty(&simulation.truth))?;
+    stage.add(Path::new("truth.json"), text.as_bytes())?;
     stage.commit()?;
     Ok(Written {
         telemetry,
@@ -138,10 +141,16 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
         first,
         used,
     } = record(case, model, &scenario, trial)?;
-    let mut truth = truth::document(case, model, &scenario, first.as_ref(), &recorder, trial);
-    if let Some(object) = truth.as_object_mut().filter(|_| !used.is_empty()) {
-        object.insert("wheel_use".to_owned(), wheel_use(model, &used));
+    let truth = Drawn {
+        case,
+        model,
+        scenario: &scenario,
+        first: first.as_ref(),
+        recorder: &recorder,
+        trial,
+        used: &used,
     }
+    .truth();
     Ok(Simulation {
         table: recorder.table(&scenario),
         truth,
@@ -392,22 +401,6 @@ pub(crate) fn is_read(model: &Model, joint: &Joint) -> bool {
     let at = model.joint(&joint.name);
     let mut sensors = model.sensors_of(SensorKind::JointPosition);
     at.is_some_and(|at| sensors.any(|s| s.of.contains(&at)))
-}
-
-/// How far the controller used each wheel, and whether a limit cut its commands.
-fn wheel_use(model: &Model, used: &[WheelUse]) -> serde_json::Value {
-    let wheels = model.wheels.iter().zip(used);
-    wheels
-        .map(|(wheel, used)| {
-            let numbers = serde_json::json!({
-                "largest_speed_rad_s": used.speed,
-                "largest_torque_N_m": used.torque,
-                "saturated": used.limited,
-            });
-            (wheel.name.clone(), numbers)
-        })
-        .collect::<serde_json::Map<_, _>>()
-        .into()
 }
 
 /// One random stream per sensor and trial.

@@ -10,6 +10,10 @@ use crate::identify::{Question, identify_tables, read_options};
 use crate::simulate::{SimulateError, simulate_trial};
 use crate::validate::{Mover, compare_motion};
 use poinsot_dynamics::Tree;
+use poinsot_formats::{
+    FoundCellFile, FoundTableFile, PaperFile, STUDIES, StatementFile, StudiesFile, StudyFile,
+    StudyFindingsFile, finite,
+};
 use poinsot_identify::{Estimate, Noise, Segment};
 use poinsot_model::{Model, ModelError, read_model};
 use poinsot_papers::study::{CaseText, Difference, Tools};
@@ -199,35 +203,34 @@ pub fn document(paper: &str, study: &Study, findings: &Findings) -> Document {
     document
 }
 
-/// The findings as JSON: numbers with all their digits, null where there is none.
-pub fn json(paper: &str, study: &Study, findings: &Findings) -> serde_json::Value {
+/// The findings as a file: numbers with all their digits, null where there is none.
+pub fn findings_file(paper: &str, study: &Study, findings: &Findings) -> StudyFindingsFile {
     let cell = |cell: &Cell| match cell {
-        Cell::Word(text) => serde_json::json!(text),
-        Cell::Number(x, _) => serde_json::json!(x),
-        Cell::Pair(a, _, b, _) => serde_json::json!([a, b]),
+        Cell::Word(text) => FoundCellFile::Word(text.clone()),
+        Cell::Number(x, _) => FoundCellFile::Number(finite(*x)),
+        Cell::Pair(a, _, b, _) => FoundCellFile::Pair(finite(*a), finite(*b)),
     };
-    let tables = findings.tables.iter().map(|t| {
-        let rows = t
+    let table = |t: &FoundTable| FoundTableFile {
+        name: t.name.to_string(),
+        title: t.title.to_string(),
+        columns: t.head.clone(),
+        rows: t
             .rows
             .iter()
-            .map(|r| r.iter().map(cell).collect::<Vec<_>>());
-        serde_json::json!({
-            "name": t.name,
-            "title": t.title,
-            "columns": t.head,
-            "rows": rows.collect::<Vec<_>>(),
-        })
-    });
-    let statements = findings.statements.iter();
-    let statements = statements
-        .map(|(what, number)| serde_json::json!({ "in_the_paper": what, "number": number }));
-    serde_json::json!({
-        "paper": paper,
-        "study": study.name,
-        "summary": study.summary,
-        "tables": tables.collect::<Vec<_>>(),
-        "statements": statements.collect::<Vec<_>>(),
-    })
+            .map(|r| r.iter().map(cell).collect())
+            .collect(),
+    };
+    let statement = |(what, number): &(String, String)| StatementFile {
+        in_the_paper: what.clone(),
+        number: number.clone(),
+    };
+    StudyFindingsFile {
+        paper: paper.to_owned(),
+        study: study.name.to_owned(),
+        summary: study.summary.to_owned(),
+        tables: findings.tables.iter().map(table).collect(),
+        statements: findings.statements.iter().map(statement).collect(),
+    }
 }
 
 /// A table as CSV: numbers with all their digits; two numbers of a cell joined by their word.
@@ -288,8 +291,23 @@ pub fn files(
     Ok(files)
 }
 
-/// One paper with its studies, for a list.
-pub fn papers() -> impl Iterator<Item = (&'static str, &'static str, &'static [Study])> {
-    let of = |m: &'static dyn Method| (m.about().name, m.about().citation, m.studies());
-    poinsot_papers::METHODS.into_iter().map(of)
+/// Papers with their studies; of one paper where it is named.
+pub fn studies_file(paper: Option<&str>) -> StudiesFile {
+    let study = |s: &Study| StudyFile {
+        name: s.name.to_owned(),
+        summary: s.summary.to_owned(),
+        quick: s.quick,
+    };
+    let of = |m: &'static dyn Method| PaperFile {
+        paper: m.about().name.to_owned(),
+        citation: m.about().citation.to_owned(),
+        studies: m.studies().iter().map(study).collect(),
+    };
+    let papers = poinsot_papers::METHODS.into_iter().map(of);
+    StudiesFile {
+        schema: STUDIES.to_owned(),
+        papers: papers
+            .filter(|p| paper.is_none_or(|wanted| wanted == p.paper))
+            .collect(),
+    }
 }

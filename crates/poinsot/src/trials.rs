@@ -17,26 +17,24 @@ pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
 
 use crate::bind::bind;
-use crate::case::Case;
+use crate::case::{Case, unit_suffix};
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
 use crate::progress::step;
 use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
+use poinsot_formats::address;
 use poinsot_identify::{
-    BodyEstimate, Estimate, Problem, Source, Status, axis_name, cramer_rao, tensor_name,
+    BodyEstimate, Estimate, Problem, Source, Status, TENSOR, axis_name, cramer_rao, tensor_name,
 };
-use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_model::{JointKind, Model, Sensor, SensorKind};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Elements of a tensor in the order of an estimate.
-const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
 
 /// An experiment to be repeated.
 #[derive(Debug, Clone)]
@@ -68,7 +66,7 @@ pub struct Study {
 /// One number of one trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialNumber {
-    /// Name, for example `base.mass`, `base.inertia_xx`, `gyro.bias_x`.
+    /// Address, for example `base.mass_kg`, `base.inertia_kg_m2.xx`, `gyro.bias_rad_s.x`.
     pub name: String,
     /// Estimate.
     pub value: f64,
@@ -246,21 +244,14 @@ impl Study {
         model
     }
 
-    /// The truth of mass properties and of the biases that [`Self::draw`] drew, by the names of an answer.
+    /// The truth of mass properties and of the biases that [`Self::draw`] drew, by the addresses of an answer.
     pub fn true_numbers(&self, biases: &[Vec<f64>]) -> HashMap<String, f64> {
         let mut all = HashMap::new();
         for (body, truth) in self.model.bodies.iter().zip(&self.truth) {
-            let name = &body.name;
-            all.insert(format!("{name}.mass"), truth.mass);
-            for k in 0..3 {
-                all.insert(format!("{name}.com_{}", axis_name(k)), truth.p_BoBcm_B[k]);
-            }
-            for (k, at) in TENSOR.into_iter().enumerate() {
-                all.insert(
-                    format!("{name}.inertia_{}", tensor_name(k)),
-                    truth.I_BBcm_B[at],
-                );
-            }
+            let centre = truth.p_BoBcm_B.iter().copied();
+            let inertia = TENSOR.into_iter().map(|at| truth.I_BBcm_B[at]);
+            let values = std::iter::once(truth.mass).chain(centre).chain(inertia);
+            all.extend(mass_names(&body.name).into_iter().zip(values));
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
             let turned = match sensor.kind {
@@ -271,7 +262,11 @@ impl Study {
                 SensorKind::JointPosition => {
                     let joints = sensor.of.iter().filter_map(|j| self.model.joints.get(*j));
                     for (joint, bias) in joints.zip(bias) {
-                        all.insert(format!("{}.offset", joint.name), *bias);
+                        let unit = match joint.kind {
+                            JointKind::Prismatic => "m",
+                            _ => "rad",
+                        };
+                        all.insert(address(&format!("{}.offset", joint.name), unit), *bias);
                     }
                     continue;
                 }
@@ -279,9 +274,10 @@ impl Study {
             };
             if bias.len() == 3 {
                 let bias = turned * nalgebra::Vector3::from_column_slice(bias);
+                let unit = unit_suffix(&self.model, sensor);
                 for k in 0..3 {
                     let name = format!("{}.bias_{}", sensor.name, axis_name(k));
-                    all.insert(name, bias[k]);
+                    all.insert(address(&name, unit), bias[k]);
                 }
             }
         }
@@ -353,31 +349,33 @@ fn disturb(table: &mut Table, sensor: &str, channels: &[String], instrument: &mu
     }
 }
 
-/// Every number that data determine: name, value, sigma (NaN of a method that states none). Mass properties bear the names of the covariance.
+/// Every number that data determine: address, value, sigma (NaN of a method that states none).
 pub(crate) fn estimated_numbers(estimate: &Estimate) -> Vec<(String, f64, f64)> {
     let mut list = Vec::new();
     for body in estimate.bodies.iter().filter(|b| b.asked) {
         for (name, number) in numbers_of(body) {
             if let (Source::Data, Some(value)) = (number.source, number.value) {
                 let sigma = number.sigma.unwrap_or(f64::NAN);
-                list.push((format!("{}.{name}", body.name), value, sigma));
+                let name = address(&format!("{}.{name}", body.name), "");
+                list.push((name, value, sigma));
             }
         }
     }
     for item in &estimate.nuisance {
         if let (Some(value), Some(sigma)) = (item.number.value, item.number.sigma) {
-            list.push((item.name.clone(), value, sigma));
+            list.push((address(&item.name, item.unit), value, sigma));
         }
     }
     list
 }
 
-/// Names of mass, mass centre and central inertia of a body.
+/// Addresses of mass, mass centre and central inertia of a body.
 pub(crate) fn mass_names(body: &str) -> Vec<String> {
     let com = (0..3).map(|k| format!("com_{}", axis_name(k)));
     let inertia = (0..6).map(|k| format!("inertia_{}", tensor_name(k)));
     let all = std::iter::once("mass".to_owned()).chain(com).chain(inertia);
-    all.map(|name| format!("{body}.{name}")).collect()
+    all.map(|name| address(&format!("{body}.{name}"), ""))
+        .collect()
 }
 
 /// Mass, mass centre and central inertia of a body with their names.
@@ -403,7 +401,8 @@ fn nees(estimate: &Estimate, numbers: &[TrialNumber]) -> Option<(f64, usize)> {
     let mut scaled = DVector::zeros(n);
     let mut sigma = vec![1.0; n];
     for (i, name) in names.iter().enumerate() {
-        let number = numbers.iter().find(|x| x.name == **name)?;
+        let wanted = address(name, estimate.covariance_units[at[i]]);
+        let number = numbers.iter().find(|x| x.name == wanted)?;
         sigma[i] = estimate.covariance[at[i]][at[i]].sqrt();
         scaled[i] = number.error / sigma[i];
     }

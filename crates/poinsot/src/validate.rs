@@ -15,7 +15,7 @@ mod text;
 
 pub use compared::{Compared, Sigmas};
 pub use estimate::{EstimatedVehicle, of_estimate, read_estimate};
-pub use file::{validation_csv, validation_json, write_validation};
+pub use file::{validation_csv, validation_file, write_validation};
 pub use motion::{JointPath, Path as MotionPath, compare_motion, compare_paths, path};
 pub use mover::Mover;
 pub use open::{OpenEffect, held_back_effect, motion_effect};

@@ -7,7 +7,7 @@ use poinsot::campaign::{
     merge_campaign, read_plan, slurm_scripts,
 };
 use poinsot::{check_outputs, write_files};
-use poinsot_formats::CampaignFile;
+use poinsot_formats::{CampaignFile, WrittenFile};
 use std::path::Path;
 use std::process::Command;
 
@@ -70,7 +70,10 @@ pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &Ran) -> Outcome {
     }
     let (Some(result), Some(folded)) = (&ran.result, &ran.folded) else {
         if json {
-            print_json(&serde_json::json!({ "shards": ran.shards }));
+            print_json(&WrittenFile {
+                shards: Some(ran.shards),
+                ..WrittenFile::of(&ran.written)
+            });
         } else if !quiet {
             note(&format!("{} shards run", ran.shards));
         }
@@ -189,10 +192,10 @@ fn supervised(
     }
     match failed {
         None => Ok(()),
-        Some(code) => Err(Failure {
-            message: "E0603 a process of this campaign refused its input or met a full disk; see its message above, then give --resume".to_owned(),
-            exit_code: u8::try_from(code).unwrap_or(2),
-        }),
+        Some(code) => Err(Failure::of_lines(
+            "E0603 a process of this campaign refused its input or met a full disk; see its message above, then give --resume".to_owned(),
+            u8::try_from(code).unwrap_or(2),
+        )),
     }
 }
 

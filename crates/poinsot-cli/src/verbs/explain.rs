@@ -2,7 +2,7 @@
 
 use super::{Outcome, print, print_json};
 use crate::arguments::Explain;
-use poinsot::explain::{error_codes, explain};
+use poinsot::explain::{codes_file, error_codes, explain};
 
 pub fn run(arguments: &Explain) -> Outcome {
     let codes = match &arguments.code {
@@ -14,15 +14,7 @@ pub fn run(arguments: &Explain) -> Outcome {
         })?],
     };
     if arguments.json {
-        let list: Vec<_> = codes
-            .iter()
-            .map(|c| {
-                serde_json::json!({
-                    "code": c.code, "meaning": c.meaning, "cause": c.cause, "remedy": c.remedy,
-                })
-            })
-            .collect();
-        print_json(&list);
+        print_json(&codes_file(&codes));
     } else if arguments.quiet {
         return Ok(0);
     } else if arguments.code.is_some() {

@@ -4,7 +4,7 @@ use super::{Failure, Outcome, command_line, formats, note, print_document, print
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
-    estimate_json, identify, segment_files, write_result,
+    estimate_file, identify, segment_files, write_result,
 };
 use std::path::Path;
 
@@ -22,6 +22,7 @@ pub fn run(arguments: &Identify) -> Outcome {
             .map(|t| segment_files(t))
             .collect(),
         reading: Reading {
+            model: None,
             map: arguments.map.clone(),
             recover: arguments.recover,
             encoding: rows.encoding.into(),
@@ -55,7 +56,7 @@ pub fn run(arguments: &Identify) -> Outcome {
         None => Vec::new(),
     };
     if arguments.json {
-        print_json(&estimate_json(&identified));
+        print_json(&estimate_file(&identified));
     } else if !arguments.quiet {
         print_document(&estimate_document(&identified));
     }

@@ -2,7 +2,7 @@
 
 use super::{Failure, Outcome, print, print_json, step};
 use crate::arguments::Inspect;
-use poinsot::{inspect, inspection_json, segment_files};
+use poinsot::{inspect, inspection_file, segment_files};
 use poinsot_model::read_telemetry_map;
 use poinsot_telemetry::ReadOptions;
 
@@ -22,7 +22,7 @@ pub fn run(arguments: &Inspect) -> Outcome {
     let files = segment_files(&arguments.telemetry);
     let (inspection, proposal) = inspect(&files, &options, arguments.map.is_some())?;
     if arguments.json {
-        print_json(&inspection_json(&inspection, proposal));
+        print_json(&inspection_file(inspection, proposal));
     } else if !arguments.quiet {
         print(&format!("{inspection}\n"));
         if let Some(map) = proposal {

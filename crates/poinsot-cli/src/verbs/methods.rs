@@ -2,7 +2,7 @@
 
 use super::{Outcome, print, print_json};
 use crate::arguments::Methods;
-use poinsot::methods::{MethodText, methods};
+use poinsot::methods::{MethodText, methods, methods_file};
 use std::fmt::Write;
 
 pub fn run(arguments: &Methods) -> Outcome {
@@ -21,8 +21,7 @@ pub fn run(arguments: &Methods) -> Outcome {
         }
     }
     if arguments.json {
-        let list: Vec<_> = listed.iter().map(MethodText::json).collect();
-        print_json(&list);
+        print_json(&methods_file(&listed));
     } else if !arguments.quiet {
         let texts: Vec<String> = listed.iter().map(text).collect();
         print(&texts.join("\n"));

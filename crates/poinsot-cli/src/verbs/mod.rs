@@ -25,6 +25,7 @@ use std::sync::{Mutex, OnceLock};
 
 use crate::arguments::FigureFile;
 use poinsot_files::{error_line, escaped_lines, json_escaped};
+use poinsot_formats::{ERROR, ErrorFile, FaultFile, WrittenFile};
 use poinsot_report::{Document, FigureFormat};
 use std::io::IsTerminal;
 
@@ -32,8 +33,20 @@ use std::io::IsTerminal;
 pub struct Failure {
     /// One line or several findings, each with its code.
     pub message: String,
-    /// Exit code.
-    pub exit_code: u8,
+    /// The same as data.
+    pub file: ErrorFile,
+}
+
+impl Failure {
+    /// From lines as they are printed.
+    pub fn of_lines(message: String, exit_code: u8) -> Self {
+        let file = ErrorFile {
+            schema: ERROR.to_owned(),
+            exit_code,
+            errors: message.lines().map(FaultFile::of_line).collect(),
+        };
+        Self { message, file }
+    }
 }
 
 /// Exit code of an answer.
@@ -43,7 +56,7 @@ impl<E: Into<poinsot::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         let error = error.into();
         Self {
-            exit_code: error.exit_code(),
+            file: error.file(),
             message: error.to_string(),
         }
     }
@@ -89,8 +102,7 @@ pub fn note(line: &str) {
 /// Says which files were written: on standard error, or as JSON on standard output.
 pub fn written(paths: &[std::path::PathBuf], json: bool, quiet: bool) {
     if json {
-        let names: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-        print_json(&serde_json::json!({ "written": names }));
+        print_json(&WrittenFile::of(paths));
     } else if !quiet {
         for path in paths {
             note(&format!("written: {}", path.display()));

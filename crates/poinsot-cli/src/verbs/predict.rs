@@ -2,13 +2,13 @@
 
 use super::{Outcome, print_document, print_json};
 use crate::arguments::Predict;
-use poinsot::predict::{predict, prediction_document, prediction_json};
+use poinsot::predict::{predict, prediction_document, prediction_file};
 
 pub fn run(arguments: &Predict) -> Outcome {
     poinsot::start_threads()?;
     let prediction = predict(&arguments.case, arguments.relative_accuracy)?;
     if arguments.json {
-        print_json(&prediction_json(&prediction));
+        print_json(&prediction_file(&prediction));
     } else if !arguments.quiet {
         print_document(&prediction_document(&prediction));
     }

@@ -2,8 +2,9 @@
 
 use super::{Outcome, formats, print, print_document, print_json, written};
 use crate::arguments::{FigureFile, Study};
-use poinsot::study::{document, files, find, json, papers, run as run_study};
+use poinsot::study::{document, files, find, findings_file, run as run_study, studies_file};
 use poinsot::write_files;
+use poinsot_formats::{FINDINGS, FindingsFile, PaperFile};
 use std::fmt::Write;
 
 pub fn run(arguments: &Study) -> Outcome {
@@ -20,7 +21,7 @@ pub fn run(arguments: &Study) -> Outcome {
     for (paper, study) in chosen {
         let findings = run_study(study, &arguments.examples)?;
         if arguments.json {
-            answers.push(json(paper, study, &findings));
+            answers.push(findings_file(paper, study, &findings));
         } else if !arguments.quiet {
             print_document(&document(paper, study, &findings));
         }
@@ -30,41 +31,39 @@ pub fn run(arguments: &Study) -> Outcome {
             written(&paths, false, arguments.quiet || arguments.json);
         }
     }
-    match answers.as_slice() {
-        [] => {}
-        [one] => print_json(one),
-        all => print_json(&all),
+    if arguments.json {
+        print_json(&FindingsFile {
+            schema: FINDINGS.to_owned(),
+            findings: answers,
+        });
     }
     Ok(0)
 }
 
 /// The papers with their studies.
 fn list(arguments: &Study) {
-    let chosen = |name: &str| arguments.paper.as_ref().is_none_or(|p| p == name);
-    let all: Vec<_> = papers().filter(|p| chosen(p.0)).collect();
+    let all = studies_file(arguments.paper.as_deref());
     if arguments.json {
-        let studies = |list: &[poinsot::study::Study]| -> Vec<_> {
-            let one = |s: &poinsot::study::Study| serde_json::json!({ "name": s.name, "summary": s.summary, "quick": s.quick });
-            list.iter().map(one).collect()
-        };
-        let papers = all.iter().map(|(name, citation, list)| {
-            serde_json::json!({ "paper": name, "citation": citation, "studies": studies(list) })
-        });
-        print_json(&papers.collect::<Vec<_>>());
+        print_json(&all);
         return;
     }
     if arguments.quiet {
         return;
     }
     let mut out = String::new();
-    for (name, citation, list) in all {
-        let _ = writeln!(out, "{name}: {citation}");
-        let width = list.iter().map(|s| s.name.len()).max().unwrap_or(0);
-        for s in list {
+    for PaperFile {
+        paper,
+        citation,
+        studies,
+    } in all.papers
+    {
+        let _ = writeln!(out, "{paper}: {citation}");
+        let width = studies.iter().map(|s| s.name.len()).max().unwrap_or(0);
+        for s in studies {
             let slow = if s.quick { "" } else { " (minutes)" };
             let _ = writeln!(
                 out,
-                "  poinsot study {name} {:width$}  {}{slow}",
+                "  poinsot study {paper} {:width$}  {}{slow}",
                 s.name, s.summary
             );
         }

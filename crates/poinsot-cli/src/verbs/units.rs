@@ -2,24 +2,12 @@
 
 use super::{Outcome, print, print_json};
 use crate::arguments::Units;
-use poinsot_telemetry::{Dimension, Unit, units};
-
-/// A unit as JSON: its value in SI is `value * factor / divisor`.
-#[derive(serde::Serialize)]
-struct Entry {
-    #[serde(flatten)]
-    unit: Unit,
-    si: &'static str,
-}
+use poinsot::units_file;
+use poinsot_telemetry::{Dimension, units};
 
 pub fn run(arguments: &Units) -> Outcome {
     if arguments.json {
-        let entry = |unit: Unit| Entry {
-            unit,
-            si: unit.dimension.si(),
-        };
-        let all: Vec<Entry> = units().map(entry).collect();
-        print_json(&serde_json::json!({ "schema": "poinsot.units/1", "units": all }));
+        print_json(&units_file());
         return Ok(0);
     }
     if arguments.quiet {

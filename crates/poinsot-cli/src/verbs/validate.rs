@@ -3,7 +3,7 @@
 use super::{Outcome, note, print_document, print_json};
 use crate::arguments::Validate;
 use poinsot::validate::{
-    ValidateRequest, validate, validation_document, validation_json, write_validation,
+    ValidateRequest, validate, validation_document, validation_file, write_validation,
 };
 use poinsot::{check_outputs, segment_files};
 use std::path::Path;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Validate) -> Outcome {
         None => Vec::new(),
     };
     if arguments.json {
-        print_json(&validation_json(&validation));
+        print_json(&validation_file(&validation));
     } else if !arguments.quiet {
         print_document(&validation_document(&validation));
     }

@@ -381,7 +381,8 @@ fn cli_a_campaign_says_what_it_costs_and_what_it_found() {
     }
     let page = std::fs::read_to_string(bench.join("c/campaign.html")).unwrap();
     assert!(
-        page.contains("error of bus.mass") && page.contains("every number with its 95 % interval")
+        page.contains("error of bus.mass_kg")
+            && page.contains("every number with its 95 % interval")
     );
     assert!(
         bench.join("c/shards/000000").read_dir().unwrap().any(|f| f
@@ -421,7 +422,7 @@ fn cli_until_stops_at_a_complete_look() {
         (&found["trials"], &found["planned"]),
         (&40.into(), &400.into())
     );
-    let number = &found["cells"][0]["methods"][0]["numbers"]["bus.inertia_xx"];
+    let number = &found["cells"][0]["methods"][0]["numbers"]["bus.inertia_kg_m2.xx"];
     assert_eq!(number["trials"], 40);
     let shards = std::fs::read_dir(bench.join("u/shards/000000")).unwrap();
     assert_eq!(shards.count(), 40, "twenty shards with their rows");

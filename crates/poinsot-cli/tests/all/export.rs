@@ -68,8 +68,9 @@ fn exported(folder: &Path, to: &str) -> String {
 fn xval_ccsds_ndm_reads_both_messages() {
     let folder = tempfile::tempdir().unwrap();
     let estimate = answer(folder.path(), DATE);
-    let tensor = &estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"];
-    let expected = ["xx", "yy", "zz", "xy", "xz", "yz"].map(|e| tensor[e].as_f64().unwrap());
+    let tensor = &estimate["bodies"]["spacecraft"]["inertia_kg_m2"];
+    let expected =
+        ["xx", "yy", "zz", "xy", "xz", "yz"].map(|e| tensor[e]["value"].as_f64().unwrap());
 
     let apm = Apm::from_kvn(&exported(folder.path(), "apm")).unwrap();
     let data = &apm.body.segment.data;
@@ -106,7 +107,7 @@ fn cli_model_changes_its_numbers_and_no_other_byte() {
     let changed = old.lines().zip(new.lines()).filter(|(a, b)| a != b);
     let changed: Vec<&str> = changed.map(|(_, b)| b).collect();
     assert_eq!(changed.len(), 1, "{changed:?}");
-    let xx = &estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"]["xx"];
+    let xx = &estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["xx"]["value"];
     assert!(
         changed[0].starts_with(&format!("inertia_kg_m2 = {{ xx = {xx}")),
         "{changed:?}"
@@ -173,6 +174,12 @@ fn cli_what_is_not_determined_is_not_exported() {
         );
     }
     let table = exported(folder.path(), "csv");
-    let row = table.lines().find(|l| l.contains("inertia_xy")).unwrap();
-    assert_eq!(row, "spacecraft,inertia_xy,kg m2,,,0.0,not determined");
+    let row = table
+        .lines()
+        .find(|l| l.contains("inertia_kg_m2.xy"))
+        .unwrap();
+    assert_eq!(
+        row,
+        "spacecraft,inertia_kg_m2.xy,kg m2,,,0.0,not determined"
+    );
 }

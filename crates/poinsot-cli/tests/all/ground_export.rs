@@ -377,13 +377,10 @@ fn json(path: &Path) -> Value {
 fn numbers(estimate: &Value) -> Vec<(f64, f64)> {
     let bus = &estimate["bodies"]["bus"];
     let number = |part: &Value, key: &str| {
-        let at = |kind: &str| match key.parse::<usize>() {
-            Ok(k) => part[kind][k].as_f64().unwrap(),
-            Err(_) => part[kind][key].as_f64().unwrap(),
-        };
+        let at = |kind: &str| part[key][kind].as_f64().unwrap();
         (at("value"), at("sigma"))
     };
-    let com = ["0", "1", "2"].map(|k| number(&bus["com_m"], k));
+    let com = ["x", "y", "z"].map(|k| number(&bus["com_m"], k));
     let inertia = ["xx", "yy", "zz", "xy", "xz", "yz"].map(|k| number(&bus["inertia_kg_m2"], k));
     com.into_iter().chain(inertia).collect()
 }

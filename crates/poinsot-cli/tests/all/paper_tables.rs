@@ -148,7 +148,7 @@ fn cli_every_command_of_the_papers_tables_exists() {
                         }
                     }
                     ["cargo", "test", "-p", package, test] => {
-                        let (file, name) = test.split_once("::").expect(&command);
+                        let (file, name) = test.split_once("::").expect(command);
                         assert!(has_test(package, file, name), "{command}");
                     }
                     // A crate with one file of tests.

@@ -56,7 +56,7 @@ fn answer(folder: &Path, robot: &str) -> Value {
 }
 
 fn inertia(estimate: &Value, name: &str) -> f64 {
-    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"][name]
+    estimate["bodies"]["spacecraft"]["inertia_kg_m2"][name]["value"]
         .as_f64()
         .unwrap()
 }
@@ -136,7 +136,7 @@ fn cli_export_of_what_is_not_determined_is_refused() {
     let path = folder.path().join("out/estimate.json");
     let mut estimate: Value =
         serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
-    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["value"]["xy"] = Value::Null;
+    estimate["bodies"]["spacecraft"]["inertia_kg_m2"]["xy"]["value"] = Value::Null;
     std::fs::write(&path, estimate.to_string()).unwrap();
     let done = poinsot(
         folder.path(),

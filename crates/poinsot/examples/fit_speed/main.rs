@@ -11,7 +11,7 @@ use poinsot::case::read_case;
 use poinsot::identify::read_options;
 use poinsot::trials::Study;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, Problem, maximum_likelihood};
+use poinsot_identify::{Estimate, Problem, maximum_likelihood, tensor_index};
 use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{Table, read};
 use std::error::Error;
@@ -22,8 +22,8 @@ use std::time::Instant;
 const PAYLOAD: [f64; 10] = [60.0, 0.20, 0.05, -0.08, 6.0, 7.0, 8.0, 0.3, -0.2, 0.4];
 /// Fits of which the fastest counts, and over which processor time is averaged.
 const FITS: usize = 10;
-/// Elements of an estimate's tensor in the order of `PAYLOAD`.
-const ORDER: [usize; 6] = [0, 2, 5, 1, 3, 4];
+/// Elements of a tensor in the order of `PAYLOAD`.
+const ORDER: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -75,7 +75,7 @@ fn payload(telemetry: &Path) -> Result<(), Box<dyn Error>> {
     let body = answer.bodies.last().ok_or("no body")?;
     let numbers: Option<Vec<f64>> = std::iter::once(body.mass.value)
         .chain(body.com.iter().map(|n| n.value))
-        .chain(ORDER.iter().map(|k| body.inertia[*k].value))
+        .chain(ORDER.map(|e| body.inertia[tensor_index(e)].value))
         .collect();
     println!("poinsot_payload,{seconds:.4},s");
     println!("poinsot_payload_iterations,{},1", answer.iterations);

@@ -2,8 +2,9 @@
 
 use super::address::{Documents, edit};
 use super::faults::PlanText;
-use super::plan::{Changes, Plan, hex};
+use super::plan::{Changes, Plan};
 use crate::case::{Case, parse_case, read_case};
+use crate::digest::sha256;
 use crate::error::Error;
 use crate::identify::{Question, read_options};
 use crate::simulate::SimulateError;
@@ -91,7 +92,10 @@ impl Experiment {
         let truth = path(&file.truth).or(of_case).unwrap_or_default();
         let nominal = path(&file.model).unwrap_or_else(|| truth.clone());
         let (truth, nominal) = (Source::model(truth)?, Source::model(nominal)?);
-        let mut hashes = vec![hex(truth.text.as_bytes()), hex(nominal.text.as_bytes())];
+        let mut hashes = vec![
+            sha256(truth.text.as_bytes()),
+            sha256(nominal.text.as_bytes()),
+        ];
         let record = match &file.record {
             Some(record) => {
                 let tables = read_record(&folder.join(record), &nominal.read()?, file.every)?;
@@ -104,7 +108,7 @@ impl Experiment {
         };
         let case = match case {
             Some(case) => {
-                hashes.push(hex(case.text().as_bytes()));
+                hashes.push(sha256(case.text().as_bytes()));
                 hashes.extend(case.inputs_sha256()?);
                 Some(Source {
                     path: case.path().to_owned(),

@@ -12,7 +12,7 @@
 //! let (missing, _) = missing_shards(&plan, "out".as_ref(), 0..plan.shards())?;
 //! run_shards(&plan, "out".as_ref(), &missing, &|_| {})?;
 //! let folded = fold_shards(&plan, "out".as_ref(), plan.trials)?;
-//! let mass = &folded.result(&plan, plan.trials).cells[0].methods[0].numbers["bus.mass"];
+//! let mass = &folded.result(&plan, plan.trials).cells[0].methods[0].numbers["bus.mass_kg"];
 //! println!("{:?}", mass.coverage_all);
 //! # Ok(())
 //! # }
@@ -46,5 +46,3 @@ pub use shard::{ShardResult, ShardSums};
 pub use slurm::slurm_scripts;
 pub use text::campaign_document;
 pub use until::{looks, outside_at_each};
-
-pub(crate) use plan::hex as sha256;

@@ -8,14 +8,14 @@ use super::experiment::Experiment;
 use super::faults::PlanText;
 use super::methods::MethodChoice;
 use crate::case::CaseError;
+use crate::digest::sha256;
 use crate::error::Error;
 use crate::simulate::SimulateError;
 use crate::trials::Study;
 use poinsot_formats::{
     DrawFile, NumbersFile, OfFile, PLAN, PlanFile, REPLICATES, SamplingKind, ScaleFile, VaryFile,
 };
-use serde_json::json;
-use sha2::{Digest, Sha256};
+use serde::Serialize;
 use std::ops::Range;
 use std::path::Path;
 
@@ -449,19 +449,20 @@ fn digest(file: &PlanFile, experiments: &[Experiment]) -> String {
         }),
         ..file.clone()
     };
-    let files: Vec<&String> = experiments.iter().flat_map(|e| &e.hashes).collect();
-    let whole = json!({
-        "plan": trial,
-        "files": files,
-        "poinsot": env!("CARGO_PKG_VERSION"),
-    });
-    hex(whole.to_string().as_bytes())
+    let whole = Digested {
+        files: experiments.iter().flat_map(|e| &e.hashes).collect(),
+        plan: trial,
+        poinsot: env!("CARGO_PKG_VERSION"),
+    };
+    sha256(&serde_json::to_vec(&whole).unwrap_or_default())
 }
 
-/// SHA-256 as text.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|b| format!("{b:02x}")).collect()
+/// Everything that a trial depends on.
+#[derive(Serialize)]
+struct Digested<'a> {
+    files: Vec<&'a String>,
+    plan: PlanFile,
+    poinsot: &'static str,
 }
 
 impl Plan {

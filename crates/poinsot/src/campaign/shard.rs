@@ -1,8 +1,9 @@
 //! A shard that was run: sums for the merge, rows for everybody else, as files of its own.
 
 use super::pairs::PairSums;
-use super::plan::{Plan, Shard, hex};
+use super::plan::{Plan, Shard};
 use super::trial::{Bound, Done};
+use crate::digest::sha256;
 use crate::error::Error;
 use crate::trials::{Sums, TrialNumber};
 use poinsot_files::{InputError, Stage, read_text};
@@ -143,7 +144,7 @@ impl ShardSums {
     pub fn text(&self) -> String {
         let whole = serde_json::to_string(self).unwrap_or_default();
         let open = whole.trim_end_matches('}');
-        format!("{open}{SEAL}{}\"}}\n", hex(open.as_bytes()))
+        format!("{open}{SEAL}{}\"}}\n", sha256(open.as_bytes()))
     }
 
     /// Reads the text of [`Self::text`].
@@ -153,7 +154,7 @@ impl ShardSums {
     pub fn parse(text: &str) -> Result<Self, String> {
         let damaged = "it is cut or was changed";
         let (open, seal) = text.rsplit_once(SEAL).ok_or(damaged)?;
-        if seal.trim_end().strip_suffix("\"}") != Some(hex(open.as_bytes()).as_str()) {
+        if seal.trim_end().strip_suffix("\"}") != Some(sha256(open.as_bytes()).as_str()) {
             return Err(damaged.to_owned());
         }
         let sums: Self = serde_json::from_str(&format!("{open}}}")).map_err(|e| e.to_string())?;

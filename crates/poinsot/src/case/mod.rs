@@ -177,7 +177,7 @@ impl Case {
                 let path = folder.join(file.get_ref());
                 let bytes = poinsot_files::read(&path, LARGEST_TORQUE_FILE);
                 let bytes = bytes.map_err(|e| crate::error::unreadable(&path, e))?;
-                Ok(crate::campaign::sha256(&bytes))
+                Ok(crate::digest::sha256(&bytes))
             })
             .collect()
     }

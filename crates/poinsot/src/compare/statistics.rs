@@ -16,11 +16,6 @@ pub(super) struct Answers {
     pub covariances: Vec<DMatrix<f64>>,
 }
 
-/// `com x` of a body is `com_x` in the names of the covariance.
-pub(super) fn address(what: &str) -> String {
-    what.replacen("I ", "inertia_", 1).replace(' ', "_")
-}
-
 impl Answers {
     /// Mass properties in the covariance of every answer, in the order of the first.
     pub fn common(files: &[&EstimateFile]) -> Self {
@@ -76,8 +71,8 @@ impl Answers {
 fn values(file: &EstimateFile) -> HashMap<String, f64> {
     let bodies = file.bodies.iter();
     bodies
-        .flat_map(|(body, b)| b.numbers().into_iter().map(move |n| (body, n)))
-        .filter_map(|(body, (what, _, n))| Some((format!("{body}.{}", address(&what)), n.value?)))
+        .flat_map(|(body, b)| b.addressed(body))
+        .filter_map(|(address, _, n)| Some((address, n.value?)))
         .collect()
 }
 

@@ -5,6 +5,7 @@
 mod files;
 mod questions;
 
+use poinsot_formats::{CODES, CodeFile, CodesFile};
 use poinsot_papers::Explained as Entry;
 use std::fmt;
 
@@ -46,6 +47,20 @@ pub fn error_codes() -> Vec<ErrorCode> {
         .collect();
     all.sort_by_key(|c| c.code);
     all
+}
+
+/// Codes as a file.
+pub fn codes_file(codes: &[ErrorCode]) -> CodesFile {
+    let code = |c: &ErrorCode| CodeFile {
+        code: c.code.to_owned(),
+        meaning: c.meaning.to_owned(),
+        cause: c.cause.to_owned(),
+        remedy: c.remedy.to_owned(),
+    };
+    CodesFile {
+        schema: CODES.to_owned(),
+        codes: codes.iter().map(code).collect(),
+    }
 }
 
 /// The entry of a code, in any case, with or without its `E`.

@@ -255,7 +255,7 @@ fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exp
 }
 
 fn properties(body: &BodyFile) -> Option<MassProperties> {
-    let [x, y, z] = body.com_m.value;
+    let [x, y, z] = body.com_m.map(|n| n.value);
     Some(MassProperties {
         mass: body.mass_kg.value?,
         p_BoBcm_B: Vector3::new(x?, y?, z?),
@@ -264,7 +264,7 @@ fn properties(body: &BodyFile) -> Option<MassProperties> {
 }
 
 fn tensor(body: &BodyFile) -> Option<Matrix3> {
-    let i = &body.inertia_kg_m2.value;
-    let (xy, xz, yz) = (i.xy?, i.xz?, i.yz?);
-    Some(Matrix3::new(i.xx?, xy, xz, xy, i.yy?, yz, xz, yz, i.zz?))
+    let rows = body.inertia_kg_m2.rows(|n| n.value);
+    let known: Option<Vec<f64>> = rows.iter().flatten().copied().collect();
+    Some(Matrix3::from_row_slice(&known?))
 }

@@ -31,13 +31,9 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     let e = source.estimate;
     let mut written = write(HEADER.map(str::to_owned));
     for (name, body) in &e.bodies {
-        let mass = std::iter::once(("mass".to_owned(), "kg", body.mass_kg.clone()));
-        let centre = ["x", "y", "z"].into_iter().enumerate();
-        let centre = centre.map(|(k, axis)| (format!("com_{axis}"), "m", body.com_m.number(k)));
-        let inertia = body.inertia_kg_m2.named().into_iter();
-        let inertia = inertia.map(|(element, n)| (format!("inertia_{element}"), "kg m2", n));
-        for (quantity, unit, number) in mass.chain(centre).chain(inertia) {
-            written = written.and_then(|()| write(row(name, &quantity, unit, &number)));
+        for (address, unit, number) in body.addressed("") {
+            let quantity = address.trim_start_matches('.');
+            written = written.and_then(|()| write(row(name, quantity, unit, &number)));
         }
     }
     for (name, number) in &e.nuisance {

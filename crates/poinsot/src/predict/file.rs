@@ -1,69 +1,58 @@
-//! The machine-readable prediction, `poinsot.prediction/1`.
+//! The machine-readable prediction, `poinsot.prediction/2`.
 
 use super::Prediction;
 use super::text::sentence;
-use crate::estimate_file::identifiability;
-use crate::estimate_file::inertia_entries;
-use poinsot_identify::{BodyEstimate, Number, axis_name};
-use serde_json::{Map, Value, json};
+use crate::estimate_file::{covariance, identifiability, reference};
+use poinsot_formats::{
+    Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, WantedFile, address,
+    finite,
+};
+use poinsot_identify::{BodyEstimate, Number, tensor_index};
 
-/// The prediction as JSON: truth, sigma and source of every number; null where it is not identifiable.
-pub fn prediction_json(prediction: &Prediction) -> Value {
+/// The prediction as a file: sigma and source of every number; null where it is not identifiable.
+pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
     let bound = &prediction.bound;
-    let bodies: Map<String, Value> = bound
-        .bodies
-        .iter()
-        .filter(|b| b.asked)
-        .map(|b| (b.name.clone(), body(b)))
-        .collect();
-    let nuisance: Map<String, Value> = bound
-        .nuisance
-        .iter()
-        .map(|n| {
-            (
-                n.name.clone(),
-                json!({ "sigma": n.number.sigma, "unit": n.unit }),
-            )
-        })
-        .collect();
-    let found = &bound.identifiability;
-    json!({
-        "schema": "poinsot.prediction/1",
-        "poinsot": env!("CARGO_PKG_VERSION"),
-        "case": prediction.case,
-        "model": prediction.model.name,
-        "duration_s": prediction.duration_s,
-        "status": bound.status.name(),
-        "in_words": sentence(prediction),
-        "wants": prediction.wants.iter().map(|m| json!({
-            "name": m.want.name,
-            "unit": m.want.unit,
-            "wanted_sigma": m.want.sigma,
-            "sigma": m.sigma,
-            "met": m.is_met(),
-        })).collect::<Vec<_>>(),
-        "bodies": bodies,
-        "nuisance": nuisance,
-        "covariance": {
-            "names": bound.covariance_names,
-            "units": bound.covariance_units,
-            "matrix": bound.covariance,
-        },
-        "identifiability": identifiability(found),
-        "assumptions": prediction.assumptions,
-    })
+    let bodies = bound.bodies.iter().filter(|b| b.asked);
+    let nuisance = bound.nuisance.iter();
+    let wants = prediction.wants.iter().map(|m| WantedFile {
+        name: m.want.name.clone(),
+        unit: m.want.unit.to_owned(),
+        wanted_sigma: m.want.sigma,
+        sigma: m.sigma,
+        met: m.is_met(),
+    });
+    PredictionFile {
+        schema: PREDICTION.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        case: prediction.case.clone(),
+        model: prediction.model.name.clone(),
+        reference: reference(&prediction.model),
+        duration_s: prediction.duration_s,
+        status: bound.status.name().to_owned(),
+        in_words: sentence(prediction),
+        wants: wants.collect(),
+        bodies: bodies.map(|b| (b.name.clone(), body(b))).collect(),
+        nuisance: nuisance
+            .map(|n| (address(&n.name, n.unit), number(&n.number)))
+            .collect(),
+        covariance: covariance(bound),
+        identifiability: identifiability(&bound.identifiability),
+        assumptions: prediction.assumptions.clone(),
+    }
 }
 
-fn body(b: &BodyEstimate) -> Value {
-    let com: Map<String, Value> = (0..3)
-        .map(|k| (axis_name(k).to_owned(), number(&b.com[k])))
-        .collect();
-    let inertia: Map<String, Value> = inertia_entries()
-        .map(|(k, name)| (name.to_owned(), number(&b.inertia[k])))
-        .collect();
-    json!({ "mass_kg": number(&b.mass), "com_m": com, "inertia_kg_m2": inertia })
+fn body(b: &BodyEstimate) -> MassFile<PredictedNumberFile> {
+    MassFile {
+        mass_kg: number(&b.mass),
+        com_m: Axes::of(b.com.each_ref().map(number)),
+        inertia_kg_m2: Elements::by_name(|name| number(&b.inertia[tensor_index(name)])),
+    }
 }
 
-fn number(n: &Number) -> Value {
-    json!({ "truth": n.nominal, "sigma": n.sigma, "source": n.source.name() })
+fn number(n: &Number) -> PredictedNumberFile {
+    PredictedNumberFile {
+        nominal: n.nominal,
+        sigma: n.sigma.and_then(finite),
+        source: n.source.name().map(str::to_owned),
+    }
 }

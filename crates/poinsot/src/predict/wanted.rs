@@ -41,7 +41,7 @@ pub fn wanted_sigma(estimate: &Estimate, want: &Want) -> Option<f64> {
     variance.is_finite().then(|| variance.max(0.0).sqrt())
 }
 
-/// Name of a number in a covariance and in trials: `bus.mass`, `bus.com_x`, `bus.inertia_xx`.
+/// Name of a number in the covariance of an estimate: `bus.mass`, `bus.com_x`, `bus.inertia_xx`.
 pub fn covariance_name(body: &BodyEstimate, term: &WantedTerm) -> String {
     let own = match term.number {
         WantedNumber::Mass => "mass".to_owned(),

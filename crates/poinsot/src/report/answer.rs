@@ -64,14 +64,14 @@ fn shown(answer: &Answer) -> Vec<(&str, &BodyFile)> {
 /// Three rows of the tensor.
 fn matrix(b: &BodyFile, withheld: bool) -> Vec<Value> {
     let numbers = b.inertia_kg_m2.named().map(|n| n.1);
-    let size = |n: &NumberFile| n.value.unwrap_or(n.nominal).abs();
+    let size = |n: &&NumberFile| n.value.unwrap_or(n.nominal).abs();
     let largest = numbers.iter().map(size).fold(0.0, f64::max);
     // The place of each entry among xx, yy, zz, xy, xz, yz.
     [("x", [0, 3, 4]), ("y", [3, 1, 5]), ("z", [4, 5, 2])]
         .map(|(axis, row)| {
             let cells: Vec<Value> = row
                 .iter()
-                .map(|k| cell(&numbers[*k], largest, withheld))
+                .map(|k| cell(numbers[*k], largest, withheld))
                 .collect();
             context! { axis, cells }
         })

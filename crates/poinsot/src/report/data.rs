@@ -1,13 +1,14 @@
 //! What a report needs beside `estimate.json`: curves, the vehicle as drawn, truth, the command line.
 
-use super::truth::Truth;
 use crate::identify::Identified;
+use crate::simulate::true_mass;
+use indexmap::IndexMap;
 use poinsot_dynamics::{Kinematics, Tree, composite};
+use poinsot_formats::{MassFile, TrueBodyFile, TrueNumberFile, read_truth};
 use poinsot_identify::{BodyEstimate, Number, PredictedChannel, Prediction};
 use poinsot_model::JointKind;
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::path::Path;
 
 /// The name of the format.
@@ -28,8 +29,19 @@ pub struct ReportData {
     pub vehicle: Vehicle,
     /// Curves, one per segment.
     pub segments: Vec<Segment>,
-    /// Content of a `truth.json` beside the telemetry.
-    pub truth: Option<Value>,
+    /// Bodies and whole vehicle of a `truth.json` beside the telemetry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<TrueNumbers>,
+}
+
+/// True mass properties.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct TrueNumbers {
+    /// Bodies by name.
+    pub bodies: IndexMap<String, TrueBodyFile>,
+    /// The whole vehicle at the first sample. Absent where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<TrueBodyFile>,
 }
 
 /// The vehicle as drawn, all in base axes from the base origin, m.
@@ -188,26 +200,25 @@ pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
 }
 
 /// A `truth.json` of a simulation beside the first telemetry file.
-fn truth(identified: &Identified) -> Option<Value> {
+fn truth(identified: &Identified) -> Option<TrueNumbers> {
     let first = Path::new(&identified.inputs.first()?.first()?.path);
     if !first.is_file() {
         return None;
     }
-    let path = first.parent()?.join("truth.json");
-    let bytes = poinsot_files::read(&path, poinsot_formats::LARGEST_RESULT).ok()?;
-    let value: Value = serde_json::from_slice(&bytes).ok()?;
-    (value["schema"] == "poinsot.truth/1").then(|| {
-        let system = match &value["system"] {
-            Value::Null => true_system(identified, &value["bodies"]).unwrap_or(Value::Null),
-            given => given.clone(),
-        };
-        serde_json::json!({ "bodies": value["bodies"], "system": system })
+    let file = read_truth(&first.parent()?.join("truth.json")).ok()?;
+    let given = file.system.into_iter().next();
+    Some(TrueNumbers {
+        system: given.or_else(|| true_system(identified, &file.bodies)),
+        bodies: file.bodies,
     })
 }
 
 /// The composite of the true bodies at the joint positions of the estimated one; `None` where a body's
 /// truth is not said.
-fn true_system(identified: &Identified, bodies: &Value) -> Option<Value> {
+fn true_system(
+    identified: &Identified,
+    bodies: &IndexMap<String, TrueBodyFile>,
+) -> Option<TrueBodyFile> {
     let (_, position) = identified.estimate.system.as_ref()?;
     let tree = Tree::new(&identified.model);
     let mut kinematics = Kinematics::new(&tree);
@@ -215,35 +226,25 @@ fn true_system(identified: &Identified, bodies: &Value) -> Option<Value> {
         return None;
     }
     kinematics.place(&tree, position);
-    let truth = Truth::new(Some(&serde_json::json!({ "bodies": bodies })));
-    let parameters: Option<Vec<_>> = identified
-        .model
-        .bodies
-        .iter()
-        .map(|b| {
-            let [m, x, y, z, xx, yy, zz, xy, xz, yz] = truth.body(&b.name);
-            let inertia = [xx?, yy?, zz?, xy?, xz?, yz?];
-            let known = MassProperties {
-                mass: m?,
-                p_BoBcm_B: Vector3::new(x?, y?, z?),
-                I_BBcm_B: super::tensor::matrix(&inertia),
-            };
-            Some(known.parameters())
-        })
-        .collect();
-    let whole = composite(&parameters?, &kinematics);
-    if whole.mass <= 0.0 {
-        return None;
+    let model = identified.model.bodies.iter();
+    let parameters = model.map(|b| Some(properties(&bodies.get(&b.name)?.mass).parameters()));
+    let whole = composite(&parameters.collect::<Option<Vec<_>>>()?, &kinematics);
+    (whole.mass > 0.0).then(|| {
+        TrueBodyFile::of(true_mass(&MassProperties {
+            mass: whole.mass,
+            p_BoBcm_B: whole.p_BoScm_B(),
+            I_BBcm_B: whole.I_SScm_B(),
+        }))
+    })
+}
+
+fn properties(truth: &MassFile<TrueNumberFile>) -> MassProperties {
+    let rows = truth.inertia_kg_m2.rows(|n| n.value);
+    MassProperties {
+        mass: truth.mass_kg.value,
+        p_BoBcm_B: truth.com_m.map(|n| n.value).into(),
+        I_BBcm_B: Matrix3::from_fn(|i, j| rows[i][j]),
     }
-    let (c, I) = (whole.p_BoScm_B(), whole.I_SScm_B());
-    Some(serde_json::json!([{
-        "mass_kg": { "value": whole.mass },
-        "com_m": { "value": [c.x, c.y, c.z] },
-        "inertia_kg_m2": { "value": {
-            "xx": I[(0, 0)], "yy": I[(1, 1)], "zz": I[(2, 2)],
-            "xy": I[(0, 1)], "xz": I[(0, 2)], "yz": I[(1, 2)],
-        } },
-    }]))
 }
 
 fn vehicle(identified: &Identified) -> Vehicle {

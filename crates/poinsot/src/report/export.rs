@@ -1,9 +1,9 @@
 //! The numbers to paste elsewhere: TOML for a model file, CSV for a sheet, JSON for a program.
 
 use super::numbers::half_width;
+use indexmap::IndexMap;
 use poinsot_formats::{BodyFile, EstimateFile, NumberFile};
 use serde::Serialize;
-use serde_json::{Value, json};
 
 /// A text with the name of its file.
 #[derive(Serialize)]
@@ -19,10 +19,7 @@ pub(super) fn exports(e: &EstimateFile) -> [Export; 3] {
         bodies.iter().map(|(name, b)| of(name, b)).collect()
     };
     let head = "body,quantity,unit,value,half_width_95,nominal,source\n";
-    let json: serde_json::Map<String, Value> = bodies
-        .iter()
-        .map(|(name, b)| ((*name).to_owned(), body_json(b)))
-        .collect();
+    let entries: IndexMap<&str, _> = bodies.iter().map(|(n, b)| (*n, entries(b))).collect();
     [
         Export {
             label: "TOML",
@@ -37,7 +34,7 @@ pub(super) fn exports(e: &EstimateFile) -> [Export; 3] {
         Export {
             label: "JSON",
             name: "mass_properties.json",
-            text: format!("{:#}\n", Value::Object(json)),
+            text: serde_json::to_string_pretty(&entries).unwrap_or_default() + "\n",
         },
     ]
 }
@@ -53,12 +50,12 @@ fn best(n: &NumberFile) -> Option<f64> {
 
 /// A body as a model file has it; what is not determined is left out.
 fn toml(name: &str, b: &BodyFile) -> String {
-    let mut out = format!("[[body]]\nname = {}\n", json!(name));
+    let mut out = format!("[[body]]\nname = {}\n", toml::Value::from(name));
     let centre = [0, 1, 2].map(|k| best(&b.com_m.number(k)));
     let inertia = b
         .inertia_kg_m2
         .named()
-        .map(|(k, n)| best(&n).map(|v| format!("{k} = {v:?}")));
+        .map(|(k, n)| best(n).map(|v| format!("{k} = {v:?}")));
     let mut line = |key: &str, text: Option<String>| match text {
         Some(text) => out.push_str(&format!("{key} = {text}\n")),
         None => out.push_str(&format!("# {key}: not determined\n")),
@@ -94,16 +91,26 @@ fn csv(name: &str, b: &BodyFile) -> String {
         .collect()
 }
 
-fn body_json(b: &BodyFile) -> Value {
-    let entries = b.numbers().into_iter().map(|(what, unit, n)| {
-        let entry = json!({
-            "unit": unit.replace('²', "2"),
-            "value": best(&n),
-            "half_width_95": half_width(n.sigma),
-            "nominal": n.nominal,
-            "source": n.source,
-        });
+/// One number of the JSON text; `null` where it is not determined.
+#[derive(Serialize)]
+struct Entry {
+    unit: String,
+    value: Option<f64>,
+    half_width_95: Option<f64>,
+    nominal: f64,
+    source: Option<String>,
+}
+
+fn entries(b: &BodyFile) -> IndexMap<String, Entry> {
+    let entry = |(what, unit, n): (String, &str, NumberFile)| {
+        let entry = Entry {
+            unit: unit.replace('²', "2"),
+            value: best(&n),
+            half_width_95: half_width(n.sigma),
+            nominal: n.nominal,
+            source: n.source,
+        };
         (what.replace(' ', "_"), entry)
-    });
-    Value::Object(entries.collect())
+    };
+    b.numbers().into_iter().map(entry).collect()
 }

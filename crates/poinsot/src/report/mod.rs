@@ -19,14 +19,14 @@ mod trust;
 mod truth;
 mod vehicle;
 
-pub use data::{REPORT_SCHEMA, ReportData, report_data};
+pub use data::{REPORT_SCHEMA, ReportData, TrueNumbers, report_data};
 
+use crate::compare::format_error;
 use crate::error::{Error, no_page, unreadable};
 use crate::output::{OutputFile, write_files};
 use poinsot_files::read;
-use poinsot_formats::{ESTIMATE, EstimateFile, LARGEST_RESULT};
+use poinsot_formats::{EstimateFile, LARGEST_RESULT, parse_estimate};
 use poinsot_report::{FigureFormat, Page, PageError};
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 use truth::Truth;
 
@@ -63,9 +63,9 @@ pub fn write_report(folder: &Path, figures: &[FigureFormat]) -> Result<Vec<PathB
 
 /// The page of the two files of `identify`, as bytes.
 pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Page, Error> {
-    let estimate: Value = parse(&folder.join("estimate.json"), estimate)?;
+    let estimate = parse_estimate(&folder.join("estimate.json"), estimate).map_err(format_error)?;
     let data: ReportData = parse(&folder.join("report_data.json"), data)?;
-    report_page(&estimate, data).map_err(|why| Error::Report {
+    report_page(estimate, data).map_err(|why| Error::Report {
         path: folder.to_owned(),
         why,
     })
@@ -103,7 +103,7 @@ pub(crate) fn figure_files(
 ///
 /// # Errors
 /// The documents have another format or do not belong together; in words.
-pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String> {
+pub fn report_html(estimate: EstimateFile, data: ReportData) -> Result<String, String> {
     report_page(estimate, data)?
         .html()
         .map_err(|e| e.to_string())
@@ -113,21 +113,18 @@ pub fn report_html(estimate: &Value, data: ReportData) -> Result<String, String>
 ///
 /// # Errors
 /// As [`report_html`].
-pub fn report_page(estimate: &Value, data: ReportData) -> Result<Page, String> {
-    let estimate = <EstimateFile as serde::Deserialize>::deserialize(estimate)
-        .map_err(|e| format!("estimate.json: {e}; write it anew with `poinsot identify`"))?;
-    for (found, wanted) in [(&estimate.schema, ESTIMATE), (&data.schema, REPORT_SCHEMA)] {
-        if found != wanted {
-            return Err(format!(
-                "schema '{found}' is not {wanted}; write it anew with `poinsot identify`"
-            ));
-        }
+pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, String> {
+    if data.schema != REPORT_SCHEMA {
+        return Err(format!(
+            "schema '{}' is not {REPORT_SCHEMA}; write it anew with `poinsot identify`",
+            data.schema
+        ));
     }
     if !estimate.inputs.iter().map(|i| &i.sha256).eq(&data.inputs) {
         let why = "estimate.json and report_data.json come from different runs; run identify again";
         return Err(why.to_owned());
     }
-    let truth = Truth::new(data.truth.as_ref());
+    let truth = Truth::new(data.truth.clone());
     let answer = Answer {
         estimate,
         data,

@@ -86,7 +86,7 @@ fn spread(answer: &Answer, name: &str, body: &BodyFile) -> Option<Spread> {
     }
     let covariance = &answer.estimate.covariance;
     let row = |element: &str| {
-        let wanted = format!("{name}.inertia_{element}");
+        let wanted = format!("{name}.inertia_kg_m2.{element}");
         covariance.names.iter().position(|n| *n == wanted)
     };
     let rows: Option<Vec<usize>> = numbers.iter().map(|(element, _)| row(element)).collect();

@@ -23,6 +23,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
             repairs => e.repairs,
             ignored => e.ignored_columns,
             inputs,
+            model => e.model_file.as_ref().map(|m| context! { path => m.path, sha256 => m.sha256 }),
             command => command(&answer.data.command),
             written_by => e.poinsot,
             method => e.method_in_words(),

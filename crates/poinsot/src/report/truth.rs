@@ -1,13 +1,14 @@
 //! The truth of a simulation, where it lies beside the telemetry.
 
-use serde_json::Value;
+use super::data::TrueNumbers;
+use poinsot_formats::TrueBodyFile;
 
 /// True numbers by body.
-pub(crate) struct Truth(Option<Value>);
+pub(crate) struct Truth(Option<TrueNumbers>);
 
 impl Truth {
-    pub fn new(value: Option<&Value>) -> Self {
-        Self(value.cloned())
+    pub fn new(truth: Option<TrueNumbers>) -> Self {
+        Self(truth)
     }
 
     /// Whether any truth is known.
@@ -17,32 +18,20 @@ impl Truth {
 
     /// The ten numbers in the order of a body's table; `None` where the truth does not say.
     pub fn body(&self, name: &str) -> [Option<f64>; 10] {
-        self.ten(|v| &v["bodies"][name])
+        ten(self.0.as_ref().and_then(|t| t.bodies.get(name)))
     }
 
     /// The same of the whole vehicle.
     pub fn system(&self) -> [Option<f64>; 10] {
-        self.ten(|v| &v["system"][0])
+        ten(self.0.as_ref().and_then(|t| t.system.as_ref()))
     }
+}
 
-    fn ten(&self, find: impl Fn(&Value) -> &Value) -> [Option<f64>; 10] {
-        let Some(body) = self.0.as_ref().map(find) else {
-            return [None; 10];
-        };
-        let com = &body["com_m"]["value"];
-        let inertia = &body["inertia_kg_m2"]["value"];
-        let all = [
-            &body["mass_kg"]["value"],
-            &com[0],
-            &com[1],
-            &com[2],
-            &inertia["xx"],
-            &inertia["yy"],
-            &inertia["zz"],
-            &inertia["xy"],
-            &inertia["xz"],
-            &inertia["yz"],
-        ];
-        all.map(Value::as_f64)
-    }
+fn ten(body: Option<&TrueBodyFile>) -> [Option<f64>; 10] {
+    let Some(body) = body else { return [None; 10] };
+    let mass = &body.mass;
+    let centre = mass.com_m.named().map(|(_, n)| n);
+    let inertia = mass.inertia_kg_m2.named().map(|(_, n)| n);
+    let mut all = std::iter::once(&mass.mass_kg).chain(centre).chain(inertia);
+    std::array::from_fn(|_| all.next().map(|n| n.value))
 }

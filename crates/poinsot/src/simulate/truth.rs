@@ -1,196 +1,222 @@
-//! The document `truth.json`: what an identification of the telemetry should find.
+//! `truth.json`: what an identification of the telemetry should find.
 
 use super::record::Recorder;
 use super::{every, stream};
 use crate::case::{Case, Scenario, unit_suffix};
-use poinsot_dynamics::{MotionSample, composite};
+use crate::estimate_file::{position_key, reference};
+use indexmap::IndexMap;
+use poinsot_dynamics::{MotionSample, WheelUse, composite};
+use poinsot_formats::{
+    Axes, BarycentricFile, Elements, InitialFile, JointStateFile, MassFile, MomentumFile,
+    PrincipalFile, TRUTH, TrueBodyFile, TrueNumberFile, TrueRunFile, TrueSensorFile, TruthFile,
+    WheelUseFile, address,
+};
 use poinsot_identify::ErrorGroup;
-use poinsot_model::{JointKind, Model};
+use poinsot_model::{Joint, JointKind, Model};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
-use serde_json::{Map, Value, json};
 
-/// The name of the format.
-const TRUTH_SCHEMA: &str = "poinsot.truth/1";
-
-pub(super) fn document(
-    case: &Case,
-    model: &Model,
-    scenario: &Scenario,
-    first: Option<&MotionSample>,
-    recorder: &Recorder,
-    trial: u64,
-) -> Value {
-    let bodies: Map<String, Value> = model
-        .bodies
-        .iter()
-        .map(|b| (b.name.clone(), body(&b.nominal)))
-        .collect();
-    let wheels: Map<String, Value> = model
-        .wheels
-        .iter()
-        .map(|w| {
-            (
-                w.name.clone(),
-                json!({ "spin_inertia_kg_m2": { "value": w.spin_inertia } }),
-            )
-        })
-        .collect();
-    let noise: Map<String, Value> = (0..model.sensors.len())
-        .map(|i| {
-            let key = format!("{}.{}", model.sensors[i].kind.word(), model.sensors[i].name);
-            (key, noise(case, model, scenario, recorder, trial, i))
-        })
-        .collect();
-    json!({
-        "schema": TRUTH_SCHEMA,
-        "poinsot": env!("CARGO_PKG_VERSION"),
-        "model": model.name,
-        "duration_s": case.duration_s,
-        "rate_hz": case.rate_hz,
-        "seed": case.seed,
-        "trial": trial,
-        "initial": first.map(|s| initial(model, s)),
-        "bodies": bodies,
-        "wheels": wheels,
-        "system": first.map(|s| vec![system(model, s)]),
-        "momentum": first.map(|s| vec![json!({
-            "linear_N_s": { "value": array(&s.l_S_N) },
-            "angular_N_m_s": { "value": array(&s.h_SScm_N) },
-        })]),
-        "noise": noise,
-    })
+/// What a truth is made of.
+pub(super) struct Drawn<'a> {
+    pub case: &'a Case,
+    pub model: &'a Model,
+    pub scenario: &'a Scenario,
+    /// The first instant; `None` of a case without samples.
+    pub first: Option<&'a MotionSample>,
+    pub recorder: &'a Recorder,
+    pub trial: u64,
+    /// How far a controller used the wheels; empty without one.
+    pub used: &'a [WheelUse],
 }
 
-fn array(v: &Vector3) -> [f64; 3] {
-    [v.x, v.y, v.z]
+impl Drawn<'_> {
+    pub fn truth(&self) -> TruthFile {
+        let (case, model) = (self.case, self.model);
+        let bodies = model.bodies.iter();
+        let sensors = model.sensors.iter().enumerate();
+        let used = model.wheels.iter().zip(self.used);
+        TruthFile {
+            schema: TRUTH.to_owned(),
+            poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+            model: model.name.clone(),
+            reference: reference(model),
+            run: Some(TrueRunFile {
+                duration_s: case.duration_s,
+                rate_hz: case.rate_hz,
+                seed: case.seed,
+                trial: self.trial,
+            }),
+            initial: self.first.map(|s| initial(model, s)),
+            bodies: bodies.map(|b| (b.name.clone(), body(&b.nominal))).collect(),
+            system: self.first.map(|s| system(model, s)).into_iter().collect(),
+            momentum: self.first.map(momentum).into_iter().collect(),
+            nuisance: self.nuisance(),
+            sensors: sensors
+                .map(|(i, s)| (s.name.clone(), self.sensor(i)))
+                .collect(),
+            wheel_use: used
+                .map(|(wheel, used)| (wheel.name.clone(), wheel_use(used)))
+                .collect(),
+        }
+    }
+
+    /// Spin inertias and the errors of sensors that are not zero.
+    fn nuisance(&self) -> IndexMap<String, TrueNumberFile> {
+        let mut out = IndexMap::new();
+        let mut put = |name: String, unit: &str, value: f64| {
+            out.insert(address(&name, unit), TrueNumberFile { value });
+        };
+        for wheel in &self.model.wheels {
+            put(
+                format!("{}.spin_inertia", wheel.name),
+                "",
+                wheel.spin_inertia,
+            );
+        }
+        for (i, sensor) in self.model.sensors.iter().enumerate() {
+            let (name, unit) = (&sensor.name, unit_suffix(self.model, sensor));
+            match self.recorder.bias(i) {
+                [one] => put(format!("{name}.bias"), unit, *one),
+                all => {
+                    for (axis, value) in ["x", "y", "z"].into_iter().zip(all) {
+                        put(format!("{name}.bias_{axis}"), unit, *value);
+                    }
+                }
+            }
+            let groups = ErrorGroup::of(sensor.kind).iter();
+            for group in groups.filter(|g| g.key != "bias") {
+                for (error, end) in group.errors {
+                    let value = self.recorder.error(i, *error);
+                    if value != 0.0 {
+                        put(format!("{name}.{end}"), group.unit(sensor.kind), value);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    fn sensor(&self, i: usize) -> TrueSensorFile {
+        let sensor = &self.model.sensors[i];
+        let axes = if sensor.kind.is_scalar() { 1 } else { 3 };
+        let covariance = sensor.noise_covariance.map(|c| {
+            let row = |r: usize| (0..axes).map(|k| c[(r, k)]).collect();
+            (0..axes).map(row).collect()
+        });
+        TrueSensorFile {
+            kind: sensor.kind.word().to_owned(),
+            unit: unit_suffix(self.model, sensor).to_owned(),
+            stream: stream(self.trial, i),
+            rate_hz: self.case.rate_hz / every(self.scenario, i) as f64,
+            covariance,
+            quantisation: sensor.quantisation,
+        }
+    }
 }
 
-fn tensor(i: &Matrix3) -> Value {
-    json!({
-        "xx": i[(0, 0)], "yy": i[(1, 1)], "zz": i[(2, 2)],
-        "xy": i[(0, 1)], "xz": i[(0, 2)], "yz": i[(1, 2)],
-    })
+fn number(value: f64) -> TrueNumberFile {
+    TrueNumberFile { value }
 }
 
-/// One body in the layout of `bodies` of an estimate, values only.
-fn body(properties: &MassProperties) -> Value {
-    let (moments, axes) = properties.principal();
-    let axes = nalgebra::Rotation3::from_matrix_unchecked(axes);
-    let q = UnitQuaternion::from_rotation_matrix(&axes).coords;
+fn axes(v: &Vector3) -> Axes<TrueNumberFile> {
+    Axes::of([v.x, v.y, v.z].map(number))
+}
+
+fn tensor(i: &Matrix3) -> Elements<TrueNumberFile> {
+    Elements::of_matrix(|r, c| number(i[(r, c)]))
+}
+
+/// Mass, mass centre and inertia.
+pub(crate) fn mass(p: &MassProperties) -> MassFile<TrueNumberFile> {
+    MassFile {
+        mass_kg: number(p.mass),
+        com_m: axes(&p.p_BoBcm_B),
+        inertia_kg_m2: tensor(&p.I_BBcm_B),
+    }
+}
+
+fn body(properties: &MassProperties) -> TrueBodyFile {
+    let (moments_kg_m2, axes_of) = properties.principal();
+    let axes_of = nalgebra::Rotation3::from_matrix_unchecked(axes_of);
+    let q = UnitQuaternion::from_rotation_matrix(&axes_of).coords;
     let InertialParameters {
-        mass,
+        mass: m,
         mc_B,
         I_BBo_B,
     } = properties.parameters();
-    json!({
-        "mass_kg": { "value": properties.mass },
-        "com_m": { "value": array(&properties.p_BoBcm_B) },
-        "inertia_kg_m2": { "value": tensor(&properties.I_BBcm_B) },
-        "principal": { "moments_kg_m2": moments, "axes_xyzw": [q.x, q.y, q.z, q.w] },
-        "barycentric": {
-            "m_kg": { "value": mass },
-            "mc_kg_m": { "value": array(&mc_B) },
-            "I_BBo_kg_m2": { "value": tensor(&I_BBo_B) },
-        },
-        "physically_consistent": properties.check_physical(1e-9).is_ok(),
-    })
+    TrueBodyFile {
+        principal: Some(PrincipalFile {
+            moments_kg_m2,
+            axes_xyzw: [q.x, q.y, q.z, q.w],
+        }),
+        barycentric: Some(BarycentricFile {
+            m_kg: number(m),
+            mc_kg_m: axes(&mc_B),
+            I_BBo_kg_m2: tensor(&I_BBo_B),
+        }),
+        physically_consistent: Some(properties.check_physical(1e-9).is_ok()),
+        ..TrueBodyFile::of(mass(properties))
+    }
+}
+
+/// Joints that move.
+fn moving(model: &Model) -> impl Iterator<Item = &Joint> {
+    let joints = model.joints.iter();
+    joints.filter(|j| j.kind != JointKind::Fixed)
 }
 
 /// Pose and motion of the base and the joints at time zero.
-fn initial(model: &Model, s: &MotionSample) -> Value {
+fn initial(model: &Model, s: &MotionSample) -> InitialFile {
     let q = s.R_NB.coords;
-    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
-    let joints: Map<String, Value> = moving
-        .zip(s.q.iter().zip(&s.rates))
-        .map(|(joint, (q, rate))| {
-            let numbers = match joint.kind {
-                JointKind::Prismatic => json!({ "position_m": q, "rate_m_s": rate }),
-                _ => json!({ "position_rad": q, "rate_rad_s": rate }),
-            };
-            (joint.name.clone(), numbers)
-        })
-        .collect();
-    json!({
-        "q_xyzw": [q.x, q.y, q.z, q.w],
-        "omega_rad_s": array(&s.w_NB_B),
-        "r_m": array(&s.p_NoBo_N),
-        "v_m_s": array(&s.v_NBo_N),
-        "joints": joints,
-    })
+    let joints = moving(model).zip(s.q.iter().zip(&s.rates));
+    let joints = joints.map(|(joint, (q, rate))| {
+        let state = match joint.kind {
+            JointKind::Prismatic => JointStateFile::Prismatic {
+                position_m: *q,
+                rate_m_s: *rate,
+            },
+            _ => JointStateFile::Revolute {
+                position_rad: *q,
+                rate_rad_s: *rate,
+            },
+        };
+        (joint.name.clone(), state)
+    });
+    InitialFile {
+        q_xyzw: [q.x, q.y, q.z, q.w],
+        omega_rad_s: s.w_NB_B.into(),
+        r_m: s.p_NoBo_N.into(),
+        v_m_s: s.v_NBo_N.into(),
+        joints: joints.collect(),
+    }
 }
 
 /// The whole as one body at the first sample, about the base's origin and in its axes.
-fn system(model: &Model, s: &MotionSample) -> Value {
-    let parameters: Vec<_> = model
-        .bodies
-        .iter()
-        .map(|b| b.nominal.parameters())
-        .collect();
+fn system(model: &Model, s: &MotionSample) -> TrueBodyFile {
+    let bodies = model.bodies.iter();
+    let parameters: Vec<_> = bodies.map(|b| b.nominal.parameters()).collect();
     let whole = composite(&parameters, &s.kinematics);
-    let moving = model.joints.iter().filter(|j| j.kind != JointKind::Fixed);
-    let joints: Map<String, Value> = moving
-        .zip(&s.q)
-        .map(|(joint, q)| {
-            let unit = match joint.kind {
-                JointKind::Prismatic => "m",
-                _ => "rad",
-            };
-            (format!("{}_{unit}", joint.name), json!(q))
-        })
-        .collect();
-    json!({
-        "mass_kg": { "value": whole.mass },
-        "com_m": { "value": array(&whole.p_BoScm_B()) },
-        "inertia_kg_m2": { "value": tensor(&whole.I_SScm_B()) },
-        "joints": joints,
-    })
+    let joints = moving(model).zip(&s.q);
+    TrueBodyFile {
+        joint_positions: joints.map(|(j, q)| (position_key(j), *q)).collect(),
+        ..TrueBodyFile::of(mass(&MassProperties {
+            mass: whole.mass,
+            p_BoBcm_B: whole.p_BoScm_B(),
+            I_BBcm_B: whole.I_SScm_B(),
+        }))
+    }
 }
 
-/// The errors that one sensor had.
-fn noise(
-    case: &Case,
-    model: &Model,
-    scenario: &Scenario,
-    recorder: &Recorder,
-    trial: u64,
-    i: usize,
-) -> Value {
-    let sensor = &model.sensors[i];
-    let unit = unit_suffix(model, sensor);
-    let mut out = Map::new();
-    let bias = recorder.bias(i);
-    out.insert("name".into(), json!(sensor.name));
-    out.insert("type".into(), json!(sensor.kind.word()));
-    out.insert("stream".into(), json!(stream(trial, i)));
-    out.insert(
-        "rate_hz".into(),
-        json!(case.rate_hz / every(scenario, i) as f64),
-    );
-    out.insert(format!("bias_{unit}"), json!(bias));
-    for group in ErrorGroup::of(sensor.kind)
-        .iter()
-        .filter(|g| g.key != "bias")
-    {
-        let errors = group.errors.iter();
-        let values: Vec<f64> = errors.map(|e| recorder.error(i, e.0)).collect();
-        // As in the case that gave it.
-        let key = match group.unit(sensor.kind) {
-            "1" => group.key.to_owned(),
-            unit => format!("{}_{unit}", group.key),
-        };
-        match values.as_slice() {
-            values if values.iter().all(|x| *x == 0.0) => {}
-            [one] => drop(out.insert(key, json!(one))),
-            all => drop(out.insert(key, json!(all))),
-        }
+fn momentum(s: &MotionSample) -> MomentumFile<TrueNumberFile> {
+    MomentumFile {
+        linear_N_s: axes(&s.l_S_N),
+        angular_N_m_s: axes(&s.h_SScm_N),
     }
-    let covariance = sensor.noise_covariance.map(|c| {
-        if sensor.kind.is_scalar() {
-            return json!(c[(0, 0)]);
-        }
-        json!([0, 1, 2].map(|r| [0, 1, 2].map(|k| c[(r, k)])))
-    });
-    out.insert(format!("covariance_{unit}_squared"), json!(covariance));
-    out.insert(format!("quantisation_{unit}"), json!(sensor.quantisation));
-    Value::Object(out)
+}
+
+fn wheel_use(used: &WheelUse) -> WheelUseFile {
+    WheelUseFile {
+        largest_speed_rad_s: used.speed,
+        largest_torque_N_m: used.torque,
+        saturated: used.limited,
+    }
 }

@@ -3,10 +3,12 @@
 use super::{Mover, ValidateError};
 use crate::error::Error;
 use poinsot_dynamics::Tree;
-use poinsot_formats::{BarycentricFile, EstimateFile, FormatError};
+use poinsot_formats::{
+    BarycentricFile, EstimateFile, FormatError, NumberFile, address, unknown_name,
+};
 use poinsot_identify::{CompletedVehicle, Completion, DeterminedCombination, Estimate, complete};
 use poinsot_model::Model;
-use poinsot_spatial::InertialParameters;
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
 /// Largest relative difference between a nominal number of the model and of the estimate.
@@ -133,10 +135,13 @@ fn same_model(read: &EstimateFile, model: &Model) -> Result<(), String> {
 fn whole(read: &EstimateFile, model: &Model) -> Option<CompletedVehicle> {
     let bodies = model.bodies.iter();
     let bodies = bodies.map(|b| values(&read.bodies.get(&b.name)?.barycentric));
-    let spin = |name: &str| read.nuisance.get(&format!("{name}.spin_inertia_kg_m2"));
+    let spin = |name: &str| {
+        read.nuisance
+            .get(&address(&format!("{name}.spin_inertia"), ""))
+    };
     let wheels = model.wheels.iter().enumerate().filter(|(_, w)| w.estimate);
     let spin_inertia = wheels.map(|(k, w)| Some((k, spin(&w.name)?.value?)));
-    let scale = |name: &str| read.nuisance.get(&format!("{name}.scale"));
+    let scale = |name: &str| read.nuisance.get(&address(&format!("{name}.scale"), ""));
     let thrusters = model.thrusters.iter().enumerate();
     let thrusters = thrusters.filter(|(_, t)| t.scale != poinsot_model::Nuisance::Known);
     let thrust_factor = thrusters.map(|(k, t)| Some((k, 1.0 + scale(&t.name)?.value?)));
@@ -156,7 +161,11 @@ fn completed(
         .map(|c| {
             Some(DeterminedCombination {
                 text: String::new(),
-                coefficients: c.coefficients.clone().into_iter().collect(),
+                coefficients: c
+                    .coefficients
+                    .iter()
+                    .map(|(name, x)| (unknown_name(name), *x))
+                    .collect(),
                 unit: "",
                 value: c.value?,
                 sigma: 0.0,
@@ -172,16 +181,22 @@ fn completed(
 }
 
 fn nominal(b: &BarycentricFile) -> [f64; 10] {
-    let ([x, y, z], t) = (b.mc_kg_m.nominal, &b.I_BBo_kg_m2.nominal);
-    [b.m_kg.nominal, x, y, z, t.xx, t.xy, t.yy, t.xz, t.yz, t.zz]
+    // Every number of the file has a nominal value.
+    let all = ten(b, |n| Some(n.nominal));
+    all.map_or([f64::NAN; 10], |p| p.to_array())
 }
 
 fn values(b: &BarycentricFile) -> Option<InertialParameters> {
-    let ([x, y, z], t) = (b.mc_kg_m.value, &b.I_BBo_kg_m2.value);
-    let all = [b.m_kg.value, x, y, z, t.xx, t.xy, t.yy, t.xz, t.yz, t.zz];
-    let mut found = [0.0; 10];
-    for (own, value) in found.iter_mut().zip(all) {
-        *own = value?;
-    }
-    Some(InertialParameters::from_array(&found))
+    ten(b, |n| n.value)
+}
+
+fn ten(b: &BarycentricFile, of: impl Fn(&NumberFile) -> Option<f64>) -> Option<InertialParameters> {
+    let [x, y, z] = b.mc_kg_m.map(&of);
+    let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = b.I_BBo_kg_m2.rows(&of);
+    let (xy, xz, yz) = (xy?, xz?, yz?);
+    Some(InertialParameters {
+        mass: of(&b.m_kg)?,
+        mc_B: Vector3::new(x?, y?, z?),
+        I_BBo_B: Matrix3::new(xx?, xy, xz, xy, yy?, yz, xz, yz, zz?),
+    })
 }

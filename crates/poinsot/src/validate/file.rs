@@ -1,74 +1,74 @@
-//! A validation as JSON and its histories as CSV.
+//! A validation as a file and its histories as CSV.
 
-use super::{Against, Validation};
+use super::{Against, Compared, Completed, Validation};
 use crate::error::Error;
-use crate::output::write_files;
-use poinsot_files::json_escaped;
-use serde_json::{Value, json};
+use crate::output::{json, write_files};
+use poinsot_formats::{
+    ComparedQuantityFile, CompletedFile, EstimateRefFile, InSigmasFile, PredictionChangeFile,
+    VALIDATION, ValidationFile, ValidationLimitsFile,
+};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The name of the format.
-pub const VALIDATION_SCHEMA: &str = "poinsot.validation/1";
-
 /// The machine-readable result.
-pub fn validation_json(validation: &Validation) -> Value {
+pub fn validation_file(validation: &Validation) -> ValidationFile {
     let kind = match validation.kind {
         Against::Model => "model",
         Against::TelemetryOfCase => "telemetry_of_case",
         Against::HeldBack => "held_back_telemetry",
     };
-    let compared: Vec<Value> = validation
-        .compared
-        .iter()
-        .map(|c| {
-            json!({
-                "quantity": c.name,
-                "unit": c.unit,
-                "samples": c.time_s.len(),
-                "largest": c.largest,
-                "largest_at_s": c.largest_at_s,
-                "rms": c.rms,
-                "sigmas": c.sigmas.map(|s| json!({
-                    "rms": s.rms,
-                    "largest": s.largest,
-                    "whiteness_p": s.whiteness_p,
-                })),
-            })
-        })
-        .collect();
-    let completed = validation.completed.as_ref().map(|c| {
-        let changes: Vec<Value> = c
-            .effect
-            .changes
-            .iter()
-            .map(|(name, unit, x)| json!({ "quantity": name, "unit": unit, "largest": x }))
-            .collect();
-        json!({
-            "determined": c.determined,
-            "open": c.open,
-            "distance_natural": c.distance,
-            "open_moved_by_natural": c.effect.moved,
-            "prediction_changes": changes,
-            "depends_on": c.effect.dependent,
-        })
-    });
-    json!({
-        "schema": VALIDATION_SCHEMA,
-        "poinsot": env!("CARGO_PKG_VERSION"),
-        "kind": kind,
-        "verdict": validation.verdict.name(),
-        "model": validation.model,
-        "estimate": validation.estimate.as_ref().map(|(path, status)| json!({ "path": path, "status": status })),
-        "against": validation.against,
-        "case": validation.case,
-        "limits": { "within_m": validation.limits.0, "within_rad": validation.limits.1 },
-        "chi2_per_dof": validation.chi2_per_dof,
-        "compared": compared,
-        "completed": completed,
-        "warnings": validation.warnings,
-        "repairs": validation.repairs,
-    })
+    let estimate = validation.estimate.clone();
+    ValidationFile {
+        schema: VALIDATION.to_owned(),
+        poinsot: env!("CARGO_PKG_VERSION").to_owned(),
+        kind: kind.to_owned(),
+        verdict: validation.verdict.name().to_owned(),
+        model: validation.model.clone(),
+        estimate: estimate.map(|(path, status)| EstimateRefFile { path, status }),
+        against: validation.against.clone(),
+        case: validation.case.clone(),
+        limits: ValidationLimitsFile {
+            within_m: validation.limits.0,
+            within_rad: validation.limits.1,
+        },
+        chi2_per_dof: validation.chi2_per_dof,
+        compared: validation.compared.iter().map(compared).collect(),
+        completed: validation.completed.as_ref().map(completed),
+        warnings: validation.warnings.clone(),
+        repairs: validation.repairs.clone(),
+    }
+}
+
+fn compared(c: &Compared) -> ComparedQuantityFile {
+    ComparedQuantityFile {
+        quantity: c.name.clone(),
+        unit: c.unit.to_owned(),
+        samples: c.time_s.len(),
+        largest: c.largest,
+        largest_at_s: c.largest_at_s,
+        rms: c.rms,
+        sigmas: c.sigmas.map(|s| InSigmasFile {
+            rms: s.rms,
+            largest: s.largest,
+            whiteness_p: s.whiteness_p,
+        }),
+    }
+}
+
+fn completed(c: &Completed) -> CompletedFile {
+    let change = |(quantity, unit, largest): &(String, &'static str, f64)| PredictionChangeFile {
+        quantity: quantity.clone(),
+        unit: (*unit).to_owned(),
+        largest: *largest,
+    };
+    CompletedFile {
+        determined: c.determined,
+        open: c.open,
+        distance_natural: c.distance,
+        open_moved_by_natural: c.effect.moved,
+        prediction_changes: c.effect.changes.iter().map(change).collect(),
+        depends_on: c.effect.dependent.clone(),
+    }
 }
 
 /// The histories, one number of one side a row: `quantity,component,unit,time_s,model,against,difference`.
@@ -114,14 +114,14 @@ fn quoted(text: &str) -> String {
 /// # Errors
 /// The disk refuses.
 pub fn write_validation(folder: &Path, validation: &Validation) -> Result<Vec<PathBuf>, Error> {
-    let text = format!("{:#}\n", validation_json(validation));
+    let text = serde_json::to_string_pretty(&validation_file(validation));
+    let text = json(folder, text)?;
     let csv = validation_csv(validation).into_bytes();
-    let json = json_escaped(&text).into_owned().into_bytes();
     let mut paths = write_files(
         folder,
         &[
             ("histories.csv".into(), csv),
-            ("validation.json".into(), json),
+            ("validation.json".into(), text.into_bytes()),
         ],
     )?;
     paths.reverse();

@@ -234,7 +234,7 @@ fn stat_trials_that_draw_their_truth_are_calibrated() {
     let folder = tempfile::tempdir().unwrap();
     let ran = campaign(&plan, &request(folder.path(), false)).unwrap();
     let result = ran.result.unwrap();
-    let mass = &result.cells[0].methods[0].numbers["bus.mass"];
+    let mass = &result.cells[0].methods[0].numbers["bus.mass_kg"];
     assert_eq!(mass.trials, 60);
     // The masses differ by 50 kg, the errors by the bound.
     assert!(mass.rmse.value.unwrap() < 1.5 * mass.bound.unwrap());

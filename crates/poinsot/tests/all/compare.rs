@@ -45,12 +45,16 @@ fn stat_two_nights_agree_and_a_change_is_named() {
     // The moment about x changed by twenty sigmas between the nights.
     let mut changed = second.clone();
     let body = &mut changed.bodies["spacecraft"];
-    let sigma = body.inertia_kg_m2.sigma.xx.unwrap();
-    body.inertia_kg_m2.value.xx = body.inertia_kg_m2.value.xx.map(|v| v + 20.0 * sigma);
+    let sigma = body.inertia_kg_m2.xx.sigma.unwrap();
+    body.inertia_kg_m2.xx.value = body.inertia_kg_m2.xx.value.map(|v| v + 20.0 * sigma);
     let other = ask(&[&first, &changed]);
     assert_eq!(other.verdict, "differ");
-    assert!(other.numbers["spacecraft.inertia_xx"].p < 1.0e-6);
-    assert!(other.numbers["spacecraft.inertia_xx"].pooled.is_none());
+    assert!(other.numbers["spacecraft.inertia_kg_m2.xx"].p < 1.0e-6);
+    assert!(
+        other.numbers["spacecraft.inertia_kg_m2.xx"]
+            .pooled
+            .is_none()
+    );
     let said = comparison_document(&other).verdict;
     assert!(said.contains("inertia of spacecraft"), "{said}");
 }

@@ -1,7 +1,7 @@
 //! Files and tables in memory go through one gate: the same answer to the last bit, the same faults found.
 
 use poinsot::identify::read_options;
-use poinsot::{IdentifyRequest, Question, estimate_json, identify, identify_tables};
+use poinsot::{IdentifyRequest, Question, estimate_file, identify, identify_tables};
 use poinsot_model::read_model;
 use poinsot_telemetry::{Table, read, write};
 use std::path::{Path, PathBuf};
@@ -44,13 +44,13 @@ fn stick(table: &mut Table, name: &str) {
 fn told(answer: Result<poinsot::Identified, poinsot::Error>, file: &str) -> String {
     match answer {
         Ok(identified) => {
-            let json = estimate_json(&identified);
+            let file = estimate_file(&identified);
             let findings: Vec<&str> = identified
                 .findings
                 .iter()
                 .map(|f| f.text.as_str())
                 .collect();
-            format!("{} {} {findings:?}", json["bodies"], json["status"])
+            format!("{:?} {} {findings:?}", file.bodies, file.status)
         }
         Err(error) => error.to_string().replace(file, "").replacen(": ", " ", 2),
     }

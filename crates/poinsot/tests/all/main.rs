@@ -26,6 +26,7 @@ mod evaluation;
 mod faults;
 #[path = "../../examples/open_set/flown.rs"]
 mod flown;
+mod formats;
 mod gaps;
 mod gate;
 mod gravity_gradient;

@@ -1,7 +1,7 @@
 //! The page: complete in itself, deaf to hostile names, true to the fit.
 
 use poinsot::report::{ReportData, report_data, report_html};
-use poinsot::{Identified, IdentifyRequest, estimate_json, identify};
+use poinsot::{EstimateFile, Identified, IdentifyRequest, estimate_file, identify};
 use scraper::{Html, Node, Selector};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -34,12 +34,17 @@ fn ma2008() -> Identified {
 
 fn documents(identified: &Identified) -> (Value, ReportData) {
     let command = ["poinsot", "identify", "--out", "a b"].map(str::to_owned);
-    (estimate_json(identified), report_data(identified, &command))
+    let estimate = serde_json::to_value(estimate_file(identified)).unwrap();
+    (estimate, report_data(identified, &command))
+}
+
+fn typed(estimate: &Value) -> EstimateFile {
+    serde_json::from_value(estimate.clone()).unwrap()
 }
 
 fn page(identified: &Identified) -> String {
     let (estimate, data) = documents(identified);
-    report_html(&estimate, data).unwrap()
+    report_html(typed(&estimate), data).unwrap()
 }
 
 /// Elements with the names of their attributes, in order: what a hostile text must not change.
@@ -88,7 +93,7 @@ fn unit_hostile_names_change_no_element() {
     data["segments"][0]["label"] = "link1".into();
     data["command"] = serde_json::json!(["poinsot", "link1"]);
     let read = |v: &Value| serde_json::from_value::<ReportData>(v.clone()).unwrap();
-    let tame = report_html(&estimate, read(&data)).unwrap();
+    let tame = report_html(typed(&estimate), read(&data)).unwrap();
     for hostile in [
         "<script>alert(1)</script>",
         "</script><script>alert(1)</script>",
@@ -104,7 +109,7 @@ fn unit_hostile_names_change_no_element() {
         let (mut e, mut d) = (estimate.clone(), data.clone());
         rename(&mut e, "link1", hostile);
         rename(&mut d, "link1", hostile);
-        let wild = report_html(&e, read(&d)).unwrap();
+        let wild = report_html(typed(&e), read(&d)).unwrap();
         assert!(
             skeleton(&tame) == skeleton(&wild),
             "{hostile:?} changed the page"
@@ -257,7 +262,7 @@ fn unit_files_of_different_runs_are_refused() {
         &["stsat3/paper/telemetry.parquet"],
         "auto",
     );
-    let why = report_html(&estimate, documents(&other).1).unwrap_err();
+    let why = report_html(typed(&estimate), documents(&other).1).unwrap_err();
     assert!(why.contains("different runs"), "{why}");
 }
 

@@ -1,6 +1,6 @@
 //! What an answer says of itself where readings, clock or priors are wrong, and where nothing is.
 
-use poinsot::{Identified, IdentifyRequest, estimate_document, estimate_json, identify};
+use poinsot::{Identified, IdentifyRequest, estimate_document, estimate_file, identify};
 use poinsot_identify::{FaultKind, Status};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -68,12 +68,12 @@ fn worst(answer: &Identified, truth: &str, body: &str) -> f64 {
     let truth: Value =
         serde_json::from_str(&std::fs::read_to_string(example(truth)).unwrap()).unwrap();
     let tensor = &truth["bodies"][body]["inertia_kg_m2"]["value"];
-    let own = &estimate_json(answer)["bodies"][body]["inertia_kg_m2"];
-    ["xx", "yy", "zz", "xy", "xz", "yz"]
-        .iter()
-        .filter_map(|e| {
-            let error = own["value"][e].as_f64()? - tensor[e].as_f64().unwrap();
-            Some((error / own["sigma"][e].as_f64()?).abs())
+    let file = estimate_file(answer);
+    let own = file.bodies[body].inertia_kg_m2.named();
+    own.iter()
+        .filter_map(|(e, n)| {
+            let error = n.value? - tensor[e].as_f64().unwrap();
+            Some((error / n.sigma?).abs())
         })
         .fold(0.0, f64::max)
 }

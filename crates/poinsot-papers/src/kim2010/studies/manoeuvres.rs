@@ -5,13 +5,11 @@ use crate::kim2010::{ELEMENTS, Kim2010, NAMES};
 use crate::method::Method;
 use crate::study::statistics::{largest, rms};
 use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures};
-use poinsot_identify::Estimate;
+use poinsot_identify::{Estimate, tensor_index};
 use poinsot_report::{Axis, Mark, Plot, Series};
 
 /// Trials with other noise.
 const TRIALS: u64 = 20;
-/// Where each of the six stands in the answer's order xx, xy, yy, xz, yz, zz.
-const PLACE: [usize; 6] = [0, 2, 5, 1, 4, 3];
 /// Name of the tables, title, case file.
 const CASES: [(&str, [&str; 2], &str); 3] = [
     (
@@ -163,7 +161,9 @@ fn numbers(estimate: &Estimate) -> [(f64, f64); 6] {
         let printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
         let name = format!("inertia_{}", NAMES[k]);
         let number = printed.into_iter().find(|n| n.name == name);
-        let number = number.map_or(estimate.bodies[0].inertia[PLACE[k]], |n| n.number);
+        let number = number.map_or(estimate.bodies[0].inertia[tensor_index(NAMES[k])], |n| {
+            n.number
+        });
         (
             number.value.unwrap_or(f64::NAN),
             number.sigma.unwrap_or(f64::NAN),

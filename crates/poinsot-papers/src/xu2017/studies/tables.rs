@@ -7,7 +7,7 @@ use crate::study::statistics::{largest, mean_and_scatter, median, quantile};
 use crate::study::{Cell, Context, Digits, Findings, StudyError, Table, decimals, figures, word};
 use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Kind, Order, StepReport, Variant, identify, particle};
-use poinsot_identify::{Estimate, linear};
+use poinsot_identify::{Estimate, linear, tensor_index};
 use poinsot_spatial::InertialParameters;
 
 /// Search ranges of the swarm, share of the true values, on which they are centred: as kind as a range can be.
@@ -15,8 +15,8 @@ const SHARES: [f64; 3] = [0.05, 0.2, 0.5];
 const BODY_TABLES: [&str; 7] = [
     "table6", "table7", "table8", "table9", "table10", "table11", "table12",
 ];
-/// Where each number of the paper's order stands in the tensor of an answer.
-const PLACE: [usize; 6] = [0, 2, 5, 1, 3, 4];
+/// The paper's order of a tensor.
+const ELEMENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
@@ -143,7 +143,7 @@ fn bodies(
             let of = |list: &[InertialParameters]| decimals(particle(&properties(list)[b])[k], 4);
             let number = match k {
                 0 => &estimate.mass,
-                1..=6 => &estimate.inertia[PLACE[k - 1]],
+                1..=6 => &estimate.inertia[tensor_index(ELEMENTS[k - 1])],
                 _ => &estimate.com[k - 7],
             };
             let determined = word(if number.value.is_some() { "yes" } else { "no" });

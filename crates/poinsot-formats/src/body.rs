@@ -1,0 +1,85 @@
+//! Mass properties of one body.
+
+use crate::number::{Axes, Elements, NumberFile, TensorFile, VectorFile};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Mass properties of one body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct BodyFile {
+    /// Mass, kg.
+    pub mass_kg: NumberFile,
+    /// Mass centre from the origin of the body's frame, in its axes, m.
+    pub com_m: VectorFile,
+    /// Inertia tensor about the mass centre, in the body's axes, kg m2.
+    pub inertia_kg_m2: TensorFile,
+    /// Principal moments and axes; null where the tensor is not determined.
+    pub principal: Option<PrincipalFile>,
+    /// The ten parameters about the origin of the body's frame.
+    pub barycentric: BarycentricFile,
+    /// Whether a distribution of positive mass has this tensor; null where it is not determined.
+    pub physically_consistent: Option<bool>,
+}
+
+/// Principal moments and axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PrincipalFile {
+    /// Moments in ascending order, kg m2.
+    pub moments_kg_m2: [f64; 3],
+    /// Rotation from principal axes to body axes: quaternion, Hamilton, scalar last.
+    pub axes_xyzw: [f64; 4],
+}
+
+/// Mass, first moment and inertia about the origin of the body's frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct BarycentricFile<N = NumberFile> {
+    /// Mass, kg.
+    pub m_kg: N,
+    /// First moment of mass, kg m.
+    pub mc_kg_m: Axes<N>,
+    /// Inertia tensor about the origin, kg m2.
+    pub I_BBo_kg_m2: Elements<N>,
+}
+
+/// Mass, mass centre and inertia alone, in the same places as of a whole body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MassFile<N> {
+    /// Mass, kg.
+    pub mass_kg: N,
+    /// Mass centre from the origin of the body's frame, in its axes, m.
+    pub com_m: Axes<N>,
+    /// Inertia tensor about the mass centre, in the body's axes, kg m2.
+    pub inertia_kg_m2: Elements<N>,
+}
+
+impl BodyFile {
+    /// Mass, mass centre and inertia with name and unit.
+    pub fn numbers(&self) -> Vec<(String, &'static str, NumberFile)> {
+        let mut all = vec![("mass".to_owned(), "kg", self.mass_kg.clone())];
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            all.push((format!("com {axis}"), "m", self.com_m.number(k)));
+        }
+        for (element, number) in self.inertia_kg_m2.named() {
+            all.push((format!("I {element}"), "kg m²", number.clone()));
+        }
+        all
+    }
+
+    /// The same by address, for a body of this name, with the unit in ASCII.
+    pub fn addressed(&self, body: &str) -> Vec<(String, &'static str, NumberFile)> {
+        let mut all = vec![(format!("{body}.mass_kg"), "kg", self.mass_kg.clone())];
+        for (axis, number) in self.com_m.named() {
+            all.push((format!("{body}.com_m.{axis}"), "m", number.clone()));
+        }
+        for (element, number) in self.inertia_kg_m2.named() {
+            let address = format!("{body}.inertia_kg_m2.{element}");
+            all.push((address, "kg m2", number.clone()));
+        }
+        all
+    }
+
+    /// Whether any of its numbers was asked for.
+    pub fn is_asked(&self) -> bool {
+        self.numbers().iter().any(|(_, _, n)| !n.is_known())
+    }
+}

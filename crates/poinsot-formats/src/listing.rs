@@ -1,0 +1,308 @@
+//! Answers of the verbs that list or report: methods, units, error codes, studies, files written, errors.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of `methods --json`.
+pub const METHODS: &str = "poinsot.methods/1";
+/// Name and version of `units --json`.
+pub const UNITS: &str = "poinsot.units/1";
+/// Name and version of `explain --json`.
+pub const CODES: &str = "poinsot.codes/1";
+/// Name and version of `study --json` without the name of a study.
+pub const STUDIES: &str = "poinsot.studies/1";
+/// Name and version of `study PAPER NAME --json`.
+pub const FINDINGS: &str = "poinsot.findings/1";
+/// Name and version of what `--json` says where the answer is files.
+pub const WRITTEN: &str = "poinsot.written/1";
+/// Name and version of an error under `--json`.
+pub const ERROR: &str = "poinsot.error/1";
+/// Name and version of `check --json`.
+pub const DESCRIPTION: &str = "poinsot.description/1";
+/// Name and version of `inspect --json`.
+pub const INSPECTION: &str = "poinsot.inspection/1";
+
+/// An answer of another floor with the name of its format.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StatedFile<T> {
+    /// Name and version of the format.
+    pub schema: &'static str,
+    /// The answer.
+    #[serde(flatten)]
+    pub content: T,
+}
+
+/// The methods of `identify`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MethodsFile {
+    /// "poinsot.methods/1".
+    pub schema: String,
+    /// Methods; the first is the default.
+    pub methods: Vec<ListedMethodFile>,
+}
+
+/// A method of `identify`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ListedMethodFile {
+    /// Name on the command line.
+    pub name: String,
+    /// What it does, in one line.
+    pub summary: String,
+    /// Where it was published. Absent for a method of this project.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<String>,
+    /// Variants; the first is the default.
+    pub variants: Vec<VariantFile>,
+    /// Settings, as `--set` takes them.
+    pub settings: Vec<ListedSettingFile>,
+}
+
+/// A variant of a method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct VariantFile {
+    /// Name.
+    pub name: String,
+    /// What it does.
+    pub summary: String,
+}
+
+/// A setting of a method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ListedSettingFile {
+    /// Key.
+    pub key: String,
+    /// What it changes.
+    pub summary: String,
+    /// Value where none is given.
+    pub default: String,
+}
+
+/// The units that a telemetry map may name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UnitsFile {
+    /// "poinsot.units/1".
+    pub schema: String,
+    /// All units.
+    pub units: Vec<UnitFile>,
+}
+
+/// A unit. Its value in SI is value * factor / divisor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UnitFile {
+    /// As the map names it.
+    pub symbol: String,
+    /// What it measures.
+    pub dimension: String,
+    /// Multiplies the value.
+    pub factor: f64,
+    /// Divides the product.
+    pub divisor: f64,
+    /// Unit of the result.
+    pub si: String,
+}
+
+/// Error codes with cause and remedy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CodesFile {
+    /// "poinsot.codes/1".
+    pub schema: String,
+    /// Codes, ascending.
+    pub codes: Vec<CodeFile>,
+}
+
+/// An error code.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CodeFile {
+    /// Code.
+    pub code: String,
+    /// What it means.
+    pub meaning: String,
+    /// What usually causes it.
+    pub cause: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+/// Papers with their studies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudiesFile {
+    /// "poinsot.studies/1".
+    pub schema: String,
+    /// Papers.
+    pub papers: Vec<PaperFile>,
+}
+
+/// A paper.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PaperFile {
+    /// Name on the command line.
+    pub paper: String,
+    /// Where it was published.
+    pub citation: String,
+    /// Its studies.
+    pub studies: Vec<StudyFile>,
+}
+
+/// A study of a paper.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudyFile {
+    /// Name on the command line.
+    pub name: String,
+    /// What it computes.
+    pub summary: String,
+    /// Whether it takes seconds, not minutes.
+    pub quick: bool,
+}
+
+/// What studies found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FindingsFile {
+    /// "poinsot.findings/1".
+    pub schema: String,
+    /// One entry per study.
+    pub findings: Vec<StudyFindingsFile>,
+}
+
+/// What a study found: numbers with all their digits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudyFindingsFile {
+    /// Name of the paper.
+    pub paper: String,
+    /// Name of the study.
+    pub study: String,
+    /// What it computes.
+    pub summary: String,
+    /// Tables.
+    pub tables: Vec<FoundTableFile>,
+    /// Numbers beside what the paper states.
+    pub statements: Vec<StatementFile>,
+}
+
+/// A table of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FoundTableFile {
+    /// Name.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// Heads of the columns.
+    pub columns: Vec<String>,
+    /// Rows.
+    pub rows: Vec<Vec<FoundCellFile>>,
+}
+
+/// A cell of a table; null where there is no number.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum FoundCellFile {
+    /// Text.
+    Word(String),
+    /// A number.
+    Number(Option<f64>),
+    /// Two numbers.
+    Pair(Option<f64>, Option<f64>),
+}
+
+/// A statement of a paper with the number found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StatementFile {
+    /// What the paper states.
+    pub in_the_paper: String,
+    /// The number found.
+    pub number: String,
+}
+
+/// Files that were written, or shards that were run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WrittenFile {
+    /// "poinsot.written/1".
+    pub schema: String,
+    /// Paths.
+    pub written: Vec<String>,
+    /// Shards of a campaign. Absent for other verbs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shards: Option<u64>,
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorFile {
+    /// "poinsot.error/1".
+    pub schema: String,
+    /// Exit code.
+    pub exit_code: u8,
+    /// What is wrong, in the order of its places.
+    pub errors: Vec<FaultFile>,
+}
+
+/// One thing that is wrong.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FaultFile {
+    /// Code, see `poinsot explain`.
+    pub code: String,
+    /// Where: file with line and column, key, or option. Absent where it has no place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// The value as read. Absent without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<String>,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do. Absent where the problem says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advice: Option<String>,
+}
+
+impl WrittenFile {
+    /// Files that were written.
+    pub fn of<P: AsRef<std::path::Path>>(paths: &[P]) -> Self {
+        let paths = paths.iter().map(|p| p.as_ref().display().to_string());
+        Self {
+            schema: WRITTEN.to_owned(),
+            written: paths.collect(),
+            shards: None,
+        }
+    }
+}
+
+impl FaultFile {
+    /// From a line as it is printed: `CODE place: problem; advice`.
+    pub fn of_line(line: &str) -> Self {
+        let (code, rest) = match line.split_once(' ') {
+            Some((code, rest)) if code.starts_with('E') && code.len() == 5 => (code, rest),
+            _ => ("", line),
+        };
+        let (place, rest) = match rest.split_once(": ") {
+            Some((place, rest)) => (Some(place.to_owned()), rest),
+            None => (None, rest),
+        };
+        let (problem, advice) = match rest.split_once("; ") {
+            Some((problem, advice)) => (problem, Some(advice.to_owned())),
+            None => (rest, None),
+        };
+        Self {
+            code: code.to_owned(),
+            place,
+            value: None,
+            problem: problem.to_owned(),
+            advice,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_a_line_has_code_place_problem_and_advice() {
+        let fault = FaultFile::of_line("E0203 gyr.csv:1: no column is the time; name one");
+        assert_eq!(fault.code, "E0203");
+        assert_eq!(fault.place.as_deref(), Some("gyr.csv:1"));
+        assert_eq!(fault.problem, "no column is the time");
+        assert_eq!(fault.advice.as_deref(), Some("name one"));
+        let bare = FaultFile::of_line("stopped");
+        assert_eq!((bare.code.as_str(), bare.problem.as_str()), ("", "stopped"));
+        assert_eq!((bare.place, bare.advice), (None, None));
+    }
+}

@@ -1,0 +1,59 @@
+//! `predict --json`: the accuracy that a case allows, before there is telemetry.
+
+use crate::body::MassFile;
+use crate::estimate::{CovarianceFile, IdentifiabilityFile, ReferenceFile};
+use crate::number::PredictedNumberFile;
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the format.
+pub const PREDICTION: &str = "poinsot.prediction/2";
+
+/// The accuracy that a case allows (Cramer-Rao). Names and places of the numbers are those of `estimate.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PredictionFile {
+    /// "poinsot.prediction/2".
+    pub schema: String,
+    /// Version of the program.
+    pub poinsot: String,
+    /// Path of the case.
+    pub case: String,
+    /// Name of the vehicle.
+    pub model: String,
+    /// Units, frames and points of all numbers.
+    pub reference: ReferenceFile,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// "converged", "partial" or "not_identifiable".
+    pub status: String,
+    /// The answer in one sentence.
+    pub in_words: String,
+    /// What the case wants; empty where it wants nothing.
+    pub wants: Vec<WantedFile>,
+    /// Bodies with something unknown, by name.
+    pub bodies: IndexMap<String, MassFile<PredictedNumberFile>>,
+    /// Everything else that is estimated, by address.
+    pub nuisance: IndexMap<String, PredictedNumberFile>,
+    /// Addresses, units and matrix of all determined numbers.
+    pub covariance: CovarianceFile,
+    /// What the data would determine and what not.
+    pub identifiability: IdentifiabilityFile,
+    /// What was assumed.
+    pub assumptions: Vec<String>,
+}
+
+/// One wanted number.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WantedFile {
+    /// Address of the number, or the combination.
+    pub name: String,
+    /// Unit of the sigmas.
+    pub unit: String,
+    /// Wanted sigma.
+    pub wanted_sigma: f64,
+    /// Predicted sigma; null where the number is not identifiable.
+    pub sigma: Option<f64>,
+    /// Whether the predicted sigma is at most the wanted one.
+    pub met: bool,
+}

@@ -1,0 +1,19 @@
+//! The verb `units`: what a map of telemetry may name.
+
+use poinsot_formats::{UNITS, UnitFile, UnitsFile};
+use poinsot_telemetry::units;
+
+/// All units as a file.
+pub fn units_file() -> UnitsFile {
+    let unit = |u: poinsot_telemetry::Unit| UnitFile {
+        symbol: u.symbol.to_owned(),
+        dimension: u.dimension.words().replace(' ', "_"),
+        factor: u.factor,
+        divisor: u.divisor,
+        si: u.dimension.si().to_owned(),
+    };
+    UnitsFile {
+        schema: UNITS.to_owned(),
+        units: units().map(unit).collect(),
+    }
+}
