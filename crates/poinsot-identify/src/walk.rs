@@ -207,9 +207,20 @@ fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
         few
     };
     let mut segments: Vec<Segment> = experiment.problem.segments.iter().map(few).collect();
+    take_predictions(experiment, at, &mut segments)?;
+    Some(segments)
+}
+
+/// Gives the samples of all segments the values that a point predicts: what is left of them are differences of predictions
+/// alone, whitened as at this point.
+pub(crate) fn take_predictions(
+    experiment: &Experiment,
+    at: &Point,
+    segments: &mut [Segment],
+) -> Option<()> {
     for _ in 0..ROUNDS {
         let problem = Problem {
-            segments: &segments,
+            segments: &*segments,
             ..*experiment.problem
         };
         let mut own = readings_alone(experiment, &problem);
@@ -219,7 +230,8 @@ fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
         for (segment, one) in segments.iter_mut().zip(&evaluated) {
             for record in &mut segment.observations.sensors {
                 for row in one.kept.of(Some(&record.name)) {
-                    let sample = record.samples.iter_mut().find(|s| s.to == row.at)?;
+                    let place = record.samples.binary_search_by_key(&row.at, |s| s.to);
+                    let sample = record.samples.get_mut(place.ok()?)?;
                     sample.value = match sample.value {
                         SensorValue::Vector(v) => SensorValue::Vector(v - row.raw),
                         SensorValue::Attitude(R) => {
@@ -230,7 +242,7 @@ fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
             }
         }
     }
-    Some(segments)
+    Some(())
 }
 
 /// Where a walk ends: the unknowns, and the spectrum there.

@@ -258,7 +258,7 @@ mod tests {
                 .iter()
                 .any(|p| [p.red(), p.green(), p.blue()] == [r, g, b])
         };
-        assert!(has(0x0b, 0x62, 0xb8), "the line");
+        assert!(has(0x00, 0x72, 0xb2), "the line");
         assert!(has(0x1b, 0x23, 0x2c), "the title");
         assert!(
             pixmap

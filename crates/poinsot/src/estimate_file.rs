@@ -224,7 +224,11 @@ pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
                 coefficients: coefficients(&c.coefficients),
                 reason: c.reason.clone(),
                 remedy: c.remedy.clone(),
-                walk: c.walk.iter().cloned().collect(),
+                walk: c
+                    .walk
+                    .iter()
+                    .map(|(name, values)| (address(name, ""), values.clone()))
+                    .collect(),
             })
             .collect(),
     }

@@ -8,6 +8,7 @@ use crate::known::Centre;
 use crate::parameters::UnknownKind;
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Segment};
+use crate::walk::take_predictions;
 use poinsot_model::{JointKind, KnownNumber, Origin};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
@@ -60,7 +61,7 @@ fn of_known_numbers(experiment: &Experiment) -> Vec<Candidate> {
     };
     let numbers = model.known_numbers().into_iter();
     numbers
-        .filter(|n| !is_unknown(n) && !has_slopes(n))
+        .filter(|n| n.is_known(model) && !is_unknown(n) && !has_slopes(n))
         .map(|number| {
             let components = 0..number.components();
             let name = number.name(model, 0);
@@ -147,15 +148,26 @@ fn of_play(experiment: &Experiment) -> Vec<Candidate> {
 /// How every whitened prediction moves with a change: by segment, sensor compared and sample.
 pub(super) type Difference = Vec<Vec<Vec<Vector3>>>;
 
-/// The differences of all changes at a point; empty for one that cannot be made.
+/// The differences of all changes at a point; empty for one that cannot be made. Predictions are compared with each other:
+/// whitening depends on the vehicle where inputs err, and its change times the residual is no slope.
 pub(super) fn differences(
     experiment: &Experiment,
     at: &Point,
     changes: &[Change],
 ) -> Option<Vec<Difference>> {
-    let here = experiment.evaluate(at, false)?;
+    if changes.is_empty() {
+        return Some(Vec::new());
+    }
+    let mut segments = experiment.problem.segments.to_vec();
+    take_predictions(experiment, at, &mut segments)?;
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let perfect = experiment.with_problem(&problem);
+    let here = perfect.evaluate(at, false)?;
     let of = |change: &Change| -> Option<Difference> {
-        let (there, step) = changed(experiment, at, *change)?;
+        let (there, step) = changed(&perfect, at, *change)?;
         let segments = here.iter().zip(&there);
         let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
         Some(
@@ -183,6 +195,10 @@ fn changed(
     if let Change::Known(number, component) = change {
         let usual = number.usual_sigma(Origin::Cad);
         let step = STEP * number.absolute(problem.model, component, usual);
+        if step == 0.0 {
+            // A share of nothing.
+            return None;
+        }
         let changes = [(number, component, step)];
         let centre = Centre::new(problem, experiment.parameters, &changes)?;
         let there = centre.problem(problem);

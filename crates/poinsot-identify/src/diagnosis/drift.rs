@@ -116,7 +116,7 @@ pub(super) fn lags(
 
 fn lag(between: [String; 2], lag_s: f64, variance: f64, per_number: f64) -> Option<SensorLag> {
     let sigma_s = variance.sqrt();
-    if !(sigma_s.is_finite() && sigma_s > 0.0 && sigma_s < 0.5 * ANY_LAG) {
+    if !(lag_s.is_finite() && sigma_s.is_finite() && sigma_s > 0.0 && sigma_s < 0.5 * ANY_LAG) {
         return None;
     }
     let normal = Normal::standard();

@@ -122,7 +122,7 @@ pub fn rows() -> Vec<Row> {
             1,
             &[
                 "contradicts the data; no number is given",
-                "readings of the gyro (3.6 %) are outliers",
+                "samples of the gyro (3.6 %)",
             ],
         ),
         row(
