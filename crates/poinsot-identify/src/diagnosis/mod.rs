@@ -104,6 +104,8 @@ pub(crate) fn diagnose(
         && !out.suspects.first().is_some_and(settled)
         && let Some(mistake) = gross::gross(experiment, fitted, (excess, dof as f64))
     {
+        // What was tied was so with the best of the others.
+        out.suspects.iter_mut().for_each(|s| s.tied = false);
         out.suspects.insert(0, mistake);
     }
     if misfit {

@@ -83,6 +83,9 @@ pub(super) fn suspects(
         significant(&mut list);
         rank(&mut list, of);
     }
+    if of.misfit && of.affordable {
+        fitted_before_scored(&mut list);
+    }
     late_before_early(&mut list, TIED * per_number);
     let best = list.first().map(|one| one.suspect.decrease);
     let left = of.left(best.unwrap_or(0.0));
@@ -132,6 +135,19 @@ fn rank(list: &mut [Scored], of: Misfit) {
         b.evidence(left, of.dof)
             .total_cmp(&a.evidence(left, of.dof))
     });
+}
+
+/// Where a cause that was fitted explains hardly less than one that was only scored, it comes first: a score is of first
+/// order, and of a large misfit too high.
+fn fitted_before_scored(list: &mut [Scored]) {
+    let Some(first) = list.first().filter(|one| one.at.is_none()) else {
+        return;
+    };
+    let enough = AS_MUCH * first.suspect.decrease;
+    let fitted = |one: &Scored| one.at.is_some() && one.suspect.decrease >= enough;
+    if let Some(at) = list.iter().position(fitted) {
+        list[..=at].rotate_right(1);
+    }
 }
 
 /// A suspect with the place of its candidate, and how well its numbers are known.

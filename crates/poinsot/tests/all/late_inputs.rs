@@ -116,7 +116,7 @@ fn first_suspect(model: &Model, table: Table) -> (String, f64) {
     let answer = ask(model, table);
     let found = answer.estimate.diagnostics.unwrap();
     let first = found.suspects.first().unwrap();
-    println!("{first:?}");
+    println!("{:?}", found.suspects);
     assert!(first.explains > 0.95, "{first:?}");
     (first.name.clone(), first.values[0].1)
 }
