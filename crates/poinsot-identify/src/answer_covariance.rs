@@ -4,7 +4,8 @@ use crate::answer_momentum::is_answered;
 use crate::estimate::{BodyEstimate, NamedNumber, Number, Source};
 use crate::parameters::{Equations, UnknownKind, axis_name, tensor_name};
 use crate::quantity::TenParameters;
-use crate::solved::{Solved, head};
+use crate::shared::head;
+use crate::solved::Solved;
 
 /// One number that is determined.
 pub(crate) struct Row {

@@ -3,7 +3,8 @@
 use crate::answer_body::Judge;
 use crate::estimate::{MomentumEstimate, NamedNumber, Number};
 use crate::parameters::UnknownKind;
-use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
+use crate::shared::head;
+use crate::solved::{Solved, StartOfSegment, VectorQuantity};
 use poinsot_model::MomentumKnowledge;
 
 /// Momentum at the first sample of a segment.

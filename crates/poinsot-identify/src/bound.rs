@@ -3,8 +3,8 @@
 use crate::answer;
 use crate::diagnosis::Diagnostics;
 use crate::estimate::Estimate;
+use crate::experiment::Experiment;
 use crate::fit::fit;
-use crate::information::Experiment;
 use crate::maximum_likelihood::{conclude, proportional};
 use crate::problem::{Problem, ProblemError};
 

@@ -3,10 +3,10 @@
 //! Where nominal numbers are off by many sigmas, the first steps need not be exact: a share of the readings leads as near
 //! as the whole record would, for a share of the time. The fit itself then sees every reading.
 
-use crate::fit::is_close;
-use crate::information::{Experiment, Point};
+use crate::experiment::{Experiment, Point};
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample};
+use crate::step::is_close;
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Readings of each sensor in a segment of which none is left out.

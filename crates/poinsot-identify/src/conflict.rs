@@ -5,13 +5,13 @@
 //! say alone: chi-square distributed where both are right. One row of variance one, whose value the answer knows to a
 //! variance `s^2`, leaves a residual of variance `1 - s^2` (the innovation of Kalman 1960, seen from behind).
 
+use crate::degrees_of_freedom::fitted_numbers;
 use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
+use crate::experiment::Experiment;
 use crate::fit::{Fitted, ITERATIONS, fit_from};
-use crate::information::Experiment;
-use crate::maximum_likelihood::fitted_numbers;
-use crate::prior::{self, Declared, PriorRow};
+use crate::prior::{self, Conflict, Declared, PriorRow};
 use crate::problem::Problem;
-use crate::solved::{HeadSolution, Shared, head};
+use crate::shared::{HeadSolution, Shared, head};
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -21,15 +21,6 @@ const CONTRADICTED: f64 = 5.7e-7;
 const FAR: f64 = 5.0;
 /// Least share of a row's variance that the data leave to judge it by.
 const SEEN: f64 = 1.0e-6;
-
-/// Priors that the data contradict.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Conflict {
-    pub text: String,
-    /// Factor on every variance that covers what the priors of mass properties have moved the answer by. Calibrations (a bias,
-    /// a random torque) act on the answer through others, and a bound on that would be far above what they do.
-    pub ratio: f64,
-}
 
 /// A declared number, what the data say of it, and how many sigmas lie between.
 struct Apart {

@@ -3,8 +3,8 @@
 //! Restricted likelihood (Patterson and Thompson 1971): everything that was fitted is integrated out, so a
 //! declaration is not favoured for what it lets the fit absorb.
 
+use crate::experiment::Experiment;
 use crate::fit::Fitted;
-use crate::information::Experiment;
 use crate::prior;
 
 /// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and

@@ -1,6 +1,6 @@
 //! A problem evaluated at any value of its unknowns, for one who writes a method of his own.
 
-use crate::information::{Experiment, Point};
+use crate::experiment::{Experiment, Point};
 use crate::likelihood::{Head, HeadColumns};
 use crate::parameters::{Parameters, axis_name};
 use crate::prior;

@@ -4,12 +4,13 @@
 //! each segment, and biases and other nuisances that the model declares unknown.
 
 use crate::completion::CompletedVehicle;
+use crate::degrees_of_freedom::fitted_numbers;
 use crate::diagnosis::diagnose;
 use crate::estimate::SegmentFit;
+use crate::experiment::Experiment;
 use crate::fit::{Fitted, ITERATIONS, fit};
-use crate::information::Experiment;
 use crate::loss::Loss;
-use crate::maximum_likelihood::{channel_fit, fitted_numbers};
+use crate::maximum_likelihood::channel_fit;
 use crate::parameters::Parameters;
 use crate::prediction::{Prediction, predict};
 use crate::problem::{Problem, ProblemError};

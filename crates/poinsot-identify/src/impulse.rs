@@ -1,9 +1,9 @@
 //! Impulse of the thrusters between samples, with the force turning with the body.
 
+use crate::motion::Running;
 use crate::parameters::Equations;
 use crate::problem::Problem;
 use crate::segment::{Firing, Segment};
-use crate::vehicle::Running;
 use nalgebra::Unit;
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{Nuisance, Thruster};

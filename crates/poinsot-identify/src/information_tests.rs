@@ -3,7 +3,7 @@
 mod inputs;
 mod two_threads;
 
-use crate::information::{Experiment, Point};
+use crate::experiment::{Experiment, Point};
 use crate::linear::linear;
 use crate::loss::Loss;
 use crate::maximum_likelihood::maximum_likelihood;

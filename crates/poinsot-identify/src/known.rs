@@ -11,30 +11,21 @@ mod effects;
 
 pub(crate) use effects::Effects;
 
-use crate::conflict::Conflict;
+use crate::degrees_of_freedom::{fitted_numbers, known_covariance};
+use crate::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, slopes};
 use crate::fit::{Fitted, fit_from};
-use crate::information::{Experiment, Point};
-use crate::likelihood::KnownColumns;
 use crate::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
+use crate::prior::Conflict;
 use crate::problem::Problem;
-use crate::segment::{Segment, SensorValue};
-use crate::solved::head;
+use crate::shifted::Centre;
 use nalgebra::DMatrix;
-use poinsot_dynamics::Tree;
-use poinsot_model::{KnownNumber, LIKE_WHEELS, Model, SensorKind, rounded};
-use poinsot_spatial::{UnitQuaternion, Vector3};
-use rayon::prelude::*;
-use std::sync::{Arc, Mutex};
+use poinsot_model::{Model, rounded};
+use std::sync::Arc;
 
-/// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
-/// a step and its round-off must both stay far below the noise.
-const STEP: f64 = 1.0e-5;
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 const SILENT: f64 = 1.0e-3;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
-/// Sigmas by which a known number may have moved since its columns were made.
-const FRESH: f64 = 1.0e-3;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
 const SETTLED: f64 = 1.0e-3;
 /// Sigmas between a known number and what the data say of it, from which they contradict each other.
@@ -43,97 +34,6 @@ const FAR: f64 = 5.0;
 const SEEN: f64 = 1.0e-6;
 /// Chi-square per degree of freedom that is left, below which a wrong known number explains a misfit.
 const EXPLAINED: f64 = 1.5;
-
-/// The vehicle with its known numbers at other values than those of the model.
-pub(crate) struct Centre {
-    model: Model,
-    tree: Tree,
-    segments: Option<Vec<Segment>>,
-    /// The same unknowns, of that vehicle.
-    pub parameters: Parameters,
-}
-
-impl Centre {
-    /// `changes` are added to the numbers of the problem; `None` where no such vehicle can be asked about.
-    pub fn new(
-        problem: &Problem,
-        parameters: &Parameters,
-        changes: &[(KnownNumber, usize, f64)],
-    ) -> Option<Self> {
-        let mut model = problem.model.clone();
-        let mut segments = None;
-        for (number, component, change) in changes.iter().filter(|c| c.2 != 0.0) {
-            number.shift(problem.model, &mut model, *component, *change);
-            let acts_on_readings =
-                matches!(number, KnownNumber::Force(_) | KnownNumber::Mounting(_));
-            if acts_on_readings {
-                let segments = segments.get_or_insert_with(|| problem.segments.to_vec());
-                reread(segments, *number, *component, *change);
-            }
-        }
-        let tree = Tree::new(&model);
-        let parameters = parameters.of_vehicle(&model, &tree)?;
-        Some(Self {
-            model,
-            tree,
-            segments,
-            parameters,
-        })
-    }
-
-    /// The known numbers where a value of all unknowns has them.
-    pub fn at(problem: &Problem, parameters: &Parameters, x: &[f64]) -> Option<Self> {
-        let unknowns = parameters.unknowns.iter().zip(x);
-        let changes = unknowns.filter_map(|(u, x)| {
-            let known = u.kind.known()?;
-            Some((known.number, known.component, x - u.nominal))
-        });
-        Self::new(problem, parameters, &changes.collect::<Vec<_>>())
-    }
-
-    /// The question asked of that vehicle.
-    pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
-        Problem {
-            model: &self.model,
-            tree: &self.tree,
-            segments: self.segments.as_deref().unwrap_or(problem.segments),
-            ..*problem
-        }
-    }
-}
-
-/// What would have been read with another thrust for each newton, or with a sensor mounted otherwise.
-fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, change: f64) {
-    for segment in segments {
-        match number {
-            KnownNumber::Force(thruster) => {
-                let firings = segment.firings.iter_mut();
-                for f in firings.filter(|f| f.thruster == thruster) {
-                    f.force *= 1.0 + change;
-                }
-            }
-            KnownNumber::Mounting(sensor) => {
-                let mut turn = Vector3::zeros();
-                turn[component % 3] = change;
-                let turn = UnitQuaternion::from_scaled_axis(turn);
-                let records = segment.observations.sensors.iter_mut();
-                for record in records.filter(|r| r.sensor == Some(sensor)) {
-                    let attitude = record.kind == SensorKind::Attitude;
-                    for sample in &mut record.samples {
-                        sample.value = match sample.value {
-                            SensorValue::Attitude(R) if attitude => {
-                                SensorValue::Attitude(R * turn.inverse())
-                            }
-                            SensorValue::Vector(v) if !attitude => SensorValue::Vector(turn * v),
-                            other => other,
-                        };
-                    }
-                }
-            }
-            _ => {}
-        }
-    }
-}
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
@@ -154,28 +54,6 @@ impl KnownFit {
         own.kept = Arc::clone(&self.kept);
         own
     }
-}
-
-/// Columns with the values of the known numbers where they were made, sigmas.
-pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
-
-/// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
-pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<KnownColumns>> {
-    let unknowns = &experiment.parameters.unknowns;
-    let places = places(experiment.parameters);
-    let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
-    let here: Vec<f64> = places.iter().map(value).collect();
-    let close = |old: &[f64]| {
-        let mut pairs = old.iter().zip(&here);
-        old.len() == here.len() && pairs.all(|(a, b)| (a - b).abs() < FRESH)
-    };
-    let mut kept = experiment.kept.lock().ok()?;
-    if let Some((_, columns)) = kept.as_ref().filter(|(old, _)| close(old)) {
-        return Some(Arc::clone(columns));
-    }
-    let columns = Arc::new(slopes(experiment, at)?);
-    *kept = Some((here, Arc::clone(&columns)));
-    Some(columns)
 }
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
@@ -268,7 +146,7 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
     for unknown in all {
         let mut unknown = unknown.clone();
         if let UnknownKind::Known(known) = &mut unknown.kind {
-            let step = STEP * known.sigma;
+            let step = DIFFERENCE * known.sigma;
             let change = (known.number, known.component, step);
             if let Some(there) = Centre::new(problem, parameters, &[change]) {
                 let bodies = there.parameters.bodies(&x);
@@ -311,139 +189,15 @@ fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<U
     (!all.is_empty()).then_some(all)
 }
 
-/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns.
-fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
-    let (own, kept) = experiment.parameters.without_known();
-    let base = Point {
-        x: kept.iter().map(|k| at.x[*k]).collect(),
-        heads: at.heads.clone(),
-    };
-    let places = places(experiment.parameters);
-    let numbers: Vec<(&Unknown, f64)> = places
-        .iter()
-        .map(|p| (&experiment.parameters.unknowns[*p], at.x[*p]))
-        .collect();
-    let evaluated = |moved: Option<(usize, f64)>| {
-        let changes = numbers.iter().enumerate().filter_map(|(k, (u, x))| {
-            let number = u.kind.known()?;
-            let step = moved.filter(|m| m.0 == k).map_or(0.0, |m| m.1);
-            Some((number.number, number.component, x - u.nominal + step))
-        });
-        let problem = experiment.problem;
-        let centre = Centre::new(problem, &own, &changes.collect::<Vec<_>>())?;
-        let there = centre.problem(problem);
-        let there = experiment.of_vehicle(&there, &centre.parameters);
-        there.evaluate(&base, false)
-    };
-    let here = evaluated(None)?;
-    let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
-        let step = STEP * numbers[k].0.natural;
-        let evaluated = evaluated(Some((k, step)))?;
-        let segments = here.iter().zip(&evaluated);
-        let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
-        segments
-            .map(|(a, b)| {
-                let sensors = a.channels.iter().zip(&b.channels);
-                sensors
-                    .map(|(a, b)| {
-                        let same = a.white.len() == b.white.len();
-                        same.then(|| a.white.iter().zip(&b.white).map(slope).collect())
-                    })
-                    .collect()
-            })
-            .collect()
-    };
-    let by_number: Vec<Option<_>> = (0..numbers.len())
-        .into_par_iter()
-        .map(differences)
-        .collect();
-    let mut out = KnownColumns::default();
-    for (s, one) in here.iter().enumerate() {
-        let names = one.channels.iter().map(|c| c.name.clone());
-        out.sensors.push(names.collect());
-        let sensors = 0..one.channels.len();
-        out.slopes.push(
-            sensors
-                .map(|i| {
-                    let of = |all: &Option<Vec<Vec<Vec<Vector3>>>>| {
-                        // A number that cannot be moved leaves nothing to say.
-                        let all = all.as_ref().and_then(|all| all.get(s)?.get(i).cloned());
-                        all.unwrap_or_default()
-                    };
-                    by_number.iter().map(of).collect()
-                })
-                .collect(),
-        );
-    }
-    Some(out)
-}
-
-/// Places of the known numbers among the unknowns.
-pub(crate) fn places(parameters: &Parameters) -> Vec<usize> {
-    let unknowns = parameters.unknowns.iter().enumerate();
-    let known = unknowns.filter(|(_, u)| u.kind.known().is_some());
-    known.map(|(k, _)| k).collect()
-}
-
-/// Declared covariance of the known numbers among the unknowns, in their order.
-pub(crate) fn declared_covariance(parameters: &Parameters) -> DMatrix<f64> {
-    let of = |k: &usize| {
-        let unknown = &parameters.unknowns[*k];
-        (unknown.kind.known(), unknown.nominal)
-    };
-    let all: Vec<_> = places(parameters).iter().map(of).collect();
-    let spin = |k: Option<&KnownUnknown>| {
-        k.is_some_and(|k| matches!(k.number, KnownNumber::SpinInertia(_)))
-    };
-    DMatrix::from_fn(all.len(), all.len(), |i, j| {
-        let ((a, own), (b, other)) = (all[i], all[j]);
-        let product = a.map_or(0.0, |k| k.sigma) * b.map_or(0.0, |k| k.sigma);
-        match () {
-            () if i == j => product,
-            () if spin(a) && spin(b) && own == other => LIKE_WHEELS * product,
-            () => 0.0,
-        }
-    })
-}
-
-/// Covariance of the known numbers among the unknowns after the data, in their order.
-pub(crate) fn covariance(parameters: &Parameters, fitted: &Fitted) -> DMatrix<f64> {
-    let mass = fitted.shared.mass;
-    let heads = head(
-        &fitted.shared.r,
-        fitted.shared.nuisances,
-        &fitted.at.x[..mass],
-    );
-    let c = fitted.spectrum.covariance();
-    let places: Vec<usize> = places(parameters).iter().map(|p| p - mass).collect();
-    let slope = |k: usize| &heads.slope[places[k]];
-    DMatrix::from_fn(places.len(), places.len(), |i, j| {
-        let (a, b) = (slope(i), slope(j));
-        let carried: f64 = (0..mass)
-            .map(|p| a[p] * (0..mass).map(|q| c[(p, q)] * b[q]).sum::<f64>())
-            .sum();
-        carried + heads.covariance[(places[i], places[j])]
-    })
-}
-
-/// How many numbers the data determined of the known ones: their count, less what the prior holds of each.
-pub(crate) fn determined(parameters: &Parameters, fitted: &Fitted) -> f64 {
-    let declared = declared_covariance(parameters);
-    let n = declared.nrows();
-    let inverse = declared.cholesky().map(|c| c.inverse());
-    let held = inverse.map(|inverse| (inverse * covariance(parameters, fitted)).trace());
-    n as f64 - held.unwrap_or(n as f64)
-}
-
 /// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.
 fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, f64) {
     let parameters = experiment.parameters;
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
     let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
-    let numbers = crate::maximum_likelihood::fitted_numbers(experiment, fitted);
+    let numbers = fitted_numbers(experiment, fitted);
     let per_number = chi2 / rows.saturating_sub(numbers).max(1) as f64;
-    let posterior = covariance(parameters, fitted);
-    let places = places(parameters);
+    let posterior = known_covariance(parameters, fitted);
+    let places = parameters.known_places();
     let apart = places.iter().enumerate().filter_map(|(k, place)| {
         let unknown = &parameters.unknowns[*place];
         let sigma = unknown.kind.known()?.sigma;
@@ -476,9 +230,9 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
 /// Square of what the declared uncertainties have moved the known numbers by, in their sigmas after the data.
 fn pull(parameters: &Parameters, fitted: &Fitted, posterior: &DMatrix<f64>) -> f64 {
     let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
-    let changes: Vec<f64> = places(parameters).iter().map(change).collect();
+    let changes: Vec<f64> = parameters.known_places().iter().map(change).collect();
     let changes = DMatrix::from_column_slice(changes.len(), 1, &changes);
-    let declared = declared_covariance(parameters).cholesky();
+    let declared = parameters.known_covariance().cholesky();
     let weighted = declared.map(|c| c.solve(&changes));
     weighted.map_or(0.0, |w| (w.transpose() * posterior * &w)[(0, 0)])
 }

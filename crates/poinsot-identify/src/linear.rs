@@ -7,9 +7,9 @@
 
 use crate::answer;
 use crate::estimate::{Estimate, SegmentFit};
+use crate::experiment::Experiment;
 use crate::fit::fit;
 use crate::impulse;
-use crate::information::Experiment;
 use crate::open_set::OpenSet;
 use crate::parameters::{Equations, Parameters};
 use crate::problem::{Problem, ProblemError};
@@ -17,7 +17,8 @@ use crate::quantity::TenParameters;
 use crate::residual;
 use crate::rows::{RowSetting, Rows, StartMomentum};
 use crate::segment::Segment;
-use crate::solved::{Reduced, Shared, Solved, StartOfSegment, VectorQuantity, head};
+use crate::shared::{Shared, head};
+use crate::solved::{Reduced, Solved, StartOfSegment, VectorQuantity};
 use crate::walk::straight_set;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::MomentumKnowledge;
@@ -51,7 +52,13 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
     // Without readings at their own times the rows' own spectrum has to do.
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
-    if observed && let Ok(fitted) = fit(&experiment, Some(&solved), CERTIFICATE_STEPS) {
+    if observed
+        && let Ok(fitted) = fit(
+            &experiment,
+            Some(&solved.point(&experiment)),
+            CERTIFICATE_STEPS,
+        )
+    {
         let judged = fitted.spectrum.judged(problem.relative_accuracy);
         restrict(problem, &mut solved, &judged)?;
     }

@@ -6,25 +6,27 @@
 //! on the triangle of the shared unknowns; directions that the data leave open do not move.
 
 use crate::answer;
-use crate::conflict::{self, Conflict, conflict};
+use crate::conflict::{self, conflict};
 use crate::coordinates::FitOptions;
+use crate::degrees_of_freedom::fitted_numbers;
 use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
 use crate::estimate::{ChannelFit, Estimate, SegmentFit};
+use crate::experiment::{Experiment, Point};
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
-use crate::information::{Experiment, Point};
 use crate::input_curves::beyond_the_readings;
-use crate::known::{Centre, Effects, fit_known};
+use crate::known::{Effects, fit_known};
 use crate::likelihood::{ChannelResidual, Sight};
 use crate::linear::solve_linear;
 use crate::loss::Loss;
 use crate::octaves::octaves;
 use crate::open_set::OpenSet;
-use crate::parameters::{
-    Equations, Parameters, ParametersError, TENSOR, UnknownKind, rotation_properties,
-};
+use crate::parameters::{Equations, Parameters, ParametersError, lifted_vector};
+use crate::prior::Conflict;
 use crate::problem::{Problem, ProblemError};
 use crate::propagation::within_steps;
-use crate::solved::{Solved, StartOfSegment, VectorQuantity, head};
+use crate::shared::head;
+use crate::shifted::Centre;
+use crate::solved::{Solved, StartOfSegment, VectorQuantity};
 use crate::walk::open_set;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::{LeastSquares, Spectrum};
@@ -85,11 +87,12 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;
     experiment.coordinates = options.coordinates;
-    let mut fitted = fit(&experiment, linear.as_ref(), ITERATIONS)?;
+    let start = linear.as_ref().map(|solved| solved.point(&experiment));
+    let mut fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
     let mut shift = 0.0;
     if !problem.model.wheels.is_empty() {
-        let between = between_readings(&mut experiment, linear.as_ref(), fitted);
+        let between = between_readings(&mut experiment, start.as_ref(), fitted);
         fitted = between.fitted;
         shift = between.shift;
         assumptions.push(
@@ -213,7 +216,7 @@ struct Between {
 
 /// Between readings a wheel may run straight (torque held) or smoothly: the data decide. How far the answer leans on what
 /// was decided tells whether the wheels are read often enough for what they do.
-fn between_readings(experiment: &mut Experiment, linear: Option<&Solved>, held: Fitted) -> Between {
+fn between_readings(experiment: &mut Experiment, linear: Option<&Point>, held: Fitted) -> Between {
     let cost = experiment.cost_of(&held);
     experiment.wheels_smooth = true;
     let (smooth, shift) = smoother(experiment, linear, &held, cost);
@@ -265,7 +268,7 @@ fn seldom_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
 /// leads. Where the other fit has settled, one look from its end tells whether this one can be better.
 fn smoother(
     experiment: &Experiment,
-    linear: Option<&Solved>,
+    linear: Option<&Point>,
     other: &Fitted,
     held: f64,
 ) -> (Option<Fitted>, f64) {
@@ -310,36 +313,6 @@ fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
     solved.x = lifted_vector(&solved.parameters, &solved.x, parameters);
     solved.parameters = parameters.clone();
     solved
-}
-
-/// The same for the values of the unknowns alone.
-pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameters) -> Vec<f64> {
-    let body = rotation_properties(from, x);
-    let pi = body.parameters().to_array();
-    let with_centre = parameters.estimate[0].com;
-    let known: Vec<(&str, f64)> = from
-        .unknowns
-        .iter()
-        .zip(x)
-        .map(|(u, x)| (u.name.as_str(), *x))
-        .collect();
-    parameters
-        .unknowns
-        .iter()
-        .map(|unknown| match &unknown.kind {
-            UnknownKind::Barycentric(parts) => {
-                let k = parts.first().map_or(0, |(at, _)| at % 10);
-                match k.checked_sub(4) {
-                    Some(e) if !with_centre => body.I_BBcm_B[TENSOR[e]],
-                    _ => pi[k],
-                }
-            }
-            _ => {
-                let found = known.iter().find(|(name, _)| *name == unknown.name);
-                found.map_or(unknown.nominal, |(_, x)| *x)
-            }
-        })
-        .collect()
 }
 
 pub(crate) fn conclude(
@@ -435,18 +408,6 @@ pub(crate) fn conclude(
         open_set: OpenSet::default(),
         rows,
     }
-}
-
-/// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
-/// directions of the mass properties that are not left open.
-pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
-    let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
-    let known = crate::known::places(experiment.parameters).len();
-    let of_known = match known {
-        0 => 0.0,
-        _ => crate::known::determined(experiment.parameters, fitted),
-    };
-    heads + fitted.spectrum.rank + fitted.shared.nuisances - known + of_known.round() as usize
 }
 
 pub(crate) fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {

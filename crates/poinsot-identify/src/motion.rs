@@ -13,17 +13,19 @@ mod grid;
 mod input_slopes;
 mod inputs;
 mod place;
+mod steps;
 mod surroundings;
 mod variation;
+mod vehicle;
 
 pub(crate) use acceleration::Point;
-pub(crate) use grid::Grid;
 pub(crate) use place::{JointEffect, Place};
+pub(crate) use steps::{Fineness, Grid, Steps};
 pub(crate) use surroundings::GRADIENT;
 pub(crate) use variation::{Matrix6x12, pose_change};
+pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
 use crate::segment::{Observations, Segment};
-use crate::vehicle::{Vehicle, thrust_by_interval};
 use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration};
 use inputs::InputChange;
@@ -33,6 +35,7 @@ use poinsot_spatial::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6, parall
 use std::borrow::Cow;
 use std::sync::Arc;
 use variation::Variation;
+use vehicle::thrust_by_interval;
 
 /// A column of the state's sensitivity.
 pub(crate) type Column = SVector<f64, 12>;

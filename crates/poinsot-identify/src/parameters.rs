@@ -2,6 +2,7 @@
 //! parameters of every body.
 
 mod kind;
+mod known_numbers;
 mod nuisances;
 mod sensor_errors;
 
@@ -481,6 +482,37 @@ pub fn tensor_index(name: &str) -> usize {
     let turned: String = name.chars().rev().collect();
     let found = TENSOR_NAMES.iter().position(|n| *n == name || *n == turned);
     found.unwrap_or_default()
+}
+
+/// Values of the unknowns of the rotation of one body as those of barycentric unknowns; mass and whatever else it does not
+/// know at their nominal values.
+pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameters) -> Vec<f64> {
+    let body = rotation_properties(from, x);
+    let pi = body.parameters().to_array();
+    let with_centre = parameters.estimate[0].com;
+    let known: Vec<(&str, f64)> = from
+        .unknowns
+        .iter()
+        .zip(x)
+        .map(|(u, x)| (u.name.as_str(), *x))
+        .collect();
+    parameters
+        .unknowns
+        .iter()
+        .map(|unknown| match &unknown.kind {
+            UnknownKind::Barycentric(parts) => {
+                let k = parts.first().map_or(0, |(at, _)| at % 10);
+                match k.checked_sub(4) {
+                    Some(e) if !with_centre => body.I_BBcm_B[TENSOR[e]],
+                    _ => pi[k],
+                }
+            }
+            _ => {
+                let found = known.iter().find(|(name, _)| *name == unknown.name);
+                found.map_or(unknown.nominal, |(_, x)| *x)
+            }
+        })
+        .collect()
 }
 
 /// Values of the rotation unknowns: mass centre and central inertia of the base.

@@ -5,17 +5,17 @@
 use crate::answer;
 use crate::coordinates::FitOptions;
 use crate::estimate::Estimate;
+use crate::experiment::{Experiment, Point};
 use crate::fit::fit_starts;
-use crate::information::{Experiment, Point};
 use crate::likelihood::{ChannelResidual, Head, start};
 use crate::linear::{linear, solve_linear};
 use crate::maximum_likelihood::{Ended, solve};
 use crate::motion::{Instant, Motion, State};
+use crate::motion::{Vehicle, tilted};
 use crate::parameters::{Equations, Parameters, ParametersError, reading_unit};
 use crate::problem::{Problem, ProblemError};
 use crate::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::sensors::{Ideal, gap, perfect, vector};
-use crate::vehicle::{Vehicle, tilted};
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
 use poinsot_model::SensorKind;
 use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
@@ -114,7 +114,7 @@ pub fn linear_predicted(
     let estimate = linear(problem)?;
     let solved = solve_linear(problem)?;
     let experiment = Experiment::new(problem, &solved.parameters);
-    let at = experiment.point(&solved);
+    let at = solved.point(&experiment);
     Ok((estimate, predict(&experiment, &at, points)))
 }
 

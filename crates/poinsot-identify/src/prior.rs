@@ -27,6 +27,15 @@ pub(crate) struct Declared {
     pub sigma: f64,
 }
 
+/// Priors that the data contradict.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Conflict {
+    pub text: String,
+    /// Factor on every variance that covers what the priors of mass properties have moved the answer by. Calibrations (a bias,
+    /// a random torque) act on the answer through others, and a bound on that would be far above what they do.
+    pub ratio: f64,
+}
+
 /// Rows of the declared priors at a value of the unknowns, and what they add to chi-square.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PriorRows {
@@ -106,11 +115,11 @@ fn declared_of(unknown: &Unknown, sigma: f64) -> Declared {
 
 /// Known numbers about the values of the model: deviations over the root of their declared covariance.
 fn known_numbers(parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
-    let places = crate::known::places(parameters);
+    let places = parameters.known_places();
     if places.is_empty() {
         return;
     }
-    let covariance = crate::known::declared_covariance(parameters);
+    let covariance = parameters.known_covariance();
     let n = places.len();
     let root = covariance.cholesky().map(|c| c.l());
     let inverse = root.and_then(|l| l.solve_lower_triangular(&DMatrix::identity(n, n)));

@@ -5,9 +5,10 @@
 //! body nutate nearly all of e lies in the span of Q, where chi-square cannot see it. The right-hand sides of the
 //! triangles with whole and with halved steps differ by `Q^T e`.
 
-use crate::fit::{Fitted, Local, fit_on};
-use crate::information::Experiment;
+use crate::experiment::Experiment;
+use crate::fit::{Fitted, fit_on};
 use crate::likelihood::Evaluated;
+use crate::step::Local;
 use faer::Mat;
 use poinsot_solve::{LeastSquares, Linearised};
 
@@ -23,24 +24,6 @@ const MOST: u32 = 64;
 const ORDER: f64 = 4.0;
 /// Largest factor at once: the order holds for small errors alone.
 const AT_ONCE: u32 = 8;
-
-/// How finely an experiment is propagated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Fineness {
-    /// Steps for each one of the grid.
-    pub factor: u32,
-    /// Whether wheel speeds bend within an interval wherever the grid would have them straight.
-    pub bends: bool,
-}
-
-impl Default for Fineness {
-    fn default() -> Self {
-        Self {
-            factor: 1,
-            bends: false,
-        }
-    }
-}
 
 /// What halving the steps changes.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,21 +5,19 @@
 //! equal prediction. What has a straight set is recognised by its far ends. The readings are those that the answer
 //! predicts, at a few times of the record: their residual at the answer is zero, and so is the noise in the walk.
 
+use crate::as_predicted::{readings_alone, take_predictions};
 use crate::coarse::thinned;
-use crate::coordinates::Coordinates;
 use crate::estimate::OpenCombination;
-use crate::fit::{Local, moved};
-use crate::information::{Experiment, Point};
-use crate::known::Centre;
-use crate::loss::Loss;
+use crate::experiment::{Experiment, Point};
 use crate::open_set::{OpenSet, POINTS, REACH, Walk};
 use crate::parameters::Parameters;
 use crate::problem::Problem;
-use crate::segment::{Segment, SensorValue};
+use crate::segment::Segment;
+use crate::shifted::Centre;
 use crate::solved::Solved;
+use crate::step::{Local, moved};
 use crate::words;
 use poinsot_solve::{LeastSquares, Spectrum};
-use poinsot_spatial::UnitQuaternion;
 use rayon::prelude::*;
 
 /// Readings of each sensor in a segment along which a walk goes: far more than the numbers that they determine.
@@ -32,8 +30,6 @@ const OWN: f64 = 1.02;
 const CLOSE: f64 = 3.0e-2;
 /// Most Gauss-Newton steps back onto equal prediction.
 const CORRECTIONS: usize = 8;
-/// Rounds in which readings become those predicted: the turn of an attitude is exact after the first.
-const ROUNDS: usize = 2;
 
 /// The walks from an answer along every direction that is open.
 pub(crate) fn open_set(experiment: &Experiment, at: &Point, solved: &Solved) -> OpenSet {
@@ -185,13 +181,6 @@ fn walked(
     })
 }
 
-fn readings_alone<'b>(experiment: &'b Experiment<'b>, problem: &'b Problem<'b>) -> Experiment<'b> {
-    let mut few = experiment.with_problem(problem);
-    few.loss = Loss::Gaussian;
-    few.coordinates = Coordinates::Linear;
-    few
-}
-
 /// A few readings of every segment with the values that a point predicts, weighted for all of them.
 fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
     let few = |s: &Segment| {
@@ -209,40 +198,6 @@ fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
     let mut segments: Vec<Segment> = experiment.problem.segments.iter().map(few).collect();
     take_predictions(experiment, at, &mut segments)?;
     Some(segments)
-}
-
-/// Gives the samples of all segments the values that a point predicts: what is left of them are differences of predictions
-/// alone, whitened as at this point.
-pub(crate) fn take_predictions(
-    experiment: &Experiment,
-    at: &Point,
-    segments: &mut [Segment],
-) -> Option<()> {
-    for _ in 0..ROUNDS {
-        let problem = Problem {
-            segments: &*segments,
-            ..*experiment.problem
-        };
-        let mut own = readings_alone(experiment, &problem);
-        own.keep_rows = true;
-        let evaluated = own.evaluate(at, false)?;
-        drop(own);
-        for (segment, one) in segments.iter_mut().zip(&evaluated) {
-            for record in &mut segment.observations.sensors {
-                for row in one.kept.of(Some(&record.name)) {
-                    let place = record.samples.binary_search_by_key(&row.at, |s| s.to);
-                    let sample = record.samples.get_mut(place.ok()?)?;
-                    sample.value = match sample.value {
-                        SensorValue::Vector(v) => SensorValue::Vector(v - row.raw),
-                        SensorValue::Attitude(R) => {
-                            SensorValue::Attitude(R * UnitQuaternion::from_scaled_axis(-row.raw))
-                        }
-                    };
-                }
-            }
-        }
-    }
-    Some(())
 }
 
 /// Where a walk ends: the unknowns, and the spectrum there.

@@ -1,7 +1,7 @@
 //! Sigmas of a few numbers that one experiment will give, without the answer around them: what a search over
 //! manoeuvres evaluates thousands of times.
 
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use crate::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::{Problem, ProblemError};
 use crate::quantity::TenParameters;

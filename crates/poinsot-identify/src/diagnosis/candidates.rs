@@ -1,65 +1,16 @@
 //! The registry of hypotheses: everything that may be wrong and was not unknown. Each is a group of numbers with columns.
 
-use super::changes::{Change, changes};
+use super::candidate::{Candidate, Columns, unknown};
+use super::changes::changes;
 use super::surroundings::of_surroundings;
 use super::types::FaultKind;
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use crate::likelihood::Sight;
-use crate::parameters::{ErrorGroup, Unknown, UnknownKind, axis_name};
+use crate::parameters::{ErrorGroup, UnknownKind, axis_name};
 use crate::problem::Problem;
 use crate::segment::InputErrors;
 use poinsot_dynamics::SensorError;
 use poinsot_model::{JointKind, KnownNumber, Model, SensorKind};
-
-/// Candidate faults of one kind.
-pub(super) struct Candidate {
-    /// What it would be called.
-    pub name: String,
-    pub fault: FaultKind,
-    pub unknowns: Vec<Unknown>,
-    pub columns: Columns,
-}
-
-/// Where the columns of a candidate come from.
-#[derive(Debug, Clone)]
-pub(super) enum Columns {
-    /// The unknowns have slopes of their own.
-    Slopes,
-    /// Differences of whole evaluations, one for each unknown.
-    Changes(Vec<Change>),
-    /// Those of the errors of a sensor, times the time since the start of the record.
-    Ramp { sensor: usize },
-}
-
-impl Candidate {
-    /// Whether it is a lag of what drives the vehicle.
-    pub fn delays_inputs(&self) -> bool {
-        let late = |kind: &UnknownKind| {
-            kind.delays_inputs() || matches!(kind, UnknownKind::ThrusterLag(_))
-        };
-        self.unknowns.iter().any(|u| late(&u.kind))
-    }
-}
-
-pub(super) fn unknown(kind: UnknownKind, name: String, unit: &'static str) -> Unknown {
-    Unknown {
-        kind,
-        name,
-        unit,
-        nominal: 0.0,
-        natural: 1.0,
-    }
-}
-
-pub(super) fn triple(
-    kind: fn(usize) -> UnknownKind,
-    prefix: &str,
-    unit: &'static str,
-) -> Vec<Unknown> {
-    (0..3)
-        .map(|k| unknown(kind(k), format!("{prefix}_{}", axis_name(k)), unit))
-        .collect()
-}
 
 /// Candidates that the fit did not have; those with slopes of their own first.
 pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {

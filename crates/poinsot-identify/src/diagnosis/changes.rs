@@ -1,14 +1,14 @@
 //! Hypotheses whose columns are differences: a known number, a firing that did not happen, play in a joint. The question is
 //! changed and every prediction made again.
 
-use super::candidates::{Candidate, Columns, unknown};
+use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
-use crate::information::{Experiment, Point};
-use crate::known::Centre;
+use crate::as_predicted::take_predictions;
+use crate::experiment::{Experiment, Point};
 use crate::parameters::UnknownKind;
 use crate::problem::Problem;
 use crate::segment::{InputErrors, Segment};
-use crate::walk::take_predictions;
+use crate::shifted::Centre;
 use poinsot_model::{JointKind, KnownNumber, Origin};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
@@ -22,17 +22,6 @@ const PLAY: f64 = 1.0e-6;
 const SHARE: f64 = 1.0e-4;
 /// Most firings that are tried one by one.
 const FIRINGS: usize = 48;
-
-/// One change of the question.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Change {
-    /// A component of a known number.
-    Known(KnownNumber, usize),
-    /// The force of one firing in a segment, as a share of it.
-    Firing(usize, usize),
-    /// Play of a joint coordinate: its link stands behind its drive by half of it.
-    Play(usize),
-}
 
 /// Known numbers, firings and joints that the fit took as they are.
 pub(super) fn changes(experiment: &Experiment) -> Vec<Candidate> {

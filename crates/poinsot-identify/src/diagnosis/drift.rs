@@ -1,9 +1,10 @@
 //! Does the total momentum drift? Does one sensor read later than another?
 
-use super::candidates::{Candidate, sensors_read};
+use super::candidate::Candidate;
+use super::candidates::sensors_read;
 use super::projected::{Projected, Score};
 use super::types::{MomentumDrift, SensorLag};
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use crate::parameters::UnknownKind;
 use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;

@@ -2,8 +2,8 @@
 //! each is tried by a fit of its own from the nominal numbers.
 
 use super::types::{FaultKind, Suspect};
+use crate::experiment::Experiment;
 use crate::fit::{Fitted, fit_from};
-use crate::information::Experiment;
 use poinsot_solve::LeastSquares;
 
 /// Chi-square per number from which gross mistakes are looked for.

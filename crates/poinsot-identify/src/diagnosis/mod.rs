@@ -5,6 +5,7 @@
 //! bring, to first order. The best few are fitted in earnest. A spectral line in the gyro residual speaks of
 //! flexing or slosh; white noise that is too large, of a wrong declaration; few bad readings, of outliers.
 
+mod candidate;
 mod candidates;
 mod changes;
 mod channels;
@@ -17,6 +18,7 @@ mod naming;
 mod onset;
 mod projected;
 mod pulse;
+mod score;
 mod spread;
 mod surroundings;
 mod suspects;
@@ -29,8 +31,8 @@ pub use types::{
     Suspect,
 };
 
+use crate::experiment::Experiment;
 use crate::fit::Fitted;
-use crate::information::Experiment;
 use candidates::candidates;
 use suspects::Misfit;
 use table::Table;

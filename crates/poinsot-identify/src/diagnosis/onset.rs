@@ -5,14 +5,15 @@
 //! residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. A kick changes the
 //! momentum alone; it is the start anew with the momentum that it has there and the pose as it is.
 
-use super::candidates::{Candidate, sensors_read};
+use super::candidate::Candidate;
+use super::candidates::sensors_read;
 use super::pulse::pulse;
+use super::score::{Clear, SHOWN, Score, explained, found, kick};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
-use super::types::{FaultKind, Suspect};
+use super::types::FaultKind;
+use crate::experiment::Experiment;
 use crate::fit::Fitted;
-use crate::information::Experiment;
-use crate::motion::Column;
 use crate::parameters::{Unknown, UnknownKind};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::SensorError;
@@ -23,8 +24,6 @@ use poinsot_solve::BlockQr;
 const TIMES: usize = 160;
 /// Share of a segment at either end where nothing begins.
 const MARGIN: f64 = 0.02;
-/// Share of the largest square below which a combination of columns shows nothing.
-const SHOWN: f64 = 1.0e-8;
 
 /// Something that may begin, and its columns.
 struct Onset {
@@ -69,25 +68,6 @@ pub(super) fn onsets(
         }
     }
     list
-}
-
-/// A suspect of some thing that begins, and how many times were tried.
-pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
-    Scored {
-        at: None,
-        suspect: Suspect {
-            name,
-            decrease: score.decrease,
-            explains: 0.0,
-            values: Vec::new(),
-            fault,
-            tied: false,
-        },
-        sigmas: Vec::new(),
-        nominal: Vec::new(),
-        numbers: score.numbers,
-        trials: tried,
-    }
 }
 
 fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> Vec<Onset> {
@@ -146,12 +126,6 @@ struct Basis {
     directions: DMatrix<f64>,
     shared: DMatrix<f64>,
     rhs: DVector<f64>,
-}
-
-/// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
-pub(super) struct Clear {
-    pub basis: Vec<DVector<f64>>,
-    pub residual: Vec<f64>,
 }
 
 impl Basis {
@@ -235,13 +209,6 @@ fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
     x
 }
 
-pub(super) struct Score {
-    pub decrease: f64,
-    pub numbers: usize,
-    /// Value of each number.
-    pub values: DVector<f64>,
-}
-
 /// The time from which a fault explains most, and how many were tried.
 fn best(
     onset: &Onset,
@@ -299,62 +266,4 @@ fn best(
         }
     }
     found.map(|(score, at)| (score, at, tried.max(1)))
-}
-
-/// Changes of the start that change the momentum at a time and no pose; one column for each component.
-pub(super) fn kick(
-    start: &[Column],
-    experiment: &Experiment,
-    segment: usize,
-) -> Option<DMatrix<f64>> {
-    let unknown = experiment.unknown[segment];
-    let parts = [
-        unknown.attitude,
-        unknown.position,
-        unknown.linear,
-        unknown.angular,
-    ];
-    let places: Vec<usize> = (0..12).filter(|k| parts[k / 3]).collect();
-    let state = DMatrix::from_fn(places.len(), start.len(), |i, j| start[j][places[i]]);
-    let momenta: Vec<usize> = (0..places.len()).filter(|k| places[*k] >= 6).collect();
-    let mut wanted = DMatrix::zeros(places.len(), momenta.len());
-    for (j, k) in momenta.iter().enumerate() {
-        wanted[(*k, j)] = 1.0;
-    }
-    (!momenta.is_empty() && state.is_square()).then(|| state.lu().solve(&wanted))?
-}
-
-/// `g^T M^-1 g` over what shows, in units of the columns.
-pub(super) fn explained(
-    left: &DMatrix<f64>,
-    square: &DMatrix<f64>,
-    toward: &DVector<f64>,
-) -> Score {
-    let m = toward.len();
-    let unit = |k: usize| match square[(k, k)] {
-        s if s > 0.0 => 1.0 / s.sqrt(),
-        _ => 0.0,
-    };
-    let scaled = DMatrix::from_fn(m, m, |i, j| left[(i, j)] * unit(i) * unit(j));
-    let rhs = DVector::from_fn(m, |k, _| toward[k] * unit(k));
-    let eigen = scaled.symmetric_eigen();
-    let mut score = Score {
-        decrease: 0.0,
-        numbers: 0,
-        values: DVector::zeros(m),
-    };
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
-        if *value > SHOWN {
-            let along = vector.dot(&rhs);
-            score.decrease += along.powi(2) / value;
-            score.numbers += 1;
-            score.values += vector * (along / value);
-        }
-    }
-    (0..m).for_each(|k| score.values[k] *= unit(k));
-    score
 }

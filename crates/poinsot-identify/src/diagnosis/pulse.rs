@@ -3,11 +3,11 @@
 //! A kick at one time is a combination of the columns of the start; a pulse is a sum of kicks. With the sums up to every time
 //! at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best are moved.
 
-use super::onset::{Clear, Score, explained, found, kick};
+use super::score::{Clear, Score, explained, found, kick};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use nalgebra::{DMatrix, DVector};
 use poinsot_spatial::Vector3;
 

@@ -4,13 +4,14 @@
 //! same scale as the fall of chi-square that a fault of the mean brings.
 
 use super::EXCESS;
-use super::candidates::{Candidate, sensors_read};
+use super::candidate::Candidate;
+use super::candidates::sensors_read;
 use super::channels::whiteness;
 use super::suspects::Scored;
 use super::table::Table;
 use super::types::{COLOURED, ChannelDiagnosis, FaultKind, Suspect};
+use crate::experiment::Experiment;
 use crate::fit::Fitted;
-use crate::information::Experiment;
 use crate::parameters::{Unknown, UnknownKind};
 use crate::segment::{SensorRecord, SensorValue};
 use poinsot_dynamics::SensorError;

@@ -1,8 +1,8 @@
 //! Hypotheses of what acts on the vehicle from outside.
 
-use super::candidates::{Candidate, Columns, triple, unknown};
+use super::candidate::{Candidate, Columns, triple, unknown};
 use super::types::FaultKind;
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use crate::motion::GRADIENT;
 use crate::parameters::UnknownKind;
 

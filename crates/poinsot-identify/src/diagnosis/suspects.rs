@@ -1,11 +1,11 @@
 //! Which candidates explain what is left over, and what their numbers mean.
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::naming::{LATE_THRUST, name, near};
 use super::projected::Projected;
 use super::types::{FaultKind, Suspect};
+use crate::experiment::{Experiment, Point};
 use crate::fit::{Fitted, fit_from};
-use crate::information::{Experiment, Point};
 use crate::motion::GRADIENT;
 use crate::parameters::UnknownKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF};

@@ -3,11 +3,11 @@
 //! A row is `[start of the segment | fitted unknowns | candidates | residual]`. A record too long to be held keeps the
 //! triangle of the candidates that have slopes of their own; the others are not tried there.
 
-use super::candidates::{Candidate, Columns};
-use super::changes::{Change, Difference, differences};
+use super::candidate::{Candidate, Change, Columns};
+use super::changes::{Difference, differences};
 use super::projected::Projected;
+use crate::experiment::{Experiment, Point};
 use crate::fit::Fitted;
-use crate::information::{Experiment, Point};
 use crate::likelihood::{Evaluated, Transition};
 use crate::parameters::{Unknown, UnknownKind};
 use poinsot_dynamics::SensorError;

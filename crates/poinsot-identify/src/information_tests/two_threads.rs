@@ -1,7 +1,7 @@
 //! A segment followed on one thread and compared on another against the same on one.
 
 use super::{MODEL, colour, finer, noise};
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use crate::likelihood::{Evaluated, Setting, evaluate};
 use crate::parameters::{Equations, Parameters};
 use crate::problem::Problem;

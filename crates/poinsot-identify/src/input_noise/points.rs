@@ -1,10 +1,10 @@
 //! Errors of the inputs as instruments at points feel them: at several grid times together.
 
 use super::{Filter, Input, InputNoise};
+use crate::motion::slope_weights;
 use crate::motion::{Instant, Motion, Point, State};
 use crate::problem::Problem;
 use crate::segment::{Observations, SensorRecord};
-use crate::vehicle::slope_weights;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 

@@ -1,10 +1,10 @@
 //! What the known numbers do to an answer: its sigma without them, and how it changes with each.
 
-use super::{covariance, declared_covariance, places};
+use crate::degrees_of_freedom::known_covariance;
+use crate::experiment::Experiment;
 use crate::fit::Fitted;
-use crate::information::Experiment;
 use crate::parameters::Parameters;
-use crate::solved::Shared;
+use crate::shared::Shared;
 use nalgebra::DMatrix;
 use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
 
@@ -32,7 +32,7 @@ impl Effects {
     /// The triangle holds NaN or infinity.
     pub fn new(experiment: &Experiment, fitted: &Fitted) -> Result<Option<Self>, NotFinite> {
         let parameters = experiment.parameters;
-        let places = places(parameters);
+        let places = parameters.known_places();
         if places.is_empty() {
             return Ok(None);
         }
@@ -47,10 +47,10 @@ impl Effects {
             let units = step.iter().zip(&exact.natural);
             units.map(|(z, unit)| z * unit).collect()
         });
-        let declared = declared_covariance(parameters);
+        let declared = parameters.known_covariance();
         Ok(Some(Self {
             shift: shift.collect(),
-            covariance: covariance(parameters, fitted),
+            covariance: known_covariance(parameters, fitted),
             declared: (0..places.len()).map(|k| declared[(k, k)].sqrt()).collect(),
             exact,
             places,

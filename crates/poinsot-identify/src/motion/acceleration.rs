@@ -14,10 +14,10 @@
 mod input_errors;
 
 use super::inputs::thruster_at;
+use super::vehicle::{parabola_slope, wheel_slope};
 use super::{Instant, Motion, State};
 use crate::parameters::UnknownKind;
 use crate::segment::Observations;
-use crate::vehicle::{parabola_slope, wheel_slope};
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
     Accelerations, Kinematics, Twist, composite, momentum_rate_column, wheel_rate,

@@ -3,8 +3,9 @@
 //! The grid depends on measurements and nominal numbers alone, so it stays the same while a fit moves the unknowns: the
 //! cost is then a smooth function of them. Whether it is fine enough is found at the end of the fit (`propagation.rs`).
 
+use super::steps::Grid;
+use super::vehicle::Vehicle;
 use crate::segment::Observations;
-use crate::vehicle::Vehicle;
 use poinsot_dynamics::{Composite, Kinematics, Motion as Joint, Tree, composite, wheel_momentum};
 use poinsot_spatial::{Matrix3, Vector3};
 
@@ -18,15 +19,6 @@ const NUTATION: f64 = 0.06;
 const BEND: f64 = 0.1;
 /// Most steps in an interval: beyond it the record says nothing of the motion between its samples.
 const MOST: f64 = 4096.0;
-
-/// Integration steps of a segment.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Grid {
-    /// In the interval after each grid time.
-    pub steps: Vec<u32>,
-    /// Whether any interval is long enough for wheel speeds to bend within it.
-    pub bends: bool,
-}
 
 impl Grid {
     /// The steps for a vehicle whose numbers are near enough: the nominal one.

@@ -1,9 +1,9 @@
 //! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
 
+use super::vehicle::{Vehicle, wheel_slope};
 use super::{Centre, Instant, Motion, Ready, Site, State, matrix, pose_change};
 use crate::parameters::UnknownKind;
 use crate::segment::Observations;
-use crate::vehicle::{Vehicle, wheel_slope};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;

@@ -2,12 +2,13 @@
 
 use super::{Change, Effort, Row, percent};
 use crate::estimate::OpenCombination;
-use crate::information::Experiment;
+use crate::experiment::Experiment;
 use crate::likelihood::{Head, Sight};
 use crate::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::Problem;
 use crate::quantity::TenParameters;
-use crate::solved::{Shared, Solved};
+use crate::shared::Shared;
+use crate::solved::Solved;
 use poinsot_model::EstimateSet;
 use poinsot_solve::{BlockQr, Spectrum};
 
@@ -37,7 +38,7 @@ impl<'a> Ground<'a> {
             own.clone()
         };
         let x = match rotation {
-            true => crate::maximum_likelihood::lifted_vector(own, &solved.x, &parameters),
+            true => crate::parameters::lifted_vector(own, &solved.x, &parameters),
             false => solved.x.clone(),
         };
         let mass = parameters
@@ -46,7 +47,7 @@ impl<'a> Ground<'a> {
             .filter(|u| !u.kind.is_nuisance())
             .count();
         let experiment = Experiment::new(problem, own);
-        let head = experiment.point(solved).heads.first().copied()?;
+        let head = solved.point(&experiment).heads.first().copied()?;
         Some(Self {
             rows: known_rows(solved, &parameters, &x),
             spin: experiment.nominal_spin.clone(),

@@ -2,8 +2,8 @@
 
 use super::{perfect, vector};
 use crate::motion::{Motion, State};
+use crate::motion::{Vehicle, parabola_slope};
 use crate::segment::Segment;
-use crate::vehicle::{Vehicle, parabola_slope};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 

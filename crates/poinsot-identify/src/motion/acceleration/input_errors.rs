@@ -1,8 +1,8 @@
 //! How the specific force at a point answers to small errors of state and inputs.
 
 use super::{Inputs, Moving, Point, RateSlopes, lower, stack, upper};
+use crate::motion::slope_weights;
 use crate::motion::{Column, Instant, Motion, State, matrix};
-use crate::vehicle::slope_weights;
 use poinsot_dynamics::{Accelerations, Kinematics};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 

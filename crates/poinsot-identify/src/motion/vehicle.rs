@@ -1,7 +1,7 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
+use super::steps::Steps;
 use crate::input_curves::InputCurves;
-use crate::motion::Grid;
 use crate::parameters::{Parameters, UnknownKind};
 use crate::segment::{Firing, Observations, Segment};
 use poinsot_dynamics::Tree;
@@ -44,27 +44,6 @@ pub(crate) struct Vehicle<'a> {
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
-}
-
-/// How finely a segment is propagated.
-#[derive(Clone, Copy)]
-pub(crate) struct Steps<'a> {
-    /// Steps in each interval; `None`: those that the vehicle itself asks for.
-    pub grid: Option<&'a Grid>,
-    /// Steps for each of them.
-    pub factor: u32,
-    /// Whether wheel speeds bend within an interval, their axial momentum straight.
-    pub bends: bool,
-}
-
-impl Default for Steps<'_> {
-    fn default() -> Self {
-        Self {
-            grid: None,
-            factor: 1,
-            bends: false,
-        }
-    }
 }
 
 /// An unknown fault of the readings of joints or wheels.

@@ -4,19 +4,22 @@
 //! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
 //! estimator: this module knows none.
 
+mod known_columns;
+
+pub(crate) use known_columns::{DIFFERENCE, KeptColumns, slopes};
+
 use crate::coordinates::Coordinates;
 use crate::input_curves::InputCurves;
-use crate::known::{Centre, KeptColumns, columns_at};
 use crate::likelihood::{Evaluated, Head, HeadColumns, KnownColumns, Setting, Sight, evaluate};
 use crate::loss::Loss;
-use crate::motion::Grid;
+use crate::motion::{Fineness, Grid, Vehicle};
 use crate::parameters::Parameters;
 use crate::prior;
 use crate::problem::Problem;
-use crate::propagation::Fineness;
 use crate::segment::Segment;
-use crate::solved::{Shared, Solved};
-use crate::vehicle::Vehicle;
+use crate::shared::Shared;
+use crate::shifted::Centre;
+use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
 use poinsot_model::{MomentumKnowledge, Thruster};
@@ -251,12 +254,6 @@ impl<'a> Experiment<'a> {
         Some(readings + calibration + design)
     }
 
-    /// What a fit has reached; infinite where a prior forbids its end.
-    pub fn cost_of(&self, fitted: &crate::fit::Fitted) -> f64 {
-        self.chi2(&fitted.at, &fitted.evaluated)
-            .unwrap_or(f64::INFINITY)
-    }
-
     /// Whether any mass property has a declared prior.
     pub fn has_design_prior(&self) -> bool {
         let bodies = &self.problem.model.bodies;
@@ -396,28 +393,6 @@ impl<'a> Experiment<'a> {
             p_NoBo_N: Vector3::zeros(),
             P: linear,
             h_SScm_N: pick(given.angular, R * (h - c.cross(&l))),
-        }
-    }
-
-    /// The point that a solved problem stands for.
-    pub fn point(&self, solved: &Solved) -> Point {
-        let heads = self
-            .problem
-            .segments
-            .iter()
-            .zip(&solved.starts)
-            .map(|(segment, start)| Head {
-                P: match self.sight {
-                    Sight::Translation => start.linear.value,
-                    Sight::Rotation => Vector3::zeros(),
-                },
-                h_SScm_N: start.angular.value,
-                ..self.measured_head(segment, &solved.x)
-            })
-            .collect();
-        Point {
-            x: solved.x.clone(),
-            heads,
         }
     }
 

@@ -1,0 +1,100 @@
+//! How much of a residual columns explain beyond all that was fitted.
+
+use super::suspects::Scored;
+use super::types::{FaultKind, Suspect};
+use crate::experiment::Experiment;
+use crate::motion::Column;
+use nalgebra::{DMatrix, DVector};
+
+/// Share of the largest square below which a combination of columns shows nothing.
+pub(super) const SHOWN: f64 = 1.0e-8;
+
+/// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
+pub(super) struct Clear {
+    pub basis: Vec<DVector<f64>>,
+    pub residual: Vec<f64>,
+}
+
+pub(super) struct Score {
+    pub decrease: f64,
+    pub numbers: usize,
+    /// Value of each number.
+    pub values: DVector<f64>,
+}
+
+/// A suspect of some thing that begins, and how many times were tried.
+pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
+    Scored {
+        at: None,
+        suspect: Suspect {
+            name,
+            decrease: score.decrease,
+            explains: 0.0,
+            values: Vec::new(),
+            fault,
+            tied: false,
+        },
+        sigmas: Vec::new(),
+        nominal: Vec::new(),
+        numbers: score.numbers,
+        trials: tried,
+    }
+}
+
+/// Changes of the start that change the momentum at a time and no pose; one column for each component.
+pub(super) fn kick(
+    start: &[Column],
+    experiment: &Experiment,
+    segment: usize,
+) -> Option<DMatrix<f64>> {
+    let unknown = experiment.unknown[segment];
+    let parts = [
+        unknown.attitude,
+        unknown.position,
+        unknown.linear,
+        unknown.angular,
+    ];
+    let places: Vec<usize> = (0..12).filter(|k| parts[k / 3]).collect();
+    let state = DMatrix::from_fn(places.len(), start.len(), |i, j| start[j][places[i]]);
+    let momenta: Vec<usize> = (0..places.len()).filter(|k| places[*k] >= 6).collect();
+    let mut wanted = DMatrix::zeros(places.len(), momenta.len());
+    for (j, k) in momenta.iter().enumerate() {
+        wanted[(*k, j)] = 1.0;
+    }
+    (!momenta.is_empty() && state.is_square()).then(|| state.lu().solve(&wanted))?
+}
+
+/// `g^T M^-1 g` over what shows, in units of the columns.
+pub(super) fn explained(
+    left: &DMatrix<f64>,
+    square: &DMatrix<f64>,
+    toward: &DVector<f64>,
+) -> Score {
+    let m = toward.len();
+    let unit = |k: usize| match square[(k, k)] {
+        s if s > 0.0 => 1.0 / s.sqrt(),
+        _ => 0.0,
+    };
+    let scaled = DMatrix::from_fn(m, m, |i, j| left[(i, j)] * unit(i) * unit(j));
+    let rhs = DVector::from_fn(m, |k, _| toward[k] * unit(k));
+    let eigen = scaled.symmetric_eigen();
+    let mut score = Score {
+        decrease: 0.0,
+        numbers: 0,
+        values: DVector::zeros(m),
+    };
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > SHOWN {
+            let along = vector.dot(&rhs);
+            score.decrease += along.powi(2) / value;
+            score.numbers += 1;
+            score.values += vector * (along / value);
+        }
+    }
+    (0..m).for_each(|k| score.values[k] *= unit(k));
+    score
+}

@@ -1,0 +1,49 @@
+//! How finely a motion is propagated.
+
+/// Integration steps of a segment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Grid {
+    /// In the interval after each grid time.
+    pub steps: Vec<u32>,
+    /// Whether any interval is long enough for wheel speeds to bend within it.
+    pub bends: bool,
+}
+
+/// How finely an experiment is propagated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Fineness {
+    /// Steps for each one of the grid.
+    pub factor: u32,
+    /// Whether wheel speeds bend within an interval wherever the grid would have them straight.
+    pub bends: bool,
+}
+
+impl Default for Fineness {
+    fn default() -> Self {
+        Self {
+            factor: 1,
+            bends: false,
+        }
+    }
+}
+
+/// How finely a segment is propagated.
+#[derive(Clone, Copy)]
+pub(crate) struct Steps<'a> {
+    /// Steps in each interval; `None`: those that the vehicle itself asks for.
+    pub grid: Option<&'a Grid>,
+    /// Steps for each of them.
+    pub factor: u32,
+    /// Whether wheel speeds bend within an interval, their axial momentum straight.
+    pub bends: bool,
+}
+
+impl Default for Steps<'_> {
+    fn default() -> Self {
+        Self {
+            grid: None,
+            factor: 1,
+            bends: false,
+        }
+    }
+}
