@@ -3,41 +3,17 @@
 //! The equations stand in `driven_stage.rs`.
 
 use crate::dop853::DormandPrince8;
-use crate::driven_stage::{DrivenSample, DrivenStage};
+use crate::driven_stage::{Driven, DrivenPlan, DrivenSample, DrivenStage};
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::joint_drive::JointDrive;
 use crate::plan::{Start, Stretches};
 use crate::prescribed::MotionError;
 use crate::runge_kutta::RungeKutta4;
-use crate::thrust::{Firing, Nozzle};
+use crate::thrust::Nozzle;
 use crate::tree::{Motion, Tree};
 use crate::vehicle::Vehicle;
 use crate::wheel_motion::WheelMotion;
 use poinsot_spatial::InertialParameters;
-
-/// What drives a vehicle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DrivenPlan {
-    /// One per joint coordinate of the tree.
-    pub joints: Vec<JointDrive>,
-    /// One per wheel.
-    pub wheels: Vec<WheelMotion>,
-    /// In any order; firings of one thruster add up.
-    pub firings: Vec<Firing>,
-}
-
-impl DrivenPlan {
-    /// The times at which some derivative of the motion jumps, s, ascending.
-    pub fn breaks(&self) -> Vec<f64> {
-        let joints = self.joints.iter().flat_map(|j| j.breaks());
-        let wheels = self.wheels.iter().flat_map(|w| w.breaks());
-        let firings = self.firings.iter().flat_map(|f| [f.on, f.off]);
-        let mut times: Vec<f64> = joints.chain(wheels).copied().chain(firings).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        times
-    }
-}
 
 /// How the motion is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,21 +26,6 @@ pub enum Integrator {
     DormandPrince8(Tolerance),
     /// The same in equal steps of at most this length, s.
     DormandPrince8Fixed(f64),
-}
-
-/// A vehicle with what drives it, ready to move.
-#[derive(Debug, Clone)]
-pub struct Driven<'p> {
-    pub(crate) tree: Tree,
-    /// Inertia of a host without the axial part of its torque-driven wheels.
-    pub(crate) reduced: Vec<InertialParameters>,
-    pub(crate) parameters: Vec<InertialParameters>,
-    pub(crate) spin_inertia: Vec<f64>,
-    pub(crate) nozzles: Vec<Nozzle>,
-    pub(crate) plan: &'p DrivenPlan,
-    /// The joint coordinates that are part of the state.
-    pub(crate) free: Vec<usize>,
-    pub(crate) mass: f64,
 }
 
 impl<'p> Driven<'p> {

@@ -15,24 +15,58 @@
 //! the host feels `-(a torque + w_host x a h_w)`. One with prescribed speed leaves `Js` in the host, which
 //! feels `-(a Js Omega' + w_host x a Js Omega)`.
 
-use crate::driven::Driven;
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
 use crate::integrate::{Flow, Halt};
 use crate::inverse_dynamics::{InverseDynamics, Wrench};
 use crate::joint_drive::JointDrive;
 use crate::momentum::Twist;
 use crate::plan::{Start, StartVelocity};
-use crate::prescribed::MotionSample;
+use crate::stage::{ANGULAR, LINEAR, MotionSample, POSITION, WHEELS, attitude, vector};
 use crate::symmetric::Symmetric;
-use crate::thrust::{thrust_levels, thrust_wrench};
+use crate::thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
+use crate::tree::Tree;
 use crate::wheel_motion::WheelMotion;
 use nalgebra::Quaternion;
-use poinsot_spatial::{UnitQuaternion, Vector3};
+use poinsot_spatial::{InertialParameters, Vector3};
 
-const POSITION: usize = 4;
-const LINEAR: usize = 7;
-const ANGULAR: usize = 10;
-const WHEELS: usize = 13;
+/// What drives a vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrivenPlan {
+    /// One per joint coordinate of the tree.
+    pub joints: Vec<JointDrive>,
+    /// One per wheel.
+    pub wheels: Vec<WheelMotion>,
+    /// In any order; firings of one thruster add up.
+    pub firings: Vec<Firing>,
+}
+
+impl DrivenPlan {
+    /// The times at which some derivative of the motion jumps, s, ascending.
+    pub fn breaks(&self) -> Vec<f64> {
+        let joints = self.joints.iter().flat_map(|j| j.breaks());
+        let wheels = self.wheels.iter().flat_map(|w| w.breaks());
+        let firings = self.firings.iter().flat_map(|f| [f.on, f.off]);
+        let mut times: Vec<f64> = joints.chain(wheels).copied().chain(firings).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+}
+
+/// A vehicle with what drives it, ready to move.
+#[derive(Debug, Clone)]
+pub struct Driven<'p> {
+    pub(crate) tree: Tree,
+    /// Inertia of a host without the axial part of its torque-driven wheels.
+    pub(crate) reduced: Vec<InertialParameters>,
+    pub(crate) parameters: Vec<InertialParameters>,
+    pub(crate) spin_inertia: Vec<f64>,
+    pub(crate) nozzles: Vec<Nozzle>,
+    pub(crate) plan: &'p DrivenPlan,
+    /// The joint coordinates that are part of the state.
+    pub(crate) free: Vec<usize>,
+    pub(crate) mass: f64,
+}
 
 /// Everything an ideal sensor could read, with the forces at the joints.
 #[derive(Debug, Clone)]
@@ -67,14 +101,6 @@ pub(crate) struct DrivenStage<'s> {
     c: Vector3,
     inertia: Symmetric,
     sample: DrivenSample,
-}
-
-fn vector(y: &[f64], at: usize) -> Vector3 {
-    Vector3::new(y[at], y[at + 1], y[at + 2])
-}
-
-fn attitude(y: &[f64]) -> UnitQuaternion {
-    UnitQuaternion::new_normalize(Quaternion::new(y[3], y[0], y[1], y[2]))
 }
 
 impl<'s> DrivenStage<'s> {

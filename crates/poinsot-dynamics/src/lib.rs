@@ -71,9 +71,9 @@ pub use attitude_control::{
 #[cfg(feature = "std")]
 pub use dop853::DormandPrince8;
 #[cfg(feature = "std")]
-pub use driven::{Driven, DrivenPlan, Integrator};
+pub use driven::Integrator;
 #[cfg(feature = "std")]
-pub use driven_stage::DrivenSample;
+pub use driven_stage::{Driven, DrivenPlan, DrivenSample};
 pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
 pub use gravity_gradient::gravity_gradient_torque;
@@ -98,7 +98,7 @@ pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 #[cfg(feature = "std")]
 pub use plan::{Plan, Start, StartVelocity, Stretches};
 #[cfg(feature = "std")]
-pub use prescribed::{MotionError, MotionSample, Prescribed};
+pub use prescribed::MotionError;
 pub use rate_regressor::{momentum_rate_column, wheel_rate};
 #[cfg(feature = "std")]
 pub use reaction_wheel::WheelLimits;
@@ -109,6 +109,7 @@ pub use sensor::{Nuisance, Sensor, SensorKind};
 pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};
+pub use stage::{MotionSample, Prescribed};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};
 pub use vehicle::{Gravity, Vehicle};

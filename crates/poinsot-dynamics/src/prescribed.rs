@@ -2,17 +2,13 @@
 //!
 //! The equations stand in `stage.rs`.
 
-use crate::acceleration::Accelerations;
 use crate::integrate::{DormandPrince, Halt, Tolerance};
-use crate::kinematics::Kinematics;
 use crate::orbit::Orbit;
 use crate::plan::{Plan, Start, Stretches};
-use crate::stage::Stage;
-use crate::thrust::Nozzle;
+use crate::stage::{MotionSample, Prescribed, Stage};
 use crate::tree::Tree;
 use crate::vehicle::{Gravity, Vehicle};
 use crate::wheel_motion::WheelMotion;
-use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3};
 
 /// Why a motion could not be computed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -46,86 +42,6 @@ pub enum MotionError {
         "output time {0} (counted from 0) is not finite or lies before the one before it; sort the times"
     )]
     Times(usize),
-}
-
-/// The vehicle at one instant: what every ideal sensor would read.
-#[derive(Debug, Clone)]
-pub struct MotionSample {
-    /// Time, s.
-    pub time: f64,
-    /// `R_NB`, continuous in sign.
-    pub R_NB: UnitQuaternion,
-    /// Position of the base origin, in N, m.
-    pub p_NoBo_N: Vector3,
-    /// Velocity of the base origin, in N, m/s.
-    pub v_NBo_N: Vector3,
-    /// Angular velocity of the base, in B, rad/s.
-    pub w_NB_B: Vector3,
-    /// Position of the system's mass centre, in N, m.
-    pub p_NoScm_N: Vector3,
-    /// Linear momentum in N, N s.
-    pub l_S_N: Vector3,
-    /// Angular momentum about the system's mass centre in N, N m s.
-    pub h_SScm_N: Vector3,
-    /// Joint positions, rad or m, one per coordinate of the tree.
-    pub q: Vec<f64>,
-    /// Joint rates, rad/s or m/s.
-    pub rates: Vec<f64>,
-    /// Joint accelerations, rad/s2 or m/s2.
-    pub accelerations: Vec<f64>,
-    /// Wheel speeds relative to their hosts, rad/s.
-    pub wheel_speed: Vec<f64>,
-    /// Motor torques on the wheels, N m.
-    pub wheel_torque: Vec<f64>,
-    /// Thrust, N; at a switch the value just after it.
-    pub thrust: Vec<f64>,
-    /// Position of the reference orbit from the attracting body, in N, m; zero where none is simulated.
-    pub p_orbit_N: Vector3,
-    /// Placement and velocity of every body, in base axes.
-    pub kinematics: Kinematics,
-    /// Inertial accelerations of every body, in base axes: exact to round-off, as they come from the
-    /// momentum equation and not from differences.
-    pub body: Accelerations,
-}
-
-impl MotionSample {
-    /// Everything zero, with room for the coordinates of a tree, wheels and thrusters.
-    pub(crate) fn new(tree: &Tree, wheels: usize, thrusters: usize) -> Self {
-        let dof = tree.dof();
-        Self {
-            time: 0.0,
-            R_NB: UnitQuaternion::identity(),
-            p_NoBo_N: Vector3::zeros(),
-            v_NBo_N: Vector3::zeros(),
-            w_NB_B: Vector3::zeros(),
-            p_NoScm_N: Vector3::zeros(),
-            l_S_N: Vector3::zeros(),
-            h_SScm_N: Vector3::zeros(),
-            q: vec![0.0; dof],
-            rates: vec![0.0; dof],
-            accelerations: vec![0.0; dof],
-            wheel_speed: vec![0.0; wheels],
-            wheel_torque: vec![0.0; wheels],
-            thrust: vec![0.0; thrusters],
-            p_orbit_N: Vector3::zeros(),
-            kinematics: Kinematics::new(tree),
-            body: Accelerations::new(tree),
-        }
-    }
-}
-
-/// A vehicle with a plan, ready to move.
-#[derive(Debug, Clone)]
-pub struct Prescribed<'p> {
-    pub(crate) tree: Tree,
-    pub(crate) parameters: Vec<InertialParameters>,
-    pub(crate) spin_inertia: Vec<f64>,
-    pub(crate) nozzles: Vec<Nozzle>,
-    pub(crate) plan: &'p Plan,
-    pub(crate) mass: f64,
-    /// Gravitational parameter and orbit of the gravity gradient.
-    pub(crate) orbit: Option<(f64, Orbit)>,
-    tolerance: Tolerance,
 }
 
 impl<'p> Prescribed<'p> {

@@ -1,9 +1,9 @@
 //! What the sensors of a vehicle report of a motion: the truth with all errors that the estimator knows, noise and
 //! rounding.
 
-use crate::prescribed::MotionSample;
 use crate::sensor::{Nuisance, Sensor, SensorKind};
 use crate::sensor_errors::{SensorError, SensorErrors};
+use crate::stage::MotionSample;
 use crate::tree::Tree;
 use nalgebra::Quaternion;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};

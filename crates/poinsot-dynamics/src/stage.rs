@@ -20,28 +20,110 @@
 //! `h_w = Js (Omega + a . w_host)`, `h_w' = torque`; with `w_host = w + w_rel` its relative momentum is
 //! `a h_w - Js a a^T w_rel - Js a a^T w`: the last term moves to the left and lessens the inertia.
 
+use crate::acceleration::Accelerations;
 use crate::gravity_gradient::gravity_gradient_torque;
-use crate::integrate::{Flow, Halt};
+use crate::integrate::{Flow, Halt, Tolerance};
+use crate::kinematics::Kinematics;
 use crate::momentum::{Twist, composite, momentum};
-use crate::orbit::orbit_state;
-use crate::plan::{Start, StartVelocity};
-use crate::prescribed::{MotionSample, Prescribed};
-use crate::thrust::{thrust_levels, thrust_wrench};
+use crate::orbit::{Orbit, orbit_state};
+use crate::plan::{Plan, Start, StartVelocity};
+use crate::thrust::{Nozzle, thrust_levels, thrust_wrench};
+use crate::tree::Tree;
 use crate::wheel_motion::WheelMotion;
 use nalgebra::Quaternion;
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3};
 
-const POSITION: usize = 4;
-const LINEAR: usize = 7;
-const ANGULAR: usize = 10;
-const WHEELS: usize = 13;
+pub(crate) const POSITION: usize = 4;
+pub(crate) const LINEAR: usize = 7;
+pub(crate) const ANGULAR: usize = 10;
+pub(crate) const WHEELS: usize = 13;
 
-fn vector(y: &[f64], at: usize) -> Vector3 {
+pub(crate) fn vector(y: &[f64], at: usize) -> Vector3 {
     Vector3::new(y[at], y[at + 1], y[at + 2])
 }
 
-fn attitude(y: &[f64]) -> UnitQuaternion {
+pub(crate) fn attitude(y: &[f64]) -> UnitQuaternion {
     UnitQuaternion::new_normalize(Quaternion::new(y[3], y[0], y[1], y[2]))
+}
+
+/// The vehicle at one instant: what every ideal sensor would read.
+#[derive(Debug, Clone)]
+pub struct MotionSample {
+    /// Time, s.
+    pub time: f64,
+    /// `R_NB`, continuous in sign.
+    pub R_NB: UnitQuaternion,
+    /// Position of the base origin, in N, m.
+    pub p_NoBo_N: Vector3,
+    /// Velocity of the base origin, in N, m/s.
+    pub v_NBo_N: Vector3,
+    /// Angular velocity of the base, in B, rad/s.
+    pub w_NB_B: Vector3,
+    /// Position of the system's mass centre, in N, m.
+    pub p_NoScm_N: Vector3,
+    /// Linear momentum in N, N s.
+    pub l_S_N: Vector3,
+    /// Angular momentum about the system's mass centre in N, N m s.
+    pub h_SScm_N: Vector3,
+    /// Joint positions, rad or m, one per coordinate of the tree.
+    pub q: Vec<f64>,
+    /// Joint rates, rad/s or m/s.
+    pub rates: Vec<f64>,
+    /// Joint accelerations, rad/s2 or m/s2.
+    pub accelerations: Vec<f64>,
+    /// Wheel speeds relative to their hosts, rad/s.
+    pub wheel_speed: Vec<f64>,
+    /// Motor torques on the wheels, N m.
+    pub wheel_torque: Vec<f64>,
+    /// Thrust, N; at a switch the value just after it.
+    pub thrust: Vec<f64>,
+    /// Position of the reference orbit from the attracting body, in N, m; zero where none is simulated.
+    pub p_orbit_N: Vector3,
+    /// Placement and velocity of every body, in base axes.
+    pub kinematics: Kinematics,
+    /// Inertial accelerations of every body, in base axes: exact to round-off, as they come from the
+    /// momentum equation and not from differences.
+    pub body: Accelerations,
+}
+
+impl MotionSample {
+    /// Everything zero, with room for the coordinates of a tree, wheels and thrusters.
+    pub(crate) fn new(tree: &Tree, wheels: usize, thrusters: usize) -> Self {
+        let dof = tree.dof();
+        Self {
+            time: 0.0,
+            R_NB: UnitQuaternion::identity(),
+            p_NoBo_N: Vector3::zeros(),
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B: Vector3::zeros(),
+            p_NoScm_N: Vector3::zeros(),
+            l_S_N: Vector3::zeros(),
+            h_SScm_N: Vector3::zeros(),
+            q: vec![0.0; dof],
+            rates: vec![0.0; dof],
+            accelerations: vec![0.0; dof],
+            wheel_speed: vec![0.0; wheels],
+            wheel_torque: vec![0.0; wheels],
+            thrust: vec![0.0; thrusters],
+            p_orbit_N: Vector3::zeros(),
+            kinematics: Kinematics::new(tree),
+            body: Accelerations::new(tree),
+        }
+    }
+}
+
+/// A vehicle with a plan, ready to move.
+#[derive(Debug, Clone)]
+pub struct Prescribed<'p> {
+    pub(crate) tree: Tree,
+    pub(crate) parameters: Vec<InertialParameters>,
+    pub(crate) spin_inertia: Vec<f64>,
+    pub(crate) nozzles: Vec<Nozzle>,
+    pub(crate) plan: &'p Plan,
+    pub(crate) mass: f64,
+    /// Gravitational parameter and orbit of the gravity gradient.
+    pub(crate) orbit: Option<(f64, Orbit)>,
+    pub(crate) tolerance: Tolerance,
 }
 
 /// What a wheel contributes: known relative speed, or known absolute axial momentum.

@@ -23,12 +23,14 @@ mod finding;
 mod kinematic;
 mod knowledge;
 mod known;
+mod model_text;
 mod number;
 mod patch;
 mod read;
 mod schema;
 mod shape;
 mod suggest;
+mod toml_text;
 mod urdf;
 mod vehicle;
 mod write;
@@ -39,12 +41,11 @@ pub use finding::{Finding, ModelError};
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
 };
+pub use model_text::read_model_text;
 pub use number::rounded;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_telemetry::TelemetryMap;
-pub use read::{
-    MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_model_text, read_telemetry_map,
-};
+pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
 pub use schema::model_schema;
 pub use urdf::{Urdf, UrdfDefect, parse_urdf, read_urdf};
 pub use vehicle::*;

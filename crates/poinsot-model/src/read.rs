@@ -5,6 +5,7 @@ use crate::check_telemetry::check_telemetry;
 use crate::document::{Document, KeyPath};
 use crate::file::{ModelFile, TelemetryMapFile};
 use crate::finding::{Findings, Key, ModelError};
+use crate::model_text::read_model_text;
 use crate::schema::{model_schema_ref, telemetry_map_schema_ref};
 use crate::shape::check_shape;
 use crate::vehicle::Model;
@@ -15,9 +16,6 @@ use toml::de::DeValue;
 
 /// Version of the format this program reads.
 pub const MODEL_SCHEMA: &str = "poinsot.model/1";
-
-/// Largest model file, bytes.
-const LARGEST: u64 = 16 * 1024 * 1024;
 
 /// Reads and checks a vehicle (`poinsot.model/1`, TOML; or URDF, by the name's end).
 ///
@@ -101,19 +99,6 @@ pub fn parse_telemetry_map(text: &str, file: &str) -> Result<TelemetryMap, Model
     };
     findings.finish()?;
     Ok(map)
-}
-
-/// The text of a model file, TOML or URDF.
-///
-/// # Errors
-/// The file cannot be read, is too large, or is not UTF-8.
-pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, ModelError> {
-    let path = path.as_ref();
-    poinsot_files::read_text(path, LARGEST).map_err(|error| {
-        let file = path.display().to_string();
-        let environment = error.is_environment();
-        ModelError::unreadable(&file, error.to_string(), error.remedy(), environment)
-    })
 }
 
 fn report_syntax(errors: Vec<toml::de::Error>, findings: &mut Findings<'_, '_>) {

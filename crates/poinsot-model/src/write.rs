@@ -1,11 +1,11 @@
 //! A checked vehicle as a `poinsot.model/1` file that reads back equal.
 
 use crate::knowledge::{KnownNumber, Origin};
+use crate::toml_text::{line, number, quoted, section};
 use crate::vehicle::{
     Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
-use std::fmt::Write;
 
 /// The text of a model file. Numbers are written with all their digits; `notes` are not written.
 ///
@@ -300,36 +300,6 @@ fn write_environment(out: &mut String, model: &Model) {
         );
         line(out, "random_torque", value);
     }
-}
-
-pub(crate) fn section(out: &mut String, header: &str) {
-    let _ = writeln!(out, "\n{header}");
-}
-
-pub(crate) fn line(out: &mut String, key: &str, value: String) {
-    let _ = writeln!(out, "{key} = {value}");
-}
-
-/// A TOML basic string.
-pub(crate) fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", c as u32);
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
-}
-
-/// The shortest digits that read back to the same number.
-pub(crate) fn number(x: f64) -> String {
-    format!("{x:?}")
 }
 
 fn vector(v: &Vector3) -> String {

@@ -1,6 +1,6 @@
 //! The `[telemetry]` table back to a file that reads equal.
 
-use crate::write::{line, number, quoted, section};
+use crate::toml_text::{line, number, quoted, section};
 use poinsot_telemetry::{
     AttitudeForm, AttitudeMap, ColumnMap, FileMap, Order, Sense, TelemetryMap, TimeFormat, TimeMap,
 };

@@ -5,8 +5,8 @@ use crate::error::PageError;
 use crate::markup::{Html, escape};
 #[cfg(feature = "png")]
 use crate::pixels::pixels;
-use crate::plot::Plot;
 use crate::scene::Scene;
+use crate::series::Plot;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("../assets/figure.css");
@@ -212,7 +212,7 @@ fn file_name(name: &str) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::plot::{Axis, Mark, Series};
+    use crate::series::{Axis, Mark, Series};
     #[cfg(feature = "png")]
     use resvg::tiny_skia::Pixmap;
 

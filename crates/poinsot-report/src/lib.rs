@@ -12,6 +12,7 @@ mod page;
 mod pixels;
 mod plot;
 mod scene;
+mod series;
 mod text;
 
 pub use document::{Content, Document, Section, Table, Tone};
@@ -20,6 +21,6 @@ pub use figure::{Figure, FigureFormat, Picture};
 pub use figures::{number_with_sigma, significant};
 pub use markup::{Html, escape, island, render};
 pub use page::{Page, Part};
-pub use plot::{Axis, Mark, Plot, Series};
 pub use scene::{Arrow, Curve, Ellipsoid, Hinge, Point, Rolling, Scene, Spot, Tree};
+pub use series::{Axis, Mark, Plot, Series};
 pub use text::{TextStyle, marked_code};

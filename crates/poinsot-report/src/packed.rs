@@ -2,7 +2,7 @@
 //! 16-bit steps between the least and the greatest. A screen of 4,000 lines shows one step in sixteen.
 
 use crate::markup::{escape, island};
-use crate::plot::{Mark, Plot, Series};
+use crate::series::{Mark, Plot, Series};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;

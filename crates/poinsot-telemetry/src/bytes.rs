@@ -2,7 +2,6 @@
 
 use crate::TelemetryError;
 use crate::error::Place;
-use crate::memory::{MemoryColumns, Values};
 use crate::packing::is_standard_input;
 use poinsot_files::{InputError, standard_input};
 use sha2::{Digest, Sha256};
@@ -170,20 +169,6 @@ impl<R: Read> Read for TextBytes<R> {
 }
 
 /// SHA-256 of a whole file, hexadecimal.
-/// SHA-256 of columns in memory: of every name and its values, little-endian.
-pub(crate) fn sha256_of_columns(memory: &MemoryColumns) -> String {
-    let mut hash = Sha256::new();
-    for (name, values) in &memory.columns {
-        hash.update(name.as_bytes());
-        hash.update([0]);
-        match values {
-            Values::Numbers(numbers) => numbers.iter().for_each(|x| hash.update(x.to_le_bytes())),
-            Values::Nanoseconds(times) => times.iter().for_each(|t| hash.update(t.to_le_bytes())),
-        }
-    }
-    hex(hash)
-}
-
 pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, TelemetryError> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];
@@ -202,6 +187,6 @@ pub(crate) fn sha256_of(path: &Path, file: &mut File) -> Result<String, Telemetr
     }
 }
 
-fn hex(hash: Sha256) -> String {
+pub(crate) fn hex(hash: Sha256) -> String {
     hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }

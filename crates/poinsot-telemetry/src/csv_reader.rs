@@ -7,7 +7,7 @@ use crate::error::{Place, shown};
 use crate::number::{Cell, NoNumber};
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
-use crate::read::{Selection, WhenFull};
+use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
 use crate::{Encoding, ReadOptions, TelemetryError};
 use csv::ByteRecord;

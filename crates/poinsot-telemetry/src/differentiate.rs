@@ -1,6 +1,6 @@
 //! The time derivative of a channel from local polynomials.
 
-use crate::time_base::median_step;
+use crate::median::median_step;
 use crate::{Channel, Dimension, classify};
 
 /// Degree of the local polynomial.

@@ -1,8 +1,8 @@
 //! What a table holds, for an engineer who sees it for the first time.
 
 use crate::conventions::{ConventionTest, convention_tests};
+use crate::median::median_step;
 use crate::noise::noise_level;
-use crate::time_base::median_step;
 use crate::{Channel, Suggestion, Table, full_name, suggest};
 use serde::Serialize;
 

@@ -1,12 +1,13 @@
 //! Columns that are in memory already: they take the way of a file, with its names, units, checks and limits.
 
-use crate::bytes::sha256_of_columns;
+use crate::bytes::hex;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
 use crate::number::Cell;
 use crate::plan::{self, Plan};
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
+use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -193,6 +194,20 @@ fn take_times(
         }
     }
     Ok(kept)
+}
+
+/// SHA-256 of columns in memory: of every name and its values, little-endian.
+fn sha256_of_columns(memory: &MemoryColumns) -> String {
+    let mut hash = Sha256::new();
+    for (name, values) in &memory.columns {
+        hash.update(name.as_bytes());
+        hash.update([0]);
+        match values {
+            Values::Numbers(numbers) => numbers.iter().for_each(|x| hash.update(x.to_le_bytes())),
+            Values::Nanoseconds(times) => times.iter().for_each(|t| hash.update(t.to_le_bytes())),
+        }
+    }
+    hex(hash)
 }
 
 #[cfg(test)]

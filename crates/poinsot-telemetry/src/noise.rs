@@ -1,7 +1,7 @@
 //! How noisy a channel is, seen from its own samples.
 
 use crate::Channel;
-use crate::time_base::{median, median_step};
+use crate::median::{median, median_step};
 use serde::Serialize;
 
 /// The white noise seen in a channel.

@@ -3,7 +3,7 @@
 use crate::columns::Columns;
 use crate::error::Place;
 use crate::plan::Plan;
-use crate::read::WhenFull;
+use crate::selection::WhenFull;
 use crate::{Channel, ReadOptions, TelemetryError};
 use std::fs::File;
 use std::path::Path;

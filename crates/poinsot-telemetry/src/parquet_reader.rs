@@ -11,7 +11,7 @@ use crate::parquet_bytes::ParquetBytes;
 use crate::parquet_dictionaries;
 use crate::parquet_pages::{self, Checksums};
 use crate::plan::{self, Plan};
-use crate::read::{Selection, WhenFull};
+use crate::selection::{Selection, WhenFull};
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
 use arrow_array::cast::AsArray;

@@ -1,6 +1,6 @@
 //! Channels as Parquet: float64, Snappy.
 
-use crate::writer::cursors;
+use crate::cursor::cursors;
 use crate::{Channel, full_name};
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};

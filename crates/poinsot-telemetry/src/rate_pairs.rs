@@ -1,8 +1,8 @@
 //! Body rates that follow from attitude, beside the mean of the gyro over the same interval.
 
 use crate::hypothesis::{Axes, Order, Sense};
+use crate::median::{median, median_step};
 use crate::resample::resample;
-use crate::time_base::{median, median_step};
 use crate::{Channel, rotation};
 
 /// Turn per compared interval, rad: long enough to rise above noise, short enough for averages.

@@ -2,129 +2,17 @@
 
 use crate::columns::Columns;
 use crate::error::Place;
+use crate::options::MEMORY_MIB;
 use crate::packing::{is_standard_input, unpacked_name};
 use crate::plan::Plan;
-use crate::size::{Limit, Rows};
+use crate::selection::WhenFull;
 use crate::{
-    Mounting, Origin, Part, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
-    check_conventions, csv_reader, memory, mount, parquet_reader, plan, time_base,
+    Part, ReadOptions, Source, Table, TelemetryError, as_read, assemble, check_conventions,
+    csv_reader, memory, mount, parquet_reader, plan, time_base,
 };
 use poinsot_files::standard_input;
-use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-
-/// What is asked of the files of one segment.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ReadOptions {
-    /// What the files hold where it is not standard names in SI.
-    pub map: TelemetryMap,
-    /// What the times count from; `None`: the first row read decides, see [`Table::origin`].
-    pub origin: Option<Origin>,
-    /// Channels asked for: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a
-    /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`].
-    pub wanted: Option<BTreeSet<String>>,
-    /// No repairs: what would be repaired is an error.
-    pub strict: bool,
-    /// Keep the whole rows of a file that ends inside a row.
-    pub recover: bool,
-    /// Encoding of CSV text.
-    pub encoding: Encoding,
-    /// Rows with times outside of this are not kept, s.
-    pub time_s: Option<[f64; 2]>,
-    /// Of the rows kept only each n-th; 0 and 1 keep all.
-    pub every: usize,
-    /// Most memory for the samples of one file, MiB; 0 stands for [`MEMORY_MIB`].
-    pub memory_mib: usize,
-    /// Sensors whose columns are in axes of their own; the table is in those of their bodies.
-    pub mountings: Vec<Mounting>,
-    /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
-    pub check_conventions: bool,
-    /// Refuse a file that holds several runs, far apart: each is a segment of its own.
-    pub one_run: bool,
-}
-
-/// Usual limit of the memory for the samples of one file, MiB.
-pub const MEMORY_MIB: usize = 256;
-
-/// How the bytes of a CSV file are text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Encoding {
-    /// UTF-8, with or without byte order mark.
-    #[default]
-    Utf8,
-    /// ISO 8859-1, where each byte is one character.
-    Latin1,
-}
-
-impl ReadOptions {
-    /// Which samples are kept, as the readers ask it.
-    pub(crate) fn selection(&self) -> Selection {
-        Selection {
-            time_s: self.time_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
-            limit: self.limit(),
-            seen: 0,
-        }
-    }
-
-    /// How much may be kept.
-    pub(crate) fn limit(&self) -> Limit {
-        Limit {
-            bytes: match self.memory_mib {
-                0 => MEMORY_MIB << 20,
-                mib => mib.saturating_mul(1 << 20),
-            },
-            every: self.every.max(1),
-        }
-    }
-}
-
-/// Rows to keep, and how many may be kept.
-pub(crate) struct Selection {
-    time_s: [f64; 2],
-    limit: Limit,
-    seen: usize,
-}
-
-impl Selection {
-    /// Whether the row at this time is kept. A row without time is kept: it is an error later.
-    pub(crate) fn keeps(&mut self, time_s: f64) -> bool {
-        let [from, to] = self.time_s;
-        if time_s < from || time_s > to {
-            return false;
-        }
-        self.seen += 1;
-        (self.seen - 1).is_multiple_of(self.limit.every)
-    }
-
-    /// Hands the rows kept to `full` where they fill the memory allowed; `rows` are those of the whole file.
-    ///
-    /// # Errors
-    /// Nobody takes them, or the one who does finds a fault.
-    pub(crate) fn check(
-        &self,
-        path: &Path,
-        plan: &Plan,
-        columns: &mut Columns,
-        rows: Rows,
-        full: Option<&mut WhenFull>,
-    ) -> Result<(), TelemetryError> {
-        if columns.rows.len() <= self.limit.samples(plan.channels.len()) {
-            return Ok(());
-        }
-        match full {
-            Some(take) => take(plan, columns.split()),
-            None => {
-                let rest = rows.most().saturating_sub(columns.rows_read as u64);
-                let chosen = self.seen as u64 + rest;
-                Err(self.limit.refusal(path, plan, chosen))
-            }
-        }
-    }
-}
-
-/// Takes the rows read so far.
-pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), TelemetryError> + 'a;
 
 /// Reads the files of one segment into one table.
 ///

@@ -1,6 +1,6 @@
 //! A channel at other times: never across a gap, never beyond its ends.
 
-use crate::time_base::median_step;
+use crate::median::median_step;
 use crate::{Channel, rotation};
 
 /// Gaps longer than this many median steps are not bridged unless the caller says otherwise.

@@ -1,5 +1,6 @@
 //! Channels to a CSV or Parquet file that is read back bit for bit.
 
+use crate::cursor::cursors;
 use crate::error::Place;
 #[cfg(not(feature = "parquet"))]
 use crate::parquet_reader::write_parquet;
@@ -107,30 +108,6 @@ fn union_of_times(channels: &[Channel]) -> Vec<f64> {
     times.sort_unstable_by(f64::total_cmp);
     times.dedup();
     times
-}
-
-/// A channel read along the union of times.
-pub(crate) struct Cursor<'a> {
-    channel: &'a Channel,
-    next: usize,
-}
-
-impl Cursor<'_> {
-    pub(crate) fn at(&mut self, time: f64) -> Option<f64> {
-        if *self.channel.time_s.get(self.next)? != time {
-            return None;
-        }
-        let value = self.channel.values.get(self.next).copied();
-        self.next += 1;
-        value
-    }
-}
-
-pub(crate) fn cursors(channels: &[Channel]) -> Vec<Cursor<'_>> {
-    channels
-        .iter()
-        .map(|channel| Cursor { channel, next: 0 })
-        .collect()
 }
 
 fn write_csv(file: &mut File, times: &[f64], channels: &[Channel]) -> io::Result<()> {

@@ -1,6 +1,15 @@
 //! Everything that can keep a verb from answering, with its exit code.
 
-use crate::bind::BindError;
+mod bind;
+mod case;
+mod simulate;
+mod validate;
+
+pub use bind::BindError;
+pub use case::{CaseError, CaseFault};
+pub use simulate::SimulateError;
+pub use validate::ValidateError;
+
 use poinsot_files::{InputError, StageError};
 use poinsot_identify::ProblemError;
 use poinsot_model::ModelError;
@@ -23,10 +32,10 @@ pub enum Error {
     Bind(#[from] BindError),
     /// A simulation.
     #[error(transparent)]
-    Simulate(#[from] crate::simulate::SimulateError),
+    Simulate(#[from] SimulateError),
     /// The plan of a campaign.
     #[error("{0}")]
-    Plan(crate::case::CaseError),
+    Plan(CaseError),
     /// The shards of a campaign.
     #[error("{code} {}: {why}", path.display())]
     Shards {
@@ -45,7 +54,7 @@ pub enum Error {
     Method(#[from] MethodError),
     /// A validation.
     #[error(transparent)]
-    Validate(#[from] crate::validate::ValidateError),
+    Validate(#[from] ValidateError),
     /// A word on the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {

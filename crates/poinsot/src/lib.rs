@@ -4,6 +4,7 @@
 pub mod bind;
 pub mod campaign;
 pub mod case;
+mod channel_names;
 pub mod compare;
 mod diagnostics_file;
 mod digest;
@@ -31,6 +32,7 @@ pub mod trials;
 mod units;
 pub mod validate;
 pub mod verdict;
+mod written;
 
 pub use error::Error;
 pub use estimate_file::estimate_file;
@@ -39,9 +41,7 @@ pub use identify::{
     Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
     identify_tables, segment_files,
 };
-pub use output::{
-    OutputFile, check_outputs, estimate_text, write_estimate, write_file, write_files, write_result,
-};
+pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
 pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
@@ -49,3 +49,4 @@ pub use report::write_report;
 pub use schema::schema;
 pub use threads::start_threads;
 pub use units::units_file;
+pub use written::{OutputFile, check_outputs, write_file, write_files};

@@ -1,15 +1,12 @@
-//! Files of one answer appear under their names together, when all are complete and on disk. Every verb writes here.
+//! The files of an estimate.
 
 use crate::error::{Error, no_page};
 use crate::estimate_file::estimate_file;
 use crate::identify::Identified;
 use crate::report::{figure_files, page_of, report_data};
-use poinsot_files::{Stage, check_target, folder_of, is_same_file, json_escaped};
+use crate::written::{OutputFile, json, write_file, write_files};
 use poinsot_report::FigureFormat;
 use std::path::{Path, PathBuf};
-
-/// A file of an answer: its path below the answer's folder, and its bytes.
-pub type OutputFile = (PathBuf, Vec<u8>);
 
 /// Writes `estimate.json` into a folder, which is made if it is not there. Returns the path.
 ///
@@ -71,66 +68,4 @@ pub fn estimate_text(folder: &Path, identified: &Identified) -> Result<String, E
         folder,
         serde_json::to_string_pretty(&estimate_file(identified)),
     )
-}
-
-/// A document as JSON, with a last line end, for a file of a folder.
-pub(crate) fn json(folder: &Path, text: serde_json::Result<String>) -> Result<String, Error> {
-    let text = text.map_err(|e| Error::Io {
-        path: folder.to_owned(),
-        what: "the result cannot be written as JSON",
-        source: e.into(),
-    })?;
-    Ok(json_escaped(&text).into_owned() + "\n")
-}
-
-/// Writes one file: the earlier one stays until the new one is complete and on disk.
-///
-/// # Errors
-/// The disk refuses; an earlier file stays then.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let Some(name) = path.file_name() else {
-        return Err(Error::Io {
-            path: path.to_owned(),
-            what: "cannot be written",
-            source: std::io::ErrorKind::IsADirectory.into(),
-        });
-    };
-    write_files(folder_of(path), &[(name.into(), bytes.to_vec())])?;
-    Ok(())
-}
-
-/// Writes the files of one answer below a folder, which is made if it is not there: all of them or none. Returns
-/// their paths.
-///
-/// # Errors
-/// The disk refuses; earlier files stay then.
-pub fn write_files(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Result<Vec<PathBuf>, Error> {
-    let mut stage = Stage::new(folder)?;
-    for (name, bytes) in files {
-        stage.add(name, bytes)?;
-    }
-    Ok(stage.commit()?)
-}
-
-/// Checks, before a verb works, that its answer can be put in place: no output is an input, and nothing but an
-/// earlier file stands where one goes.
-///
-/// # Errors
-/// The option with the file that is in the way.
-pub fn check_outputs(
-    option: &'static str,
-    outputs: &[PathBuf],
-    inputs: &[&Path],
-) -> Result<(), Error> {
-    for output in outputs {
-        if inputs.iter().any(|input| is_same_file(output, input)) {
-            return Err(Error::Usage {
-                option,
-                value: output.display().to_string(),
-                why: "this is an input of the command; name another place".to_owned(),
-            });
-        }
-        check_target(output)?;
-    }
-    Ok(())
 }

@@ -4,68 +4,29 @@ mod record;
 mod truth;
 
 use crate::bind::mountings;
-use crate::case::{Case, CaseError, Format, Scenario, read_case};
+use crate::case::{Case, Format, Scenario, read_case};
+use crate::channel_names::names;
 use crate::error::Error;
-use crate::output::{check_outputs, json};
+pub use crate::error::SimulateError;
 use crate::progress::step;
+use crate::written::{check_outputs, json};
 use poinsot_dynamics::{
-    ControlError, ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive,
-    JointInput, Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
+    ControlledVehicle, Driven, DrivenPlan, ForwardDynamics, Integrator, JointDrive, JointInput,
+    Kinematics, MotionSample, Prescribed, Singular, Tree, WheelUse,
 };
 use poinsot_files::Stage;
 use poinsot_formats::TruthFile;
-use poinsot_model::{Joint, Model, ModelError, Nuisance, SensorKind, read_model};
+use poinsot_model::{Joint, Model, Nuisance, SensorKind, read_model};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Mounting, Table, mount, write_staged};
 use record::Recorder;
-pub(crate) use record::{joint_channels, names};
+pub(crate) use record::joint_channels;
 use std::path::{Path, PathBuf};
 use truth::Drawn;
 pub(crate) use truth::mass as true_mass;
 
 /// Samples between two reports of progress.
 const REPORTED: usize = 500;
-
-/// Why a simulation gave nothing.
-#[derive(Debug, thiserror::Error)]
-pub enum SimulateError {
-    /// The case file was refused.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// The model file was refused.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// A driven joint that nothing resists: the mass matrix is singular.
-    #[error(
-        "E0509 {}: joint \"{joint}\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
-        file.display()
-    )]
-    Singular {
-        /// The case file.
-        file: PathBuf,
-        /// Name of the joint.
-        joint: String,
-    },
-    /// The motion cannot be computed.
-    #[error("E0509 {}: {error}", file.display())]
-    Motion {
-        /// The case file.
-        file: PathBuf,
-        /// Why.
-        error: ControlError,
-    },
-}
-
-impl SimulateError {
-    /// Whether the surroundings (disk, permission) failed and not the question.
-    pub fn is_environment(&self) -> bool {
-        match self {
-            Self::Case(e) => e.environment,
-            Self::Model(e) => e.environment,
-            Self::Motion { .. } | Self::Singular { .. } => false,
-        }
-    }
-}
 
 /// Telemetry with the truth behind it.
 #[derive(Debug, Clone)]

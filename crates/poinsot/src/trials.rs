@@ -18,10 +18,11 @@ pub use text::statistics_document;
 
 use crate::bind::bind;
 use crate::case::{Case, unit_suffix};
+use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
 use crate::progress::step;
-use crate::simulate::{Exact, keep_measured, names, simulate_exact, stream};
+use crate::simulate::{Exact, keep_measured, simulate_exact, stream};
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Instrument, Tree};
 use poinsot_formats::address;

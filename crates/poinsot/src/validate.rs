@@ -24,6 +24,7 @@ pub use text::validation_document;
 
 use crate::case::{Case, read_case};
 use crate::error::Error;
+pub use crate::error::ValidateError;
 use crate::identify::{read_options, segment_files};
 use crate::simulate::SimulateError;
 use poinsot_identify::Completion;
@@ -33,37 +34,6 @@ use std::path::PathBuf;
 
 /// Mean square in sigmas above which a difference is more than the declared noise.
 const MISFIT: f64 = 1.5;
-
-/// Why there is nothing to compare.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ValidateError {
-    /// The estimate.
-    #[error("E0701 {}: this estimate cannot be moved: {why}", path.display())]
-    Estimate {
-        /// File.
-        path: PathBuf,
-        /// What is wrong and what to do.
-        why: String,
-    },
-    /// A controller.
-    #[error(
-        "E0702 {}: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]",
-        file.display()
-    )]
-    Control {
-        /// The case file.
-        file: PathBuf,
-    },
-    /// No channel or no time in common.
-    #[error(
-        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case",
-        file.display()
-    )]
-    NothingInCommon {
-        /// The case file.
-        file: PathBuf,
-    },
-}
 
 /// The question.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -13,7 +13,7 @@ pub(crate) use limits::excess;
 pub(crate) use raw::ELEMENTS;
 
 use crate::finding::{Finding, ModelError};
-use crate::read::read_model_text;
+use crate::model_text::read_model_text;
 use crate::vehicle::Model;
 use poinsot_files::excerpt;
 use std::path::Path;

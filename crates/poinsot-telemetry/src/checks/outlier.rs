@@ -1,8 +1,8 @@
 //! Readings far from their neighbours.
 
 use crate::Channel;
+use crate::median::median;
 use crate::rounded;
-use crate::time_base::median;
 
 /// Distance from the median of five, in robust sigmas, from which a reading is an outlier.
 const FAR: f64 = 12.0;

@@ -1,7 +1,7 @@
 //! Values that stand for "no sample".
 
 use crate::Channel;
-use crate::time_base::median;
+use crate::median::median;
 
 /// A value that repeats in at least 1 % of the samples, more than 20 robust sigmas from the median.
 pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {

@@ -1,6 +1,6 @@
 //! Sensors of several channels, and runs of equal readings.
 
-use crate::time_base::median;
+use crate::median::median;
 use crate::{Channel, Table, classify};
 use crate::{Quantity, full_name};
 

@@ -1,10 +1,10 @@
 //! Declared noise of the sensors, and how much of it the data really show.
 
 use super::BindError;
-use super::sensors::Leading;
+use super::sensors::{Leading, covariance};
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
-use poinsot_model::{Model, Sensor, SensorKind};
+use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::{Channel, Table, median_step, noise_level};
 
@@ -79,14 +79,6 @@ fn vector(model: &Model, leading: &Leading, kind: SensorKind) -> Option<Matrix3>
     let sensor = leading.sensor(model, kind)?;
     let covariance = covariance(sensor)?;
     Some(sensor.R_BS * covariance * sensor.R_BS.transpose())
-}
-
-pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
-    let step = sensor.quantisation * sensor.quantisation / 12.0;
-    match sensor.noise_covariance {
-        Some(c) => Some(c + Matrix3::identity() * step),
-        None => (step > 0.0).then(|| Matrix3::identity() * step),
-    }
 }
 
 fn scalar(model: &Model, kind: SensorKind, of: usize) -> f64 {

@@ -1,11 +1,11 @@
 //! Sensors of three axes: which columns are whose, and their samples on the grid. Any number of a kind, on any body.
 
 use super::BindError;
-use super::noise::covariance;
-use crate::simulate::names;
+use crate::channel_names::names;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_identify::{ErrorGroup, SensorRecord, SensorSample, SensorValue};
 use poinsot_model::{Model, Nuisance, Sensor, SensorKind};
+use poinsot_spatial::Matrix3;
 use poinsot_telemetry::{Channel, Table, full_name, median_step};
 
 /// Times closer than this are one time, s.
@@ -220,6 +220,15 @@ fn label(model: &Model, sensor: &Sensor) -> String {
     match model.sensors_of(sensor.kind).nth(1) {
         None => sensor.kind.word().to_owned(),
         Some(_) => format!("{}.{}", sensor.kind.word(), sensor.name),
+    }
+}
+
+/// Declared covariance of the samples of a sensor, rounding included; `None` where neither is declared.
+pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
+    let step = sensor.quantisation * sensor.quantisation / 12.0;
+    match sensor.noise_covariance {
+        Some(c) => Some(c + Matrix3::identity() * step),
+        None => (step > 0.0).then(|| Matrix3::identity() * step),
     }
 }
 

@@ -1,8 +1,7 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
-use super::address::{Documents, edit};
+use super::address::{Documents, Edit, Of, edit};
 use super::faults::PlanText;
-use super::plan::{Changes, Plan};
 use crate::case::{Case, parse_case, read_case};
 use crate::digest::sha256;
 use crate::error::Error;
@@ -14,6 +13,12 @@ use poinsot_model::{Body, Model, Sensor, parse_model, read_model, read_model_tex
 use poinsot_telemetry::{Channel, Table, read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// All changes of a cell or trial, put in by [`Apply`].
+pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
+
+/// Puts one change into the files.
+pub(crate) type Apply<'a> = dyn FnMut(&str, Of, Edit<'_>) -> Result<(), (String, String)> + 'a;
 
 /// Seed of a record where the plan gives none.
 const SEED: u64 = 1;
@@ -143,18 +148,10 @@ impl Experiment {
         }))
     }
 
-    /// The files with all changes of a cell, each parsed and checked.
+    /// The files with changes, each parsed and checked.
     ///
     /// # Errors
     /// A change makes a file that is refused.
-    pub fn files_at(&self, plan: &Plan, cell: u64) -> Result<FilesAt, Error> {
-        self.files(&|apply| plan.fixed(cell, apply))
-    }
-
-    /// The files with changes.
-    ///
-    /// # Errors
-    /// As [`Self::files_at`].
     pub fn files(&self, changes: &Changes<'_>) -> Result<FilesAt, Error> {
         let mut documents = self.documents.clone();
         let mut changed = false;

@@ -4,7 +4,7 @@
 //! up, so that shards need not be held together.
 
 use crate::trials::{Answer, Interval, sigmas_of_interval};
-use poinsot_formats::PairNumberFile;
+use poinsot_formats::{BandedFile, PairNumberFile, finite};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -142,7 +142,7 @@ impl PairNumberSums {
             held_by_first_alone: self.alone.0,
             held_by_other_alone: self.alone.1,
             mcnemar_p: (self.stated > 0).then(|| mcnemar(self.alone)),
-            rmse_ratio: super::result::banded(interval),
+            rmse_ratio: banded(interval),
         }
     }
 }
@@ -153,6 +153,15 @@ fn mcnemar((first, other): (u64, u64)) -> f64 {
     match Binomial::new(0.5, n) {
         Ok(binomial) if n > 0 => (2.0 * binomial.cdf(first.min(other))).min(1.0),
         _ => 1.0,
+    }
+}
+
+/// An interval as the file has it.
+pub(super) fn banded(interval: Interval) -> BandedFile {
+    BandedFile {
+        value: finite(interval.value),
+        low: finite(interval.low),
+        high: finite(interval.high),
     }
 }
 

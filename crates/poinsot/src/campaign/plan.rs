@@ -3,8 +3,8 @@
 //! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell; shards are numbered block
 //! by block, so that all cells have their first trials before any has its second block.
 
-use super::address::{Edit, Of, count};
-use super::experiment::Experiment;
+use super::address::{Of, count};
+use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
 use crate::case::CaseError;
@@ -181,7 +181,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
     // Every point of the grid is tried before an hour is spent on the first.
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
-        let files = experiment.files_at(&plan, cell)?;
+        let files = plan.files_at(experiment, cell)?;
         if let Some(case) = &files.case {
             case.bind(&files.truth).map_err(SimulateError::from)?;
         }
@@ -541,7 +541,7 @@ impl Plan {
     /// It cannot be simulated.
     pub fn study(&self, cell: u64) -> Result<Study, Error> {
         let experiment = self.experiment(cell);
-        experiment.study(experiment.files_at(self, cell)?)
+        experiment.study(self.files_at(experiment, cell)?)
     }
 
     /// Names of the methods, with variants and settings.
@@ -552,6 +552,14 @@ impl Plan {
     /// Whether every trial has a truth of its own.
     pub(crate) fn draws(&self) -> bool {
         !self.file.draw.is_empty() || self.sampling.is_some()
+    }
+
+    /// The files of an experiment with all changes of a cell.
+    ///
+    /// # Errors
+    /// A change makes a file that is refused.
+    pub(crate) fn files_at(&self, experiment: &Experiment, cell: u64) -> Result<FilesAt, Error> {
+        experiment.files(&|apply| self.fixed(cell, apply))
     }
 
     /// Changes that hold in every trial of a cell.
@@ -579,9 +587,3 @@ impl Plan {
         Ok(())
     }
 }
-
-/// All changes of a cell or trial, put in by [`Apply`].
-pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
-
-/// Puts one change into the files.
-pub(crate) type Apply<'a> = dyn FnMut(&str, Of, Edit<'_>) -> Result<(), (String, String)> + 'a;

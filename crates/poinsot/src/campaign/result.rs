@@ -1,6 +1,6 @@
 //! From the sums of shards to statistics with intervals.
 
-use super::pairs::PairSums;
+use super::pairs::{PairSums, banded};
 use super::plan::Plan;
 use super::shard::{Found, ShardSums, find, sums_path};
 use crate::error::Error;
@@ -228,15 +228,6 @@ fn coverage(
             wide(r.interval(r.held_all, all.value, outside), all),
         ),
         None => (answered, all),
-    }
-}
-
-/// An interval as the file has it.
-pub(super) fn banded(interval: Interval) -> BandedFile {
-    BandedFile {
-        value: finite(interval.value),
-        low: finite(interval.low),
-        high: finite(interval.high),
     }
 }
 

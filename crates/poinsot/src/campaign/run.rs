@@ -7,7 +7,7 @@ use super::result::{Folded, OUTSIDE, fold_shards, fold_sums};
 use super::shard::{Found, ShardSums, find, rows_path, sums_path};
 use super::until::{looks, outside_at_each};
 use crate::error::{Error, no_page};
-use crate::output::write_files;
+use crate::written::write_files;
 use poinsot_files::{Stage, folder_of, json_escaped};
 use poinsot_formats::CampaignFile;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Scripts for Slurm: an array of tasks, one share of the shards each, and a merge when all have ended well.
 
 use super::plan::Plan;
-use crate::output::OutputFile;
+use crate::written::OutputFile;
 
 /// Most tasks of an array; Slurm's default is 1001.
 const MOST_TASKS: u64 = 1000;

@@ -1,7 +1,8 @@
 //! One trial: what it draws, its readings, every method on them.
 
+use super::experiment::Apply;
 use super::methods::MethodChoice;
-use super::plan::{Apply, Plan, Shard, between, of};
+use super::plan::{Plan, Shard, between, of};
 use super::sampling::{Deviates, points};
 use crate::error::Error;
 use crate::trials::{Study, Trial, estimated_numbers};
@@ -57,7 +58,7 @@ impl Prepared {
             });
         }
         let experiment = plan.experiment(shard.cell);
-        let study = experiment.study(experiment.files_at(plan, shard.cell)?)?;
+        let study = experiment.study(plan.files_at(experiment, shard.cell)?)?;
         let bound = bound_of(&study);
         Ok(Self {
             shared: Some((study, bound)),

@@ -19,13 +19,13 @@ mod wanted;
 pub use bind::Scenario;
 pub use control::Control;
 pub use designed::{Design, Form, Moved};
-pub use fault::{CaseError, CaseFault};
 pub use file::{Format, Objective};
 pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
 pub use sensor_output::SensorOutput;
 pub(crate) use sensor_output::unit_suffix;
 pub use wanted::Want;
 
+pub use crate::error::{CaseError, CaseFault};
 pub(crate) use fault::{CaseText, did_you_mean};
 use file::CaseFile;
 use planner::Planner;

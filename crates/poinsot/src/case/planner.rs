@@ -1,7 +1,8 @@
 //! The plan of a case for a model, and what is wrong with it.
 
-use super::fault::{CaseFault, CaseText, did_you_mean};
+use super::fault::{CaseText, did_you_mean};
 use super::file::{FiringFile, JointMotionFile, WheelMotionFile};
+use crate::error::CaseFault;
 use poinsot_dynamics::{NodeError, Plan, Tree};
 use poinsot_model::Model;
 use std::ops::Range;

@@ -23,7 +23,7 @@ pub use data::{REPORT_SCHEMA, ReportData, TrueNumbers, report_data};
 
 use crate::compare::format_error;
 use crate::error::{Error, no_page, unreadable};
-use crate::output::{OutputFile, write_files};
+use crate::written::{OutputFile, write_files};
 use poinsot_files::read;
 use poinsot_formats::{EstimateFile, LARGEST_RESULT, parse_estimate};
 use poinsot_report::{FigureFormat, Page, PageError};

@@ -11,7 +11,7 @@ use minijinja::{Value, context};
 use nalgebra::Cholesky;
 use poinsot_formats::BodyFile;
 use poinsot_report::{Arrow, Ellipsoid, Figure, PageError, Part, Scene, Spot, render, significant};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::Matrix3;
 
 /// Share of a semi-axis that a line covers: a thinner interval is not drawn.
 const LINE: f64 = 0.004;
@@ -225,13 +225,4 @@ fn drawn_from(I: &Matrix3, covariance: &[[f64; 6]; 6]) -> Vec<Matrix3> {
             I + matrix(&six)
         })
         .collect()
-}
-
-/// The tip of a unit vector, for tests and labels.
-pub(super) fn unit(v: &Vector3) -> Vector3 {
-    if v.norm() > 0.0 {
-        v.normalize()
-    } else {
-        Vector3::z()
-    }
 }

@@ -1,7 +1,6 @@
 //! The motion as poles on the inertia ellipsoid.
 
 use super::data::Segment;
-use super::picture::unit;
 use super::trust::group;
 use nalgebra::{Quaternion, UnitQuaternion};
 use poinsot_report::{Curve, Point, Rolling, Scene};
@@ -180,6 +179,15 @@ impl Poles {
 /// Five figures are enough for a picture.
 fn short(x: f64) -> f64 {
     (x * 1.0e5).round() / 1.0e5
+}
+
+/// The tip of a unit vector, for tests and labels.
+fn unit(v: &Vector3) -> Vector3 {
+    if v.norm() > 0.0 {
+        v.normalize()
+    } else {
+        Vector3::z()
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{every, stream};
 use crate::case::Scenario;
+use crate::channel_names::{XYZ, names, wheels};
 use poinsot_dynamics::{
     ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, vector_reading,
 };
@@ -10,8 +11,6 @@ use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table, classify};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-
-const XYZ: [&str; 3] = ["x", "y", "z"];
 
 /// Where the numbers of a group of channels come from.
 enum Reader {
@@ -202,39 +201,6 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
     }
 }
 
-/// Channel names of a sensor kind; `of` for scalars.
-pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String> {
-    let xyz = |prefix: &str| XYZ.map(|axis| format!("{prefix}_{axis}")).to_vec();
-    let joints = |suffix: &str| {
-        of.iter()
-            .filter_map(|j| model.joints.get(*j))
-            .filter(|joint| joint.kind != JointKind::Fixed)
-            .map(|joint| match joint.kind {
-                JointKind::Prismatic => format!("{}_m{suffix}", joint.name),
-                _ => format!("{}_rad{suffix}", joint.name),
-            })
-            .collect()
-    };
-    match kind {
-        SensorKind::Gyro => xyz("omega"),
-        SensorKind::Attitude => ["x", "y", "z", "w"]
-            .map(|axis| format!("q_{axis}"))
-            .to_vec(),
-        SensorKind::Position => xyz("r"),
-        SensorKind::Velocity => xyz("v"),
-        SensorKind::VelocityIncrement => xyz("dv"),
-        SensorKind::Accelerometer => xyz("acc"),
-        SensorKind::JointPosition => joints(""),
-        SensorKind::JointRate => joints("_s"),
-        SensorKind::WheelSpeed => wheels(model, of, "rad_s"),
-        SensorKind::Thrust => of
-            .iter()
-            .filter_map(|i| model.thrusters.get(*i))
-            .map(|thruster| format!("{}_N", thruster.name))
-            .collect(),
-    }
-}
-
 /// Every channel that a joint may have.
 pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
     let (unit, effort) = match joint.kind {
@@ -262,13 +228,6 @@ fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize
     joints
         .filter_map(|(k, joint)| Some((k, joint_channels(joint).pop()?)))
         .unzip()
-}
-
-fn wheels(model: &Model, of: &[usize], suffix: &str) -> Vec<String> {
-    of.iter()
-        .filter_map(|i| model.wheels.get(*i))
-        .map(|wheel| format!("{}_{suffix}", wheel.name))
-        .collect()
 }
 
 type Exact = (Vec<String>, fn(&MotionSample, &mut Vec<f64>));

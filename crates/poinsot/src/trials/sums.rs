@@ -6,7 +6,7 @@
 use super::band::sigmas_of_interval;
 use super::{Trial, TrialNumber, estimated_numbers};
 use crate::error::Error;
-use crate::output::write_file;
+use crate::written::write_file;
 use poinsot_formats::LARGEST_RESULT;
 use poinsot_identify::{Estimate, Status};
 use serde::{Deserialize, Serialize};

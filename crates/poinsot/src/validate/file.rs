@@ -2,7 +2,7 @@
 
 use super::{Against, Compared, Completed, Validation};
 use crate::error::Error;
-use crate::output::{json, write_files};
+use crate::written::{json, write_files};
 use poinsot_formats::{
     ComparedQuantityFile, CompletedFile, EstimateRefFile, InSigmasFile, PredictionChangeFile,
     VALIDATION, ValidationFile, ValidationLimitsFile,

@@ -5,8 +5,9 @@ use super::motion::{scenario, turn};
 use super::{Mover, ValidateError};
 use crate::bind::bind;
 use crate::case::Case;
+use crate::channel_names::names;
 use crate::error::Error;
-use crate::simulate::{names, perfect_table};
+use crate::simulate::perfect_table;
 use nalgebra::Quaternion;
 use poinsot_dynamics::Tree;
 use poinsot_identify::{

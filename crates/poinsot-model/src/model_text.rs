@@ -1,0 +1,20 @@
+//! The text of a model file.
+
+use crate::finding::ModelError;
+use std::path::Path;
+
+/// Largest model file, bytes.
+const LARGEST: u64 = 16 * 1024 * 1024;
+
+/// The text of a model file, TOML or URDF.
+///
+/// # Errors
+/// The file cannot be read, is too large, or is not UTF-8.
+pub fn read_model_text(path: impl AsRef<Path>) -> Result<String, ModelError> {
+    let path = path.as_ref();
+    poinsot_files::read_text(path, LARGEST).map_err(|error| {
+        let file = path.display().to_string();
+        let environment = error.is_environment();
+        ModelError::unreadable(&file, error.to_string(), error.remedy(), environment)
+    })
+}

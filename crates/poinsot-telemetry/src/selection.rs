@@ -1,0 +1,77 @@
+//! Which rows of a file are kept, and how many may be.
+
+use crate::TelemetryError;
+use crate::columns::Columns;
+use crate::options::{MEMORY_MIB, ReadOptions};
+use crate::plan::Plan;
+use crate::size::{Limit, Rows};
+use std::path::Path;
+
+impl ReadOptions {
+    /// Which samples are kept, as the readers ask it.
+    pub(crate) fn selection(&self) -> Selection {
+        Selection {
+            time_s: self.time_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            limit: self.limit(),
+            seen: 0,
+        }
+    }
+
+    /// How much may be kept.
+    pub(crate) fn limit(&self) -> Limit {
+        Limit {
+            bytes: match self.memory_mib {
+                0 => MEMORY_MIB << 20,
+                mib => mib.saturating_mul(1 << 20),
+            },
+            every: self.every.max(1),
+        }
+    }
+}
+
+/// Rows to keep, and how many may be kept.
+pub(crate) struct Selection {
+    time_s: [f64; 2],
+    limit: Limit,
+    seen: usize,
+}
+
+impl Selection {
+    /// Whether the row at this time is kept. A row without time is kept: it is an error later.
+    pub(crate) fn keeps(&mut self, time_s: f64) -> bool {
+        let [from, to] = self.time_s;
+        if time_s < from || time_s > to {
+            return false;
+        }
+        self.seen += 1;
+        (self.seen - 1).is_multiple_of(self.limit.every)
+    }
+
+    /// Hands the rows kept to `full` where they fill the memory allowed; `rows` are those of the whole file.
+    ///
+    /// # Errors
+    /// Nobody takes them, or the one who does finds a fault.
+    pub(crate) fn check(
+        &self,
+        path: &Path,
+        plan: &Plan,
+        columns: &mut Columns,
+        rows: Rows,
+        full: Option<&mut WhenFull>,
+    ) -> Result<(), TelemetryError> {
+        if columns.rows.len() <= self.limit.samples(plan.channels.len()) {
+            return Ok(());
+        }
+        match full {
+            Some(take) => take(plan, columns.split()),
+            None => {
+                let rest = rows.most().saturating_sub(columns.rows_read as u64);
+                let chosen = self.seen as u64 + rest;
+                Err(self.limit.refusal(path, plan, chosen))
+            }
+        }
+    }
+}
+
+/// Takes the rows read so far.
+pub(crate) type WhenFull<'a> = dyn FnMut(&Plan, Columns) -> Result<(), TelemetryError> + 'a;

@@ -1,0 +1,88 @@
+//! Why telemetry and model do not fit together.
+
+use poinsot_telemetry::{as_read, rounded};
+
+/// Why telemetry and model do not fit together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BindError {
+    /// A channel that the method cannot do without.
+    #[error("E0301 {file}: no channel '{channel}': {why}")]
+    Missing {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Why it is needed and what to do.
+        why: String,
+    },
+    /// A sensor without declared noise.
+    #[error(
+        "E0302 model: no sensor of type '{kind}' declares its noise: without it no uncertainty can be stated; add [[sensor]] type = \"{kind}\" with {key}"
+    )]
+    NoNoise {
+        /// Kind of sensor.
+        kind: &'static str,
+        /// Key to add.
+        key: &'static str,
+    },
+    /// Too few common samples.
+    #[error(
+        "E0303 {file}: {found} samples have all needed channels at one time, and {needed} are needed; give a longer record, or files whose times overlap"
+    )]
+    TooFew {
+        /// File or files of the segment.
+        file: String,
+        /// Samples found.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// Absolute orbital coordinates.
+    #[error(
+        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; give positions relative to a reference orbit",
+        rounded(*distance, 4)
+    )]
+    OrbitalPosition {
+        /// File or files of the segment.
+        file: String,
+        /// Distance, m.
+        distance: f64,
+        /// Time, s.
+        time: f64,
+    },
+    /// A reading that no vehicle gives.
+    #[error(
+        "E0306 {file}: channel '{channel}': {} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample",
+        as_read(*value)
+    )]
+    Implausible {
+        /// File or files of the segment.
+        file: String,
+        /// Channel.
+        channel: String,
+        /// Value, SI.
+        value: f64,
+        /// Time, s.
+        time_s: f64,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Vectors in N, and nothing that says how the vehicle stands to N.
+    #[error(
+        "E0307 {file}: no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N: without attitude N is where the gyro starts, and the answer would be wrong by the turn between the two; add the attitude, or {remedy}"
+    )]
+    NoAttitude {
+        /// File or files of the segment.
+        file: String,
+        /// What is given in N.
+        what: String,
+        /// What else to do.
+        remedy: &'static str,
+    },
+    /// Something the linear method cannot use.
+    #[error("E0305 model: {what}")]
+    Unsupported {
+        /// What and what to do.
+        what: String,
+    },
+}

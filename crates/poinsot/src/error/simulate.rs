@@ -1,0 +1,47 @@
+//! Why a simulation gave nothing.
+
+use super::CaseError;
+use poinsot_dynamics::ControlError;
+use poinsot_model::ModelError;
+use std::path::PathBuf;
+
+/// Why a simulation gave nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulateError {
+    /// The case file was refused.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The model file was refused.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A driven joint that nothing resists: the mass matrix is singular.
+    #[error(
+        "E0509 {}: joint \"{joint}\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+        file.display()
+    )]
+    Singular {
+        /// The case file.
+        file: PathBuf,
+        /// Name of the joint.
+        joint: String,
+    },
+    /// The motion cannot be computed.
+    #[error("E0509 {}: {error}", file.display())]
+    Motion {
+        /// The case file.
+        file: PathBuf,
+        /// Why.
+        error: ControlError,
+    },
+}
+
+impl SimulateError {
+    /// Whether the surroundings (disk, permission) failed and not the question.
+    pub fn is_environment(&self) -> bool {
+        match self {
+            Self::Case(e) => e.environment,
+            Self::Model(e) => e.environment,
+            Self::Motion { .. } | Self::Singular { .. } => false,
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Why there is nothing to compare.
+
+use std::path::PathBuf;
+
+/// Why there is nothing to compare.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ValidateError {
+    /// The estimate.
+    #[error("E0701 {}: this estimate cannot be moved: {why}", path.display())]
+    Estimate {
+        /// File.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        why: String,
+    },
+    /// A controller.
+    #[error(
+        "E0702 {}: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]",
+        file.display()
+    )]
+    Control {
+        /// The case file.
+        file: PathBuf,
+    },
+    /// No channel or no time in common.
+    #[error(
+        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case",
+        file.display()
+    )]
+    NothingInCommon {
+        /// The case file.
+        file: PathBuf,
+    },
+}
