@@ -3,13 +3,13 @@
 mod inputs;
 mod two_threads;
 
-use crate::experiment::{Experiment, Point};
-use crate::linear::linear;
-use crate::loss::Loss;
-use crate::maximum_likelihood::maximum_likelihood;
-use crate::parameters::{Equations, Parameters};
+use crate::fit::experiment::{Experiment, Point};
+use crate::methods::linear::linear;
+use crate::methods::maximum_likelihood::maximum_likelihood;
 use crate::problem::Problem;
-use crate::segment::{
+use crate::problem::loss::Loss;
+use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::segment::{
     Firing, Noise, Observations, Samples, Segment, SensorRecord, SensorSample, SensorValue,
     Translation,
 };

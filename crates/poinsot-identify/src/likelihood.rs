@@ -4,20 +4,22 @@ mod carried;
 mod colour;
 mod follow;
 mod head;
+pub(crate) mod impulse;
 mod rate_noise;
+pub(crate) mod rows;
 mod side_by_side;
 
 use carried::Carried;
 pub(crate) use carried::KnownColumns;
 pub(crate) use head::{Head, HeadColumns, Sight, start};
 
-use crate::input_curves::InputCurves;
-use crate::input_noise::InputNoise;
-use crate::loss::Loss;
+use crate::motion::input_curves::InputCurves;
+use crate::motion::input_noise::InputNoise;
 use crate::motion::{Column, Grid, Motion, State};
 use crate::motion::{Steps, Vehicle, tilted};
-use crate::parameters::Parameters;
-use crate::segment::{InputErrors, Noise, Segment};
+use crate::problem::loss::Loss;
+use crate::problem::parameters::Parameters;
+use crate::problem::segment::{InputErrors, Noise, Segment};
 use crate::sensors::Ideal;
 use follow::Follower;
 use nalgebra::Cholesky;

@@ -10,6 +10,8 @@ mod acceleration;
 mod advance;
 mod chord;
 mod grid;
+pub(crate) mod input_curves;
+pub(crate) mod input_noise;
 mod input_slopes;
 mod inputs;
 mod place;
@@ -25,7 +27,7 @@ pub(crate) use surroundings::GRADIENT;
 pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
-use crate::segment::{Observations, Segment};
+use crate::problem::segment::{Observations, Segment};
 use chord::{Chord, ColumnChord};
 use grid::{TURN, gyration};
 use inputs::InputChange;

@@ -1,7 +1,7 @@
 //! A hypothesis: something that may be wrong, with the numbers that would be unknown then.
 
 use super::types::FaultKind;
-use crate::parameters::{Unknown, UnknownKind, axis_name};
+use crate::problem::parameters::{Unknown, UnknownKind, axis_name};
 use poinsot_model::KnownNumber;
 
 /// Candidate faults of one kind.

@@ -4,11 +4,11 @@ use super::candidate::{Candidate, Columns, unknown};
 use super::changes::changes;
 use super::surroundings::of_surroundings;
 use super::types::FaultKind;
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use crate::likelihood::Sight;
-use crate::parameters::{ErrorGroup, UnknownKind, axis_name};
 use crate::problem::Problem;
-use crate::segment::InputErrors;
+use crate::problem::parameters::{ErrorGroup, UnknownKind, axis_name};
+use crate::problem::segment::InputErrors;
 use poinsot_dynamics::SensorError;
 use poinsot_model::{JointKind, KnownNumber, Model, SensorKind};
 

@@ -3,12 +3,12 @@
 
 use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
-use crate::as_predicted::take_predictions;
-use crate::experiment::{Experiment, Point};
-use crate::parameters::UnknownKind;
+use crate::fit::as_predicted::take_predictions;
+use crate::fit::experiment::{Experiment, Point};
 use crate::problem::Problem;
-use crate::segment::{InputErrors, Segment};
-use crate::shifted::Centre;
+use crate::problem::parameters::UnknownKind;
+use crate::problem::segment::{InputErrors, Segment};
+use crate::problem::shifted_vehicle::Centre;
 use poinsot_model::{JointKind, KnownNumber, Origin};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 //! each is tried by a fit of its own from the nominal numbers.
 
 use super::types::{FaultKind, Suspect};
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use crate::fit::{Fitted, fit_from};
 use poinsot_solve::LeastSquares;
 

@@ -1,8 +1,8 @@
 //! A line in the gyro residual: flexing, slosh, or something that turns unseen.
 
 use super::types::SpectralLine;
-use crate::experiment::Experiment;
 use crate::fit::Fitted;
+use crate::fit::experiment::Experiment;
 use poinsot_spatial::Vector3;
 
 /// Share of the power of a residual in one line that is a line.

@@ -9,12 +9,15 @@ mod candidate;
 mod candidates;
 mod changes;
 mod channels;
+pub(crate) mod conflict;
+pub(crate) mod deviance;
 mod drift;
 mod fault;
 mod findings;
 mod gross;
 mod line;
 mod naming;
+pub(crate) mod octaves;
 mod onset;
 mod projected;
 mod pulse;
@@ -31,8 +34,8 @@ pub use types::{
     Suspect,
 };
 
-use crate::experiment::Experiment;
 use crate::fit::Fitted;
+use crate::fit::experiment::Experiment;
 use candidates::candidates;
 use suspects::Misfit;
 use table::Table;
@@ -59,7 +62,7 @@ pub(crate) fn diagnose(
     let mut out = Diagnostics {
         chi2,
         dof,
-        deviance: crate::deviance::deviance(experiment, fitted),
+        deviance: crate::diagnosis::deviance::deviance(experiment, fitted),
         excess_sigmas: excess / (2.0 * dof.max(1) as f64).sqrt(),
         channels: channels::channels(fitted),
         ..Diagnostics::default()

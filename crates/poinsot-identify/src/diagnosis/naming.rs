@@ -1,7 +1,7 @@
 //! What the values of a suspect mean where they speak for themselves: a wrong sign, a wrong unit.
 
 use super::types::{FaultKind, Suspect};
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 
 /// Name of the candidate that thrusters act at other times than their columns say.
 pub(super) const LATE_THRUST: &str = "a lag of the thrust";

@@ -5,7 +5,7 @@
 //! first order.
 
 use crate::fit::Fitted;
-use crate::parameters::{Parameters, Unknown};
+use crate::problem::parameters::{Parameters, Unknown};
 use faer::Mat;
 use poinsot_solve::{BlockQr, Triangle};
 

@@ -7,7 +7,7 @@ use super::score::{Clear, Score, explained, found, kick};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use nalgebra::{DMatrix, DVector};
 use poinsot_spatial::Vector3;
 

@@ -2,7 +2,7 @@
 
 use super::suspects::Scored;
 use super::types::{FaultKind, Suspect};
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use crate::motion::Column;
 use nalgebra::{DMatrix, DVector};
 

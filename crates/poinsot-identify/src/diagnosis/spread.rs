@@ -10,10 +10,10 @@ use super::channels::whiteness;
 use super::suspects::Scored;
 use super::table::Table;
 use super::types::{COLOURED, ChannelDiagnosis, FaultKind, Suspect};
-use crate::experiment::Experiment;
 use crate::fit::Fitted;
-use crate::parameters::{Unknown, UnknownKind};
-use crate::segment::{SensorRecord, SensorValue};
+use crate::fit::experiment::Experiment;
+use crate::problem::parameters::{Unknown, UnknownKind};
+use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::Vector3;
 

@@ -2,9 +2,9 @@
 
 use super::candidate::{Candidate, Columns, triple, unknown};
 use super::types::FaultKind;
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use crate::motion::GRADIENT;
-use crate::parameters::UnknownKind;
+use crate::problem::parameters::UnknownKind;
 
 /// Duration, s, over which a vehicle in low orbit goes round by a tenth of a radian.
 const ORBITING: f64 = 100.0;

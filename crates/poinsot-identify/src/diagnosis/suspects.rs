@@ -4,10 +4,10 @@ use super::candidate::Candidate;
 use super::naming::{LATE_THRUST, name, near};
 use super::projected::Projected;
 use super::types::{FaultKind, Suspect};
-use crate::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Point};
 use crate::fit::{Fitted, fit_from};
 use crate::motion::GRADIENT;
-use crate::parameters::UnknownKind;
+use crate::problem::parameters::UnknownKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability of a score by chance from which a candidate is named.

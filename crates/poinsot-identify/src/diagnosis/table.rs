@@ -6,10 +6,10 @@
 use super::candidate::{Candidate, Change, Columns};
 use super::changes::{Difference, differences};
 use super::projected::Projected;
-use crate::experiment::{Experiment, Point};
 use crate::fit::Fitted;
+use crate::fit::experiment::{Experiment, Point};
 use crate::likelihood::{Evaluated, Transition};
-use crate::parameters::{Unknown, UnknownKind};
+use crate::problem::parameters::{Unknown, UnknownKind};
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 

@@ -1,13 +1,15 @@
 //! The filter of the inputs' noise against the covariance that it stands for, made in full.
 
 use super::{MODEL, finer, noise};
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use crate::likelihood::{Head, HeadColumns, start};
 use crate::motion::Motion;
 use crate::motion::Vehicle;
-use crate::parameters::{Equations, Parameters};
 use crate::problem::Problem;
-use crate::segment::{InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue};
+use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::segment::{
+    InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue,
+};
 use crate::sensors::perfect;
 use nalgebra::{UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;

@@ -1,10 +1,10 @@
 //! A segment followed on one thread and compared on another against the same on one.
 
 use super::{MODEL, colour, finer, noise};
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
 use crate::likelihood::{Evaluated, Setting, evaluate};
-use crate::parameters::{Equations, Parameters};
 use crate::problem::Problem;
+use crate::problem::parameters::{Equations, Parameters};
 use poinsot_dynamics::Tree;
 use poinsot_model::parse_model;
 

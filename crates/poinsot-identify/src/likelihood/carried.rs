@@ -1,7 +1,7 @@
 //! Known numbers as unknowns: columns that differences of whole evaluations gave.
 
 use super::Setting;
-use crate::segment::Segment;
+use crate::problem::segment::Segment;
 use poinsot_spatial::Vector3;
 
 /// How the whitened predictions of every reading move with each known number.

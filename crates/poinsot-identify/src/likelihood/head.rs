@@ -1,7 +1,7 @@
 //! Pose and momentum at the start of a segment, and which of them are unknown.
 
 use crate::motion::{Column, State};
-use crate::segment::{Segment, SensorRecord};
+use crate::problem::segment::{Segment, SensorRecord};
 use poinsot_model::{MomentumKnowledge, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 

@@ -16,8 +16,8 @@ mod input_errors;
 use super::inputs::thruster_at;
 use super::vehicle::{parabola_slope, wheel_slope};
 use super::{Instant, Motion, State};
-use crate::parameters::UnknownKind;
-use crate::segment::Observations;
+use crate::problem::parameters::UnknownKind;
+use crate::problem::segment::Observations;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{
     Accelerations, Kinematics, Twist, composite, momentum_rate_column, wheel_rate,

@@ -16,7 +16,7 @@
 
 use super::variation::Variation;
 use super::{Column, Motion, Ready, State, along};
-use crate::parameters::UnknownKind;
+use crate::problem::parameters::UnknownKind;
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Link, Motion as Joint};
 use poinsot_spatial::Vector3;

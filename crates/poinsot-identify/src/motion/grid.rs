@@ -5,7 +5,7 @@
 
 use super::steps::Grid;
 use super::vehicle::Vehicle;
-use crate::segment::Observations;
+use crate::problem::segment::Observations;
 use poinsot_dynamics::{Composite, Kinematics, Motion as Joint, Tree, composite, wheel_momentum};
 use poinsot_spatial::{Matrix3, Vector3};
 

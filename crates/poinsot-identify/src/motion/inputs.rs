@@ -2,8 +2,8 @@
 
 use super::vehicle::{Vehicle, wheel_slope};
 use super::{Centre, Instant, Motion, Ready, Site, State, matrix, pose_change};
-use crate::parameters::UnknownKind;
-use crate::segment::Observations;
+use crate::problem::parameters::UnknownKind;
+use crate::problem::segment::Observations;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;

@@ -8,7 +8,7 @@
 //! ```
 
 use super::{Centre, Motion, State};
-use crate::parameters::UnknownKind;
+use crate::problem::parameters::UnknownKind;
 use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
 

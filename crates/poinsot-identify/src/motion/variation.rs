@@ -8,7 +8,7 @@
 //! and those of the momentum where anything pushes from outside.
 
 use super::{Centre, Column, Instant, Motion, State, matrix};
-use crate::parameters::UnknownKind;
+use crate::problem::parameters::UnknownKind;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{momentum_regressor, wheel_regressor};
 use poinsot_spatial::{Matrix3, Matrix6, Vector3, Vector6, skew};

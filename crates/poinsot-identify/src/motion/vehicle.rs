@@ -1,9 +1,9 @@
 //! The vehicle at one value of the unknowns, and what drives it between the readings.
 
 use super::steps::Steps;
-use crate::input_curves::InputCurves;
-use crate::parameters::{Parameters, UnknownKind};
-use crate::segment::{Firing, Observations, Segment};
+use crate::motion::input_curves::InputCurves;
+use crate::problem::parameters::{Parameters, UnknownKind};
+use crate::problem::segment::{Firing, Observations, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Thruster;
 use poinsot_spatial::{InertialParameters, Vector3};

@@ -1,14 +1,14 @@
 //! What the experiment determines already, and what one more record or number adds to it.
 
 use super::{Change, Effort, Row, percent};
-use crate::estimate::OpenCombination;
-use crate::experiment::Experiment;
+use crate::fit::experiment::Experiment;
+use crate::fit::triangle::Shared;
 use crate::likelihood::{Head, Sight};
-use crate::parameters::{Equations, Parameters, UnknownKind};
 use crate::problem::Problem;
-use crate::quantity::TenParameters;
-use crate::shared::Shared;
-use crate::solved::Solved;
+use crate::problem::parameters::{Equations, Parameters, UnknownKind};
+use crate::problem::quantity::TenParameters;
+use crate::solution::estimate::OpenCombination;
+use crate::solution::solved::Solved;
 use poinsot_model::EstimateSet;
 use poinsot_solve::{BlockQr, Spectrum};
 
@@ -38,7 +38,7 @@ impl<'a> Ground<'a> {
             own.clone()
         };
         let x = match rotation {
-            true => crate::parameters::lifted_vector(own, &solved.x, &parameters),
+            true => crate::problem::parameters::lifted_vector(own, &solved.x, &parameters),
             false => solved.x.clone(),
         };
         let mass = parameters

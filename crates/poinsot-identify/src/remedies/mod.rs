@@ -8,9 +8,9 @@
 mod ground;
 mod records;
 
-use crate::estimate::OpenCombination;
 use crate::problem::Problem;
-use crate::solved::Solved;
+use crate::solution::estimate::OpenCombination;
+use crate::solution::solved::Solved;
 use ground::Ground;
 use poinsot_solve::Spectrum;
 

@@ -2,11 +2,11 @@
 
 use super::ground::Ground;
 use super::{Change, Effort, Row};
-use crate::input_curves::InputCurves;
 use crate::likelihood::{Head, HeadColumns, Setting, Sight, evaluate};
-use crate::loss::Loss;
-use crate::parameters::axis_name;
-use crate::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
+use crate::motion::input_curves::InputCurves;
+use crate::problem::loss::Loss;
+use crate::problem::parameters::axis_name;
+use crate::problem::segment::{Firing, Noise, Observations, Segment, SensorRecord, SensorValue};
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::{SensorKind, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};

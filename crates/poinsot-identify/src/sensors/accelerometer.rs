@@ -2,9 +2,9 @@
 //! not those of pose, twist and joints.
 
 use super::Predicted;
-use crate::input_noise::InputNoise;
+use crate::motion::input_noise::InputNoise;
 use crate::motion::{Instant, Motion, Point, State};
-use crate::segment::{SensorRecord, SensorValue};
+use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_spatial::Vector3;
 
 pub(super) fn value(

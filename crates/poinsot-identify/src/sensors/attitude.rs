@@ -2,7 +2,7 @@
 
 use super::{Seen, Slopes, joints};
 use crate::motion::{Place, State};
-use crate::segment::SensorValue;
+use crate::problem::segment::SensorValue;
 use nalgebra::{Rotation3, UnitQuaternion};
 use poinsot_spatial::{Matrix3, Vector3};
 

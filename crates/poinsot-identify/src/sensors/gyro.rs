@@ -2,7 +2,7 @@
 
 use super::{Seen, Slopes, joints};
 use crate::motion::Place;
-use crate::segment::SensorValue;
+use crate::problem::segment::SensorValue;
 use poinsot_spatial::Matrix3;
 
 /// `w_i = R^T w`; a joint turns the axes, and what moves beyond it.

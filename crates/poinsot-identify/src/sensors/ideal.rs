@@ -3,7 +3,7 @@
 use super::{perfect, vector};
 use crate::motion::{Motion, State};
 use crate::motion::{Vehicle, parabola_slope};
-use crate::segment::Segment;
+use crate::problem::segment::Segment;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
@@ -27,7 +27,8 @@ impl Ideal {
         wanted: &[bool],
     ) -> Option<Self> {
         let o = &segment.observations;
-        let asked = |(w, r): (&bool, &crate::segment::SensorRecord)| *w && !knows_rate(r.kind);
+        let asked =
+            |(w, r): (&bool, &crate::problem::segment::SensorRecord)| *w && !knows_rate(r.kind);
         let wanted: Vec<bool> = wanted.iter().zip(&o.sensors).map(asked).collect();
         let mut series = vec![Vec::new(); o.sensors.len()];
         if !wanted.contains(&true) {

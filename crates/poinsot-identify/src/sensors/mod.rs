@@ -13,9 +13,9 @@ mod velocity;
 
 pub(crate) use ideal::Ideal;
 
-use crate::input_noise::InputNoise;
+use crate::motion::input_noise::InputNoise;
 use crate::motion::{Column, Instant, Motion, Place, State, matrix, small_turn};
-use crate::segment::{SensorRecord, SensorValue};
+use crate::problem::segment::{SensorRecord, SensorValue};
 use nalgebra::SMatrix;
 use poinsot_dynamics::SensorErrors;
 use poinsot_model::SensorKind;

@@ -2,7 +2,7 @@
 
 use super::{Seen, Slopes, joints, times_skew};
 use crate::motion::{Place, State};
-use crate::segment::SensorValue;
+use crate::problem::segment::SensorValue;
 use poinsot_spatial::{Matrix3, Vector3};
 
 /// `p_NoP_N = p_NoBo_N + R_NB r`.

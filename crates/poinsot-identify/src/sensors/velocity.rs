@@ -2,7 +2,7 @@
 
 use super::{Seen, Slopes, joints, times_skew};
 use crate::motion::Place;
-use crate::segment::SensorValue;
+use crate::problem::segment::SensorValue;
 use poinsot_spatial::Matrix3;
 
 /// `v_NP_N = R_NB (v + w x r)`.

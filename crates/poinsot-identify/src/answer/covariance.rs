@@ -1,0 +1,128 @@
+//! The covariance of all numbers of the answer together: mass properties of the bodies asked for, and nuisances.
+
+use crate::answer::momentum::is_answered;
+use crate::fit::triangle::head;
+use crate::problem::parameters::{Equations, UnknownKind, axis_name, tensor_name};
+use crate::problem::quantity::TenParameters;
+use crate::solution::estimate::{BodyEstimate, NamedNumber, Number, Source};
+use crate::solution::solved::Solved;
+
+/// One number that is determined.
+pub(crate) struct Row {
+    pub name: String,
+    pub unit: &'static str,
+    /// Slope over the mass properties, spin inertias and thruster scales.
+    pub gradient: Vec<f64>,
+    /// Index among the nuisances of sensors and surroundings, which have a variance of their own as well.
+    pub nuisance: Option<usize>,
+}
+
+/// Names, units and slopes of mass, mass centre and central inertia of every body asked for and of the nuisances,
+/// where determined.
+pub(crate) fn covariance_rows(
+    solved: &Solved,
+    bodies: &[BodyEstimate],
+    nuisances: &[NamedNumber],
+) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (at, body) in bodies.iter().enumerate() {
+        body_rows(solved, at, body, &mut rows);
+    }
+    let mass = solved.shared.mass;
+    let slopes = head(&solved.shared.r, solved.shared.nuisances, &solved.x[..mass]).slope;
+    let unknowns = solved.parameters.unknowns.iter().enumerate();
+    let answered = unknowns.filter(|(_, u)| is_answered(&u.kind));
+    for ((at, unknown), answer) in answered.zip(nuisances) {
+        if !determined(&answer.number) {
+            continue;
+        }
+        let nuisance = at.checked_sub(mass);
+        let gradient = match nuisance {
+            Some(k) => slopes[k].clone(),
+            None => (0..mass).map(|j| f64::from(u8::from(j == at))).collect(),
+        };
+        rows.push(Row {
+            name: unknown.name.clone(),
+            unit: unknown.unit,
+            gradient,
+            nuisance,
+        });
+    }
+    rows
+}
+
+fn determined(number: &Number) -> bool {
+    matches!(number.source, Source::Data | Source::Prior)
+}
+
+fn body_rows(solved: &Solved, at: usize, body: &BodyEstimate, rows: &mut Vec<Row>) {
+    let parameters = &solved.parameters;
+    let name = &body.name;
+    let ten = (parameters.equations == Equations::Momentum)
+        .then(|| TenParameters::of_body(parameters, at, &solved.x));
+    let unit = |wanted: UnknownKind| -> Vec<f64> {
+        let unknowns = parameters.unknowns.iter();
+        unknowns
+            .map(|u| f64::from(u8::from(u.kind == wanted)))
+            .collect()
+    };
+    let mut push = |name: String, unit: &'static str, gradient: Vec<f64>| {
+        rows.push(Row {
+            name,
+            unit,
+            gradient,
+            nuisance: None,
+        });
+    };
+    if let Some(ten) = ten.as_ref().filter(|_| determined(&body.mass)) {
+        push(format!("{name}.mass"), "kg", ten.parameter(0).gradient);
+    }
+    for k in (0..3).filter(|k| determined(&body.com[*k])) {
+        let gradient = ten.as_ref().map_or_else(
+            || unit(UnknownKind::MassCentre(k)),
+            |t| t.mass_centre(k).gradient,
+        );
+        push(format!("{name}.com_{}", axis_name(k)), "m", gradient);
+    }
+    for k in (0..6).filter(|k| determined(&body.inertia[*k])) {
+        let gradient = ten.as_ref().map_or_else(
+            || unit(UnknownKind::CentralInertia(k)),
+            |t| t.central_inertia(k).gradient,
+        );
+        let name = format!("{name}.inertia_{}", tensor_name(k));
+        push(name, "kg m2", gradient);
+    }
+}
+
+/// Their covariance, row by row: that of the mass properties carried over, and what a nuisance scatters by once they
+/// are given.
+pub(crate) fn covariance(solved: &Solved, rows: &[Row], scale: f64) -> Vec<Vec<f64>> {
+    let c = solved.spectrum.covariance();
+    let m = c.nrows();
+    let own = head(
+        &solved.shared.r,
+        solved.shared.nuisances,
+        &solved.x[..solved.shared.mass],
+    )
+    .covariance;
+    let image = |g: &[f64]| -> Vec<f64> {
+        (0..m)
+            .map(|i| (0..m).map(|j| c[(i, j)] * g[j]).sum())
+            .collect()
+    };
+    rows.iter()
+        .map(|a| {
+            let image = image(&a.gradient);
+            rows.iter()
+                .map(|b| {
+                    let carried: f64 = b.gradient.iter().zip(&image).map(|(x, y)| x * y).sum();
+                    let own = match (a.nuisance, b.nuisance) {
+                        (Some(i), Some(j)) => own[(i, j)],
+                        _ => 0.0,
+                    };
+                    scale * (carried + own)
+                })
+                .collect()
+        })
+        .collect()
+}

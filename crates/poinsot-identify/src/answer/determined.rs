@@ -1,0 +1,252 @@
+//! What is determined instead of single numbers: combinations and other functions that stay the same along the open set.
+
+use crate::answer::body::Judge;
+use crate::certify::barycentre::Barycentric;
+use crate::certify::combination::{Combination, split};
+use crate::certify::words;
+use crate::problem::Problem;
+use crate::problem::parameters::{Equations, TENSOR, axis_name, tensor_name};
+use crate::problem::quantity::Quantity;
+use crate::solution::estimate::{DeterminedCombination, Identifiability};
+use crate::solution::solved::Solved;
+use faer::Mat;
+
+/// Movement of a combination along all walks together that counts as none, sigmas.
+const STILL: f64 = 0.1;
+/// Step of a difference, natural units: its third power and the round-off over it are both below 1e-9.
+const STEP: f64 = 1.0e-4;
+/// Slope of a quantity, shares of its largest possible, below which it does not depend on the unknowns.
+const FLAT: f64 = 1.0e-9;
+
+/// Linear combinations that the data determine and that no walk moves.
+pub(crate) fn combinations(solved: &Solved, judge: &Judge) -> Vec<DeterminedCombination> {
+    let spectrum = solved.of_data();
+    let m = spectrum.natural.len();
+    let open = unusable(solved);
+    let all = split(&open, &spectrum.natural, &words::weights(solved)).determined;
+    let one = |c: &Combination| {
+        let gradient = c.gradient(m);
+        let mut full = gradient.clone();
+        full.resize(solved.parameters.len(), 0.0);
+        let lead = c.terms.first()?.0;
+        let at = |x: &[f64]| Quantity {
+            value: c.value(x),
+            gradient: full.clone(),
+        };
+        let sigma = judge.sigma_with(&full, 0.0)?;
+        let declared = spectrum.sigma(&gradient)?;
+        solved
+            .open_set
+            .holds(&at(&solved.x), declared, at)
+            .then(|| DeterminedCombination {
+                text: words::sentence(solved, c),
+                coefficients: words::named(solved, &gradient),
+                unit: solved.parameters.unknowns[lead].unit,
+                value: c.value(&solved.x),
+                sigma,
+            })
+    };
+    all.iter().filter_map(one).collect()
+}
+
+/// The open directions and what the walks along them move besides, an orthonormal basis in natural units.
+fn unusable(solved: &Solved) -> Mat<f64> {
+    let spectrum = solved.of_data();
+    let (n, r) = (spectrum.natural.len(), spectrum.rank);
+    let open = spectrum.open_directions();
+    let curved = solved.open_set.walks.iter().filter(|w| !w.ends.is_empty());
+    let points: Vec<&Vec<f64>> = curved.flat_map(|w| &w.points).collect();
+    if r == 0 || points.is_empty() {
+        return open;
+    }
+    // Displacements along the determined directions, in sigmas.
+    let moved = Mat::from_fn(r, points.len(), |k, p| {
+        let step = |i: usize| (points[p][i] - solved.x[i]) / spectrum.natural[i];
+        let along = (0..n).map(|i| step(i) * spectrum.directions[(i, k)]);
+        spectrum.singular[k] * along.sum::<f64>()
+    });
+    let Ok(svd) = moved.thin_svd() else {
+        return open;
+    };
+    let count = r.min(points.len());
+    let also: Vec<usize> = (0..count).filter(|j| svd.S()[*j] > STILL).collect();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for j in also {
+        let mut w = vec![0.0; n];
+        for (i, w) in w.iter_mut().enumerate() {
+            let terms = (0..r)
+                .map(|k| spectrum.directions[(i, k)] * svd.U()[(k, j)] / spectrum.singular[k]);
+            *w = terms.sum();
+        }
+        // Twice is enough (Parlett 1980).
+        for _ in 0..2 {
+            for b in &basis {
+                let dot: f64 = b.iter().zip(&w).map(|(b, w)| b * w).sum();
+                w.iter_mut().zip(b).for_each(|(w, b)| *w -= dot * b);
+            }
+            let length = w.iter().map(|x| x * x).sum::<f64>().sqrt();
+            w.iter_mut().for_each(|x| *x /= length);
+        }
+        basis.push(w);
+    }
+    let d = open.ncols();
+    Mat::from_fn(n, d + basis.len(), |i, k| match k < d {
+        true => open[(i, k)],
+        false => basis[k - d][i],
+    })
+}
+
+/// Functions of the unknowns that are not linear, that the data determine and that no walk moves: augmented inertias and
+/// couplings of a tree of which only the rotation is seen. None where combinations hold all that is determined.
+pub(crate) fn functions(
+    problem: &Problem,
+    solved: &Solved,
+    judge: &Judge,
+) -> Vec<DeterminedCombination> {
+    let curved = solved.open_set.here.is_some();
+    if !curved || solved.parameters.equations != Equations::Momentum {
+        return Vec::new();
+    }
+    let x = &solved.x;
+    let (Some(here), Some(slopes)) = (values(problem, solved, x), slopes(problem, solved, x))
+    else {
+        return Vec::new();
+    };
+    let (natural, set) = (&solved.of_data().natural, &solved.open_set);
+    let along: Vec<(&Vec<f64>, Vec<f64>)> = set
+        .points()
+        .filter_map(|x| Some((x, values(problem, solved, x)?)))
+        .collect();
+    let ends = set.walks.iter().flat_map(|w| &w.ends);
+    let ends: Vec<(&Vec<f64>, Vec<Vec<f64>>)> = ends
+        .filter_map(|(x, _)| Some((x, self::slopes(problem, solved, x)?)))
+        .collect();
+    let units = solved.parameters.natural.iter().map(|(m, l)| m * l * l);
+    let inertia = units.fold(0.0, f64::max);
+    let mut found = Vec::new();
+    for (k, text) in names(solved).into_iter().enumerate() {
+        let quantity = Quantity {
+            value: here[k],
+            gradient: slopes[k].clone(),
+        };
+        let pairs = quantity.gradient.iter().zip(natural);
+        let slope = pairs.map(|(g, u)| (g * u).abs()).fold(0.0, f64::max);
+        if slope <= FLAT * inertia {
+            continue;
+        }
+        let declared = solved.of_data().sigma(&quantity.gradient[..natural.len()]);
+        let stated = judge.sigma_with(&quantity.gradient, 0.0);
+        let (Some(declared), Some(sigma)) = (declared, stated) else {
+            continue;
+        };
+        let at = |x: &[f64]| {
+            let value = along.iter().find(|(p, _)| p.as_slice() == x);
+            let slope = ends.iter().find(|(p, _)| p.as_slice() == x);
+            Quantity {
+                value: value.map_or(f64::NAN, |v| v.1[k]),
+                gradient: slope.map_or_else(Vec::new, |s| s.1[k].clone()),
+            }
+        };
+        if set.holds(&quantity, declared, at) {
+            found.push(DeterminedCombination {
+                text,
+                coefficients: Vec::new(),
+                unit: "kg m2",
+                value: here[k],
+                sigma,
+            });
+        }
+    }
+    found
+}
+
+/// Elements of the augmented inertias and couplings.
+fn values(problem: &Problem, solved: &Solved, x: &[f64]) -> Option<Vec<f64>> {
+    let all = Barycentric::new(problem.tree, &solved.parameters.bodies(x))?;
+    let mut list: Vec<f64> = Vec::new();
+    for K in &all.K {
+        list.extend(TENSOR.map(|element| K[element]));
+    }
+    for (.., D) in &all.D {
+        list.extend(ELEMENTS.map(|element| D[element]));
+    }
+    Some(list)
+}
+
+/// Their slopes over the unknowns, by differences.
+fn slopes(problem: &Problem, solved: &Solved, x: &[f64]) -> Option<Vec<Vec<f64>>> {
+    let mut all = vec![vec![0.0; x.len()]; values(problem, solved, x)?.len()];
+    for (i, unit) in solved.of_data().natural.iter().enumerate() {
+        let at = |step: f64| {
+            let mut moved = x.to_vec();
+            moved[i] += step * unit;
+            values(problem, solved, &moved)
+        };
+        let pairs = at(STEP)?.into_iter().zip(at(-STEP)?);
+        for (slope, (up, down)) in all.iter_mut().zip(pairs) {
+            slope[i] = (up - down) / (2.0 * STEP * unit);
+        }
+    }
+    Some(all)
+}
+
+/// Elements of a coupling, row by row.
+const ELEMENTS: [(usize, usize); 9] = [
+    (0, 0),
+    (0, 1),
+    (0, 2),
+    (1, 0),
+    (1, 1),
+    (1, 2),
+    (2, 0),
+    (2, 1),
+    (2, 2),
+];
+
+/// Names of [`values`].
+fn names(solved: &Solved) -> Vec<String> {
+    let bodies = &solved.parameters.body_names;
+    let mut list = Vec::new();
+    for body in bodies {
+        let one = |k: usize| format!("K_{} of {body}", tensor_name(k));
+        list.extend((0..TENSOR.len()).map(one));
+    }
+    for (i, own) in bodies.iter().enumerate() {
+        for other in &bodies[i + 1..] {
+            list.extend(ELEMENTS.map(|(row, column)| {
+                let element = [row, column].map(axis_name).concat();
+                format!("D_{element} of {own} and {other}")
+            }));
+        }
+    }
+    list
+}
+
+/// What is said where combinations alone do not hold what is determined, and where the rank changes along a walk.
+pub(crate) fn withheld(found: &Identifiability) -> Option<String> {
+    let linear = |c: &&DeterminedCombination| !c.coefficients.is_empty();
+    let combinations = found.determined.iter().filter(linear).count();
+    if found.ranks.is_empty() || found.determined.is_empty() || combinations >= found.rank {
+        return None;
+    }
+    let others = found.determined.len() - combinations;
+    let mut text = format!(
+        "{} of {} determined directions hold no linear combination of parameters that is the same wherever the prediction is the same: {} such combinations are withheld",
+        found.rank - combinations,
+        found.rank,
+        found.rank - combinations
+    );
+    if others > 0 {
+        text.push_str(&format!(
+            "; {others} augmented inertias K (inertia of a body about its barycentre, the rest as point masses at its joints) and couplings D of two bodies are stated instead"
+        ));
+    }
+    if found.ranks.iter().any(|r| *r != found.ranks[0]) {
+        let ranks: Vec<String> = found.ranks.iter().map(usize::to_string).collect();
+        text.push_str(&format!(
+            "; the rank changes along the open set: {}",
+            ranks.join(", ")
+        ));
+    }
+    Some(text)
+}

@@ -1,0 +1,90 @@
+//! How the answer depends on the known numbers.
+
+use crate::answer::covariance::Row;
+use crate::fit::known_numbers::Effects;
+use crate::problem::parameters::KnownUnknown;
+use crate::solution::estimate::{KnownEffect, KnownNumbers};
+use crate::solution::solved::Solved;
+use poinsot_model::{KnownNumber, Model};
+
+/// One per cent, one millimetre or one milliradian.
+const STEP: f64 = 1.0e-2;
+const SMALL_STEP: f64 = 1.0e-3;
+
+/// Sigmas without the known numbers, and what each of these does; `rows` are those of the covariance.
+pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> KnownNumbers {
+    let uncertain = model.uncertain().next().is_some();
+    let mut out = KnownNumbers {
+        exact: !uncertain,
+        assumed: model.knowledge.assumed,
+        ..KnownNumbers::default()
+    };
+    let Some(known) = &solved.known else {
+        return out;
+    };
+    let asked = |row: &Row| row.nuisance.is_none();
+    let sigma = |row: &Row| known.exact.sigma(&row.gradient).filter(|_| asked(row));
+    out.sigma_data = rows.iter().map(sigma).collect();
+    let total = |row: &Row| solved.spectrum.sigma(&row.gradient).unwrap_or(0.0);
+    let totals: Vec<f64> = rows.iter().map(total).collect();
+    for (k, place) in known.places.iter().enumerate() {
+        let unknown = &solved.parameters.unknowns[*place];
+        let Some(number) = unknown.kind.known() else {
+            continue;
+        };
+        let (step, step_words) = step(model, number);
+        let slope = |of: usize, row: &Row| -> f64 {
+            let pairs = row.gradient.iter().zip(&known.shift[of]);
+            pairs.map(|(g, s)| g * s).sum()
+        };
+        let change = |row: &Row| asked(row).then(|| step * slope(k, row));
+        let share = |(row, total): (&Row, &f64)| {
+            let together: f64 = (0..known.places.len())
+                .map(|j| known.covariance[(k, j)] * slope(j, row))
+                .sum();
+            let whole = total * total;
+            let share = (slope(k, row) * together / whole).clamp(0.0, 1.0);
+            (asked(row) && whole > 0.0).then_some(share)
+        };
+        out.effects.push(KnownEffect {
+            name: unknown.name.clone(),
+            unit: unknown.unit,
+            value: unknown.nominal,
+            sigma: number.sigma,
+            estimated: known
+                .shrunk(*place)
+                .then(|| (solved.x[*place], sigma_of(known, k))),
+            step,
+            step_words,
+            changes: rows.iter().map(change).collect(),
+            shares: rows.iter().zip(&totals).map(share).collect(),
+        });
+    }
+    let size = |e: &KnownEffect| e.largest().map_or(0.0, |l| l.1);
+    out.effects.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    out
+}
+
+fn sigma_of(known: &Effects, k: usize) -> f64 {
+    known.covariance[(k, k)].max(0.0).sqrt()
+}
+
+/// A step of a known number that an engineer can imagine.
+fn step(model: &Model, known: &KnownUnknown) -> (f64, &'static str) {
+    match known.number {
+        KnownNumber::Mass(_)
+        | KnownNumber::Inertia(_)
+        | KnownNumber::SpinInertia(_)
+        | KnownNumber::Force(_) => {
+            let step = known.number.absolute(model, known.component, STEP);
+            (step, "1 %")
+        }
+        KnownNumber::MassCentre(_)
+        | KnownNumber::JointOrigin(_)
+        | KnownNumber::ForcePosition(_) => (SMALL_STEP, "1 mm"),
+        KnownNumber::WheelAxis(_)
+        | KnownNumber::JointAxis(_)
+        | KnownNumber::ForceDirection(_)
+        | KnownNumber::Mounting(_) => (SMALL_STEP, "1 mrad"),
+    }
+}

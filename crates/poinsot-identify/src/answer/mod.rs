@@ -1,0 +1,11 @@
+//! From a solved problem to the estimate that is written.
+
+pub(crate) mod body;
+pub(crate) mod covariance;
+pub(crate) mod determined;
+pub(crate) mod known_numbers;
+pub(crate) mod momentum;
+pub(crate) mod trust;
+pub(crate) mod write;
+
+pub(crate) use write::{write, write_with_remedies};

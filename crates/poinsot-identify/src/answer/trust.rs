@@ -1,0 +1,312 @@
+//! Whether an answer may be relied on, and by how much its sigmas are widened: the one judge of status, exit code and verdict.
+//!
+//! A pooled chi-square hides a sensor with few readings, and a misfit that is small and slow. So every sensor is judged by
+//! itself, in every segment and in all together, as a whole and octave by octave (see [`crate::octaves`]). Every test has
+//! a chance of its own, so that an honest record is doubted less than once in 10,000 answers, however many tests it takes.
+
+use crate::diagnosis::octaves::Octave;
+use crate::solution::estimate::SegmentFit;
+use crate::solution::solved::Solved;
+
+/// Probability that any of the tests of one answer doubts an honest record.
+const FALSE_ALARM: f64 = 2.0e-5;
+/// Excess of a mean square that is too small to matter: sigmas are 1 % too small.
+const NEGLIGIBLE: f64 = 0.02;
+/// Excess of a mean square that is white all over, up to which widened sigmas make up for it: noise of a tenth more than
+/// declared. Nobody knows the noise of a sensor better.
+const WHITE: f64 = 0.21;
+/// Share of the misfit from which a suspect is named beside the sensors that show it.
+const MOST: f64 = 0.5;
+/// Chi-square per degree of freedom above which the declared noise cannot be right, of methods that know no more.
+pub(crate) const MISFIT: f64 = 1.5;
+/// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
+pub(crate) const NOISE_FREE: f64 = 1.0e-3;
+
+/// What the residuals, the priors and the way of the fit say against the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Trust {
+    /// Why it is not to be relied on, the most important first; empty where nothing speaks against it.
+    pub doubts: Vec<String>,
+    /// Factor on every sigma: by what the noise of the worst sensor, or of the priors, would have to be larger.
+    pub widening: f64,
+    /// Whether residuals are too large and correlated in time: then they speak against the model, not the noise.
+    pub coloured: bool,
+}
+
+impl Trust {
+    pub fn of(solved: &Solved) -> Self {
+        let chi2 = solved.chi2_per_dof();
+        let sensors = sensors(&solved.fit);
+        let mut doubts = Vec::new();
+        let mut worst = chi2.max(1.0);
+        if let Some(conflict) = &solved.conflict {
+            worst = worst.max(conflict.ratio);
+            doubts.push("a prior contradicts the data".to_owned());
+        }
+        if !solved.settled {
+            doubts.push("the iteration did not settle".to_owned());
+        }
+        for sensor in &sensors {
+            worst = worst.max(sensor.worst.per_number());
+        }
+        let bad = || sensors.iter().filter(|s| !s.is_made_up_for());
+        doubts.extend(suspect(solved, bad().next().is_some()));
+        doubts.extend(bad().map(Sensor::words));
+        if bad().next().is_none() && chi2 > MISFIT {
+            doubts.push(format!(
+                "residuals are {:.1} times the declared noise",
+                chi2.sqrt()
+            ));
+        }
+        let sensitive = solved.sensitive_to.iter();
+        doubts.extend(sensitive.map(|what| format!("it is sensitive to {what}")));
+        if solved.not_rigid {
+            doubts.push("a line in the residual says that the vehicle is not rigid".to_owned());
+        }
+        if solved.adds_up && chi2 > NOISE_FREE {
+            doubts.push("noise adds up from sample to sample under thrust".to_owned());
+        }
+        if let Some(held) = &solved.held {
+            doubts.push(format!(
+                "{} is held at the edge of what positive mass can have",
+                held.bodies.join(", ")
+            ));
+        }
+        Self {
+            doubts,
+            widening: worst.sqrt(),
+            coloured: sensors.iter().any(|s| s.coloured),
+        }
+    }
+}
+
+/// The first suspect of the diagnosis: every one where no sensor shows more, the cause of most of it otherwise.
+fn suspect(solved: &Solved, shown: bool) -> Option<String> {
+    let suspects = &solved.diagnostics.as_ref()?.suspects;
+    let first = suspects.first().filter(|s| !s.fault.is_spread())?;
+    if shown && first.explains < MOST {
+        return None;
+    }
+    Some(match first.explains > 0.0 {
+        true => format!(
+            "{} would explain {:.0} % of the misfit",
+            first.name,
+            100.0 * first.explains
+        ),
+        false => format!(
+            "{} would lower chi-square by {:.0}",
+            first.name, first.decrease
+        ),
+    })
+}
+
+/// A sensor whose residual is larger than its declared noise allows.
+#[derive(Debug, Clone, PartialEq)]
+struct Sensor {
+    name: String,
+    /// Segment, where it shows in that one alone.
+    segment: Option<String>,
+    /// All levels together.
+    whole: Octave,
+    /// The largest mean square of those that are too large: the whole, or one level.
+    worst: Octave,
+    /// Whether the levels differ by more than chance.
+    coloured: bool,
+}
+
+impl Sensor {
+    /// The levels of one sensor, judged; `None` where none is too large.
+    fn judged(name: &str, levels: &[Octave], chance: f64) -> Option<Self> {
+        let whole = levels.iter().fold(Octave::default(), |a, b| a.plus(b));
+        let too_large = |o: &&Octave| o.per_number() > 1.0 + NEGLIGIBLE && o.chance(1.0) < chance;
+        let coloured = levels.iter().any(|o| o.chance(whole.per_number()) < chance);
+        // Levels of white noise scatter about the whole, those of few readings widely.
+        let all = std::iter::once(&whole).chain(levels.iter().filter(|_| coloured));
+        let larger = |a: &&Octave, b: &&Octave| a.per_number().total_cmp(&b.per_number());
+        let worst = all.filter(too_large).max_by(larger);
+        let worst = worst.or_else(|| levels.iter().filter(too_large).max_by(larger))?;
+        Some(Self {
+            name: name.to_owned(),
+            segment: None,
+            worst: *worst,
+            coloured,
+            whole,
+        })
+    }
+
+    /// Whether widened sigmas are all that is needed.
+    fn is_made_up_for(&self) -> bool {
+        !self.coloured && self.worst.per_number() <= 1.0 + WHITE
+    }
+
+    fn words(&self) -> String {
+        let place = match &self.segment {
+            Some(segment) => format!(" in {segment}"),
+            None => String::new(),
+        };
+        let (whole, worst) = (self.whole.per_number(), self.worst.per_number());
+        let name = &self.name;
+        match self.coloured && worst > whole {
+            true => format!(
+                "the residual of the {name}{place} is correlated in time, {:.1} times as large over {} readings as its declared noise allows",
+                worst.sqrt(),
+                self.worst.readings
+            ),
+            false => format!(
+                "the residual of the {name}{place} is {:.2} times its declared noise",
+                whole.max(worst).sqrt()
+            ),
+        }
+    }
+}
+
+/// Sensors that are too large: in all segments together, else in one of them.
+fn sensors(fit: &[SegmentFit]) -> Vec<Sensor> {
+    let mut names: Vec<&str> = Vec::new();
+    for channel in fit.iter().flat_map(|s| &s.channels) {
+        if !channel.octaves.is_empty() && !names.contains(&channel.name.as_str()) {
+            names.push(&channel.name);
+        }
+    }
+    let tests: usize = names
+        .iter()
+        .flat_map(|name| octaves_of(fit, name))
+        .map(|(_, levels)| 2 * (levels.len() + 1))
+        .sum();
+    let chance = FALSE_ALARM / tests.max(1) as f64;
+    names
+        .iter()
+        .filter_map(|name| {
+            let together =
+                octaves_of(fit, name).fold(Vec::new(), |sum, (_, levels)| added(sum, levels));
+            let mut found = Sensor::judged(name, &together, chance);
+            for (label, levels) in octaves_of(fit, name) {
+                let alone = Sensor::judged(name, levels, chance);
+                let Some(mut alone) = alone.filter(|_| fit.len() > 1) else {
+                    continue;
+                };
+                alone.segment = Some(label.clone());
+                let larger = |f: &Sensor| alone.worst.per_number() > f.worst.per_number();
+                if found.as_ref().is_none_or(larger) {
+                    alone.coloured |= found.as_ref().is_some_and(|f| f.coloured);
+                    found = Some(alone);
+                }
+            }
+            found
+        })
+        .collect()
+}
+
+/// Labels of the segments and octaves of one sensor.
+fn octaves_of<'a>(
+    fit: &'a [SegmentFit],
+    name: &'a str,
+) -> impl Iterator<Item = (&'a String, &'a Vec<Octave>)> {
+    fit.iter().flat_map(move |s| {
+        let own = s.channels.iter().filter(move |c| c.name == name);
+        own.map(move |c| (&s.label, &c.octaves))
+    })
+}
+
+/// Level by level.
+fn added(mut sum: Vec<Octave>, levels: &[Octave]) -> Vec<Octave> {
+    sum.resize(sum.len().max(levels.len()), Octave::default());
+    for (s, level) in sum.iter_mut().zip(levels) {
+        *s = s.plus(level);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::octaves::octaves;
+    use crate::diagnosis::octaves::tests::white;
+    use crate::problem::loss::Loss;
+    use crate::solution::estimate::ChannelFit;
+    use poinsot_spatial::Vector3;
+
+    fn fit(channels: &[(&'static str, Vec<Vector3>)]) -> SegmentFit {
+        let channel = |(name, white): &(&'static str, Vec<Vector3>)| ChannelFit {
+            name: (*name).to_owned(),
+            unit: "",
+            rms: 0.0,
+            chi2_per_number: None,
+            whiteness_p: None,
+            octaves: octaves(white, Loss::Gaussian, 0.0),
+        };
+        SegmentFit {
+            label: "run".to_owned(),
+            channels: channels.iter().map(channel).collect(),
+            ..SegmentFit::default()
+        }
+    }
+
+    /// Of 3,000 honest records, short and long, none is doubted: the rate is below one in 1,000 (95 %), and by
+    /// construction below 2e-5.
+    #[test]
+    fn stat_no_honest_record_is_doubted() {
+        for seed in 0..3000 {
+            let n = [20, 60, 500][seed as usize % 3];
+            let run = fit(&[
+                ("gyro", white(n, seed)),
+                ("attitude", white(n / 3, seed + 9999)),
+            ]);
+            assert_eq!(sensors(&[run]), [], "{seed}");
+        }
+    }
+
+    #[test]
+    fn stat_few_readings_with_ten_times_the_noise_are_seen_beside_many_good_ones() {
+        let bad = white(20, 1).iter().map(|w| 10.0 * w).collect();
+        let found = sensors(&[fit(&[("gyro", white(5000, 2)), ("attitude", bad)])]);
+        assert_eq!(found.len(), 1);
+        assert_eq!((&*found[0].name, found[0].coloured), ("attitude", false));
+        let factor = found[0].worst.per_number().sqrt();
+        assert!((7.0..13.0).contains(&factor), "{factor}");
+    }
+
+    #[test]
+    fn stat_a_slow_wave_below_the_noise_is_seen_and_called_correlated() {
+        let wave = |k: usize| Vector3::x() * 0.25 * (k as f64 / 300.0).sin();
+        let slow: Vec<Vector3> = white(5000, 3)
+            .iter()
+            .enumerate()
+            .map(|(k, w)| w + wave(k))
+            .collect();
+        let whole = slow.iter().map(|w| w.norm_squared()).sum::<f64>() / 15000.0;
+        assert!(whole < 1.03, "{whole}");
+        let found = sensors(&[fit(&[("attitude", slow)])]);
+        assert!(
+            found[0].coloured && found[0].worst.readings > 100,
+            "{found:?}"
+        );
+        assert!(found[0].words().contains("correlated in time"));
+    }
+
+    #[test]
+    fn stat_a_small_excess_is_let_pass_or_made_up_for_where_it_is_white() {
+        let n = 400_000;
+        let near = white(n, 4).iter().map(|w| 1.007 * w).collect();
+        assert_eq!(sensors(&[fit(&[("gyro", near)])]), []);
+        for (factor, made_up_for) in [(1.02, true), (1.09, true), (1.12, false)] {
+            let far = white(n, 4).iter().map(|w| factor * w).collect();
+            let found = sensors(&[fit(&[("gyro", far)])]);
+            let widened = found[0].worst.per_number().sqrt();
+            assert_eq!((found.len(), found[0].is_made_up_for()), (1, made_up_for));
+            assert!((widened / factor - 1.0).abs() < 0.01, "{widened}");
+        }
+    }
+
+    #[test]
+    fn stat_one_bad_segment_of_many_is_named() {
+        let mut runs: Vec<SegmentFit> = (0..6).map(|s| fit(&[("gyro", white(300, s))])).collect();
+        let bad = white(300, 77).iter().map(|w| 1.5 * w).collect();
+        runs[4] = SegmentFit {
+            label: "fifth".to_owned(),
+            ..fit(&[("gyro", bad)])
+        };
+        let found = sensors(&runs);
+        assert_eq!(found[0].segment.as_deref(), Some("fifth"));
+    }
+}

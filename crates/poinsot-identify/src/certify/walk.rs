@@ -1,0 +1,338 @@
+//! Walks along the set of unknowns that predict the same readings.
+//!
+//! A direction in which the sensitivities vanish says only where such a set begins. So each is followed: a step along the
+//! null space of the sensitivities there (with the bend of the steps before), then Gauss-Newton steps across it back onto
+//! equal prediction. What has a straight set is recognised by its far ends. The readings are those that the answer
+//! predicts, at a few times of the record: their residual at the answer is zero, and so is the noise in the walk.
+
+use crate::certify::words;
+use crate::fit::as_predicted::{readings_alone, take_predictions};
+use crate::fit::experiment::{Experiment, Point};
+use crate::fit::far_start::thinned;
+use crate::fit::step::{Local, moved};
+use crate::problem::Problem;
+use crate::problem::parameters::Parameters;
+use crate::problem::segment::Segment;
+use crate::problem::shifted_vehicle::Centre;
+use crate::solution::estimate::OpenCombination;
+use crate::solution::open_set::{OpenSet, POINTS, REACH, Walk};
+use crate::solution::solved::Solved;
+use poinsot_solve::{LeastSquares, Spectrum};
+use rayon::prelude::*;
+
+/// Readings of each sensor in a segment along which a walk goes: far more than the numbers that they determine.
+const FEW: usize = 32;
+/// Change of all predictions along a walk that counts as none, in their noise.
+const EQUAL: f64 = 1.0e-2;
+/// Factor on what directions that are hardly excited change by themselves.
+const OWN: f64 = 1.02;
+/// The same before the last step back onto the set.
+const CLOSE: f64 = 3.0e-2;
+/// Most Gauss-Newton steps back onto equal prediction.
+const CORRECTIONS: usize = 8;
+
+/// The walks from an answer along every direction that is open.
+pub(crate) fn open_set(experiment: &Experiment, at: &Point, solved: &Solved) -> OpenSet {
+    let spectrum = &solved.spectrum;
+    if !solved.settled || spectrum.rank == spectrum.natural.len() {
+        return OpenSet::default();
+    }
+    if solved.data_alone.is_some() {
+        return straight_set(experiment.problem, solved);
+    }
+    let directions = directions(experiment.problem, solved);
+    if !experiment.parameters.has_known() {
+        return walked(experiment, at, &directions, spectrum.rank).unwrap_or_default();
+    }
+    // The vehicle with its known numbers where the fit has put them.
+    let of_known = || {
+        let centre = Centre::at(experiment.problem, experiment.parameters, &at.x)?;
+        let problem = centre.problem(experiment.problem);
+        let (parameters, kept) = centre.parameters.without_known();
+        let exact = experiment.of_vehicle(&problem, &parameters);
+        let own = Point {
+            x: kept.iter().map(|k| at.x[*k]).collect(),
+            heads: at.heads.clone(),
+        };
+        let mut set = walked(&exact, &own, &directions, spectrum.rank)?;
+        for walk in &mut set.walks {
+            for x in walk
+                .points
+                .iter_mut()
+                .chain(walk.ends.iter_mut().map(|e| &mut e.0))
+            {
+                let mut whole = at.x.clone();
+                kept.iter().zip(&*x).for_each(|(k, v)| whole[*k] = *v);
+                *x = whole;
+            }
+        }
+        Some(set)
+    };
+    of_known().unwrap_or_default()
+}
+
+/// The set of a linear problem; of any where priors hold what the data leave open.
+pub(crate) fn straight_set(problem: &Problem, solved: &Solved) -> OpenSet {
+    let directions = directions(problem, solved);
+    let both = mixed(&directions);
+    let all = directions.iter().chain(&both).cloned();
+    OpenSet::straight(
+        &solved.x,
+        &all.collect::<Vec<_>>(),
+        &solved.spectrum.natural,
+    )
+}
+
+/// The open directions as they are named, in the unknowns' own units; where priors hold what the data leave open, those
+/// that priors leave open too.
+fn directions(problem: &Problem, solved: &Solved) -> Vec<Vec<f64>> {
+    let spectrum = &solved.spectrum;
+    if solved.data_alone.is_some() {
+        let open = spectrum.open_directions();
+        let one = |k: usize| {
+            let natural = spectrum.natural.iter().enumerate();
+            natural.map(|(i, unit)| open[(i, k)] * unit).collect()
+        };
+        return (0..open.ncols()).map(one).collect();
+    }
+    // Names agree with the open space within a tolerance; walks begin in it.
+    let natural = &spectrum.natural;
+    let inside = |c: &OpenCombination| -> Vec<f64> {
+        let step = step_of(&solved.parameters, c, natural.len());
+        let z: Vec<f64> = step.iter().zip(natural).map(|(s, u)| s / u).collect();
+        let z = along(spectrum, spectrum.rank, &z);
+        z.iter().zip(natural).map(|(z, u)| z * u).collect()
+    };
+    let named = words::open_directions(problem, solved);
+    named.iter().map(inside).collect()
+}
+
+fn step_of(parameters: &Parameters, named: &OpenCombination, unknowns: usize) -> Vec<f64> {
+    let mut step = vec![0.0; unknowns];
+    for (unknown, s) in parameters.unknowns.iter().zip(&mut step) {
+        let of_it = named
+            .coefficients
+            .iter()
+            .find(|(name, _)| *name == unknown.name);
+        *s = of_it.map_or(0.0, |c| c.1);
+    }
+    step
+}
+
+/// All directions at once, in two ways: what moves along none of them may move along these.
+fn mixed(directions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let with = |sign: f64| {
+        let mut sum = vec![0.0; directions.first().map_or(0, Vec::len)];
+        for (k, d) in directions.iter().enumerate() {
+            let factor = if k % 2 == 0 { 1.0 } else { sign };
+            let length = d.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            sum.iter_mut()
+                .zip(d)
+                .for_each(|(s, d)| *s += factor * d / length.max(f64::MIN_POSITIVE));
+        }
+        sum
+    };
+    match directions.len() {
+        0 | 1 => Vec::new(),
+        _ => vec![with(1.0), with(-1.0)],
+    }
+}
+
+fn walked(
+    experiment: &Experiment,
+    at: &Point,
+    directions: &[Vec<f64>],
+    rank: usize,
+) -> Option<OpenSet> {
+    let segments = predicted(experiment, at)?;
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    // Declared calibrations agree with the answer, as the readings do.
+    let mut parameters = experiment.parameters.clone();
+    let unknowns = parameters.unknowns.iter_mut().zip(&at.x);
+    unknowns.for_each(|(u, x)| u.nominal = *x);
+    let centred = experiment.with_parameters(&parameters);
+    let few = readings_alone(&centred, &problem);
+    let here = few.linearise(at)?.rows;
+    let natural = here.spectrum.natural.clone();
+    let in_natural = |d: &Vec<f64>| {
+        d.iter()
+            .zip(&natural)
+            .map(|(s, u)| s / u)
+            .collect::<Vec<_>>()
+    };
+    let single: Vec<Vec<f64>> = directions.iter().map(in_natural).collect();
+    let walker = Walker {
+        experiment: &few,
+        at,
+        here: &here,
+        rank,
+    };
+    let walk = |d: &Vec<f64>| walker.both_ways(d);
+    let mut walks: Vec<Walk> = single.par_iter().map(walk).collect();
+    let all: Vec<Walk> = mixed(&single).par_iter().map(walk).collect();
+    walks.extend(all);
+    let curved = walks.iter().any(|w| !w.ends.is_empty());
+    Some(OpenSet {
+        walks,
+        here: curved.then(|| here.spectrum.clone()),
+    })
+}
+
+/// A few readings of every segment with the values that a point predicts, weighted for all of them.
+fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
+    let few = |s: &Segment| {
+        let mut few = thinned(s, FEW).unwrap_or_else(|| s.clone());
+        let pairs = few
+            .observations
+            .sensors
+            .iter_mut()
+            .zip(&s.observations.sensors);
+        for (kept, all) in pairs {
+            kept.covariance *= kept.samples.len() as f64 / all.samples.len().max(1) as f64;
+        }
+        few
+    };
+    let mut segments: Vec<Segment> = experiment.problem.segments.iter().map(few).collect();
+    take_predictions(experiment, at, &mut segments)?;
+    Some(segments)
+}
+
+/// Where a walk ends: the unknowns, and the spectrum there.
+type End = (Vec<f64>, Spectrum);
+
+/// One who walks from an answer.
+struct Walker<'a> {
+    experiment: &'a Experiment<'a>,
+    at: &'a Point,
+    here: &'a Local,
+    rank: usize,
+}
+
+/// A point close to the set, the problem there, and the step onto the set in natural units.
+struct Stand {
+    at: Point,
+    local: Local,
+    back: Vec<f64>,
+}
+
+impl Walker<'_> {
+    fn both_ways(&self, direction: &[f64]) -> Walk {
+        let tangent = along(&self.here.spectrum, self.rank, direction);
+        if let Some(walk) = self.straight(&tangent) {
+            return walk;
+        }
+        let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
+        let (mut points, first) = self.path(&back);
+        points.reverse();
+        points.push(self.at.x.clone());
+        let (further, last) = self.path(&tangent);
+        points.extend(further);
+        let ends = [first, last].into_iter().flatten();
+        let ends: Vec<End> = ends.collect();
+        Walk { points, ends }
+    }
+
+    /// The walk where both far ends of a straight step predict the same.
+    fn straight(&self, tangent: &[f64]) -> Option<Walk> {
+        let spectrum = &self.here.spectrum;
+        let excited = (self.rank..tangent.len()).map(|k| {
+            let along = tangent.iter().enumerate();
+            let share: f64 = along.map(|(i, t)| t * spectrum.directions[(i, k)]).sum();
+            (spectrum.singular[k] * share).powi(2)
+        });
+        let own: f64 = excited.sum();
+        let far = |reach: f64| {
+            let step: Vec<f64> = tangent.iter().map(|t| reach * t).collect();
+            let to = moved(self.experiment, self.at, self.here.parts(), &step);
+            let there = self.experiment.evaluate(&to, false)?;
+            let off: f64 = there.iter().map(|e| e.chi2).sum();
+            (off < EQUAL * EQUAL + OWN * own * reach * reach).then_some(to)
+        };
+        let (end, start) = (far(REACH)?, far(-REACH)?);
+        let x = &self.at.x;
+        let middle = |i: usize| 0.5 * (end.x[i] - start.x[i]);
+        Some(Walk::straight(x, middle))
+    }
+
+    /// Points one way, and the spectrum at the last.
+    fn path(&self, direction: &[f64]) -> (Vec<Vec<f64>>, Option<End>) {
+        let length = REACH / POINTS as f64;
+        let mut points = Vec::new();
+        let mut stand: Option<Stand> = None;
+        let (mut tangent, mut before) = (direction.to_vec(), direction.to_vec());
+        for _ in 0..POINTS {
+            let bend = tangent.iter().zip(&before).map(|(t, b)| 0.5 * (t - b));
+            let mut step: Vec<f64> = bend.zip(&tangent).map(|(b, t)| length * (t + b)).collect();
+            let (from, local) = match &stand {
+                Some(s) => {
+                    step.iter_mut().zip(&s.back).for_each(|(z, b)| *z += b);
+                    (&s.at, &s.local)
+                }
+                None => (self.at, self.here),
+            };
+            let to = moved(self.experiment, from, local.parts(), &step);
+            let Some(next) = self.back_onto_the_set(to) else {
+                break;
+            };
+            let reached = moved(self.experiment, &next.at, next.local.parts(), &next.back);
+            points.push(reached.x);
+            before = tangent;
+            tangent = along(&next.local.spectrum, self.rank, &before);
+            stand = Some(next);
+        }
+        let end = stand.zip(points.last().cloned());
+        (points, end.map(|(s, x)| (x, s.local.spectrum)))
+    }
+
+    fn back_onto_the_set(&self, mut at: Point) -> Option<Stand> {
+        for _ in 0..CORRECTIONS {
+            let here = self.experiment.linearise(&at)?;
+            let (off, local) = (here.promised.sqrt(), here.rows);
+            let back = across(&local, self.rank);
+            if off.is_nan() || largest(&back) > REACH {
+                return None;
+            }
+            // The step back is still taken: what it leaves is of second order.
+            if off < CLOSE {
+                return Some(Stand { at, local, back });
+            }
+            at = moved(self.experiment, &at, local.parts(), &back);
+        }
+        None
+    }
+}
+
+/// The part of a direction in the null space, its largest component one.
+fn along(spectrum: &Spectrum, rank: usize, direction: &[f64]) -> Vec<f64> {
+    let n = direction.len();
+    let mut out = vec![0.0; n];
+    for k in rank..n {
+        let share: f64 = (0..n)
+            .map(|i| direction[i] * spectrum.directions[(i, k)])
+            .sum();
+        (0..n).for_each(|i| out[i] += share * spectrum.directions[(i, k)]);
+    }
+    let size = largest(&out);
+    out.iter()
+        .map(|z| z / size.max(f64::MIN_POSITIVE))
+        .collect()
+}
+
+/// The Gauss-Newton step across the null space.
+fn across(local: &Local, rank: usize) -> Vec<f64> {
+    let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
+    let n = spectrum.natural.len();
+    let mut z = vec![0.0; n];
+    for k in 0..rank {
+        let step = spectrum.left_along(&rhs, k) / spectrum.singular[k];
+        (0..n).for_each(|i| z[i] += step * spectrum.directions[(i, k)]);
+    }
+    z
+}
+
+fn largest(z: &[f64]) -> f64 {
+    z.iter().fold(0.0, |a, b| f64::max(a, b.abs()))
+}

@@ -1,0 +1,495 @@
+//! What the data leave open, said in words: known symmetries of trees first, then numbers.
+
+use crate::certify::combination::{Combination, split};
+use crate::problem::Problem;
+use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind, axis_name};
+use crate::problem::quantity::parameters_in_base;
+use crate::solution::estimate::OpenCombination;
+use crate::solution::open_set::{POINTS, REACH, Walk};
+use crate::solution::solved::Solved;
+use faer::Mat;
+use poinsot_dynamics::{Motion, Tree};
+use poinsot_model::{EstimateSet, Model};
+use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
+
+/// A move of the parameters that known theory says no motion can show, if it lies in the open space.
+struct Symmetry {
+    /// Move in the unknowns' own units.
+    step: Vec<f64>,
+    text: String,
+    reason: String,
+    remedy: String,
+}
+
+/// A candidate belongs to the open space if less than this share of it lies outside.
+const INSIDE: f64 = 1.0e-4;
+/// A part of a direction smaller than this share adds nothing new.
+const NEW: f64 = 1.0e-3;
+/// Coefficients below this share of the largest are left out of sentences.
+const SAID: f64 = 1.0e-3;
+
+/// Names every open direction.
+pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCombination> {
+    let spectrum = solved.of_data();
+    let natural = &spectrum.natural;
+    let open = spectrum.open_directions();
+    let mut found: Vec<OpenCombination> = Vec::new();
+    let mut spanned: Vec<Vec<f64>> = Vec::new();
+    for symmetry in symmetries(problem, solved) {
+        if spanned.len() == open.ncols() {
+            break;
+        }
+        let z: Vec<f64> = symmetry
+            .step
+            .iter()
+            .zip(natural)
+            .map(|(s, u)| s / u)
+            .collect();
+        let inside = project(&open, &z);
+        if norm(&difference(&z, &inside)) > INSIDE * norm(&z) {
+            continue;
+        }
+        if let Some(unit) = independent(&inside, &spanned) {
+            spanned.push(unit);
+            found.push(OpenCombination {
+                coefficients: named(solved, &symmetry.step),
+                text: symmetry.text,
+                reason: symmetry.reason,
+                remedy: symmetry.remedy,
+                walk: Vec::new(),
+            });
+        }
+    }
+    let rest = complement(&open, &spanned);
+    if rest.ncols() > 0 {
+        let weight = weights(solved);
+        for combination in split(&rest, natural, &weight).open {
+            found.push(in_numbers(problem, solved, &combination));
+        }
+    }
+    found
+}
+
+/// Numbers that are asked for and do not enter the equations of a rotation: mass, and without thrust the mass centre.
+pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
+    if parameters.equations != Equations::Rotation {
+        return Vec::new();
+    }
+    let asked = parameters.estimate.iter().zip(&parameters.body_names);
+    let mut all = Vec::new();
+    let shown_by_thrust = |axis: &usize| {
+        let mut unknowns = parameters.unknowns.iter();
+        unknowns.any(|u| u.kind == UnknownKind::MassCentre(*axis))
+    };
+    for (asked, body) in asked {
+        let mut open = |number: String, what: &str, reason: &str, remedy: &str| {
+            all.push(OpenCombination {
+                text: format!("{number} cannot be determined"),
+                coefficients: vec![(format!("{body}.{what}"), 1.0)],
+                reason: reason.to_owned(),
+                remedy: remedy.to_owned(),
+                walk: Vec::new(),
+            });
+        };
+        if asked.mass {
+            open(
+                format!("mass of {body}"),
+                "m",
+                "only rotation is measured, and it does not depend on the mass",
+                "measure velocity or position while a known force acts",
+            );
+        }
+        for axis in (0..3).filter(|axis| asked.com && !shown_by_thrust(axis)) {
+            let axis = axis_name(axis);
+            open(
+                format!("{axis} of the mass centre of {body}"),
+                &format!("com_{axis}"),
+                "only rotation is measured, no thruster fires, and the rotation does not depend on the mass centre",
+                "fire a thruster of known force, or add an accelerometer",
+            );
+        }
+    }
+    all
+}
+
+/// A preference for which unknowns stand as the open ones: products before moments.
+pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
+    let product = |k: usize| TENSOR[k].0 != TENSOR[k].1;
+    solved.parameters.unknowns[..solved.of_data().natural.len()]
+        .iter()
+        .map(|u| match &u.kind {
+            UnknownKind::CentralInertia(k) if product(*k) => 4.0,
+            UnknownKind::Barycentric(parts) => match parts.first() {
+                Some((at, _)) if at % 10 >= 4 && product(at % 10 - 4) => 1.2,
+                _ => 1.0,
+            },
+            _ => 1.0,
+        })
+        .collect()
+}
+
+/// A combination as a sentence of numbers, largest share first.
+pub(crate) fn sentence(solved: &Solved, combination: &Combination) -> String {
+    let unknowns = &solved.parameters.unknowns;
+    let natural = &solved.of_data().natural;
+    let lead = combination
+        .terms
+        .first()
+        .map_or(1.0, |(at, c)| (c * natural[*at]).abs());
+    let mut text = String::new();
+    for (at, c) in &combination.terms {
+        if (c * natural[*at]).abs() < SAID * lead {
+            continue;
+        }
+        let sign = match (text.is_empty(), *c < 0.0) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        let size = c.abs();
+        let factor = if (size - 1.0).abs() < 5.0e-10 {
+            String::new()
+        } else {
+            format!("{} ", four_digits(size))
+        };
+        text.push_str(&format!("{sign}{factor}{}", unknowns[*at].name));
+    }
+    text
+}
+
+fn four_digits(x: f64) -> String {
+    if (1.0e-3..1.0e4).contains(&x) {
+        let decimals = (3.0 - x.log10().floor()).max(0.0) as usize;
+        format!("{x:.decimals$}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+/// Names and coefficients of a move.
+pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
+    solved
+        .parameters
+        .unknowns
+        .iter()
+        .zip(step)
+        .filter(|(_, s)| **s != 0.0)
+        .map(|(u, s)| (u.name.clone(), *s))
+        .collect()
+}
+
+fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
+    if solved.parameters.equations == Equations::Rotation {
+        return Vec::new();
+    }
+    let mut list = Vec::new();
+    for child in 1..problem.tree.bodies() {
+        joint_symmetries(problem, solved, child, &mut list);
+    }
+    if solved.explained.is_none() {
+        let m = solved.of_data().natural.len();
+        let scale = |x: Vec<f64>| {
+            Symmetry {
+            step: x[..m].to_vec(),
+            text: "the common scale of all masses, first moments and inertias".to_owned(),
+            reason: "every force and momentum in the data is proportional to the unknowns themselves: nothing of known size takes part".to_owned(),
+            remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or give one body as known".to_owned(),
+        }
+        };
+        list.push(scale(solved.x.clone()));
+        list.push(scale(solved.parameters.nominal_vector()));
+    }
+    list
+}
+
+/// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
+/// a sliding one the inertia tensor, with a stopped one everything.
+fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut Vec<Symmetry>) {
+    let (model, tree) = (problem.model, problem.tree);
+    let link = &tree.links[child];
+    let parent = link.parent;
+    let all = |b: usize| solved.parameters.estimate[b] == EstimateSet::ALL;
+    if !all(child) || !all(parent) {
+        return;
+    }
+    let (c, p) = (&model.bodies[child].name, &model.bodies[parent].name);
+    let joint = joint_name(model, child);
+    let still = stopped_at(problem, child);
+    let u = link.axis_C;
+    let line = Matrix3::identity() - u * u.transpose();
+    let moves: Vec<(String, InertialParameters)> = match (link.motion, still) {
+        (Motion::Revolute(_), None) => vec![
+            (
+                format!("mass of {c} moves against mass of {p} (a point mass on the axis of {joint})"),
+                ten(1.0, Vector3::zeros(), Matrix3::zeros()),
+            ),
+            (
+                format!("first moment of {c} along the axis of {joint} moves against that of {p}"),
+                ten(0.0, u, Matrix3::zeros()),
+            ),
+            (
+                format!("a line inertia on the axis of {joint} moves between {c} and {p}"),
+                ten(0.0, Vector3::zeros(), line),
+            ),
+        ],
+        (Motion::Prismatic(_), None) => (0..6)
+            .map(|k| {
+                let mut pi = [0.0; 10];
+                pi[4 + k] = 1.0;
+                (
+                    format!(
+                        "inertia element {} of {c} moves against the inertia of {p} ({joint} slides without turning)",
+                        PARAMETER_NAMES[4 + k]
+                    ),
+                    InertialParameters::from_array(&pi),
+                )
+            })
+            .collect(),
+        _ => (0..10)
+            .map(|k| {
+                let mut pi = [0.0; 10];
+                pi[k] = 1.0;
+                (
+                    format!("{} of {c} moves against {p}: the two moved as one body", PARAMETER_NAMES[k]),
+                    InertialParameters::from_array(&pi),
+                )
+            })
+            .collect(),
+    };
+    let (reason, remedy) = match (link.motion, still.is_some()) {
+        (Motion::Revolute(_) | Motion::Prismatic(_), false) => (
+            format!(
+                "mass on the axis of {joint} moves the same with {c} as with {p}: no motion, momentum, thrust or joint torque can tell"
+            ),
+            format!("give one number of {c} or {p} as known, or declare a prior"),
+        ),
+        (Motion::Fixed | Motion::Free, _) => (
+            format!("{joint} is fixed"),
+            format!("give {c} or {p} as known, or declare a prior"),
+        ),
+        (_, true) => (format!("{joint} did not move"), format!("move {joint}")),
+    };
+    let (R, at) = relative_place(tree, child, still.unwrap_or(0.0));
+    let map = parameters_in_base(&R, &at);
+    for (text, given) in moves {
+        let mut pi = vec![[0.0; 10]; tree.bodies()];
+        let delta = given.to_array();
+        pi[child] = delta;
+        for (k, column) in map.iter().enumerate() {
+            for (row, value) in column.iter().enumerate() {
+                pi[parent][row] -= value * delta[k];
+            }
+        }
+        list.push(Symmetry {
+            step: as_unknowns(solved, &pi),
+            text,
+            reason: reason.clone(),
+            remedy: remedy.clone(),
+        });
+    }
+}
+
+fn ten(mass: f64, mc_B: Vector3, I_BBo_B: Matrix3) -> InertialParameters {
+    InertialParameters {
+        mass,
+        mc_B,
+        I_BBo_B,
+    }
+}
+
+/// The joint position of a body that never moved relative to its parent; `None` if it moved.
+fn stopped_at(problem: &Problem, child: usize) -> Option<f64> {
+    let (k, dof) = match problem.tree.links[child].motion {
+        Motion::Revolute(k) | Motion::Prismatic(k) => (k, problem.tree.dof()),
+        Motion::Fixed | Motion::Free => return Some(0.0),
+    };
+    let mut positions = problem
+        .segments
+        .iter()
+        .flat_map(|s| s.samples.joint_position.iter().skip(k).step_by(dof.max(1)));
+    let first = *positions.next()?;
+    positions
+        .all(|q| (q - first).abs() < 1.0e-9)
+        .then_some(first)
+}
+
+fn relative_place(tree: &Tree, child: usize, position: f64) -> (Matrix3, Vector3) {
+    let link = &tree.links[child];
+    match link.motion {
+        Motion::Revolute(_) => {
+            let turn = nalgebra::Rotation3::new(link.axis_C * position);
+            (link.R_PC_zero * turn.matrix(), link.p_PoCo_P)
+        }
+        Motion::Prismatic(_) => (link.R_PC_zero, link.p_PoCo_P + link.axis_P * position),
+        Motion::Fixed | Motion::Free => (link.R_PC_zero, link.p_PoCo_P),
+    }
+}
+
+fn joint_name(model: &Model, child: usize) -> String {
+    model.bodies[child]
+        .joint
+        .and_then(|j| model.joints.get(j))
+        .map_or_else(|| "joint".to_owned(), |j| j.name.clone())
+}
+
+/// A change of all barycentric parameters as a change of the unknowns (bodies wholly unknown).
+fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
+    solved.parameters.unknowns[..solved.of_data().natural.len()]
+        .iter()
+        .map(|u| match &u.kind {
+            UnknownKind::Barycentric(parts) => {
+                parts.first().map_or(0.0, |(at, _)| pi[at / 10][at % 10])
+            }
+            _ => 0.0,
+        })
+        .collect()
+}
+
+fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> OpenCombination {
+    let m = solved.of_data().natural.len();
+    let (reason, remedy) = poor_motion(problem, solved);
+    OpenCombination {
+        text: format!("{} can change unseen", sentence(solved, combination)),
+        coefficients: named(solved, &combination.gradient(m)),
+        reason,
+        remedy,
+        walk: Vec::new(),
+    }
+}
+
+/// Values of each parameter that moves on a walk; none where it ended early.
+pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
+    let m = solved.of_data().natural.len();
+    if walk.points.len() != 2 * POINTS + 1 {
+        return Vec::new();
+    }
+    let unknowns = solved.parameters.unknowns[..m].iter().enumerate();
+    let moves = unknowns.filter_map(|(i, u)| {
+        let values: Vec<f64> = walk.points.iter().map(|x| x[i]).collect();
+        let far = values
+            .iter()
+            .any(|v| (v - solved.x[i]).abs() > SAID * u.natural * REACH);
+        far.then(|| (u.name.clone(), values))
+    });
+    moves.collect()
+}
+
+/// Why a direction without a closed form is open: how the base turned.
+fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
+    let mut spread = Matrix3::zeros();
+    let mut count = 0.0;
+    for segment in problem.segments {
+        for w in &segment.samples.w_NB_B {
+            spread += w * w.transpose();
+            count += 1.0;
+        }
+    }
+    let eigen = nalgebra::SymmetricEigen::new(spread / f64::max(count, 1.0));
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let noise = (problem.noise.gyro.trace() / 3.0 * problem.noise.seen_gyro).sqrt();
+    let rms = order.map(|k| (eigen.eigenvalues[k] - noise * noise).max(0.0).sqrt());
+    let mut axis = eigen.eigenvectors.column(order[0]).into_owned();
+    if axis.max() < -axis.min() {
+        axis = -axis;
+    }
+    let weak = solved
+        .of_data()
+        .certificate
+        .get(solved.of_data().rank)
+        .copied()
+        .unwrap_or(f64::INFINITY);
+    if rms[0] <= 3.0 * noise {
+        return (
+            format!(
+                "the base hardly turned: {:.1e} rad/s rms against gyro noise {noise:.1e} rad/s",
+                rms[0]
+            ),
+            "turn the base about two axes, by wheels, joints or thrusters".to_owned(),
+        );
+    }
+    if rms[1] < 0.05 * rms[0] {
+        return (
+            format!(
+                "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so of the inertia tensor only I n shows (best open direction: sigma {weak:.2e} of the nominal)",
+                axis.x,
+                axis.y,
+                axis.z,
+                rms[1] / rms[0]
+            ),
+            "turn about a second axis, square to n as far as can be".to_owned(),
+        );
+    }
+    (
+        format!(
+            "the motion excites it too little for the declared noise (best open direction: sigma {weak:.2e} of the nominal)"
+        ),
+        "move more joints at once, turn about more axes, or record longer".to_owned(),
+    )
+}
+
+fn project(basis: &Mat<f64>, z: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; z.len()];
+    for k in 0..basis.ncols() {
+        let along: f64 = z.iter().enumerate().map(|(i, x)| x * basis[(i, k)]).sum();
+        for (i, o) in out.iter_mut().enumerate() {
+            *o += along * basis[(i, k)];
+        }
+    }
+    out
+}
+
+/// The part of `z` across all of `spanned`, as a unit vector; `None` where nothing new is left.
+fn independent(z: &[f64], spanned: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let length = norm(z);
+    let mut left = z.to_vec();
+    for _ in 0..2 {
+        for unit in spanned {
+            let along: f64 = unit.iter().zip(&left).map(|(a, b)| a * b).sum();
+            for (l, u) in left.iter_mut().zip(unit) {
+                *l -= along * u;
+            }
+        }
+    }
+    let rest = norm(&left);
+    (rest > NEW * length && rest > 0.0).then(|| left.iter().map(|x| x / rest).collect())
+}
+
+/// Basis of what `open` holds beyond `spanned`.
+fn complement(open: &Mat<f64>, spanned: &[Vec<f64>]) -> Mat<f64> {
+    let mut all = spanned.to_vec();
+    let mut fresh: Vec<Vec<f64>> = Vec::new();
+    let wanted = open.ncols().saturating_sub(spanned.len());
+    // Largest remainder first: a greedy choice keeps the basis well conditioned.
+    while fresh.len() < wanted {
+        let remainder = |k: usize| {
+            let column: Vec<f64> = (0..open.nrows()).map(|i| open[(i, k)]).collect();
+            let mut left = column;
+            for unit in &all {
+                let along: f64 = unit.iter().zip(&left).map(|(a, b)| a * b).sum();
+                for (l, u) in left.iter_mut().zip(unit) {
+                    *l -= along * u;
+                }
+            }
+            left
+        };
+        let best = (0..open.ncols())
+            .map(remainder)
+            .max_by(|a, b| norm(a).total_cmp(&norm(b)));
+        let Some(unit) = best.and_then(|b| independent(&b, &all)) else {
+            break;
+        };
+        all.push(unit.clone());
+        fresh.push(unit);
+    }
+    Mat::from_fn(open.nrows(), fresh.len(), |i, k| fresh[k][i])
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(x, y)| x - y).collect()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

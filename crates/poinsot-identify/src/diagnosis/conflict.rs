@@ -1,0 +1,202 @@
+//! Do the declared priors agree with what the data say without them?
+//!
+//! With `theta` from prior and data together, chi-square of the priors and what chi-square of the readings would fall by
+//! without them are together `d = (a - b)^T (A + B)^-1 (a - b)`, with `a`, `A` what the prior says and `b`, `B` what the data
+//! say alone: chi-square distributed where both are right. One row of variance one, whose value the answer knows to a
+//! variance `s^2`, leaves a residual of variance `1 - s^2` (the innovation of Kalman 1960, seen from behind).
+
+use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
+use crate::fit::degrees_of_freedom::fitted_numbers;
+use crate::fit::experiment::Experiment;
+use crate::fit::triangle::{HeadSolution, Shared, head};
+use crate::fit::{Fitted, ITERATIONS, fit_from};
+use crate::problem::Problem;
+use crate::problem::prior::{self, Conflict, Declared, PriorRow};
+use poinsot_model::rounded;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Probability by chance below which priors and data contradict each other: five sigma of one number.
+const CONTRADICTED: f64 = 5.7e-7;
+/// The same for one row.
+const FAR: f64 = 5.0;
+/// Least share of a row's variance that the data leave to judge it by.
+const SEEN: f64 = 1.0e-6;
+
+/// A declared number, what the data say of it, and how many sigmas lie between.
+struct Apart {
+    declared: Declared,
+    value: f64,
+    sigma: f64,
+    z: f64,
+}
+
+/// The contradiction, and the look for faults where the priors do not stand in the way: their fault is no fault of the
+/// vehicle. `None` in the second place where the first look holds.
+pub(crate) fn conflict(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    wanted: bool,
+) -> (Option<Conflict>, Option<Diagnostics>) {
+    let (mut apart, mut unnamed) = (calibrations(experiment, fitted), false);
+    let mut moved = 0.0;
+    let mut found = None;
+    if let Some(square) = design(experiment, fitted) {
+        moved = square;
+        let free = without(experiment, fitted, |free, end| {
+            let found = wanted.then(|| diagnose(free, end, fitted_numbers(free, end)));
+            (rows(experiment, end), found)
+        });
+        unnamed = true;
+        if let Some((list, diagnostics)) = free {
+            apart.extend(list);
+            found = diagnostics;
+        }
+    }
+    apart.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
+    let text = match (apart.first(), unnamed) {
+        (Some(first), _) => said(first, apart.len() - 1),
+        (None, false) => return (None, None),
+        (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct the nominal numbers of the model or the sigmas of the priors".to_owned(),
+    };
+    let ratio = 1.0 + moved;
+    (Some(Conflict { text, ratio }), found)
+}
+
+/// The finding that stands for it.
+pub(crate) fn finding(conflict: &Conflict) -> Finding {
+    Finding {
+        fault: FaultKind::Prior,
+        or: Vec::new(),
+        text: conflict.text.clone(),
+    }
+}
+
+fn said(a: &Apart, more: usize) -> String {
+    let Declared {
+        name,
+        unit,
+        nominal,
+        sigma,
+    } = &a.declared;
+    let unit = if *unit == "1" { "" } else { unit };
+    let more = match more {
+        0 => String::new(),
+        1 => "; and one more".to_owned(),
+        more => format!("; and {more} more"),
+    };
+    let [nominal, sigma, value, own] = [*nominal, *sigma, a.value, a.sigma].map(|x| rounded(x, 5));
+    format!(
+        "the prior of {name} contradicts the data: {nominal} ± {sigma} {unit} is declared, the data alone say {value} ± {own} {unit}, {:.0} sigma apart{more}; correct the nominal number or the sigma of the prior",
+        a.z.abs()
+    )
+}
+
+/// Where the priors of mass properties contradict the data: the square of what they have moved the answer by, in its own
+/// sigmas, which bounds the shift of every number by as many of its own.
+fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
+    let alone = fitted.data_alone.as_ref()?;
+    let design = prior::design(experiment.problem, experiment.parameters, &fitted.at.x)?;
+    let stacked = experiment.stack(&fitted.at, &fitted.evaluated, false);
+    let shared = Shared::new(experiment.parameters, &stacked);
+    let fall = alone.decrease(&shared.rhs(), 0.0);
+    let readings: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
+    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+    let dof = rows
+        .saturating_sub(fitted_numbers(experiment, fitted))
+        .max(1);
+    // Data that fit badly without any prior contradict it by less.
+    let scale = ((readings - fall) / dof as f64).max(1.0);
+    let count = design.rows.len().min(alone.rank);
+    let square = (design.chi2 + fall) / scale;
+    let chance = ChiSquared::new(count as f64).ok()?.sf(square);
+    (chance < CONTRADICTED || square.is_infinite()).then(|| {
+        let step = alone.damped(&shared.rhs(), 0.0);
+        let along = |k: usize| -> f64 {
+            let z = step.iter().enumerate();
+            z.map(|(j, z)| fitted.spectrum.directions[(j, k)] * z).sum()
+        };
+        let known = fitted.spectrum.singular.iter().take(fitted.spectrum.rank);
+        known.enumerate().map(|(k, s)| (s * along(k)).powi(2)).sum()
+    })
+}
+
+/// Asks something of the fit without the priors of mass properties, started where the fit with them ended.
+fn without<T>(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    ask: impl FnOnce(&Experiment, &Fitted) -> T,
+) -> Option<T> {
+    let mut model = experiment.problem.model.clone();
+    for body in &mut model.bodies {
+        body.prior = None;
+    }
+    let problem = Problem {
+        model: &model,
+        ..*experiment.problem
+    };
+    let free = experiment.with_problem(&problem);
+    let found = fit_from(&free, fitted.at.clone(), ITERATIONS)?;
+    Some(ask(&free, &found))
+}
+
+/// Rows of the priors of mass properties that lie far from what the data alone say.
+fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
+    let design = prior::design(experiment.problem, experiment.parameters, &free.at.x);
+    let rows = design.map(|d| d.rows).unwrap_or_default();
+    let used = free.spectrum.natural.len();
+    let apart = |row: PriorRow| {
+        let declared = row.about?;
+        let own = free.spectrum.sigma(row.gradient.get(..used)?)?;
+        let z = row.residual / (1.0 + own * own).sqrt();
+        Some(Apart {
+            value: declared.nominal - row.residual * declared.sigma,
+            sigma: own * declared.sigma,
+            declared,
+            z,
+        })
+    };
+    let all = rows.into_iter().filter_map(apart);
+    all.filter(|a| a.z.abs() > FAR).collect()
+}
+
+/// Rows of calibrations (biases, scales, thrust) that lie far from what the data alone say.
+fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
+    let (parameters, x) = (experiment.parameters, &fitted.at.x);
+    let rows = prior::calibration(experiment.problem, parameters, x).rows;
+    if rows.iter().all(|r| r.about.is_none()) {
+        return Vec::new();
+    }
+    let mass = fitted.shared.mass;
+    let heads = head(&fitted.shared.r, fitted.shared.nuisances, &x[..mass]);
+    let apart = |row: PriorRow| {
+        let declared = row.about?;
+        let at = row.gradient.iter().position(|g| *g != 0.0)?;
+        let known = variance(fitted, &heads, at)? / (declared.sigma * declared.sigma);
+        let left = (1.0 - known).max(SEEN);
+        let z = row.residual / left.sqrt();
+        // The declared number and its weight taken out of the answer again.
+        Some(Apart {
+            value: declared.nominal - row.residual * declared.sigma / left,
+            sigma: declared.sigma * (known / left).max(0.0).sqrt(),
+            declared,
+            z,
+        })
+    };
+    let all = rows.into_iter().filter_map(apart);
+    all.filter(|a| a.z.abs() > FAR).collect()
+}
+
+/// Variance of one unknown in the answer, its own declared sigma included.
+fn variance(fitted: &Fitted, heads: &HeadSolution, at: usize) -> Option<f64> {
+    let mass = fitted.shared.mass;
+    let mut unit = vec![0.0; mass];
+    let (slope, own) = match at.checked_sub(mass) {
+        Some(k) => (heads.slope.get(k)?, heads.covariance[(k, k)]),
+        None => {
+            unit[at] = 1.0;
+            (&unit, 0.0)
+        }
+    };
+    let carried = fitted.spectrum.sigma(slope)?;
+    Some(carried * carried + own)
+}

@@ -1,0 +1,52 @@
+//! How likely the readings are under the declared noise: to compare declarations, not estimates.
+//!
+//! Restricted likelihood (Patterson and Thompson 1971): everything that was fitted is integrated out, so a
+//! declaration is not favoured for what it lets the fit absorb.
+
+use crate::fit::Fitted;
+use crate::fit::experiment::Experiment;
+use crate::problem::prior;
+
+/// `-2 ln L` of the readings up to a constant that no declaration of noise changes: chi-square of readings and
+/// calibrations, determinants of the sensors' noise with the random torque, of the calibrations', and that of the information.
+/// The noise of joints and wheels counts in chi-square alone.
+pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let mut sum: f64 = fitted.evaluated.iter().map(|e| e.cost).sum();
+    let segments = experiment.problem.segments.iter();
+    for (segment, one) in segments.zip(&fitted.evaluated) {
+        let records = &segment.observations.sensors;
+        for channel in &one.channels {
+            let own = records.iter().find(|r| r.name == channel.name);
+            let determinant = own.map_or(1.0, |r| r.covariance.determinant());
+            sum += channel.white.len() as f64 * determinant.ln() + channel.log_det;
+        }
+    }
+    let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);
+    sum += calibration.chi2;
+    for row in &calibration.rows {
+        let last = row.gradient.iter().rev().find(|g| **g != 0.0);
+        sum -= 2.0 * last.map_or(0.0, |g| g.abs().ln());
+    }
+    for (one, unknown) in fitted.evaluated.iter().zip(&experiment.unknown) {
+        if let Some(t) = &one.triangle {
+            sum += (0..unknown.count())
+                .map(|i| log_square(t.r[(i, i)]))
+                .sum::<f64>();
+        }
+    }
+    let shared = &fitted.shared;
+    sum += (0..shared.nuisances)
+        .map(|i| log_square(shared.r[(i, i)]))
+        .sum::<f64>();
+    let spectrum = &fitted.spectrum;
+    sum += spectrum.singular[..spectrum.rank]
+        .iter()
+        .map(|s| log_square(*s))
+        .sum::<f64>();
+    sum
+}
+
+/// `2 ln |x|`; nothing of a column that nothing sees.
+fn log_square(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { 2.0 * x.abs().ln() }
+}

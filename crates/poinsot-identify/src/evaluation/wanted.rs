@@ -1,0 +1,146 @@
+//! Sigmas of a few numbers that one experiment will give, without the answer around them: what a search over
+//! manoeuvres evaluates thousands of times.
+
+use crate::fit::experiment::Experiment;
+use crate::problem::parameters::{Equations, Parameters, UnknownKind};
+use crate::problem::quantity::TenParameters;
+use crate::problem::{Problem, ProblemError};
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
+use poinsot_solve::BlockQr;
+
+/// Sigma in natural units that stands for "not identifiable": so vague that it changes no sigma of an identifiable
+/// number, and finite, so that a search sees which of two manoeuvres comes closer to showing a number.
+const VAGUE: f64 = 1.0e4;
+
+/// Slope of a number that no equation of the experiment holds: its sigma is then huge, and finite.
+const UNSEEN: f64 = 1.0e100;
+
+/// One number of one body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WantedNumber {
+    /// Mass, kg.
+    Mass,
+    /// Component of the mass centre in the body's frame, m.
+    MassCentre(usize),
+    /// Element of the inertia about the mass centre in the order of [`TENSOR`](crate::TENSOR), kg m2.
+    Inertia(usize),
+}
+
+/// A number with its factor in a sum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WantedTerm {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// Which number.
+    pub number: WantedNumber,
+    /// Factor.
+    pub factor: f64,
+}
+
+/// Fisher information of one experiment at the model's numbers; pose, momentum and biases are unknown too.
+pub struct Information {
+    parameters: Parameters,
+    x: Vec<f64>,
+    /// Triangle of all shared unknowns, with the vague rows.
+    r: DMatrix<f64>,
+}
+
+impl Information {
+    /// Evaluates the experiment once. `with_priors`: declared priors of mass properties count.
+    ///
+    /// # Errors
+    /// The question cannot be asked.
+    pub fn of(problem: &Problem, with_priors: bool) -> Result<Self, ProblemError> {
+        problem.check_samples()?;
+        problem.check_observations()?;
+        let parameters = problem.likelihood_parameters()?;
+        let experiment = Experiment::new(problem, &parameters);
+        let point = experiment.nominal_point();
+        let evaluated = experiment.evaluate(&point, true);
+        let evaluated = evaluated.ok_or(ProblemError::NoMotion)?;
+        let stacked = experiment.stack(&point, &evaluated, with_priors);
+        let r = with_vague_rows(&stacked.r, &parameters);
+        Ok(Self {
+            r,
+            x: point.x,
+            parameters,
+        })
+    }
+
+    /// Covariance of sums of numbers, one row and column per sum. Numbers that are known contribute nothing; a sum
+    /// that the experiment does not show has a huge variance.
+    pub fn covariance(&self, sums: &[Vec<WantedTerm>]) -> DMatrix<f64> {
+        let n = self.parameters.len();
+        let mut white = DMatrix::zeros(n, sums.len());
+        for (k, sum) in sums.iter().enumerate() {
+            let gradient = DVector::from_vec(self.gradient(sum));
+            // sigma^2 = |R^-T g|^2.
+            let column = self.r.tr_solve_upper_triangular(&gradient);
+            white.set_column(
+                k,
+                &column.unwrap_or_else(|| DVector::repeat(n, f64::INFINITY)),
+            );
+        }
+        white.transpose() * white
+    }
+
+    fn gradient(&self, sum: &[WantedTerm]) -> Vec<f64> {
+        let mut gradient = vec![0.0; self.parameters.len()];
+        for term in sum {
+            let own = self.of_number(term);
+            for (g, o) in gradient.iter_mut().zip(own) {
+                *g += term.factor * o;
+            }
+        }
+        gradient
+    }
+
+    fn of_number(&self, term: &WantedTerm) -> Vec<f64> {
+        let p = &self.parameters;
+        let asked = p.estimate[term.body];
+        let is_unknown = match term.number {
+            WantedNumber::Mass => asked.mass,
+            WantedNumber::MassCentre(_) => asked.com,
+            WantedNumber::Inertia(_) => asked.inertia,
+        };
+        if !is_unknown {
+            return vec![0.0; p.len()];
+        }
+        if p.equations == Equations::Momentum {
+            let ten = TenParameters::of_body(p, term.body, &self.x);
+            return match term.number {
+                WantedNumber::Mass => ten.parameter(0).gradient,
+                WantedNumber::MassCentre(k) => ten.mass_centre(k).gradient,
+                WantedNumber::Inertia(k) => ten.central_inertia(k).gradient,
+            };
+        }
+        let kind = match term.number {
+            // Rotation alone never shows the mass.
+            WantedNumber::Mass => return vec![UNSEEN; p.len()],
+            WantedNumber::MassCentre(k) => UnknownKind::MassCentre(k),
+            WantedNumber::Inertia(k) => UnknownKind::CentralInertia(k),
+        };
+        let unknowns = p.unknowns.iter();
+        unknowns
+            .map(|u| f64::from(u8::from(u.kind == kind)))
+            .collect()
+    }
+}
+
+/// The triangle of the unknowns with one vague row each.
+fn with_vague_rows(r: &Mat<f64>, parameters: &Parameters) -> DMatrix<f64> {
+    let n = parameters.len();
+    let mut stacked = BlockQr::new(n);
+    stacked.push(r.nrows().min(n), |i, j| r[(i, j)]);
+    let natural = |i: usize| match parameters.unknowns[i].natural {
+        unit if unit.is_finite() && unit > 0.0 => unit,
+        _ => 1.0,
+    };
+    stacked.push(n, |i, j| match i == j {
+        true => 1.0 / (VAGUE * natural(i)),
+        false => 0.0,
+    });
+    let r = stacked.finish().r;
+    DMatrix::from_fn(n, n, |i, j| if j < i { 0.0 } else { r[(i, j)] })
+}

@@ -1,0 +1,55 @@
+//! Readings as a point predicts them.
+
+use crate::fit::coordinates::Coordinates;
+use crate::fit::experiment::{Experiment, Point};
+use crate::problem::Problem;
+use crate::problem::loss::Loss;
+use crate::problem::segment::{Segment, SensorValue};
+use poinsot_spatial::UnitQuaternion;
+
+/// Rounds in which readings become those predicted: the turn of an attitude is exact after the first.
+const ROUNDS: usize = 2;
+
+pub(crate) fn readings_alone<'b>(
+    experiment: &'b Experiment<'b>,
+    problem: &'b Problem<'b>,
+) -> Experiment<'b> {
+    let mut few = experiment.with_problem(problem);
+    few.loss = Loss::Gaussian;
+    few.coordinates = Coordinates::Linear;
+    few
+}
+
+/// Gives the samples of all segments the values that a point predicts: what is left of them are differences of predictions
+/// alone, whitened as at this point.
+pub(crate) fn take_predictions(
+    experiment: &Experiment,
+    at: &Point,
+    segments: &mut [Segment],
+) -> Option<()> {
+    for _ in 0..ROUNDS {
+        let problem = Problem {
+            segments: &*segments,
+            ..*experiment.problem
+        };
+        let mut own = readings_alone(experiment, &problem);
+        own.keep_rows = true;
+        let evaluated = own.evaluate(at, false)?;
+        drop(own);
+        for (segment, one) in segments.iter_mut().zip(&evaluated) {
+            for record in &mut segment.observations.sensors {
+                for row in one.kept.of(Some(&record.name)) {
+                    let place = record.samples.binary_search_by_key(&row.at, |s| s.to);
+                    let sample = record.samples.get_mut(place.ok()?)?;
+                    sample.value = match sample.value {
+                        SensorValue::Vector(v) => SensorValue::Vector(v - row.raw),
+                        SensorValue::Attitude(R) => {
+                            SensorValue::Attitude(R * UnitQuaternion::from_scaled_axis(-row.raw))
+                        }
+                    };
+                }
+            }
+        }
+    }
+    Some(())
+}

@@ -1,0 +1,410 @@
+//! What an experiment can tell: sensitivities of every reading, reduced to a triangle per segment.
+//!
+//! The triangle of the shared unknowns is the square root of the Fisher information with pose, momentum
+//! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
+//! estimator: this module knows none.
+
+mod known_columns;
+
+pub(crate) use known_columns::{DIFFERENCE, KeptColumns, slopes};
+
+use crate::fit::coordinates::Coordinates;
+use crate::fit::triangle::Shared;
+use crate::likelihood::{Evaluated, Head, HeadColumns, KnownColumns, Setting, Sight, evaluate};
+use crate::motion::input_curves::InputCurves;
+use crate::motion::{Fineness, Grid, Vehicle};
+use crate::problem::Problem;
+use crate::problem::loss::Loss;
+use crate::problem::parameters::Parameters;
+use crate::problem::prior;
+use crate::problem::segment::Segment;
+use crate::problem::shifted_vehicle::Centre;
+use known_columns::columns_at;
+use nalgebra::UnitQuaternion;
+use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
+use poinsot_model::{MomentumKnowledge, Thruster};
+use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
+use poinsot_spatial::Vector3;
+use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
+
+/// Sigma in natural units below which a fit moves a direction.
+const MOVED: f64 = 1.0;
+
+/// A problem with its unknowns, ready to be evaluated at any value of them.
+pub(crate) struct Experiment<'a> {
+    pub problem: &'a Problem<'a>,
+    pub parameters: &'a Parameters,
+    pub nominal_spin: Vec<f64>,
+    pub thrusters: Vec<Thruster>,
+    pub unknown: Vec<HeadColumns>,
+    pub sight: Sight,
+    pub loss: Loss,
+    /// Coordinates of the steps of a fit.
+    pub coordinates: Coordinates,
+    /// Whether wheel speeds run smoothly between the readings.
+    pub wheels_smooth: bool,
+    /// How finely the motion is propagated.
+    pub fineness: Fineness,
+    /// Columns of the known numbers, where they are unknowns.
+    pub known: Option<Arc<KnownColumns>>,
+    /// The last of them that were made.
+    pub kept: KeptColumns,
+    /// Whether evaluations keep every whitened row.
+    pub keep_rows: bool,
+    /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
+    grids: Arc<OnceLock<Vec<Grid>>>,
+    /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
+    curves: Arc<OnceLock<Vec<InputCurves>>>,
+}
+
+/// A value of all unknowns: the shared ones and the start of every segment.
+#[derive(Clone)]
+pub(crate) struct Point {
+    pub x: Vec<f64>,
+    pub heads: Vec<Head>,
+}
+
+impl<'a> Experiment<'a> {
+    pub fn new(problem: &'a Problem<'a>, parameters: &'a Parameters) -> Self {
+        let sight = if problem.sees_translation() {
+            Sight::Translation
+        } else {
+            Sight::Rotation
+        };
+        Self {
+            problem,
+            parameters,
+            nominal_spin: problem
+                .model
+                .wheels
+                .iter()
+                .map(|w| w.spin_inertia)
+                .collect(),
+            thrusters: problem.model.thrusters.clone(),
+            unknown: problem
+                .segments
+                .iter()
+                .map(|s| HeadColumns::of(s, &problem.model.momentum, sight))
+                .collect(),
+            sight,
+            loss: Loss::Gaussian,
+            coordinates: Coordinates::default(),
+            wheels_smooth: false,
+            fineness: Fineness::default(),
+            known: None,
+            kept: KeptColumns::default(),
+            keep_rows: false,
+            grids: Arc::default(),
+            curves: Arc::default(),
+        }
+    }
+
+    /// The same experiment with more unknowns.
+    pub fn with_parameters<'b>(&'b self, parameters: &'b Parameters) -> Experiment<'b> {
+        Experiment {
+            problem: self.problem,
+            parameters,
+            nominal_spin: self.nominal_spin.clone(),
+            thrusters: self.thrusters.clone(),
+            unknown: self.unknown.clone(),
+            sight: self.sight,
+            loss: self.loss,
+            coordinates: self.coordinates,
+            wheels_smooth: self.wheels_smooth,
+            fineness: self.fineness,
+            known: self.known.clone(),
+            kept: Arc::clone(&self.kept),
+            keep_rows: self.keep_rows,
+            grids: Arc::clone(&self.grids),
+            curves: Arc::clone(&self.curves),
+        }
+    }
+
+    /// The same questions asked of other readings of the same segments.
+    pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
+        Experiment {
+            problem,
+            curves: Arc::default(),
+            grids: Arc::default(),
+            kept: KeptColumns::default(),
+            ..self.with_parameters(self.parameters)
+        }
+    }
+
+    /// The same readings of a vehicle whose known numbers differ: the steps of the motion stay.
+    pub fn of_vehicle<'b>(
+        &'b self,
+        problem: &'b Problem<'b>,
+        parameters: &'b Parameters,
+    ) -> Experiment<'b> {
+        let wheels = problem.model.wheels.iter();
+        Experiment {
+            problem,
+            nominal_spin: wheels.map(|w| w.spin_inertia).collect(),
+            thrusters: problem.model.thrusters.clone(),
+            ..self.with_parameters(parameters)
+        }
+    }
+
+    /// What stays the same over all evaluations.
+    pub fn setting(&self) -> Setting<'_> {
+        Setting {
+            tree: self.problem.tree,
+            thrusters: &self.thrusters,
+            parameters: self.parameters,
+            nominal_spin: &self.nominal_spin,
+            noise: self.problem.noise,
+            loss: self.loss,
+            wheels_smooth: self.wheels_smooth,
+            random_torque: self.problem.model.environment.random_torque,
+            curves: self.curves(),
+            grids: self.grids(),
+            factor: self.fineness.factor,
+            bends: self.bends(),
+            known: self.known.as_deref(),
+            keep_rows: self.keep_rows,
+            // More segments keep the cores busy, and so do other problems solved at the same time.
+            split: self.problem.segments.len() == 1
+                && rayon::current_thread_index().is_none()
+                && rayon::current_num_threads() > 1,
+        }
+    }
+
+    /// The grids of all segments.
+    fn grids(&self) -> &[Grid] {
+        self.grids.get_or_init(|| {
+            let x = self.parameters.nominal_vector();
+            let tree = self.problem.tree;
+            let vehicle = Vehicle::new(
+                tree,
+                &self.thrusters,
+                self.parameters,
+                &self.nominal_spin,
+                &x,
+            );
+            let segments = self.problem.segments.iter();
+            segments
+                .map(|s| Grid::new(&vehicle, &s.observations))
+                .collect()
+        })
+    }
+
+    /// Whether wheel speeds bend within an interval.
+    pub fn bends(&self) -> bool {
+        let long = || self.grids().iter().any(|g| g.bends);
+        self.may_bend() && (self.fineness.bends || long())
+    }
+
+    /// Whether they can: where they run smoothly they are curves already.
+    pub fn may_bend(&self) -> bool {
+        !self.problem.model.wheels.is_empty() && !self.wheels_smooth
+    }
+
+    /// Curves along which lags shift the inputs, one per segment; none where no lag is unknown.
+    fn curves(&self) -> &[InputCurves] {
+        if !self
+            .parameters
+            .unknowns
+            .iter()
+            .any(|u| u.kind.delays_inputs())
+        {
+            return &[];
+        }
+        self.curves.get_or_init(|| {
+            let of = |s: &Segment| InputCurves::new(&s.observations, self.problem.noise);
+            self.problem.segments.iter().map(of).collect()
+        })
+    }
+
+    /// All segments at a point; `None` where the vehicle cannot move as predicted.
+    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        if !self.parameters.has_known() {
+            return self.evaluate_here(at, with_sensitivities);
+        }
+        // The vehicle with its known numbers where the point has them.
+        let centre = Centre::at(self.problem, self.parameters, &at.x)?;
+        let problem = centre.problem(self.problem);
+        let mut there = self.of_vehicle(&problem, &centre.parameters);
+        if with_sensitivities {
+            there.known = Some(columns_at(self, at)?);
+        }
+        there.evaluate_here(at, with_sensitivities)
+    }
+
+    fn evaluate_here(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+        let setting = self.setting();
+        let one = |((segment, head), unknown): ((_, &Head), &HeadColumns)| {
+            evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
+        };
+        let segments = self.problem.segments;
+        if setting.split {
+            let all = segments.iter().enumerate().zip(&at.heads);
+            return all.zip(&self.unknown).map(one).collect();
+        }
+        let all = segments.par_iter().enumerate().zip(&at.heads);
+        all.zip(&self.unknown).map(one).collect()
+    }
+
+    /// Loss of readings and declared priors; `None` where a prior forbids the point.
+    pub fn chi2(&self, at: &Point, evaluated: &[Evaluated]) -> Option<f64> {
+        let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
+        let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
+        let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
+        Some(readings + calibration + design)
+    }
+
+    /// Whether any mass property has a declared prior.
+    pub fn has_design_prior(&self) -> bool {
+        let bodies = &self.problem.model.bodies;
+        bodies.iter().any(|b| b.estimate.any() && b.prior.is_some())
+    }
+
+    /// Rows of the declared calibrations and, if wanted, of the design.
+    pub fn prior_rows(&self, at: &Point, with_design: bool) -> Vec<prior::PriorRow> {
+        let mut rows = prior::calibration(self.problem, self.parameters, &at.x).rows;
+        if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
+            rows.extend(design.rows);
+        }
+        rows
+    }
+
+    /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
+    /// calibrations, and, if wanted, those of the design.
+    pub fn stack(&self, at: &Point, evaluated: &[Evaluated], with_design: bool) -> Triangle {
+        let mut stacked = BlockQr::new(self.parameters.len() + 1);
+        for (one, unknown) in evaluated.iter().zip(&self.unknown) {
+            if let Some(triangle) = &one.triangle {
+                let h = unknown.count();
+                let tail = triangle.r.nrows() - h;
+                stacked.push(tail, |i, j| triangle.r[(h + i, h + j)]);
+            }
+        }
+        let priors = self.prior_rows(at, with_design);
+        for row in &priors {
+            stacked.push(1, |_, j| {
+                row.gradient.get(j).copied().unwrap_or(row.residual)
+            });
+        }
+        stacked.finish()
+    }
+
+    /// Spectrum of the shared unknowns within the directions that the data determine where every known number is exact;
+    /// beside it the one of exact known numbers, where any is uncertain.
+    pub fn spectra(
+        &self,
+        stacked: &Triangle,
+        shared: &Shared,
+        evaluated: &[Evaluated],
+    ) -> Result<(Spectrum, Option<Spectrum>), NotFinite> {
+        if !self.parameters.has_known() {
+            return Ok((self.spectrum(shared, evaluated)?, None));
+        }
+        let exact = self.spectrum(&Shared::exact(self.parameters, stacked), evaluated)?;
+        let nothing = vec![0.0; shared.mass * shared.mass];
+        let own = Spectrum::within(&shared.block(), &nothing, &exact)?;
+        Ok((own, Some(exact)))
+    }
+
+    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy is for the judge of the answer; held to it,
+    /// a fit would leave at their nominal values directions that the data contradict.
+    pub fn spectrum(
+        &self,
+        shared: &Shared,
+        evaluated: &[Evaluated],
+    ) -> Result<Spectrum, NotFinite> {
+        let m = shared.mass;
+        let natural: Vec<f64> = self.parameters.unknowns[..m]
+            .iter()
+            .map(|u| u.natural)
+            .collect();
+        Spectrum::new(
+            &shared.block(),
+            &natural,
+            &vec![0.0; m * m],
+            self.longest_column(evaluated),
+            self.problem.relative_accuracy.max(MOVED),
+        )
+    }
+
+    /// Length of the longest column of a mass property before projection, natural units.
+    pub(crate) fn longest_column(&self, evaluated: &[Evaluated]) -> f64 {
+        let unknowns = &self.parameters.unknowns;
+        let mass = unknowns.iter().filter(|u| !u.kind.is_nuisance());
+        mass.enumerate()
+            .map(|(j, unknown)| {
+                let square: f64 = evaluated
+                    .iter()
+                    .zip(&self.unknown)
+                    .filter_map(|(e, head)| e.triangle.as_ref().map(|t| (t, head.count())))
+                    .map(|(t, h)| (0..=h + j).map(|i| t.r[(i, h + j)].powi(2)).sum::<f64>())
+                    .sum();
+                square.sqrt() * unknown.natural
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.
+    pub fn measured_head(&self, segment: &Segment, x: &[f64]) -> Head {
+        let s = &segment.samples;
+        let (tree, dof) = (self.problem.tree, self.problem.tree.dof());
+        let bodies = self.parameters.bodies(x);
+        let mut kinematics = Kinematics::new(tree);
+        kinematics.place(tree, s.joint_position.get(..dof).unwrap_or(&[]));
+        let R = s
+            .R_NB
+            .first()
+            .copied()
+            .unwrap_or_else(UnitQuaternion::identity);
+        let w = s.w_NB_B.first().copied().unwrap_or_default();
+        let v = match (&s.translation, self.sight) {
+            (Some(t), Sight::Translation) => {
+                R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default()
+            }
+            _ => Vector3::zeros(),
+        };
+        let zeros = vec![0.0; dof];
+        let rates = s.joint_rate.get(..dof).unwrap_or(&zeros);
+        kinematics.set_velocities(tree, &v, &w, rates);
+        let now = momentum(&bodies, &kinematics);
+        let speeds = s.wheel_speed.get(..tree.rotors.len()).unwrap_or(&[]);
+        let vehicle = Vehicle::new(
+            tree,
+            &self.thrusters,
+            self.parameters,
+            &self.nominal_spin,
+            x,
+        );
+        let l: Vector3 = now.fixed_rows::<3>(0).into();
+        let h = now.fixed_rows::<3>(3) + wheel_momentum(tree, &kinematics, &vehicle.spin, speeds);
+        let c = composite(&bodies, &kinematics).p_BoScm_B();
+        let given = &self.problem.model.momentum;
+        let pick = |known: MomentumKnowledge, value: Vector3| match known {
+            MomentumKnowledge::Known(k) => k,
+            MomentumKnowledge::Estimate => value,
+        };
+        let linear = match self.sight {
+            Sight::Translation => pick(given.linear, R * l),
+            // Without a translation sensor N may as well drift along with the mass centre.
+            Sight::Rotation => Vector3::zeros(),
+        };
+        Head {
+            R_NB: R,
+            p_NoBo_N: Vector3::zeros(),
+            P: linear,
+            h_SScm_N: pick(given.angular, R * (h - c.cross(&l))),
+        }
+    }
+
+    /// The point of the nominal numbers.
+    pub fn nominal_point(&self) -> Point {
+        let x = self.parameters.nominal_vector();
+        let heads = self
+            .problem
+            .segments
+            .iter()
+            .map(|s| self.measured_head(s, &x))
+            .collect();
+        Point { x, heads }
+    }
+}

@@ -1,0 +1,104 @@
+//! What known numbers do to the predictions: columns beside those of the unknowns.
+
+use super::{Experiment, Point};
+use crate::likelihood::KnownColumns;
+use crate::problem::parameters::Unknown;
+use crate::problem::shifted_vehicle::Centre;
+use poinsot_spatial::Vector3;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex};
+
+/// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
+/// a step and its round-off must both stay far below the noise.
+pub(crate) const DIFFERENCE: f64 = 1.0e-5;
+/// Sigmas by which a known number may have moved since its columns were made.
+const FRESH: f64 = 1.0e-3;
+
+/// Columns with the values of the known numbers where they were made, sigmas.
+pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
+
+/// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
+pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<KnownColumns>> {
+    let unknowns = &experiment.parameters.unknowns;
+    let places = experiment.parameters.known_places();
+    let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
+    let here: Vec<f64> = places.iter().map(value).collect();
+    let close = |old: &[f64]| {
+        let mut pairs = old.iter().zip(&here);
+        old.len() == here.len() && pairs.all(|(a, b)| (a - b).abs() < FRESH)
+    };
+    let mut kept = experiment.kept.lock().ok()?;
+    if let Some((_, columns)) = kept.as_ref().filter(|(old, _)| close(old)) {
+        return Some(Arc::clone(columns));
+    }
+    let columns = Arc::new(slopes(experiment, at)?);
+    *kept = Some((here, Arc::clone(&columns)));
+    Some(columns)
+}
+
+/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns.
+pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
+    let (own, kept) = experiment.parameters.without_known();
+    let base = Point {
+        x: kept.iter().map(|k| at.x[*k]).collect(),
+        heads: at.heads.clone(),
+    };
+    let places = experiment.parameters.known_places();
+    let numbers: Vec<(&Unknown, f64)> = places
+        .iter()
+        .map(|p| (&experiment.parameters.unknowns[*p], at.x[*p]))
+        .collect();
+    let evaluated = |moved: Option<(usize, f64)>| {
+        let changes = numbers.iter().enumerate().filter_map(|(k, (u, x))| {
+            let number = u.kind.known()?;
+            let step = moved.filter(|m| m.0 == k).map_or(0.0, |m| m.1);
+            Some((number.number, number.component, x - u.nominal + step))
+        });
+        let problem = experiment.problem;
+        let centre = Centre::new(problem, &own, &changes.collect::<Vec<_>>())?;
+        let there = centre.problem(problem);
+        let there = experiment.of_vehicle(&there, &centre.parameters);
+        there.evaluate(&base, false)
+    };
+    let here = evaluated(None)?;
+    let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
+        let step = DIFFERENCE * numbers[k].0.natural;
+        let evaluated = evaluated(Some((k, step)))?;
+        let segments = here.iter().zip(&evaluated);
+        let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
+        segments
+            .map(|(a, b)| {
+                let sensors = a.channels.iter().zip(&b.channels);
+                sensors
+                    .map(|(a, b)| {
+                        let same = a.white.len() == b.white.len();
+                        same.then(|| a.white.iter().zip(&b.white).map(slope).collect())
+                    })
+                    .collect()
+            })
+            .collect()
+    };
+    let by_number: Vec<Option<_>> = (0..numbers.len())
+        .into_par_iter()
+        .map(differences)
+        .collect();
+    let mut out = KnownColumns::default();
+    for (s, one) in here.iter().enumerate() {
+        let names = one.channels.iter().map(|c| c.name.clone());
+        out.sensors.push(names.collect());
+        let sensors = 0..one.channels.len();
+        out.slopes.push(
+            sensors
+                .map(|i| {
+                    let of = |all: &Option<Vec<Vec<Vec<Vector3>>>>| {
+                        // A number that cannot be moved leaves nothing to say.
+                        let all = all.as_ref().and_then(|all| all.get(s)?.get(i).cloned());
+                        all.unwrap_or_default()
+                    };
+                    by_number.iter().map(of).collect()
+                })
+                .collect(),
+        );
+    }
+    Some(out)
+}

@@ -1,0 +1,132 @@
+//! From far off to close by on a few of the readings.
+//!
+//! Where nominal numbers are off by many sigmas, the first steps need not be exact: a share of the readings leads as near
+//! as the whole record would, for a share of the time. The fit itself then sees every reading.
+
+use crate::fit::experiment::{Experiment, Point};
+use crate::fit::step::is_close;
+use crate::problem::Problem;
+use crate::problem::segment::{
+    InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
+};
+use poinsot_solve::{LeastSquares, levenberg_marquardt};
+
+/// Readings of each sensor in a segment of which none is left out.
+const FEW: usize = 128;
+/// Largest step over readings: beyond it the motion between them may be lost.
+const STRIDE: usize = 16;
+/// How much shorter the grid must become to be worth it.
+const WORTH: usize = 4;
+/// Most iterations on the way.
+const ITERATIONS: usize = 60;
+
+/// Where a fit of a few readings from a far point ends; `None` where the point is close, or the record too short or of a
+/// kind that cannot be thinned.
+pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
+    let whole = experiment.problem.segments;
+    let segments = whole
+        .iter()
+        .map(|s| thinned(s, FEW))
+        .collect::<Option<Vec<_>>>()?;
+    let times =
+        |all: &[Segment]| -> usize { all.iter().map(|s| s.observations.time_s.len()).sum() };
+    if WORTH * times(&segments) > times(whole) {
+        return None;
+    }
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let few = experiment.with_problem(&problem);
+    let here = few.linearise(from)?;
+    let far = !is_close(&here);
+    far.then(|| levenberg_marquardt(&few, from.clone(), here, ITERATIONS).at)
+}
+
+/// A segment with a share of its readings, at least `few` of each sensor; `None` with instruments whose readings span intervals of the grid.
+pub(crate) fn thinned(segment: &Segment, few: usize) -> Option<Segment> {
+    let o = &segment.observations;
+    if o.reads_points() {
+        return None;
+    }
+    let kept = kept(segment, few);
+    let dof = o.joint_position.len() / o.time_s.len().max(1);
+    let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
+    let rows = |all: &[f64], width: usize| -> Vec<f64> {
+        let row = |k: &usize| all[k * width..(k + 1) * width].to_vec();
+        kept.iter().flat_map(row).collect()
+    };
+    let observations = Observations {
+        time_s: picked(&o.time_s, &kept),
+        sensors: o.sensors.iter().map(|r| at_kept(r, &kept)).collect(),
+        orbit: picked(&o.orbit, &kept),
+        joint_position: rows(&o.joint_position, dof),
+        joint_rate: rows(&o.joint_rate, dof),
+        wheel_speed: rows(&o.wheel_speed, wheels),
+        smooth_wheel_speed: Vec::new(),
+        joint_errors: o.joint_errors.iter().map(|e| errors(e, &kept)).collect(),
+        wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &kept)).collect(),
+        // Rates were made on the finer grid and keep what they are.
+        derived_rates: Vec::new(),
+        between_readings: o.between_readings,
+    };
+    Some(Segment {
+        label: segment.label.clone(),
+        samples: Samples::default(),
+        observations,
+        firings: segment.firings.clone(),
+        accelerations: None,
+    })
+}
+
+/// Grid times that stay: some readings of each sensor, both ends, and where a thruster starts or stops.
+fn kept(segment: &Segment, few: usize) -> Vec<usize> {
+    let o = &segment.observations;
+    let n = o.time_s.len();
+    let mut stays = vec![false; n];
+    for record in &o.sensors {
+        let stride = (record.samples.len() / few).clamp(1, STRIDE);
+        let samples = record.samples.iter().step_by(stride);
+        samples.for_each(|s| stays[s.to] = true);
+    }
+    let edges = segment.firings.iter().flat_map(|f| [f.start_s, f.end_s]);
+    for edge in edges {
+        let after = o.time_s.partition_point(|t| *t < edge);
+        // An edge is a grid time to round-off: the neighbours on both sides are sure to hold it.
+        stays[after.saturating_sub(1)..(after + 2).min(n)].fill(true);
+    }
+    (0..n)
+        .filter(|&k| stays[k] || k == 0 || k + 1 == n)
+        .collect()
+}
+
+/// The samples of a sensor at the grid times that stay, of which they then bear the places.
+fn at_kept(record: &SensorRecord, kept: &[usize]) -> SensorRecord {
+    let samples = record.samples.iter().filter_map(|s| {
+        let at = kept.binary_search(&s.to).ok()?;
+        Some(SensorSample {
+            from: at,
+            to: at,
+            ..*s
+        })
+    });
+    SensorRecord {
+        samples: samples.collect(),
+        ..record.clone()
+    }
+}
+
+fn picked<T: Clone>(all: &[T], kept: &[usize]) -> Vec<T> {
+    kept.iter().filter_map(|k| all.get(*k).cloned()).collect()
+}
+
+/// What is left of a correlation after the grid times in between.
+fn errors(errors: &InputErrors, kept: &[usize]) -> InputErrors {
+    if !matches!(errors, InputErrors::Kept(_)) {
+        return errors.clone();
+    }
+    let between = |w: &[usize]| (w[0]..w[1]).map(|k| errors.memory(k)).product();
+    let mut left: Vec<f64> = kept.windows(2).map(between).collect();
+    left.push(0.0);
+    InputErrors::Kept(left)
+}

@@ -1,0 +1,238 @@
+//! Known numbers within their uncertainty: unknowns with a prior, whatever kind of number they are.
+//!
+//! A known number enters the predictions through the model alone. So its column is a difference of two whole evaluations at
+//! the end of the fit, the same way for a mass, a joint axis or a mounting. The fit goes on from there with these columns
+//! beside its own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers moved, and
+//! the columns are made again where they have moved. What the data say of a number shrinks its prior; where they say
+//! nothing it stays where it is and its prior goes into the covariance (a consider parameter: Schmidt 1966). One sigma of
+//! a known number is therefore no misfit.
+
+mod effects;
+
+pub(crate) use effects::Effects;
+
+use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
+use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, slopes};
+use crate::fit::{Fitted, fit_from};
+use crate::problem::Problem;
+use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
+use crate::problem::prior::Conflict;
+use crate::problem::shifted_vehicle::Centre;
+use nalgebra::DMatrix;
+use poinsot_model::{Model, rounded};
+use std::sync::Arc;
+
+/// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
+const SILENT: f64 = 1.0e-3;
+/// Most iterations with known numbers among the unknowns.
+const TRIED: usize = 30;
+/// Fall of chi-square that a full step may still promise where the columns are differences.
+const SETTLED: f64 = 1.0e-3;
+/// Sigmas between a known number and what the data say of it, from which they contradict each other.
+const FAR: f64 = 5.0;
+/// Least share of a prior variance that the data leave to judge it by.
+const SEEN: f64 = 1.0e-6;
+/// Chi-square per degree of freedom that is left, below which a wrong known number explains a misfit.
+const EXPLAINED: f64 = 1.5;
+
+/// The fit with known numbers within their uncertainty.
+pub(crate) struct KnownFit {
+    kept: KeptColumns,
+    /// All unknowns, the known numbers last.
+    parameters: Parameters,
+    pub fitted: Fitted,
+    /// Whether the known numbers were left at their values, because no such vehicle fits.
+    pub left: bool,
+    /// Which one the data contradict, where that explains the misfit.
+    pub contradiction: Option<Conflict>,
+}
+
+impl KnownFit {
+    /// The experiment of which [`Self::fitted`] is the fit.
+    pub fn experiment<'b>(&'b self, experiment: &'b Experiment<'b>) -> Experiment<'b> {
+        let mut own = experiment.with_parameters(&self.parameters);
+        own.kept = Arc::clone(&self.kept);
+        own
+    }
+}
+
+/// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
+pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<KnownFit> {
+    if !fitted.settled {
+        return None;
+    }
+    let problem = experiment.problem;
+    let all = unknowns(problem.model);
+    let all = shown(experiment, &fitted.at, all)?;
+    let parameters = extended(problem, experiment.parameters, &all);
+    let mut wide = experiment.with_parameters(&parameters);
+    wide.kept = KeptColumns::default();
+    let first = behind(&fitted.at, &all);
+    let found = fit_from(&wide, first.clone(), TRIED)?;
+    let done = found.settled || promised(&found) < SETTLED;
+    let (worst, per_number) = contradicted(&wide, &found);
+    // What known numbers cannot explain within their uncertainty is looked for elsewhere.
+    let left = per_number > EXPLAINED && (worst.is_some() || !done);
+    let fitted = match left {
+        true => Fitted {
+            settled: true,
+            ..fit_from(&wide, first, 0)?
+        },
+        false => Fitted {
+            settled: done,
+            ..found
+        },
+    };
+    let kept = Arc::clone(&wide.kept);
+    Some(KnownFit {
+        kept,
+        fitted,
+        left,
+        contradiction: worst.filter(|_| !left && done),
+        parameters,
+    })
+}
+
+/// How much a full step would still lower chi-square.
+fn promised(fitted: &Fitted) -> f64 {
+    let shared = &fitted.shared;
+    let last = shared.nuisances + shared.mass;
+    let nuisances = (0..shared.nuisances).map(|i| shared.r[(i, last)].powi(2));
+    nuisances.sum::<f64>() + fitted.spectrum.decrease(&shared.rhs(), 0.0)
+}
+
+/// A point of the fit without the known numbers, with these at the values of the model.
+fn behind(at: &Point, all: &[Unknown]) -> Point {
+    let nominal = all.iter().map(|u| u.nominal);
+    Point {
+        x: at.x.iter().copied().chain(nominal).collect(),
+        heads: at.heads.clone(),
+    }
+}
+
+/// Uncertain known numbers as unknowns.
+fn unknowns(model: &Model) -> Vec<Unknown> {
+    let mut all = Vec::new();
+    for uncertain in model.uncertain() {
+        let number = uncertain.number;
+        for component in 0..number.components() {
+            let sigma = number.absolute(model, component, uncertain.sigma);
+            if sigma.is_nan() || sigma <= 0.0 {
+                continue;
+            }
+            let known = KnownUnknown {
+                number,
+                component,
+                sigma,
+                slopes: Vec::new(),
+            };
+            all.push(Unknown {
+                kind: UnknownKind::Known(known),
+                name: number.name(model, component),
+                unit: number.unit(),
+                nominal: number.value(model, component),
+                natural: sigma,
+            });
+        }
+    }
+    all
+}
+
+/// The unknowns with the known numbers behind them, and what those do to the barycentric parameters.
+fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Parameters {
+    let mut out = parameters.clone();
+    let x = parameters.nominal_vector();
+    let here = parameters.bodies(&x);
+    for unknown in all {
+        let mut unknown = unknown.clone();
+        if let UnknownKind::Known(known) = &mut unknown.kind {
+            let step = DIFFERENCE * known.sigma;
+            let change = (known.number, known.component, step);
+            if let Some(there) = Centre::new(problem, parameters, &[change]) {
+                let bodies = there.parameters.bodies(&x);
+                for (body, (a, b)) in here.iter().zip(&bodies).enumerate() {
+                    let pairs = a.to_array().into_iter().zip(b.to_array());
+                    let slopes = pairs.enumerate().filter(|(_, (a, b))| a != b);
+                    known
+                        .slopes
+                        .extend(slopes.map(|(k, (a, b))| (10 * body + k, (b - a) / step)));
+                }
+            }
+        }
+        out.unknowns.push(unknown);
+    }
+    out
+}
+
+/// The numbers that show in the predictions.
+fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<Unknown>> {
+    if all.is_empty() {
+        return None;
+    }
+    let whole = extended(experiment.problem, experiment.parameters, &all);
+    let columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
+    let shows = |k: usize| {
+        let sensors = columns.slopes.iter().flatten();
+        let square: f64 = sensors
+            .filter_map(|numbers| numbers.get(k))
+            .flatten()
+            .map(|v| v.norm_squared())
+            .sum();
+        square.sqrt() * all[k].natural > SILENT
+    };
+    let keep: Vec<bool> = (0..all.len()).map(shows).collect();
+    let all: Vec<Unknown> = all
+        .into_iter()
+        .zip(keep)
+        .filter_map(|(u, k)| k.then_some(u))
+        .collect();
+    (!all.is_empty()).then_some(all)
+}
+
+/// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.
+fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, f64) {
+    let parameters = experiment.parameters;
+    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+    let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
+    let numbers = fitted_numbers(experiment, fitted);
+    let per_number = chi2 / rows.saturating_sub(numbers).max(1) as f64;
+    let posterior = known_covariance(parameters, fitted);
+    let places = parameters.known_places();
+    let apart = places.iter().enumerate().filter_map(|(k, place)| {
+        let unknown = &parameters.unknowns[*place];
+        let sigma = unknown.kind.known()?.sigma;
+        let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(SEEN);
+        let change = fitted.at.x[*place] - unknown.nominal;
+        let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
+        // What the data alone say, the declared uncertainty taken out again.
+        let alone = (
+            unknown.nominal + change / left,
+            posterior[(k, k)].max(0.0) / left,
+        );
+        Some((z, unknown, sigma, alone))
+    });
+    let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));
+    let said = worst.filter(|w| w.0 > FAR).map(|(z, unknown, sigma, alone)| {
+        let unit = if unknown.unit == "1" { "" } else { unknown.unit };
+        let numbers = [unknown.nominal, sigma, alone.0, alone.1.sqrt()];
+        let [nominal, sigma, alone, own] = numbers.map(|x| rounded(x, 5));
+        Conflict {
+            text: format!(
+                "the data contradict the known number {}: the model has {nominal} ± {sigma} {unit}, the data alone say {alone} ± {own} {unit}, {z:.0} sigma apart; correct the number or its uncertainty",
+                unknown.name
+            ),
+            ratio: 1.0 + pull(parameters, fitted, &posterior),
+        }
+    });
+    (said, per_number)
+}
+
+/// Square of what the declared uncertainties have moved the known numbers by, in their sigmas after the data.
+fn pull(parameters: &Parameters, fitted: &Fitted, posterior: &DMatrix<f64>) -> f64 {
+    let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
+    let changes: Vec<f64> = parameters.known_places().iter().map(change).collect();
+    let changes = DMatrix::from_column_slice(changes.len(), 1, &changes);
+    let declared = parameters.known_covariance().cholesky();
+    let weighted = declared.map(|c| c.solve(&changes));
+    weighted.map_or(0.0, |w| (w.transpose() * posterior * &w)[(0, 0)])
+}

@@ -1,0 +1,82 @@
+//! What the known numbers do to an answer: its sigma without them, and how it changes with each.
+
+use crate::fit::Fitted;
+use crate::fit::degrees_of_freedom::known_covariance;
+use crate::fit::experiment::Experiment;
+use crate::fit::triangle::Shared;
+use crate::problem::parameters::Parameters;
+use nalgebra::DMatrix;
+use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
+
+/// Share of its declared sigma to which the data must bring a known number for it to count as estimated.
+const ESTIMATED: f64 = 0.7;
+
+/// How the answer depends on the known numbers.
+pub(crate) struct Effects {
+    /// What the data determine where every known number is exact.
+    pub exact: Spectrum,
+    /// Places of the known numbers among the unknowns.
+    pub places: Vec<usize>,
+    /// How the mass properties move with each known number, the others and the readings held: one row a number.
+    pub shift: Vec<Vec<f64>>,
+    /// Covariance of the known numbers after the data.
+    pub covariance: DMatrix<f64>,
+    /// Declared sigma of each.
+    pub declared: Vec<f64>,
+}
+
+impl Effects {
+    /// `None` where no known number is among the unknowns.
+    ///
+    /// # Errors
+    /// The triangle holds NaN or infinity.
+    pub fn new(experiment: &Experiment, fitted: &Fitted) -> Result<Option<Self>, NotFinite> {
+        let parameters = experiment.parameters;
+        let places = parameters.known_places();
+        if places.is_empty() {
+            return Ok(None);
+        }
+        let stacked = experiment.stack(&fitted.at, &fitted.evaluated, true);
+        let shared = behind(parameters, &stacked, &places);
+        let exact = experiment.spectrum(&shared, &fitted.evaluated)?;
+        let exact = exact.judged(experiment.problem.relative_accuracy);
+        let (b, m) = (shared.nuisances, shared.mass);
+        let shift = (0..places.len()).map(|k| {
+            let column: Vec<f64> = (0..m).map(|i| -shared.r[(b + i, b + m + k)]).collect();
+            let step = exact.solve(&column);
+            let units = step.iter().zip(&exact.natural);
+            units.map(|(z, unit)| z * unit).collect()
+        });
+        let declared = parameters.known_covariance();
+        Ok(Some(Self {
+            shift: shift.collect(),
+            covariance: known_covariance(parameters, fitted),
+            declared: (0..places.len()).map(|k| declared[(k, k)].sqrt()).collect(),
+            exact,
+            places,
+        }))
+    }
+
+    /// Whether the data say enough of the unknown at this place for it to count as estimated.
+    pub fn shrunk(&self, place: usize) -> bool {
+        let k = self.places.iter().position(|p| *p == place);
+        k.is_some_and(|k| self.covariance[(k, k)].max(0.0).sqrt() < ESTIMATED * self.declared[k])
+    }
+}
+
+/// Nuisances first, mass properties, known numbers, right-hand side.
+fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> Shared {
+    let n = parameters.len();
+    let nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
+    let asked = (0..n).filter(|k| !places.contains(k));
+    let (front, back): (Vec<usize>, Vec<usize>) = asked.partition(nuisance);
+    let blocks = front.iter().chain(&back).chain(places);
+    let order: Vec<usize> = blocks.copied().chain([n]).collect();
+    let mut qr = BlockQr::new(n + 1);
+    qr.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
+    Shared {
+        r: qr.finish().r,
+        nuisances: front.len(),
+        mass: back.len(),
+    }
+}

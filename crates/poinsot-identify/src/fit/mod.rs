@@ -1,0 +1,14 @@
+//! The experiment at any value of its unknowns, and the fit of the momentum state.
+
+pub(crate) mod as_predicted;
+pub(crate) mod coordinates;
+pub(crate) mod degrees_of_freedom;
+pub(crate) mod experiment;
+pub(crate) mod far_start;
+pub(crate) mod known_numbers;
+pub(crate) mod momentum_state;
+pub(crate) mod step;
+pub(crate) mod step_error;
+pub(crate) mod triangle;
+
+pub(crate) use momentum_state::{Fitted, ITERATIONS, chi2, fit, fit_from, fit_on, fit_starts};

@@ -1,0 +1,277 @@
+//! The momentum-state fit: Levenberg-Marquardt on the triangle of the shared unknowns.
+//!
+//! Pose, momentum and biases are eliminated by the order of the columns, so each step is decided in the
+//! mass properties alone; the rest follows by back-substitution. Directions that the data leave open do
+//! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
+//! properties: only pose and momentum follow whole.
+
+use crate::fit::coordinates::{Coordinates, PhysicalBodies};
+use crate::fit::experiment::{Experiment, Point};
+use crate::fit::far_start::approach;
+use crate::fit::step::{Held, Local, held, is_close, linearised, moved, physical_bodies};
+use crate::fit::triangle::Shared;
+use crate::likelihood::Evaluated;
+use crate::problem::ProblemError;
+use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
+
+/// Most iterations.
+pub(crate) const ITERATIONS: usize = 60;
+/// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
+const NEGLIGIBLE: f64 = 1.0e-4;
+
+/// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
+///
+/// The bodies are free at first: close to the edge, far from the answer, the equations of motion bend more than
+/// beyond it. What then lies beyond is brought back by the step that costs least and fitted on within the edge.
+pub(crate) fn fit(
+    experiment: &Experiment,
+    linear: Option<&Point>,
+    limit: usize,
+) -> Result<Fitted, ProblemError> {
+    let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
+    if let Some(bodies) = bodies.as_ref().filter(|_| limit >= ITERATIONS) {
+        let mut free = experiment.with_parameters(experiment.parameters);
+        free.coordinates = Coordinates::Linear;
+        let found = fit_within(&free, linear, Some(bodies), limit)?;
+        if found.settled {
+            let Some(bodies) = bodies.clone().seen_apart(&found.spectrum) else {
+                return Ok(found);
+            };
+            if bodies.contain(&found.at.x) {
+                return Ok(found);
+            }
+            let back = brought_back(experiment, &found, &bodies, limit);
+            if let Some(found) = back.filter(|f| f.settled) {
+                return Ok(found);
+            }
+        } else if found.crept && bodies.contain(&found.at.x) {
+            // The edge is not what keeps it from settling.
+            return Ok(found);
+        }
+    }
+    fit_within(experiment, linear, bodies.as_ref(), limit)
+}
+
+/// Fits on from the step that leads back to physical bodies at the least cost.
+fn brought_back(
+    experiment: &Experiment,
+    beyond: &Fitted,
+    bodies: &PhysicalBodies,
+    limit: usize,
+) -> Option<Fitted> {
+    let rhs = beyond.shared.rhs();
+    let (step, _) = bodies.step(&beyond.spectrum, &rhs, 0.0, &beyond.at.x);
+    let (shared, natural) = (&beyond.shared, &beyond.spectrum.natural);
+    let at = moved(
+        experiment,
+        &beyond.at,
+        (&beyond.evaluated, shared, natural),
+        &step,
+    );
+    fit_from(experiment, at, limit)
+}
+
+/// Fits in the coordinates of the experiment, from starts at which the bodies are physical.
+fn fit_within(
+    experiment: &Experiment,
+    linear: Option<&Point>,
+    bodies: Option<&PhysicalBodies>,
+    limit: usize,
+) -> Result<Fitted, ProblemError> {
+    let mut best: Option<Fitted> = None;
+    for start in starting_points(experiment, linear, bodies) {
+        let at = start.point;
+        let Some(here) = start.here.or_else(|| experiment.linearise(&at)) else {
+            continue;
+        };
+        let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
+        let settled = found.settled;
+        best = best.filter(|b| b.settled || !settled).or(Some(found));
+        // A start far off can leave the iteration among directions that come and go: try the other.
+        if settled || limit < ITERATIONS {
+            break;
+        }
+    }
+    best.ok_or(ProblemError::NoMotion)
+}
+
+/// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
+pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Option<Fitted> {
+    let here = experiment.linearise(&at)?;
+    fit_on(experiment, at, here, limit)
+}
+
+/// The same where the problem at the point is known.
+pub(crate) fn fit_on(
+    experiment: &Experiment,
+    at: Point,
+    here: Linearised<Local>,
+    limit: usize,
+) -> Option<Fitted> {
+    fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
+}
+
+/// A point to start from, with the problem there where it is known already.
+struct Start {
+    point: Point,
+    cost: f64,
+    here: Option<Linearised<Local>>,
+}
+
+impl Start {
+    fn known(point: Point, here: Linearised<Local>) -> Self {
+        Self {
+            point,
+            cost: here.cost,
+            here: Some(here),
+        }
+    }
+
+    fn is_close(&self) -> bool {
+        self.here.as_ref().is_some_and(is_close)
+    }
+}
+
+/// The linear solution and the nominal numbers, the better one first; before them where a few readings lead from
+/// the better one, if that is close.
+fn starting_points(
+    experiment: &Experiment,
+    linear: Option<&Point>,
+    bodies: Option<&PhysicalBodies>,
+) -> Vec<Start> {
+    let mut found: Vec<Start> = Vec::new();
+    let point = linear.cloned().map(|mut point| {
+        if let Some(bodies) = bodies {
+            bodies.start(&mut point.x);
+        }
+        point
+    });
+    if let Some(point) = point
+        && let Some(here) = experiment.linearise(&point)
+    {
+        found.push(Start::known(point, here));
+    }
+    let mut close = found.iter().any(Start::is_close);
+    let point = experiment.nominal_point();
+    if !close {
+        let worse = |cost: f64| experiment.cost(&point).is_none_or(|own| own > cost);
+        let from = match found.first() {
+            Some(linear) if worse(linear.cost) => &linear.point,
+            _ => &point,
+        };
+        let start = approached(experiment, from, bodies);
+        close = start.is_some();
+        found.extend(start);
+    }
+    let cost = if close {
+        Some(f64::INFINITY)
+    } else {
+        experiment.cost(&point)
+    };
+    found.extend(cost.map(|cost| Start {
+        point,
+        cost,
+        here: None,
+    }));
+    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    found
+}
+
+/// Where a few readings lead from a point; `None` where that is not close either.
+fn approached(
+    experiment: &Experiment,
+    from: &Point,
+    bodies: Option<&PhysicalBodies>,
+) -> Option<Start> {
+    let mut point = approach(experiment, from)?;
+    if let Some(bodies) = bodies.filter(|b| !b.contain(&point.x)) {
+        bodies.start(&mut point.x);
+    }
+    let here = experiment.linearise(&point)?;
+    Some(Start::known(point, here)).filter(Start::is_close)
+}
+
+/// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
+pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point, ProblemError> {
+    let mut at = experiment.nominal_point();
+    let evaluate = |at: &Point| experiment.evaluate(at, true);
+    let mut here = linearised(
+        experiment,
+        &at,
+        evaluate(&at).ok_or(ProblemError::NoMotion)?,
+    )?;
+    for _ in 0..limit {
+        let held = vec![0.0; here.rows.spectrum.natural.len()];
+        let next = moved(experiment, &at, here.rows.parts(), &held);
+        let Some(evaluated) = evaluate(&next) else {
+            break;
+        };
+        let there = linearised(experiment, &next, evaluated)?;
+        if there.cost.is_nan() || there.cost >= here.cost {
+            break;
+        }
+        (at, here) = (next, there);
+    }
+    Ok(at)
+}
+
+/// Where the iteration ended.
+#[derive(Clone)]
+pub(crate) struct Fitted {
+    pub at: Point,
+    pub evaluated: Vec<Evaluated>,
+    pub shared: Shared,
+    pub spectrum: Spectrum,
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
+    pub iterations: usize,
+    pub settled: bool,
+    /// Not settled, and given up: the convergence was slow and chi-square far too large.
+    pub crept: bool,
+    pub held: Option<Held>,
+}
+
+fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fitted, ProblemError> {
+    let Minimum {
+        at,
+        here,
+        iterations,
+        end,
+    } = minimum;
+    let local = here.rows;
+    let data_alone = if experiment.has_design_prior() {
+        let stacked = experiment.stack(&at, &local.evaluated, false);
+        let own = Shared::new(experiment.parameters, &stacked);
+        Some(experiment.spectra(&stacked, &own, &local.evaluated)?.0)
+    } else {
+        None
+    };
+    Ok(Fitted {
+        held: held(experiment, &at, &local),
+        at,
+        evaluated: local.evaluated,
+        shared: local.shared,
+        spectrum: local.spectrum,
+        data_alone,
+        iterations,
+        settled: match end {
+            End::Settled => true,
+            End::NoLowerCost | End::RoundOff => here.promised < NEGLIGIBLE * here.cost.max(1.0),
+            End::IterationLimit | End::Creeping => false,
+        },
+        crept: end == End::Creeping,
+    })
+}
+
+/// Chi-square of the readings alone.
+pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
+    evaluated.iter().map(|e| e.chi2).sum()
+}
+
+impl Experiment<'_> {
+    /// What a fit has reached; infinite where a prior forbids its end.
+    pub fn cost_of(&self, fitted: &Fitted) -> f64 {
+        self.chi2(&fitted.at, &fitted.evaluated)
+            .unwrap_or(f64::INFINITY)
+    }
+}

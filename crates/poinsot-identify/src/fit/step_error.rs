@@ -1,0 +1,157 @@
+//! Whether an answer is that of the equations of motion, and not of the steps that integrate them.
+//!
+//! With e the change of all whitened predictions when every step is halved, and Q an orthonormal basis of the whitened
+//! sensitivities, the answer moves by `|Q^T e|` sigma; the rest of e stays in the residual. Where stored momentum makes a
+//! body nutate nearly all of e lies in the span of Q, where chi-square cannot see it. The right-hand sides of the
+//! triangles with whole and with halved steps differ by `Q^T e`.
+
+use crate::fit::experiment::Experiment;
+use crate::fit::step::Local;
+use crate::fit::{Fitted, fit_on};
+use crate::likelihood::Evaluated;
+use faer::Mat;
+use poinsot_solve::{LeastSquares, Linearised};
+
+/// Largest change of the answer by halved steps, sigmas.
+const ANSWER: f64 = 0.05;
+/// Largest change of all predictions together, in their noise.
+const PREDICTIONS: f64 = 0.3;
+/// Most fits with finer steps.
+const REFINEMENTS: usize = 4;
+/// Most steps for each one of the grid.
+const MOST: u32 = 64;
+/// Order of the integrator.
+const ORDER: f64 = 4.0;
+/// Largest factor at once: the order holds for small errors alone.
+const AT_ONCE: u32 = 8;
+
+/// What halving the steps changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StepError {
+    /// Of the answer, sigmas.
+    pub answer: f64,
+    /// Of all predictions together, in their noise.
+    pub predictions: f64,
+}
+
+impl StepError {
+    /// Whether the answer may be relied on.
+    fn is_small(&self) -> bool {
+        self.answer <= ANSWER && self.predictions <= PREDICTIONS
+    }
+
+    /// Steps for each one now with which it would be small.
+    fn factor(&self) -> u32 {
+        let excess = f64::max(self.answer / ANSWER, self.predictions / PREDICTIONS);
+        let factor = excess.powf(1.0 / ORDER).ceil();
+        factor.clamp(2.0, f64::from(AT_ONCE)) as u32
+    }
+
+    pub fn words(&self) -> String {
+        format!(
+            "halving the integration steps moves the answer by {:.2} sigma: the covariance does not hold this error; sample faster, or check the momentum of the wheels",
+            self.answer
+        )
+    }
+}
+
+/// Refines the steps and fits again from the answer until halving them no longer matters. Gives the error that is left
+/// where it does not become small.
+pub(crate) fn within_steps(
+    experiment: &mut Experiment,
+    mut fitted: Fitted,
+    limit: usize,
+) -> (Fitted, Option<StepError>) {
+    if !fitted.settled {
+        return (fitted, None);
+    }
+    for round in 0..=REFINEMENTS {
+        let Some(error) = step_error(experiment, &fitted).filter(|e| !e.is_small()) else {
+            return (fitted, None);
+        };
+        if round == REFINEMENTS || experiment.fineness.factor >= MOST {
+            return (fitted, Some(error));
+        }
+        // Straight speeds may be all that is wrong.
+        match experiment.may_bend() && !experiment.bends() {
+            true => experiment.fineness.bends = true,
+            false => experiment.fineness.factor *= error.factor(),
+        }
+        let here = experiment.linearise(&fitted.at);
+        let finer = here.and_then(|h| fit_on(experiment, fitted.at.clone(), h, limit));
+        match finer {
+            Some(finer) => fitted = finer,
+            None => return (fitted, Some(error)),
+        }
+    }
+    (fitted, None)
+}
+
+/// What half the steps change at the end of a fit; `None` where the vehicle cannot move so.
+fn step_error(experiment: &Experiment, fitted: &Fitted) -> Option<StepError> {
+    let mut finer = experiment.with_parameters(experiment.parameters);
+    finer.fineness.factor *= 2;
+    finer.fineness.bends = true;
+    let evaluated = finer.evaluate(&fitted.at, false)?;
+    let predictions = difference(&fitted.evaluated, &evaluated);
+    if predictions <= ANSWER {
+        // The answer cannot move by more.
+        return Some(StepError {
+            answer: predictions,
+            predictions,
+        });
+    }
+    let here = finer.linearise(&fitted.at)?;
+    Some(StepError {
+        answer: shift(experiment, fitted, &here),
+        predictions,
+    })
+}
+
+/// `|e|`.
+fn difference(coarse: &[Evaluated], fine: &[Evaluated]) -> f64 {
+    let channels = |all: &[Evaluated]| -> Vec<_> {
+        let channels = all.iter().flat_map(|e| &e.channels);
+        channels
+            .flat_map(|c| c.white.iter().copied())
+            .collect::<Vec<_>>()
+    };
+    let (coarse, fine) = (channels(coarse), channels(fine));
+    if coarse.len() != fine.len() {
+        return f64::INFINITY;
+    }
+    let pairs = coarse.iter().zip(&fine);
+    pairs
+        .map(|(a, b)| (a - b).norm_squared())
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// `|Q^T e|`: pose, momentum and nuisances, then the mass properties that the data determine.
+fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Local>) -> f64 {
+    let fine = &fine.rows;
+    let pairs = coarse.evaluated.iter().zip(&fine.evaluated);
+    let heads: f64 = pairs
+        .zip(&experiment.unknown)
+        .filter_map(|((a, b), head)| Some((a.triangle.as_ref()?, b.triangle.as_ref()?, head)))
+        .map(|(a, b, head)| {
+            let rows = rhs_change(&a.r, &b.r, 0..head.count());
+            rows.iter().map(|d| d * d).sum::<f64>()
+        })
+        .sum();
+    let (a, b) = (&coarse.shared, &fine.shared);
+    let all = rhs_change(&a.r, &b.r, 0..a.nuisances + a.mass);
+    let (nuisances, mass) = all.split_at(a.nuisances);
+    let nuisances: f64 = nuisances.iter().map(|d| d * d).sum();
+    (heads + nuisances + fine.spectrum.decrease(mass, 0.0)).sqrt()
+}
+
+/// Change of the right-hand side of some rows between two triangles of one problem, whose rows may differ in sign.
+fn rhs_change(a: &Mat<f64>, b: &Mat<f64>, rows: std::ops::Range<usize>) -> Vec<f64> {
+    let last = a.ncols() - 1;
+    rows.map(|i| {
+        let own = a[(i, last)] * a[(i, i)].signum() * b[(i, i)].signum();
+        b[(i, last)] - own
+    })
+    .collect()
+}

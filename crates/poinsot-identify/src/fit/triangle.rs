@@ -1,0 +1,203 @@
+//! The triangle of the shared unknowns.
+
+use crate::problem::parameters::Parameters;
+use faer::Mat;
+use nalgebra::DMatrix;
+use poinsot_solve::{BlockQr, Triangle};
+
+/// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.
+#[derive(Clone)]
+pub(crate) struct Shared {
+    pub r: Mat<f64>,
+    /// Number of nuisances in front.
+    pub nuisances: usize,
+    /// Number of mass properties, spin inertias and thruster scales.
+    pub mass: usize,
+}
+
+impl Shared {
+    /// Puts the nuisances of a stacked triangle in front: what is left below is projected clear of them.
+    /// In [`Parameters`] they stand last.
+    pub fn new(parameters: &Parameters, stacked: &Triangle) -> Self {
+        let n = parameters.len();
+        let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
+        let (front, back): (Vec<usize>, Vec<usize>) = (0..n).partition(is_nuisance);
+        let order: Vec<usize> = front.iter().chain(&back).copied().chain([n]).collect();
+        let mut permuted = BlockQr::new(n + 1);
+        permuted.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
+        Self {
+            r: permuted.finish().r,
+            nuisances: front.len(),
+            mass: back.len(),
+        }
+    }
+
+    /// The same with every known number held at its value.
+    pub fn exact(parameters: &Parameters, stacked: &Triangle) -> Self {
+        let (reduced, kept) = parameters.without_known();
+        let last = stacked.r.ncols() - 1;
+        let mut fewer = BlockQr::new(kept.len() + 1);
+        fewer.push(stacked.r.nrows(), |i, j| {
+            stacked.r[(i, kept.get(j).copied().unwrap_or(last))]
+        });
+        Self::new(&reduced, &fewer.finish())
+    }
+
+    /// The same with a damping of the nuisances, in units of which are given: `damping |b / unit|^2` is added.
+    pub fn damped(&self, units: &[f64], damping: f64) -> Self {
+        let mut more = BlockQr::new(self.r.ncols());
+        more.push(self.r.nrows(), |i, j| self.r[(i, j)]);
+        let root = damping.sqrt();
+        more.push(self.nuisances, |i, j| match i == j {
+            true => root / units[i],
+            false => 0.0,
+        });
+        Self {
+            r: more.finish().r,
+            nuisances: self.nuisances,
+            mass: self.mass,
+        }
+    }
+
+    /// Length of the column of each nuisance.
+    pub fn nuisance_lengths(&self) -> Vec<f64> {
+        let length = |j: usize| (0..=j).map(|i| self.r[(i, j)].powi(2)).sum::<f64>().sqrt();
+        (0..self.nuisances).map(length).collect()
+    }
+
+    /// How much a step of nuisances and mass properties lowers the square of the right-hand side.
+    pub fn lowered(&self, nuisances: &[f64], mass: &[f64]) -> f64 {
+        let n = self.nuisances + self.mass;
+        let step = || nuisances.iter().chain(mass);
+        (0..n)
+            .map(|i| {
+                let moved: f64 = step()
+                    .enumerate()
+                    .skip(i)
+                    .map(|(j, x)| self.r[(i, j)] * x)
+                    .sum();
+                let d = self.r[(i, n)];
+                // d^2 - (d - moved)^2, without the cancellation.
+                moved * (2.0 * d - moved)
+            })
+            .sum()
+    }
+
+    /// Triangle of the mass properties.
+    pub fn block(&self) -> Mat<f64> {
+        let b = self.nuisances;
+        Mat::from_fn(self.mass, self.mass, |i, j| self.r[(b + i, b + j)])
+    }
+
+    /// Right-hand side of the mass properties.
+    pub fn rhs(&self) -> Vec<f64> {
+        let n = self.nuisances + self.mass;
+        (self.nuisances..n).map(|i| self.r[(i, n)]).collect()
+    }
+
+    /// Squared length of what no unknown can reach.
+    pub fn unreachable(&self) -> f64 {
+        let n = self.nuisances + self.mass;
+        self.r[(n, n)].powi(2)
+    }
+
+    /// Nuisances that go with values of the mass properties.
+    pub fn nuisances_for(&self, mass: &[f64]) -> Vec<f64> {
+        head(&self.r, self.nuisances, mass).mean
+    }
+}
+
+/// The head of a triangle, `R_hh h + R_hx x = d`, solved for h.
+pub(crate) struct HeadSolution {
+    /// Values at x.
+    pub mean: Vec<f64>,
+    /// Slope over x, one row per component.
+    pub slope: Vec<Vec<f64>>,
+    /// Covariance given x.
+    pub covariance: DMatrix<f64>,
+}
+
+/// Solves the first `h` rows of a triangle whose columns are `[h | x | rhs]`. A component without any
+/// signal gets zero and an infinite variance.
+pub(crate) fn head(r: &Mat<f64>, h: usize, x: &[f64]) -> HeadSolution {
+    let n = x.len();
+    let largest = (0..h).fold(0.0_f64, |a, i| a.max(r[(i, i)].abs()));
+    let blind = |i: usize| r[(i, i)].abs() <= 1.0e-14 * largest;
+    let square = DMatrix::from_fn(h, h, |i, j| match (blind(i), i == j) {
+        (true, true) => f64::MIN_POSITIVE.sqrt(),
+        (true, false) => 0.0,
+        _ => r[(i, j)],
+    });
+    let inverse = square
+        .solve_upper_triangular(&DMatrix::identity(h, h))
+        .unwrap_or_else(|| DMatrix::zeros(h, h));
+    let clear = |i: usize, value: f64| if blind(i) { 0.0 } else { value };
+    let slope = -&inverse * DMatrix::from_fn(h, n, |i, j| clear(i, r[(i, h + j)]));
+    let constant = &inverse * DMatrix::from_fn(h, 1, |i, _| clear(i, r[(i, h + n)]));
+    let mean = (0..h)
+        .map(|i| {
+            constant[(i, 0)]
+                + x.iter()
+                    .enumerate()
+                    .map(|(j, v)| slope[(i, j)] * v)
+                    .sum::<f64>()
+        })
+        .collect();
+    HeadSolution {
+        mean,
+        slope: (0..h)
+            .map(|i| slope.row(i).iter().copied().collect())
+            .collect(),
+        covariance: &inverse * inverse.transpose(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use poinsot_solve::Spectrum;
+
+    /// Elimination from the damped problem against its normal equations, solved whole.
+    #[test]
+    fn exact_a_damped_step_of_nuisances_and_mass_properties_is_that_of_the_normal_equations() {
+        let (nuisances, mass) = (3, 4);
+        let n = nuisances + mass;
+        let element = |i: usize, j: usize| match j < i {
+            true => 0.0,
+            false => ((7 * i + 3 * j + 1) as f64).sin() + f64::from(u8::from(i == j)) * 2.0,
+        };
+        let shared = Shared {
+            r: Mat::from_fn(n + 1, n + 1, element),
+            nuisances,
+            mass,
+        };
+        let (damping, units, natural) = (0.7, [0.5, 2.0, 0.1], [1.0, 3.0, 0.2, 1.5]);
+        let held = shared.damped(&units, damping);
+        let nothing = [0.0; 16];
+        let open = Spectrum::new(&shared.block(), &natural, &nothing, 1.0, 1.0e9).unwrap();
+        let spectrum = Spectrum::within(&held.block(), &nothing, &open).unwrap();
+        let scaled = spectrum.damped(&held.rhs(), damping);
+        let x: Vec<f64> = scaled
+            .iter()
+            .zip(natural)
+            .map(|(z, unit)| z * unit)
+            .collect();
+        let b = held.nuisances_for(&x);
+        let A = DMatrix::from_fn(n, n, element);
+        let d = DMatrix::from_fn(n, 1, |i, _| element(i, n));
+        let all: Vec<f64> = units.iter().chain(&natural).copied().collect();
+        let held_back = DMatrix::from_fn(n, n, |i, j| match i == j {
+            true => damping / (all[i] * all[i]),
+            false => 0.0,
+        });
+        let whole = (A.transpose() * &A + held_back)
+            .lu()
+            .solve(&(A.transpose() * &d))
+            .unwrap();
+        for (found, expected) in b.iter().chain(&x).zip(whole.iter()) {
+            assert!((found - expected).abs() < 1.0e-12, "{found} {expected}");
+        }
+        let left = (&d - A * whole).norm_squared();
+        assert!((shared.lowered(&b, &x) - d.norm_squared() + left).abs() < 1.0e-11);
+    }
+}

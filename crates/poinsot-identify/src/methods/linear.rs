@@ -1,0 +1,477 @@
+//! The linear rung: measured velocities in the momentum regressor, one least-squares problem.
+//!
+//! Unknown are the mass properties asked for and the initial momentum of every segment. Exact on
+//! noise-free data; on noisy data the noise that sits in the regressor biases it, which is estimated and
+//! added to the sigmas. Rows are whitened with the declared noise at the nominal parameters (one step of
+//! generalised least squares), so the triangular factor is the square root of the information.
+
+use crate::answer;
+use crate::certify::walk::straight_set;
+use crate::fit::experiment::Experiment;
+use crate::fit::fit;
+use crate::fit::triangle::{Shared, head};
+use crate::likelihood::impulse;
+use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
+use crate::methods::twist_residual;
+use crate::problem::parameters::{Equations, Parameters};
+use crate::problem::quantity::TenParameters;
+use crate::problem::segment::Segment;
+use crate::problem::{Problem, ProblemError};
+use crate::solution::estimate::{Estimate, SegmentFit};
+use crate::solution::open_set::OpenSet;
+use crate::solution::solved::{Reduced, Solved, StartOfSegment, VectorQuantity};
+use poinsot_dynamics::{Kinematics, composite};
+use poinsot_model::MomentumKnowledge;
+use poinsot_solve::{BlockQr, Spectrum, Triangle};
+use poinsot_spatial::{Vector3, skew};
+use rayon::prelude::*;
+
+/// Samples that one task turns into a triangle; fixed, so that the sum does not depend on the threads.
+const CHUNK: usize = 1024;
+/// Steps towards the best fit before the certificate is taken.
+const CERTIFICATE_STEPS: usize = 8;
+/// Chunks in flight: bounds the memory.
+const WAVE: usize = 32;
+/// Samples per segment at which the noise of the regressor is evaluated.
+const NOISE_SAMPLES: usize = 150;
+
+/// Identifies by linear least squares.
+///
+/// # Errors
+/// The question cannot be asked. What the data leave open is an answer, not an error.
+pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
+    let mut solved = solve_linear(problem)?;
+    let parameters = solved.parameters.clone();
+    let experiment = Experiment::new(problem, &parameters);
+    if experiment.has_design_prior() {
+        solved.warnings.push(
+            "linear method: the declared priors are not used; maximum likelihood uses them"
+                .to_owned(),
+        );
+    }
+    // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
+    // Without readings at their own times the rows' own spectrum has to do.
+    let observed = problem.segments.iter().all(|s| problem.is_observed(s));
+    if observed
+        && let Ok(fitted) = fit(
+            &experiment,
+            Some(&solved.point(&experiment)),
+            CERTIFICATE_STEPS,
+        )
+    {
+        let judged = fitted.spectrum.judged(problem.relative_accuracy);
+        restrict(problem, &mut solved, &judged)?;
+    }
+    solved.open_set = straight_set(problem, &solved);
+    Ok(answer::write(problem, &solved))
+}
+
+/// Solves again within the directions that the experiment identifies: noise in the regressor can make
+/// others look determined.
+fn restrict(
+    problem: &Problem,
+    solved: &mut Solved,
+    experiment: &Spectrum,
+) -> Result<(), ProblemError> {
+    let own = Spectrum::within(&solved.shared.block(), &solved.regressor_noise, experiment)?;
+    solved.spectrum = own;
+    solved.settle();
+    let (starts, fit) = segments(problem, &solved.parameters, &solved.reduced, &solved.x);
+    solved.starts = starts;
+    solved.fit = fit;
+    Ok(())
+}
+
+/// The linear solution before it is put into words.
+pub(crate) fn solve_linear(problem: &Problem) -> Result<Solved, ProblemError> {
+    problem.check_samples()?;
+    let first = solve(problem, None)?;
+    if needs_mass_centre(problem) {
+        refine_known_momentum(problem, first)
+    } else {
+        Ok(first)
+    }
+}
+
+/// Whether the angular momentum about the mass centre is known while the vehicle drifts: its moment
+/// about the inertial origin then holds the unknown mass centre.
+fn needs_mass_centre(problem: &Problem) -> bool {
+    matches!(
+        (problem.model.momentum.linear, problem.model.momentum.angular),
+        (MomentumKnowledge::Known(P), MomentumKnowledge::Known(_)) if P != Vector3::zeros()
+    ) && problem.linear_equations() == Equations::Momentum
+}
+
+/// Fixed point on the mass centre: `H0 = h_cm + p_cm x P0`.
+fn refine_known_momentum(problem: &Problem, mut solved: Solved) -> Result<Solved, ProblemError> {
+    for _ in 0..4 {
+        let bodies = solved.parameters.bodies(&solved.x);
+        let centres: Vec<Vector3> = problem
+            .segments
+            .iter()
+            .map(|segment| {
+                let mut kinematics = Kinematics::new(problem.tree);
+                let dof = problem.tree.dof();
+                let s = &segment.samples;
+                kinematics.place(problem.tree, s.joint_position.get(..dof).unwrap_or(&[]));
+                let c = composite(&bodies, &kinematics).p_BoScm_B();
+                s.R_NB.first().map_or(c, |R| R * c)
+            })
+            .collect();
+        solved = solve(problem, Some(&centres))?;
+    }
+    Ok(solved)
+}
+
+fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solved, ProblemError> {
+    let equations = problem.linear_equations();
+    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
+    let parameters = Parameters::new(problem.model, problem.tree, equations, fires)?;
+    let wheels = &problem.model.wheels;
+    let nominal_spin: Vec<f64> = wheels.iter().map(|w| w.spin_inertia).collect();
+    let spin_inertia: Vec<f64> = wheels
+        .iter()
+        .map(|w| if w.estimate { 0.0 } else { w.spin_inertia })
+        .collect();
+    let setting = RowSetting {
+        tree: problem.tree,
+        parameters: &parameters,
+        spin_inertia: &spin_inertia,
+        nominal_spin: &nominal_spin,
+        noise: problem.noise,
+    };
+    let n = parameters.len();
+    let mut stacked = BlockQr::new(n + 1);
+    let mut noise = vec![0.0; n * n];
+    let mut reduced = Vec::with_capacity(problem.segments.len());
+    let mut rows = 0;
+    for (at, segment) in problem.segments.iter().enumerate() {
+        let start = start_momentum(problem, equations, centres.map(|c| c[at]));
+        let samples = segment.samples.time_s.len();
+        let triangle = reduce(&setting, problem, segment, start, &mut noise);
+        let m = start.columns();
+        let tail = triangle.r.nrows() - m;
+        stacked.push(tail, |i, j| triangle.r[(m + i, m + j)]);
+        rows += match equations {
+            Equations::Momentum => 6 * samples,
+            Equations::Rotation => 3 * samples,
+        } - m;
+        reduced.push(Reduced { triangle, start });
+    }
+    conclude(
+        problem,
+        parameters,
+        reduced,
+        &stacked.finish(),
+        &noise,
+        rows,
+    )
+}
+
+fn start_momentum(
+    problem: &Problem,
+    equations: Equations,
+    centre: Option<Vector3>,
+) -> StartMomentum {
+    let given = problem.model.momentum;
+    let linear = match equations {
+        Equations::Momentum => given.linear,
+        Equations::Rotation => MomentumKnowledge::Known(Vector3::zeros()),
+    };
+    let angular = match (given.angular, linear, centre) {
+        (known @ MomentumKnowledge::Known(_), _, _) if equations == Equations::Rotation => known,
+        (MomentumKnowledge::Known(h), MomentumKnowledge::Known(P), _) if P == Vector3::zeros() => {
+            MomentumKnowledge::Known(h)
+        }
+        (MomentumKnowledge::Known(h), MomentumKnowledge::Known(P), Some(c)) => {
+            MomentumKnowledge::Known(h + c.cross(&P))
+        }
+        _ => MomentumKnowledge::Estimate,
+    };
+    StartMomentum { linear, angular }
+}
+
+/// QR of the rows of one segment: chunks side by side, folded in their order.
+fn reduce(
+    setting: &RowSetting,
+    problem: &Problem,
+    segment: &Segment,
+    start: StartMomentum,
+    noise: &mut [f64],
+) -> Triangle {
+    let impulses = impulse::thrust_impulses(setting.tree, &problem.model.thrusters, segment);
+    let samples = segment.samples.time_s.len();
+    let width = start.columns() + setting.parameters.len() + 1;
+    let chunks: Vec<(usize, usize)> = (0..samples)
+        .step_by(CHUNK)
+        .map(|from| (from, (from + CHUNK).min(samples)))
+        .collect();
+    let mut total = BlockQr::new(width);
+    for wave in chunks.chunks(WAVE) {
+        let triangles: Vec<Triangle> = wave
+            .par_iter()
+            .map(|&(from, to)| {
+                let mut rows = Rows::new(setting, segment, &impulses, start);
+                let mut qr = BlockQr::new(width);
+                for k in from..to {
+                    qr.push_six(rows.at(k));
+                }
+                qr.finish()
+            })
+            .collect();
+        for triangle in &triangles {
+            total.merge(triangle);
+        }
+    }
+    let stride = samples.div_ceil(NOISE_SAMPLES).max(1);
+    let picked: Vec<usize> = (0..samples).step_by(stride).collect();
+    let weight = samples as f64 / picked.len() as f64;
+    let mut rows = Rows::new(setting, segment, &impulses, start);
+    for k in picked {
+        rows.add_regressor_noise(k, weight, noise);
+    }
+    total.finish()
+}
+
+/// Spectrum and solution from the stacked triangle.
+fn conclude(
+    problem: &Problem,
+    parameters: Parameters,
+    reduced: Vec<Reduced>,
+    stacked: &Triangle,
+    noise: &[f64],
+    rows: usize,
+) -> Result<Solved, ProblemError> {
+    let n = parameters.len();
+    let shared = Shared::new(&parameters, stacked);
+    let m = shared.mass;
+    let block = shared.block();
+    let natural: Vec<f64> = parameters.unknowns[..m].iter().map(|u| u.natural).collect();
+    let block_noise: Vec<f64> = (0..m)
+        .flat_map(|i| (0..m).map(move |j| noise[i * n + j]))
+        .collect();
+    let size = longest_column(&parameters, &reduced);
+    let accuracy = problem.relative_accuracy;
+    let spectrum = Spectrum::new(&block, &natural, &block_noise, size, accuracy)?;
+    let mut solved = Solved {
+        known: None,
+        method: "linear",
+        x: parameters.nominal_vector(),
+        parameters,
+        shared,
+        spectrum,
+        data_alone: None,
+        conflict: None,
+        explained: None,
+        residual: (0.0, rows),
+        rows,
+        starts: Vec::new(),
+        fit: Vec::new(),
+        reduced,
+        open_set: OpenSet::default(),
+        iterations: 1,
+        settled: true,
+        warnings: Vec::new(),
+        adds_up: impulse::adds_up(problem),
+        not_rigid: false,
+        sensitive_to: Vec::new(),
+        held: None,
+        diagnostics: None,
+        assumptions: Vec::new(),
+        wheels_smooth: false,
+        regressor_noise: block_noise,
+    };
+    solved.settle();
+    let (starts, fit) = segments(problem, &solved.parameters, &solved.reduced, &solved.x);
+    solved.starts = starts;
+    solved.fit = fit;
+    Ok(solved)
+}
+
+/// Length of the longest column of a mass property before momentum is projected out, natural units.
+fn longest_column(parameters: &Parameters, reduced: &[Reduced]) -> f64 {
+    parameters
+        .unknowns
+        .iter()
+        .enumerate()
+        .filter(|(_, unknown)| !unknown.kind.is_nuisance())
+        .map(|(j, unknown)| {
+            let square: f64 = reduced
+                .iter()
+                .map(|one| {
+                    let at = one.start.columns() + j;
+                    (0..=at)
+                        .map(|i| one.triangle.r[(i, at)].powi(2))
+                        .sum::<f64>()
+                })
+                .sum();
+            square.sqrt() * unknown.natural
+        })
+        .fold(0.0, f64::max)
+}
+
+impl Solved {
+    /// Linear least squares on the shared triangle: only identified directions leave the nominal values.
+    fn settle(&mut self) {
+        let m = self.shared.mass;
+        let block = self.shared.block();
+        let rhs = self.shared.rhs();
+        let left_over = |x: &[f64]| -> Vec<f64> {
+            rhs.iter()
+                .enumerate()
+                .map(|(i, d)| d - (0..m).map(|j| block[(i, j)] * x[j]).sum::<f64>())
+                .collect()
+        };
+        let mut x = self.parameters.nominal_vector();
+        // The second pass takes off the round-off of the first.
+        for _ in 0..2 {
+            let step = self.spectrum.solve(&left_over(&x));
+            for ((value, dz), unit) in x.iter_mut().zip(&step).zip(&self.spectrum.natural) {
+                *value += dz * unit;
+            }
+        }
+        let z: Vec<f64> = x
+            .iter()
+            .zip(&self.spectrum.natural)
+            .map(|(x, unit)| x / unit)
+            .collect();
+        self.spectrum.set_bias(&self.regressor_noise, &z);
+        let biases = self.shared.nuisances_for(&x[..m]);
+        x[m..].copy_from_slice(&biases);
+        let square = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() + self.shared.unreachable();
+        let (left, whole) = (square(&left_over(&x)), square(&rhs));
+        self.explained = (whole > 1.0e-20).then(|| 1.0 - left / whole);
+        let found = self.spectrum.rank + self.shared.nuisances;
+        self.residual = (left, self.rows.saturating_sub(found));
+        self.x = x;
+    }
+}
+
+/// Momentum and fit of every segment at the answer.
+fn segments(
+    problem: &Problem,
+    parameters: &Parameters,
+    reduced: &[Reduced],
+    x: &[f64],
+) -> (Vec<StartOfSegment>, Vec<SegmentFit>) {
+    let spin: Vec<f64> = problem
+        .model
+        .wheels
+        .iter()
+        .map(|w| w.spin_inertia)
+        .collect();
+    problem
+        .segments
+        .iter()
+        .zip(reduced)
+        .map(|(segment, reduced)| {
+            let (start, values) = start_of(problem, parameters, segment, reduced, x);
+            let channels = {
+                let segment = (segment, problem.noise.gyro_sensor);
+                twist_residual::twist(parameters, x, problem.tree, &spin, segment, values)
+            };
+            let fit = SegmentFit {
+                label: segment.label.clone(),
+                samples: segment.samples.time_s.len(),
+                chi2_per_dof: segment_chi2(parameters, segment, reduced, x),
+                channels,
+            };
+            (start, fit)
+        })
+        .unzip()
+}
+
+fn segment_chi2(parameters: &Parameters, segment: &Segment, reduced: &Reduced, x: &[f64]) -> f64 {
+    let h = reduced.start.columns();
+    let n = parameters.len();
+    let r = &reduced.triangle.r;
+    let left: f64 = (h..r.nrows())
+        .map(|i| {
+            let predicted: f64 = (0..n).map(|j| r[(i, h + j)] * x[j]).sum();
+            (r[(i, h + n)] - predicted).powi(2)
+        })
+        .sum();
+    let per_sample = match parameters.equations {
+        Equations::Momentum => 6,
+        Equations::Rotation => 3,
+    };
+    left / (per_sample * segment.samples.time_s.len())
+        .saturating_sub(h)
+        .max(1) as f64
+}
+
+/// Momentum of a segment, and its values about the inertial origin.
+fn start_of(
+    problem: &Problem,
+    parameters: &Parameters,
+    segment: &Segment,
+    reduced: &Reduced,
+    x: &[f64],
+) -> (StartOfSegment, (Vector3, Vector3)) {
+    let start = &reduced.start;
+    let solution = head(&reduced.triangle.r, start.columns(), x);
+    let pick = |from: usize, known: MomentumKnowledge| match known {
+        MomentumKnowledge::Known(value) => VectorQuantity::known(value, x.len()),
+        MomentumKnowledge::Estimate => {
+            let mean = &solution.mean[from..from + 3];
+            VectorQuantity::of_head(&solution, from, Vector3::from_row_slice(mean))
+        }
+    };
+    let linear = pick(0, start.linear);
+    let before = 3 * usize::from(start.linear == MomentumKnowledge::Estimate);
+    let mut angular = pick(before, start.angular);
+    let values = (linear.value, angular.value);
+    let translation = parameters.equations == Equations::Momentum;
+    if translation {
+        about_mass_centre(problem, parameters, segment, x, &linear, &mut angular);
+    }
+    let start = StartOfSegment {
+        linear,
+        angular,
+        linear_given: start.linear,
+        angular_given: match problem.model.momentum.angular {
+            // Known about the mass centre, carried to the inertial origin for the rows.
+            known @ MomentumKnowledge::Known(_) if start.angular != MomentumKnowledge::Estimate => {
+                known
+            }
+            _ => start.angular,
+        },
+        translation,
+    };
+    (start, values)
+}
+
+/// `h_cm = H - p_cm x P` with the mass centre a function of the unknowns.
+fn about_mass_centre(
+    problem: &Problem,
+    parameters: &Parameters,
+    segment: &Segment,
+    x: &[f64],
+    linear: &VectorQuantity,
+    angular: &mut VectorQuantity,
+) {
+    let s = &segment.samples;
+    let mut kinematics = Kinematics::new(problem.tree);
+    let dof = problem.tree.dof();
+    kinematics.place(problem.tree, s.joint_position.get(..dof).unwrap_or(&[]));
+    let ten = TenParameters::of_system(parameters, &kinematics, x);
+    let centre = [0, 1, 2].map(|k| ten.mass_centre(k));
+    let R = s.R_NB.first().copied().unwrap_or_default();
+    let c = R * Vector3::new(centre[0].value, centre[1].value, centre[2].value);
+    let P = linear.value;
+    angular.value -= c.cross(&P);
+    let cross = skew(&c);
+    angular.own += cross * linear.own * cross.transpose();
+    for u in 0..x.len() {
+        let column = |g: &[Vec<f64>; 3]| Vector3::new(g[0][u], g[1][u], g[2][u]);
+        let dc = R * Vector3::new(
+            centre[0].gradient[u],
+            centre[1].gradient[u],
+            centre[2].gradient[u],
+        );
+        let step = dc.cross(&P) + c.cross(&column(&linear.gradient));
+        for k in 0..3 {
+            angular.gradient[k][u] -= step[k];
+        }
+    }
+}

@@ -1,0 +1,424 @@
+//! The flagship: maximum likelihood in the momentum state.
+//!
+//! Unknown are the mass properties, the pose and momentum at the start of every segment, and biases.
+//! Measured joint and wheel motion drives the pose-momentum equation; every reading is compared in its own
+//! noise. Noise sits in the residual, not in the regressor, so nothing is attenuated. Levenberg-Marquardt
+//! on the triangle of the shared unknowns; directions that the data leave open do not move.
+
+use crate::answer;
+use crate::certify::walk::open_set;
+use crate::diagnosis::conflict::{self, conflict};
+use crate::diagnosis::octaves::octaves;
+use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
+use crate::fit::coordinates::FitOptions;
+use crate::fit::degrees_of_freedom::fitted_numbers;
+use crate::fit::experiment::{Experiment, Point};
+use crate::fit::known_numbers::{Effects, fit_known};
+use crate::fit::step_error::within_steps;
+use crate::fit::triangle::head;
+use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
+use crate::likelihood::{ChannelResidual, Sight};
+use crate::methods::linear::solve_linear;
+use crate::motion::input_curves::beyond_the_readings;
+use crate::problem::loss::Loss;
+use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
+use crate::problem::prior::Conflict;
+use crate::problem::shifted_vehicle::Centre;
+use crate::problem::{Problem, ProblemError};
+use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
+use crate::solution::open_set::OpenSet;
+use crate::solution::solved::{Solved, StartOfSegment, VectorQuantity};
+use poinsot_model::{EstimateSet, MomentumKnowledge};
+use poinsot_solve::{LeastSquares, Spectrum};
+use poinsot_spatial::Vector3;
+
+/// Shift of the answer by another wheel motion between samples, sigmas, from which the answer is sensitive to it.
+pub const SENSITIVE: f64 = 1.0;
+
+/// Identifies by maximum likelihood, started from the linear solution where there is one.
+///
+/// # Errors
+/// The question cannot be asked. What the data leave open is an answer, not an error.
+pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
+    maximum_likelihood_with(problem, Loss::Gaussian)
+}
+
+/// The same with a loss that bounds what a few bad readings can do, or other coordinates of the steps.
+///
+/// # Errors
+/// As [`maximum_likelihood`].
+pub fn maximum_likelihood_with(
+    problem: &Problem,
+    options: impl Into<FitOptions>,
+) -> Result<Estimate, ProblemError> {
+    let ended = solve(problem, options.into())?;
+    Ok(answer::write(problem, &ended.solved))
+}
+
+/// A solved problem.
+pub(crate) struct Ended {
+    pub solved: Solved,
+    /// Value of all unknowns where the fit ended.
+    pub at: Point,
+    /// The vehicle with its known numbers where the data and their uncertainty put them.
+    pub centre: Option<Centre>,
+}
+
+/// The solved problem, and where the fit ended.
+pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, ProblemError> {
+    problem.check_samples()?;
+    problem.check_observations()?;
+    let (parameters, linear) = match solve_linear(problem) {
+        Ok(solved)
+            if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
+        {
+            // The linear method sees rotation alone; an accelerometer sees the mass centre too.
+            let parameters = problem.likelihood_parameters()?;
+            let lifted = lifted(solved, &parameters);
+            (parameters, Some(lifted))
+        }
+        Ok(solved) => (solved.parameters.clone(), Some(solved)),
+        Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
+            (problem.likelihood_parameters()?, None)
+        }
+        Err(other) => return Err(other),
+    };
+    let linear = linear.map(|solved| padded(solved, &parameters));
+    let mut experiment = Experiment::new(problem, &parameters);
+    experiment.loss = options.loss;
+    experiment.coordinates = options.coordinates;
+    let start = linear.as_ref().map(|solved| solved.point(&experiment));
+    let mut fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
+    let mut assumptions = Vec::new();
+    let mut shift = 0.0;
+    if !problem.model.wheels.is_empty() {
+        let between = between_readings(&mut experiment, start.as_ref(), fitted);
+        fitted = between.fitted;
+        shift = between.shift;
+        assumptions.push(
+            match experiment.wheels_smooth {
+                true => "wheel speed smooth between samples",
+                false => "wheel torque constant between samples (zero-order hold)",
+            }
+            .to_owned(),
+        );
+    }
+    let (fitted, step_error) = within_steps(&mut experiment, fitted, ITERATIONS);
+    let explained = match &linear {
+        Some(solved) => solved.explained,
+        None => (!proportional(problem)).then_some(1.0),
+    };
+    let known = fit_known(&experiment, &fitted);
+    let (mut solved, at) = match &known {
+        None => {
+            let end = (fitted, None, None);
+            judged(&experiment, end, explained, options.undiagnosed)
+        }
+        Some(known) => {
+            let wide = known.experiment(&experiment);
+            let looked_at = known.left.then_some((&experiment, &fitted));
+            let end = known.fitted.clone();
+            let contradiction = known.contradiction.clone();
+            let end = (end, looked_at, contradiction);
+            judged(&wide, end, explained, options.undiagnosed)
+        }
+    };
+    let centre = match &known {
+        Some(_) => Centre::at(problem, &solved.parameters, &at.x),
+        None => None,
+    };
+    solved.open_set = match &known {
+        None => open_set(&experiment, &at, &solved),
+        Some(known) => open_set(&known.experiment(&experiment), &at, &solved),
+    };
+    solved.assumptions = assumptions;
+    if let Some(warning) = crate::motion::input_noise::approximate(problem) {
+        solved.warnings.push(warning);
+    }
+    solved.wheels_smooth = experiment.wheels_smooth;
+    if shift > SENSITIVE {
+        // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
+        let mut segments = problem.segments.iter();
+        let seldom = segments.any(|s| s.observations.between_readings);
+        let wheels = seldom.then_some("the wheel motion between samples");
+        solved.sensitive_to.extend(wheels);
+        let warning = wheel_warning(shift, experiment.wheels_smooth, seldom);
+        solved.warnings.extend(warning);
+    }
+    if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
+        solved
+            .sensitive_to
+            .push("inputs beyond the first and last sample");
+        solved.warnings.push(warning);
+    }
+    if let Some(error) = step_error {
+        solved.sensitive_to.push("the integration steps");
+        solved.warnings.push(error.words());
+    }
+    if let Some(found) = &mut solved.diagnostics {
+        found.shift_between_readings = shift;
+    }
+    Ok(Ended { solved, at, centre })
+}
+
+/// Diagnoses a fit and concludes. `looked_at` is diagnosed instead, where known numbers do not explain a misfit.
+fn judged(
+    experiment: &Experiment,
+    (fitted, looked_at, contradiction): (Fitted, Option<(&Experiment, &Fitted)>, Option<Conflict>),
+    explained: Option<f64>,
+    undiagnosed: bool,
+) -> (Solved, Point) {
+    let (of, end) = looked_at.unwrap_or((experiment, &fitted));
+    let mut found = match undiagnosed {
+        true => Diagnostics::default(),
+        false => diagnose(of, end, fitted_numbers(of, end)),
+    };
+    let (conflict, freed) = conflict(of, end, !undiagnosed);
+    let conflict = conflict.or(contradiction);
+    if let Some(conflict) = &conflict {
+        if let Some(freed) = freed {
+            (found.suspects, found.findings) = (freed.suspects, freed.findings);
+            (found.lags, found.drift, found.lines) = (freed.lags, freed.drift, freed.lines);
+        }
+        found.findings.insert(0, conflict::finding(conflict));
+    }
+    let at = fitted.at.clone();
+    let mut solved = conclude(experiment, fitted, explained, found);
+    solved.conflict = conflict;
+    (solved, at)
+}
+
+/// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that the data prefer err
+/// by far less than the two ways differ, if the wheels are sampled as often as all else.
+fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
+    let (assumed, other) = match smooth {
+        true => ("wheel speed smooth between samples", "constant torque"),
+        false => ("wheel torque constant between samples", "smooth speed"),
+    };
+    let consequence = match (seldom, smooth) {
+        (true, _) => {
+            ", and the wheels are sampled less often than other sensors: the covariance is not trustworthy"
+        }
+        (false, false) => "",
+        (false, true) => return None,
+    };
+    Some(format!(
+        "assumed: {assumed}; with {other} the answer would move by {shift:.1} sigma{consequence}; sample the wheels more often"
+    ))
+}
+
+/// The better of two ways in which wheels may run between readings.
+struct Between {
+    fitted: Fitted,
+    /// How far the other way would move the mass properties, sigmas.
+    shift: f64,
+}
+
+/// Between readings a wheel may run straight (torque held) or smoothly: the data decide. How far the answer leans on what
+/// was decided tells whether the wheels are read often enough for what they do.
+fn between_readings(experiment: &mut Experiment, linear: Option<&Point>, held: Fitted) -> Between {
+    let cost = experiment.cost_of(&held);
+    experiment.wheels_smooth = true;
+    let (smooth, shift) = smoother(experiment, linear, &held, cost);
+    match smooth {
+        Some(fitted) => {
+            experiment.wheels_smooth = false;
+            let other = experiment.linearise(&fitted.at);
+            experiment.wheels_smooth = true;
+            let shift = other.map_or(0.0, |here| here.rows.mass_shift());
+            let shift = shift.max(seldom_shift(experiment, &fitted));
+            Between { fitted, shift }
+        }
+        None => {
+            experiment.wheels_smooth = false;
+            let shift = shift.max(seldom_shift(experiment, &held));
+            Between {
+                fitted: held,
+                shift,
+            }
+        }
+    }
+}
+
+/// How far an answer would move if wheels that are read more seldom than other sensors ran smoothly between their readings,
+/// and not straight as the grid has them.
+fn seldom_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let mut segments = experiment.problem.segments.iter();
+    if !fitted.settled || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
+        return 0.0;
+    }
+    let mut segments = experiment.problem.segments.to_vec();
+    for segment in &mut segments {
+        let o = &mut segment.observations;
+        if o.smooth_wheel_speed.len() == o.wheel_speed.len() {
+            o.wheel_speed = std::mem::take(&mut o.smooth_wheel_speed);
+        }
+    }
+    let problem = Problem {
+        segments: &segments,
+        ..*experiment.problem
+    };
+    let mut other = experiment.with_problem(&problem);
+    other.wheels_smooth = true;
+    let here = other.linearise(&fitted.at);
+    here.map_or(0.0, |here| here.rows.mass_shift())
+}
+
+/// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one
+/// leads. Where the other fit has settled, one look from its end tells whether this one can be better.
+fn smoother(
+    experiment: &Experiment,
+    linear: Option<&Point>,
+    other: &Fitted,
+    held: f64,
+) -> (Option<Fitted>, f64) {
+    let better = |found: &Fitted| experiment.cost_of(found) < held;
+    if !other.settled {
+        let found = fit(experiment, linear, ITERATIONS).ok();
+        return (found.filter(better), 0.0);
+    }
+    let Some(here) = experiment.linearise(&other.at) else {
+        return (None, 0.0);
+    };
+    let shift = here.rows.mass_shift();
+    let promising = here.cost - here.promised < held;
+    let found = promising.then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS));
+    (found.flatten().filter(better), shift)
+}
+
+/// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
+pub(crate) fn proportional(problem: &Problem) -> bool {
+    let model = problem.model;
+    let known_body = model
+        .bodies
+        .iter()
+        .any(|b| b.estimate != EstimateSet::ALL && b.nominal.mass > 0.0);
+    let known_wheel = model.wheels.iter().any(|w| !w.estimate);
+    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
+    !known_body && !known_wheel && !fires
+}
+
+/// A linear solution with the unknowns that only the fit has, at their nominal values.
+fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
+    let known = solved.x.len();
+    let further = parameters.unknowns[known..].iter().map(|u| u.nominal);
+    solved.x.extend(further);
+    solved.parameters = parameters.clone();
+    solved
+}
+
+/// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
+/// know at their nominal values.
+fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
+    solved.x = lifted_vector(&solved.parameters, &solved.x, parameters);
+    solved.parameters = parameters.clone();
+    solved
+}
+
+pub(crate) fn conclude(
+    experiment: &Experiment,
+    fitted: Fitted,
+    explained: Option<f64>,
+    found: Diagnostics,
+) -> Solved {
+    let given = &experiment.problem.model.momentum;
+    let x = &fitted.at.x;
+    let numbers = fitted_numbers(experiment, &fitted);
+    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+    let starts = fitted
+        .evaluated
+        .iter()
+        .zip(&fitted.at.heads)
+        .zip(&experiment.unknown)
+        .map(|((one, at), unknown)| {
+            let solution = one
+                .triangle
+                .as_ref()
+                .map(|t| head(&t.r, unknown.count(), x));
+            let pick = |column: Option<usize>, value: Vector3| match (&solution, column) {
+                (Some(solution), Some(from)) => VectorQuantity::of_head(solution, from, value),
+                _ => VectorQuantity::known(value, x.len()),
+            };
+            let (linear, angular) = unknown.momentum_at();
+            let translation = experiment.sight == Sight::Translation;
+            StartOfSegment {
+                linear: pick(linear, at.P),
+                angular: pick(angular, at.h_SScm_N),
+                linear_given: if translation {
+                    given.linear
+                } else {
+                    MomentumKnowledge::Estimate
+                },
+                angular_given: given.angular,
+                translation,
+            }
+        })
+        .collect();
+    let fit = experiment
+        .problem
+        .segments
+        .iter()
+        .zip(&fitted.evaluated)
+        .map(|(segment, one)| SegmentFit {
+            label: segment.label.clone(),
+            samples: segment.observations.time_s.len(),
+            chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
+            channels: one
+                .channels
+                .iter()
+                .map(|c| channel_fit(c, experiment.loss))
+                .collect(),
+        })
+        .collect();
+    // The fit moves whatever the data hold; what counts as known is asked afterwards, of exact known numbers.
+    let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
+    let known = Effects::new(experiment, &fitted).ok().flatten();
+    let nothing = vec![0.0; fitted.shared.mass * fitted.shared.mass];
+    let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), &nothing, &k.exact).ok();
+    let spectrum = known.as_ref().and_then(within);
+    let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));
+    Solved {
+        method: "maximum_likelihood",
+        residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
+        parameters: experiment.parameters.clone(),
+        x: fitted.at.x,
+        shared: fitted.shared,
+        spectrum,
+        known,
+        data_alone: fitted.data_alone.map(judged),
+        conflict: None,
+        explained,
+        starts,
+        fit,
+        iterations: fitted.iterations,
+        settled: fitted.settled,
+        warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
+        adds_up: false,
+        not_rigid: found
+            .findings
+            .iter()
+            .any(|f| f.fault == FaultKind::NotRigid),
+        held: fitted.held,
+        diagnostics: Some(found),
+        assumptions: Vec::new(),
+        wheels_smooth: false,
+        sensitive_to: Vec::new(),
+        regressor_noise: Vec::new(),
+        reduced: Vec::new(),
+        open_set: OpenSet::default(),
+        rows,
+    }
+}
+
+pub(crate) fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
+    let count = 3.0 * channel.white.len().max(1) as f64;
+    let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
+    ChannelFit {
+        name: channel.name.clone(),
+        unit: channel.unit,
+        rms: (channel.square / count).sqrt(),
+        chi2_per_number: Some(chi2 / count),
+        whiteness_p: whiteness(&channel.white),
+        octaves: octaves(&channel.white, loss, OUTLIER),
+    }
+}

@@ -1,0 +1,6 @@
+//! The methods, each from top to bottom.
+
+pub(crate) mod cramer_rao;
+pub(crate) mod linear;
+pub(crate) mod maximum_likelihood;
+pub(crate) mod twist_residual;

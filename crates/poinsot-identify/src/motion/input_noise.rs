@@ -1,0 +1,602 @@
+//! Noise of joint and wheel readings on its way through the equation of motion.
+//!
+//! Joints and wheels drive the prediction with their readings, so the prediction errs by what the readings err.
+//! With `e` the errors of the inputs at a grid time, `x = [dphi_B, dp_N, dP_N, dh_N]` the error of the predicted
+//! state and `L e` the part of it that follows a joint at once (a joint read too far has turned the base back),
+//! `s = x - L e` moves only slowly:
+//!
+//! ```text
+//! s' = A s + (A L + D - L') e,        dV = V_x x + V_u e
+//! ```
+//!
+//! `A` and `D` are the slopes of the equation of motion over state and inputs, `V_x` and `V_u` those of the twist.
+//! An error stays with its reading (`e_k+1 = a e_k + w`, see [`InputErrors`]). The pair `(s, e)` is the state of a
+//! Kalman filter (Kalman 1960) whose readings are the residuals; what it leaves of them, the innovations, is white
+//! (Kailath 1968), and so are the sensitivities that went through the same filter: maximum likelihood with errors
+//! in the inputs at a cost linear in the samples.
+//!
+//! An accelerometer feels how rates and speeds change, so its reading leans on the errors at the grid times beside its
+//! own. Where there is one, the filter's state holds the errors of a window of grid times, those ahead included, and the
+//! errors of joint rates with them. A velocity increment leans on two instants: what erred at its beginning is kept
+//! until it ends.
+//!
+//! A random torque about the mass centre stands in the state beside the errors and drives the momentum ([`random_torque`]).
+
+mod points;
+mod random_torque;
+
+pub(crate) use points::approximate;
+
+use crate::motion::{Column, Instant, Matrix6x12, Motion, State, matrix, pose_change};
+use crate::problem::segment::{InputErrors, Noise, Segment};
+use nalgebra::{SMatrix, SVector};
+use poinsot_dynamics::JointSlopes;
+use poinsot_model::RandomTorque;
+use poinsot_spatial::{Vector3, Vector6};
+
+/// An input whose readings err.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Input {
+    Joint(usize),
+    Wheel(usize),
+    /// A joint's rate, where an instrument at a point feels it. Elsewhere it is white noise of the rows.
+    Rate(usize),
+}
+
+/// The equation of motion around the prediction at one grid time.
+struct Slopes {
+    /// Upper half of `A`: the pose's.
+    pose: Matrix6x12,
+    /// `L` per input: it reaches the pose alone.
+    at_once: Vec<Vector6>,
+    /// Upper half of `A L + D` per input.
+    drive: Vec<Vector6>,
+    /// Lower halves of `A` and `D` in the interval that begins here, where anything pushes.
+    push: Option<(Matrix6x12, Vec<Vector6>)>,
+}
+
+/// The filter along one segment.
+#[derive(Default)]
+pub(crate) struct InputNoise {
+    random_torque: Option<RandomTorque>,
+    step: Option<random_torque::Step>,
+    inputs: Vec<(Input, f64)>,
+    memory: Vec<InputErrors>,
+    /// Components of `s` that inputs can reach.
+    active: Vec<usize>,
+    /// Number of these and of the components of the random torque, which follow them.
+    lead: usize,
+    /// Grid times on each side of the one in hand whose errors are held.
+    reach: usize,
+    /// Joints whose rate is made of their positions.
+    derived: Vec<bool>,
+    time_s: Vec<f64>,
+    /// Whether rates are among the inputs.
+    tracks_rates: bool,
+    slopes: JointSlopes,
+    before: Option<Slopes>,
+    /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
+    pub columns: Vec<Column>,
+    pub twists: Vec<Vector6>,
+    /// Change of the twist with each joint rate.
+    pub rate_gain: Vec<Vector6>,
+    filter: Filter,
+}
+
+impl InputNoise {
+    /// `followed` is the number of sequences that go through the filter: sensitivities and residual.
+    pub fn new(
+        (noise, random_torque): (&Noise, Option<RandomTorque>),
+        segment: &Segment,
+        forced: bool,
+        followed: usize,
+    ) -> Self {
+        let o = &segment.observations;
+        let increments = points::increments(&o.sensors);
+        let translation = o.reads_translation() || increments > 0;
+        let tracks_rates = o.reads_points();
+        let derived = if tracks_rates {
+            o.derived_rates.clone()
+        } else {
+            Vec::new()
+        };
+        let joints = noise.joint_position.iter().enumerate();
+        let wheels = noise.wheel_speed.iter().enumerate();
+        let rates = noise.joint_rate.iter().enumerate().filter(|(k, _)| {
+            let still = matches!(
+                o.joint_errors.get(*k),
+                Some(InputErrors::Locked | InputErrors::None)
+            );
+            tracks_rates && !still && derived.get(*k) != Some(&true)
+        });
+        let joints = joints.map(|(k, v)| (Input::Joint(k), *v, o.joint_errors.get(k)));
+        let wheels = wheels.map(|(k, v)| (Input::Wheel(k), *v, o.wheel_errors.get(k)));
+        let rates = rates.map(|(k, v)| (Input::Rate(k), *v, None));
+        let (mut inputs, mut memory) = (Vec::new(), Vec::new());
+        for (input, variance, errors) in joints.chain(wheels).chain(rates) {
+            let errors = errors.cloned().unwrap_or_default();
+            if variance > 0.0 && errors != InputErrors::None {
+                inputs.push((input, variance));
+                memory.push(errors);
+            }
+        }
+        let torque = random_torque.is_some();
+        let silent = inputs.is_empty() && !torque;
+        let active = match (silent, translation, forced || torque) {
+            (true, _, _) => Vec::new(),
+            (_, false, false) => (0..3).collect(),
+            (_, false, true) => (0..3).chain(9..12).collect(),
+            (_, true, false) => (0..6).collect(),
+            (_, true, true) => (0..12).collect(),
+        };
+        let reach = match inputs.is_empty() {
+            true => 0,
+            false => points::reach(o, &derived),
+        };
+        let lead = active.len() + 3 * usize::from(torque);
+        let size = lead + (2 * reach + 1) * inputs.len() + 3 * increments;
+        let size = if silent { 0 } else { size };
+        Self {
+            random_torque,
+            step: None,
+            lead,
+            reach,
+            tracks_rates,
+            derived,
+            time_s: if reach > 0 {
+                o.time_s.clone()
+            } else {
+                Vec::new()
+            },
+            filter: Filter::new(size, followed),
+            columns: vec![Column::zeros(); size],
+            twists: vec![Vector6::zeros(); size],
+            rate_gain: vec![Vector6::zeros(); noise.joint_rate.len()],
+            slopes: JointSlopes::default(),
+            before: None,
+            inputs,
+            memory,
+            active,
+        }
+    }
+
+    /// Whether there is nothing to do: no input errs and no random torque acts.
+    pub fn is_silent(&self) -> bool {
+        self.filter.size == 0
+    }
+
+    /// Place of the random torque in the filter's state.
+    fn torque_at(&self) -> Option<usize> {
+        self.random_torque.map(|_| self.active.len())
+    }
+
+    /// Whether the filter knows the noise of joint rates, so that rows need not.
+    pub fn tracks_rates(&self) -> bool {
+        self.tracks_rates
+    }
+
+    /// Place in the filter's state of an input's error, so many grid times after the one in hand.
+    fn place(&self, input: usize, after: isize) -> usize {
+        let block = self.reach.saturating_add_signed(after);
+        self.lead + block * self.inputs.len() + input
+    }
+
+    /// Carries the filter to grid time k, where the motion has just given its velocity.
+    pub fn reach(&mut self, motion: &mut Motion, state: &State, instant: &Instant, k: usize) {
+        let joint_slopes = &mut self.slopes;
+        motion.joint_slopes(instant, joint_slopes);
+        for (gain, slope) in self.rate_gain.iter_mut().zip(&joint_slopes.of) {
+            *gain = -(instant.inverse_inertia * slope.rate);
+        }
+        if self.is_silent() {
+            return;
+        }
+        let map = motion.state_map(state, instant);
+        let now = self.slopes_at(motion, state, instant, &map, k);
+        match self.before.take() {
+            None => self.begin(&now),
+            Some(before) => self.carry(&before, &now, motion.step_s(k), k),
+        }
+        for (i, &at) in self.active.iter().enumerate() {
+            self.columns[i] = Column::zeros();
+            self.columns[i][at] = 1.0;
+            self.twists[i] = map * self.columns[i];
+        }
+        for (c, at_once) in now.at_once.iter().enumerate() {
+            let mut column = Column::zeros();
+            column.fixed_rows_mut::<6>(0).copy_from(at_once);
+            let at = self.place(c, 0);
+            self.columns[at] = column;
+            self.twists[at] += map.fixed_view::<6, 6>(0, 0) * at_once;
+        }
+        self.add_derived_rates(k);
+        self.before = Some(now);
+    }
+
+    /// Slopes at a grid time; the change of the twist with the inputs goes to the end of `twists`.
+    fn slopes_at(
+        &mut self,
+        motion: &Motion,
+        state: &State,
+        instant: &Instant,
+        map: &Matrix6x12,
+        k: usize,
+    ) -> Slopes {
+        let R = matrix(&state.R_NB);
+        self.twists.fill(Vector6::zeros());
+        let pose = motion.pose_slopes(state, instant, map);
+        let mut at_once = Vec::with_capacity(self.inputs.len());
+        let mut drive = Vec::with_capacity(self.inputs.len());
+        for (c, (input, _)) in self.inputs.iter().enumerate() {
+            let (position, rate) = match input {
+                Input::Joint(j) => {
+                    let slope = &self.slopes.of[*j];
+                    let turned = motion.centre_change(instant, &slope.first_moment);
+                    let mut change = slope.position;
+                    let h = change.fixed_rows::<3>(3) - turned;
+                    change.fixed_rows_mut::<3>(3).copy_from(&h);
+                    (-(instant.inverse_inertia * change), self.rate_gain[*j])
+                }
+                Input::Wheel(w) => (motion.wheel_gain(instant, *w), Vector6::zeros()),
+                Input::Rate(j) => {
+                    // Positions alone drive: an interval's mean rate is that of its ends.
+                    at_once.push(Vector6::zeros());
+                    drive.push(Vector6::zeros());
+                    let at = self.place(c, 0);
+                    self.twists[at] = self.rate_gain[*j];
+                    continue;
+                }
+            };
+            let at = self.place(c, 0);
+            self.twists[at] = position;
+            let once = pose_change(&R, &rate);
+            let mut slow = pose_change(&R, &position);
+            if rate != Vector6::zeros() {
+                // Only attitude and place follow at once.
+                slow += pose.fixed_view::<6, 6>(0, 0) * once;
+            }
+            at_once.push(once);
+            drive.push(slow);
+        }
+        let push = (self.active.len() > 6 || self.active.contains(&9))
+            .then(|| self.push_slopes(motion, state, instant, map, k));
+        Slopes {
+            pose,
+            at_once,
+            drive,
+            push,
+        }
+    }
+
+    /// What thrust and torque of the surroundings do: they turn with the base, and their arms with the joints.
+    fn push_slopes(
+        &self,
+        motion: &Motion,
+        state: &State,
+        instant: &Instant,
+        map: &Matrix6x12,
+        k: usize,
+    ) -> (Matrix6x12, Vec<Vector6>) {
+        let R = matrix(&state.R_NB);
+        let drives = self.inputs.iter().enumerate().map(|(c, (input, _))| {
+            let (mut dF, mut dT) = (Vector3::zeros(), Vector3::zeros());
+            if let Input::Joint(j) = input {
+                let first_moment = &self.slopes.of[*j].first_moment;
+                (dF, dT) = motion.wrench_change(state, instant, k, *j, first_moment);
+            }
+            if !matches!(input, Input::Rate(_)) {
+                let dw = self.twists[self.place(c, 0)].fixed_rows::<3>(3).into();
+                dT += motion.drag_change(state, instant, &dw);
+            }
+            let (dP, dh) = (R * dF, R * dT);
+            Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
+        });
+        let drives = drives.collect();
+        (motion.wrench_slopes(state, instant, map, k), drives)
+    }
+
+    /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
+    fn begin(&mut self, now: &Slopes) {
+        if let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) {
+            let variance = torque.sigma_N_m * torque.sigma_N_m;
+            (0..3).for_each(|axis| self.filter.add(at + axis, variance));
+        }
+        for (c, (_, variance)) in self.inputs.iter().enumerate() {
+            let mut vector = vec![0.0; self.filter.size];
+            for (x, &row) in vector.iter_mut().zip(&self.active) {
+                *x = -now.at_once[c].get(row).copied().unwrap_or_default();
+            }
+            let mut fresh = *variance;
+            // Each error ahead is what stays of the one before it and something new.
+            for first in 0..=self.reach {
+                let mut share = 1.0;
+                for after in first..=self.reach {
+                    vector[self.place(c, after as isize)] = share;
+                    share *= self.memory[c].memory(after);
+                }
+                self.filter.add_outer(&vector, fresh);
+                vector.fill(0.0);
+                fresh = variance * (1.0 - self.memory[c].memory(first).powi(2));
+            }
+        }
+    }
+
+    /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
+    fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
+        let n = self.lead;
+        let (size, ahead) = (self.filter.size, self.reach > 0);
+        let pose = (before.pose + now.pose) * 0.5;
+        let push = before.push.as_ref();
+        let A = |row: usize, column: usize| match row.checked_sub(6) {
+            None => pose[(row, column)],
+            Some(row) => push.map_or(0.0, |(lower, _)| lower[(row, column)]),
+        };
+        // Rows of the active components; the errors of the inputs only fade.
+        let mut upper = vec![0.0; n * size];
+        let mut faded: Vec<f64> = self.memory.iter().map(|m| m.memory(k - 1)).collect();
+        for (i, &row) in self.active.iter().enumerate() {
+            for (j, &column) in self.active.iter().enumerate() {
+                // Exponential to second order: h is a fraction of a turn.
+                let own = if i == j { 1.0 } else { 0.0 };
+                let through = self.active.iter().map(|&k| A(row, k) * A(k, column));
+                upper[i * size + j] = own + h * A(row, column) + 0.5 * h * h * through.sum::<f64>();
+            }
+        }
+        let torque = self.torque_rows(&A, h, &mut upper);
+        let mut fresh = Vec::with_capacity(self.inputs.len() * self.active.len());
+        for (c, a) in faded.iter().enumerate() {
+            let turn = (now.at_once[c] - before.at_once[c]) * 0.5;
+            let ends = [before, now].map(|s| {
+                let slow = s.drive[c] * (0.5 * h) - turn;
+                let pushed = push.map_or_else(Vector6::zeros, |(lower, drive)| {
+                    (lower.fixed_view::<6, 6>(0, 0) * s.at_once[c] + drive[c]) * (0.5 * h)
+                });
+                move |row: usize| if row < 6 { slow[row] } else { pushed[row - 6] }
+            });
+            let here = self.place(c, 0);
+            for (i, &row) in self.active.iter().enumerate() {
+                upper[i * size + here] = ends[0](row);
+                if ahead {
+                    upper[i * size + self.place(c, 1)] = ends[1](row);
+                } else {
+                    upper[i * size + here] += a * ends[1](row);
+                    fresh.push(ends[1](row));
+                }
+            }
+        }
+        if ahead {
+            self.shift(&upper, k);
+            return self.renew(&torque);
+        }
+        // What began an increment stays.
+        faded.resize(size - n, 1.0);
+        self.filter.advance(&upper, &faded);
+        let mut vector = vec![0.0; size];
+        for (c, ((_, variance), a)) in self.inputs.iter().zip(&faded).enumerate() {
+            let new = variance * (1.0 - a * a);
+            if new > 0.0 {
+                vector.fill(0.0);
+                let reached = self.active.len();
+                vector[..reached].copy_from_slice(&fresh[c * reached..(c + 1) * reached]);
+                vector[n + c] = 1.0;
+                self.filter.add_outer(&vector, new);
+            }
+        }
+        self.renew(&torque);
+    }
+
+    /// Fills the columns of the random torque, and gives what comes anew, one vector each.
+    fn torque_rows(
+        &mut self,
+        A: &impl Fn(usize, usize) -> f64,
+        h: f64,
+        upper: &mut [f64],
+    ) -> Vec<Vec<f64>> {
+        let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) else {
+            return Vec::new();
+        };
+        let size = self.filter.size;
+        let step = self.step.filter(|s| s.lasts(h));
+        let step = step.unwrap_or_else(|| random_torque::Step::new(torque, h));
+        self.step = Some(step);
+        let mut fresh = Vec::with_capacity(9);
+        for axis in 0..3 {
+            // Torque, momentum and its integral in the state: the integral turns the base.
+            let spread = |x: &nalgebra::Vector3<f64>| {
+                let mut vector = vec![0.0; size];
+                for (i, &row) in self.active.iter().enumerate() {
+                    let own = if row == 9 + axis { x[1] } else { 0.0 };
+                    vector[i] = own + A(row, 9 + axis) * x[2];
+                }
+                vector[at + axis] = x[0];
+                vector
+            };
+            let kept = spread(&step.kept);
+            for (i, x) in kept.iter().enumerate().take(self.lead) {
+                upper[i * size + at + axis] = *x;
+            }
+            fresh.extend((0..3).map(|c| spread(&step.fresh.column(c).into())));
+        }
+        fresh
+    }
+
+    /// What the random torque brings anew.
+    fn renew(&mut self, torque: &[Vec<f64>]) {
+        torque.iter().for_each(|v| self.filter.add_outer(v, 1.0));
+    }
+
+    /// Correlation of the errors so far with readings, one row per error.
+    pub fn correlation<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> Vec<SVector<f64, M>> {
+        let rows = self.filter.covariance.chunks_exact(self.filter.size.max(1));
+        rows.map(|row| weighted(row, slopes)).collect()
+    }
+
+    /// A residual less what earlier readings say of it.
+    pub fn expected<const M: usize>(
+        &self,
+        slopes: &[SVector<f64, M>],
+        residual: SVector<f64, M>,
+    ) -> SVector<f64, M> {
+        self.filter.innovation(slopes, residual)
+    }
+
+    /// Takes the readings of one sensor: see [`Filter::take`].
+    pub fn take<const M: usize>(
+        &mut self,
+        slopes: &[SVector<f64, M>],
+        correlation: &[SVector<f64, M>],
+        inverse_root: &SMatrix<f64, M, M>,
+        rows: &mut [SVector<f64, M>],
+    ) {
+        self.filter.take(slopes, correlation, inverse_root, rows);
+    }
+}
+
+/// Covariance of the errors, and for every sequence what the readings so far say of them.
+#[derive(Default)]
+struct Filter {
+    size: usize,
+    /// Row by row.
+    covariance: Vec<f64>,
+    means: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+impl Filter {
+    fn new(size: usize, followed: usize) -> Self {
+        Self {
+            size,
+            covariance: vec![0.0; size * size],
+            means: vec![0.0; size * followed],
+            scratch: vec![0.0; size * size],
+        }
+    }
+
+    fn add_outer(&mut self, vector: &[f64], variance: f64) {
+        for (row, a) in self.covariance.chunks_exact_mut(self.size).zip(vector) {
+            if *a != 0.0 {
+                row.iter_mut()
+                    .zip(vector)
+                    .for_each(|(p, b)| *p += a * b * variance);
+            }
+        }
+    }
+
+    /// More variance of one component.
+    fn add(&mut self, at: usize, variance: f64) {
+        self.covariance[at * self.size + at] += variance;
+    }
+
+    /// `P = F P F^T`, and every mean `F m`: the upper rows of `F` are given, below it is diagonal.
+    fn advance(&mut self, upper: &[f64], faded: &[f64]) {
+        let size = self.size;
+        let n = size - faded.len();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let product = &mut self.scratch;
+        for (i, out) in product.chunks_exact_mut(size).enumerate().take(n) {
+            out.fill(0.0);
+            let rows = self.covariance.chunks_exact(size);
+            for (f, row) in upper[i * size..(i + 1) * size].iter().zip(rows) {
+                out.iter_mut().zip(row).for_each(|(o, p)| *o += f * p);
+            }
+        }
+        for (i, row) in product.chunks_exact(size).enumerate().take(n) {
+            for (j, f) in upper.chunks_exact(size).enumerate().take(i + 1) {
+                let p = dot(row, f);
+                self.covariance[i * size + j] = p;
+                self.covariance[j * size + i] = p;
+            }
+            for (j, a) in faded.iter().enumerate() {
+                let p = row[n + j] * a;
+                self.covariance[i * size + n + j] = p;
+                self.covariance[(n + j) * size + i] = p;
+            }
+        }
+        for (i, a) in faded.iter().enumerate() {
+            let own = &mut self.covariance[(n + i) * size + n..(n + i + 1) * size];
+            own.iter_mut().zip(faded).for_each(|(p, b)| *p *= a * b);
+        }
+        let next = &mut self.scratch[..n];
+        for mean in self.means.chunks_exact_mut(size) {
+            for (x, f) in next.iter_mut().zip(upper.chunks_exact(size)) {
+                *x = dot(f, mean);
+            }
+            mean[..n].copy_from_slice(next);
+            mean[n..].iter_mut().zip(faded).for_each(|(m, a)| *m *= a);
+        }
+    }
+
+    /// The same for any `F`, row by row in elements that are not zero.
+    fn map(&mut self, rows: &[Vec<(usize, f64)>]) {
+        let size = self.size;
+        for (row, out) in rows.iter().zip(self.scratch.chunks_exact_mut(size)) {
+            out.fill(0.0);
+            for (k, f) in row {
+                let from = &self.covariance[k * size..(k + 1) * size];
+                out.iter_mut().zip(from).for_each(|(o, p)| *o += f * p);
+            }
+        }
+        let dot = |row: &[(usize, f64)], x: &[f64]| row.iter().map(|(k, f)| f * x[*k]).sum::<f64>();
+        for (i, product) in self.scratch.chunks_exact(size).enumerate() {
+            for (j, row) in rows.iter().enumerate().take(i + 1) {
+                let p = dot(row, product);
+                self.covariance[i * size + j] = p;
+                self.covariance[j * size + i] = p;
+            }
+        }
+        let mut next = vec![0.0; size];
+        for mean in self.means.chunks_exact_mut(size) {
+            for (x, row) in next.iter_mut().zip(rows) {
+                *x = dot(row, mean);
+            }
+            mean.copy_from_slice(&next);
+        }
+    }
+
+    /// The last sequence at a reading, less what is known of it.
+    fn innovation<const M: usize>(
+        &self,
+        slopes: &[SVector<f64, M>],
+        residual: SVector<f64, M>,
+    ) -> SVector<f64, M> {
+        let last = self.means.len().saturating_sub(self.size);
+        residual - weighted(&self.means[last..], slopes)
+    }
+
+    /// Turns every row into its whitened innovation and learns from it. `inverse_root` is `L^-1` of the covariance
+    /// `L L^T` of the readings, noise of the sensor and of the inputs together.
+    fn take<const M: usize>(
+        &mut self,
+        slopes: &[SVector<f64, M>],
+        correlation: &[SVector<f64, M>],
+        inverse_root: &SMatrix<f64, M, M>,
+        rows: &mut [SVector<f64, M>],
+    ) {
+        let n = self.size;
+        if n == 0 {
+            rows.iter_mut().for_each(|row| *row = inverse_root * *row);
+            return;
+        }
+        let gains = correlation.iter().map(|c| inverse_root * c);
+        let gains: Vec<SVector<f64, M>> = gains.collect();
+        for (mean, row) in self.means.chunks_exact_mut(n).zip(rows) {
+            for (m, slope) in mean.iter().zip(slopes) {
+                *row -= slope * *m;
+            }
+            *row = inverse_root * *row;
+            for (m, gain) in mean.iter_mut().zip(&gains) {
+                *m += gain.dot(row);
+            }
+        }
+        for (row, a) in self.covariance.chunks_exact_mut(n).zip(&gains) {
+            row.iter_mut().zip(&gains).for_each(|(p, b)| *p -= a.dot(b));
+        }
+    }
+}
+
+fn weighted<const M: usize>(weights: &[f64], slopes: &[SVector<f64, M>]) -> SVector<f64, M> {
+    weights
+        .iter()
+        .zip(slopes)
+        .fold(SVector::zeros(), |sum, (w, slope)| sum + slope * *w)
+}

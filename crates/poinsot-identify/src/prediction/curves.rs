@@ -1,0 +1,532 @@
+//! What the answer predicts for every sensor, beside what was measured: for the reader's eye.
+//!
+//! Statistics come from every sample; curves keep at most a given number of points.
+
+use crate::answer;
+use crate::fit::coordinates::FitOptions;
+use crate::fit::experiment::{Experiment, Point};
+use crate::fit::fit_starts;
+use crate::likelihood::{ChannelResidual, Head, start};
+use crate::methods::linear::{linear, solve_linear};
+use crate::methods::maximum_likelihood::{Ended, solve};
+use crate::motion::{Instant, Motion, State};
+use crate::motion::{Vehicle, tilted};
+use crate::problem::parameters::{Equations, Parameters, ParametersError, reading_unit};
+use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
+use crate::problem::{Problem, ProblemError};
+use crate::sensors::{Ideal, gap, perfect, vector};
+use crate::solution::estimate::Estimate;
+use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
+use poinsot_model::SensorKind;
+use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
+
+/// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
+pub const HISTOGRAM_BARS: usize = 32;
+/// Lags of the autocorrelation, from 1.
+pub const LAGS: usize = 20;
+/// Steps of pose, momentum and biases at given mass properties.
+const STARTS: usize = 8;
+/// Half the width of the histogram, sigmas.
+const HISTOGRAM_REACH: f64 = 4.0;
+
+/// One segment as the answer predicts it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Prediction {
+    /// Name of the segment.
+    pub label: String,
+    /// Sensors, each at its own times.
+    pub channels: Vec<PredictedChannel>,
+    /// Predicted motion of the base.
+    pub motion: PredictedMotion,
+    /// Angular momentum about the system's mass centre in N, N m s: from the measured rates, and predicted.
+    pub momentum: PredictedChannel,
+    /// Joint positions at the times of `motion`, one row a joint, rad or m.
+    pub joint_position: Vec<Vec<f64>>,
+    /// Wheel speeds at the times of `motion`, one row a wheel, rad/s.
+    pub wheel_speed: Vec<Vec<f64>>,
+    /// Thruster firings.
+    pub firings: Vec<Firing>,
+}
+
+/// Samples of one sensor beside their prediction. One row a component.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PredictedChannel {
+    /// As in [`crate::ChannelFit`].
+    pub name: String,
+    /// Unit of readings and predictions.
+    pub unit: &'static str,
+    /// Unit of the residual.
+    pub residual_unit: &'static str,
+    /// Names of the components.
+    pub components: Vec<&'static str>,
+    /// Readings in the file.
+    pub samples: usize,
+    /// Times of the points kept, s.
+    pub time_s: Vec<f64>,
+    /// Measured.
+    pub measured: Vec<Vec<f64>>,
+    /// Predicted.
+    pub predicted: Vec<Vec<f64>>,
+    /// Measured less predicted, x, y, z; of an attitude the small rotation in body axes.
+    pub residual: Vec<Vec<f64>>,
+    /// Whitened residuals of all samples in [`HISTOGRAM_BARS`] bars, one row an axis.
+    pub histogram: Vec<Vec<u64>>,
+    /// Autocorrelation of the whitened residual at lags 1 to [`LAGS`], one row an axis.
+    pub autocorrelation: Vec<Vec<f64>>,
+}
+
+/// Motion of the base at common times.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PredictedMotion {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Angular velocity in B, rad/s.
+    pub w_NB_B: Vec<[f64; 3]>,
+    /// Attitude, scalar last.
+    pub q_NB_xyzw: Vec<[f64; 4]>,
+}
+
+/// Maximum likelihood with what its answer predicts, at most `points` points a curve.
+///
+/// # Errors
+/// As [`crate::maximum_likelihood`].
+pub fn maximum_likelihood_predicted(
+    problem: &Problem,
+    options: impl Into<FitOptions>,
+    points: usize,
+) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
+    let Ended { solved, at, centre } = solve(problem, options.into())?;
+    let moved = centre.as_ref().map(|c| c.problem(problem));
+    let mut experiment = Experiment::new(moved.as_ref().unwrap_or(problem), &solved.parameters);
+    experiment.wheels_smooth = solved.wheels_smooth;
+    let predictions = predict(&experiment, &at, points);
+    Ok((answer::write_with_remedies(problem, &solved), predictions))
+}
+
+/// The linear method with what its answer predicts, at most `points` points a curve.
+///
+/// # Errors
+/// As [`crate::linear`].
+pub fn linear_predicted(
+    problem: &Problem,
+    points: usize,
+) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
+    let estimate = linear(problem)?;
+    let solved = solve_linear(problem)?;
+    let experiment = Experiment::new(problem, &solved.parameters);
+    let at = solved.point(&experiment);
+    Ok((estimate, predict(&experiment, &at, points)))
+}
+
+/// What given mass properties predict, one entry a body of the model: pose, momentum and biases are fitted
+/// to the readings, nothing else. Empty where such bodies cannot move.
+///
+/// # Errors
+/// The question cannot be asked.
+pub fn predicted_by(
+    problem: &Problem,
+    bodies: &[MassProperties],
+    points: usize,
+) -> Result<Vec<Prediction>, ProblemError> {
+    let mut model = problem.model.clone();
+    for (body, given) in model.bodies.iter_mut().zip(bodies) {
+        body.nominal = *given;
+        body.prior = None;
+    }
+    let held = Problem {
+        model: &model,
+        ..*problem
+    };
+    let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
+    let of = |equations| Parameters::new(&model, problem.tree, equations, fires);
+    let parameters = match of(held.linear_equations()) {
+        Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+        other => other,
+    }?;
+    let experiment = Experiment::new(&held, &parameters);
+    match fit_starts(&experiment, STARTS) {
+        Ok(at) => Ok(predict(&experiment, &at, points)),
+        // Such bodies cannot move: an answer, and no curve.
+        Err(ProblemError::NoMotion) => Ok(Vec::new()),
+        Err(other) => Err(other),
+    }
+}
+
+/// Empty where the vehicle cannot move as the answer says.
+pub(crate) fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
+    let Some(evaluated) = experiment.evaluate(at, false) else {
+        return Vec::new();
+    };
+    let segments = experiment.problem.segments;
+    (0..segments.len())
+        .map(|s| {
+            segment(experiment, &at.x, &at.heads[s], s, points)
+                .map(|mut prediction| {
+                    for channel in &mut prediction.channels {
+                        let own = evaluated[s]
+                            .channels
+                            .iter()
+                            .find(|c| c.name == channel.name);
+                        if let Some(own) = own {
+                            statistics(channel, own);
+                        }
+                    }
+                    prediction
+                })
+                .unwrap_or_default()
+        })
+        .collect()
+}
+
+fn segment(
+    experiment: &Experiment,
+    x: &[f64],
+    head: &Head,
+    at: usize,
+    points: usize,
+) -> Option<Prediction> {
+    let problem = experiment.problem;
+    let segment = &problem.segments[at];
+    let setting = experiment.setting();
+    let tree = tilted(problem.tree, experiment.parameters, x);
+    let mut vehicle = Vehicle::new(
+        &tree,
+        &experiment.thrusters,
+        experiment.parameters,
+        &experiment.nominal_spin,
+        x,
+    );
+    vehicle.wheels_smooth = setting.wheels_smooth;
+    vehicle.curves = setting.curves.get(at);
+    vehicle.steps = setting.steps(at);
+    let (mut state, _) = start(head, experiment.unknown[at], x.len());
+    let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
+    let late: Vec<bool> = segment
+        .observations
+        .sensors
+        .iter()
+        .map(|r| experiment.parameters.sensor_errors(x, r.sensor).lag_s != 0.0)
+        .collect();
+    let ideal = Ideal::new(&vehicle, segment, &state, &late)?;
+    let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
+    let samples = segment.observations.time_s.len();
+    for k in 0..samples {
+        let (instant, _) = motion.velocity(&state, k)?;
+        recorder.motion_at((&vehicle, motion.used()), &state, &instant.twist.w, k);
+        for i in 0..recorder.all.len() {
+            recorder.sample(i, &mut motion, (&state, k), &instant, &ideal);
+        }
+        if k + 1 < samples {
+            state = motion.advance(&state, k)?;
+        }
+    }
+    Some(recorder.finish())
+}
+
+/// Keeps one of every so many samples.
+struct Sieve {
+    stride: usize,
+    seen: usize,
+}
+
+impl Sieve {
+    fn new(samples: usize, points: usize) -> Self {
+        Self {
+            stride: samples.div_ceil(points.max(1)).max(1),
+            seen: 0,
+        }
+    }
+
+    fn keeps(&mut self) -> bool {
+        self.seen += 1;
+        (self.seen - 1).is_multiple_of(self.stride)
+    }
+}
+
+/// Joint positions, joint rates and wheel speeds at an instant.
+type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64]);
+
+/// One sensor in the course of a segment.
+struct Follower {
+    errors: SensorErrors,
+    next: usize,
+    sieve: Sieve,
+    /// Grid time and reading where the increment in hand began.
+    began: Option<(usize, Vector3)>,
+    channel: PredictedChannel,
+}
+
+struct Recorder<'a> {
+    segment: &'a Segment,
+    all: Vec<Follower>,
+    /// Samples and errors of the gyro whose rates give the measured momentum.
+    gyro: (Vec<(usize, Vector3)>, SensorErrors),
+    next_rate: usize,
+    kinematics: Option<Kinematics>,
+    sieves: [Sieve; 2],
+    prediction: Prediction,
+}
+
+const MOTION: usize = 0;
+const MOMENTUM: usize = 1;
+
+impl<'a> Recorder<'a> {
+    fn new(segment: &'a Segment, parameters: &Parameters, x: &[f64], points: usize) -> Self {
+        let o = &segment.observations;
+        let momentum = channel("momentum", ["N m s"; 2], &["h_x", "h_y", "h_z"]);
+        let rates: Vec<(usize, Vector3)> = o.rates().collect();
+        let gyro = o.best_gyro().and_then(|r| r.sensor);
+        let follower = |record: &SensorRecord| Follower {
+            errors: parameters.sensor_errors(x, record.sensor),
+            next: 0,
+            sieve: Sieve::new(record.samples.len(), points),
+            began: None,
+            channel: PredictedChannel {
+                samples: record.samples.len(),
+                ..sensor_channel(record)
+            },
+        };
+        Self {
+            segment,
+            all: o.sensors.iter().map(follower).collect(),
+            sieves: [o.time_s.len(), rates.len()].map(|n| Sieve::new(n, points)),
+            gyro: (rates, parameters.sensor_errors(x, gyro)),
+            next_rate: 0,
+            kinematics: None,
+            prediction: Prediction {
+                label: segment.label.clone(),
+                momentum,
+                firings: segment.firings.clone(),
+                ..Prediction::default()
+            },
+        }
+    }
+
+    fn finish(self) -> Prediction {
+        Prediction {
+            channels: self.all.into_iter().map(|f| f.channel).collect(),
+            ..self.prediction
+        }
+    }
+
+    /// Motion of the base and momentum at grid time k.
+    fn motion_at(
+        &mut self,
+        (vehicle, inputs): (&Vehicle, Inputs),
+        state: &State,
+        w: &Vector3,
+        k: usize,
+    ) {
+        if self.sieves[MOTION].keeps() {
+            self.motion_point(vehicle, state, w, k);
+        }
+        let Some((_, measured)) = self.gyro.0.get(self.next_rate).filter(|r| r.0 == k) else {
+            return;
+        };
+        let measured = *measured;
+        self.next_rate += 1;
+        if self.sieves[MOMENTUM].keeps() {
+            self.momentum_point((vehicle, inputs), state, (&measured, w), k);
+        }
+    }
+
+    /// The sample of one sensor at grid time k, and where its next interval begins.
+    fn sample(
+        &mut self,
+        i: usize,
+        motion: &mut Motion,
+        (state, k): (&State, usize),
+        instant: &Instant,
+        ideal: &Ideal,
+    ) {
+        let o = &self.segment.observations;
+        let (record, one) = (&o.sensors[i], &mut self.all[i]);
+        let here = record.samples.get(one.next).filter(|s| s.to == k);
+        one.next += usize::from(here.is_some());
+        let increments = record.kind == SensorKind::VelocityIncrement;
+        let begins = increments && record.samples.get(one.next).is_some_and(|s| s.from == k);
+        let kept = here.filter(|_| one.sieve.keeps());
+        if kept.is_none() && !begins {
+            return;
+        }
+        let (value, rate) = perfect(record, motion, (state, k), instant);
+        let rate = rate.unwrap_or_else(|| ideal.rate(i, &o.time_s, k));
+        let reading = one.errors.reading(&vector(&value), &rate);
+        let clear = reading - one.errors.bias;
+        let began = one.began.take();
+        if begins {
+            one.began = Some((k, clear));
+        }
+        let Some(sample) = kept else { return };
+        let t = o.time_s[k];
+        match (sample.value, value) {
+            (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
+                let expected = truth * UnitQuaternion::from_scaled_axis(reading);
+                let own = xyzw(&measured, last(&one.channel.measured));
+                let residual = gap(&value, &sample.value) - reading;
+                one.channel
+                    .push(t, &own, &xyzw(&expected, Some(own)), &residual);
+            }
+            (SensorValue::Vector(measured), _) => {
+                let expected = match (increments, began) {
+                    (false, _) => reading,
+                    (true, Some((from, before))) if from == sample.from => reading - before,
+                    (true, _) => return,
+                };
+                one.channel.push(
+                    t,
+                    &three(&measured),
+                    &three(&expected),
+                    &(measured - expected),
+                );
+            }
+            _ => {}
+        }
+    }
+
+    fn motion_point(&mut self, vehicle: &Vehicle, state: &State, w: &Vector3, k: usize) {
+        let o = &self.segment.observations;
+        let p = &mut self.prediction;
+        let (dof, wheels) = (vehicle.tree.dof(), vehicle.tree.rotors.len());
+        p.joint_position.resize(dof, Vec::new());
+        p.wheel_speed.resize(wheels, Vec::new());
+        for (joint, row) in p.joint_position.iter_mut().enumerate() {
+            row.push(o.joint_position[k * dof + joint]);
+        }
+        for (wheel, row) in p.wheel_speed.iter_mut().enumerate() {
+            row.push(o.wheel_speed[k * wheels + wheel]);
+        }
+        p.motion.time_s.push(o.time_s[k]);
+        p.motion.w_NB_B.push([w.x, w.y, w.z]);
+        let before = p.motion.q_NB_xyzw.last().copied();
+        p.motion.q_NB_xyzw.push(xyzw(&state.R_NB, before));
+    }
+
+    /// Angular momentum about the mass centre does not feel the velocity of the base.
+    fn momentum_point(
+        &mut self,
+        (vehicle, (q, rates, speed)): (&Vehicle, Inputs),
+        state: &State,
+        (measured, predicted): (&Vector3, &Vector3),
+        k: usize,
+    ) {
+        let kinematics = self
+            .kinematics
+            .get_or_insert_with(|| Kinematics::new(vehicle.tree));
+        kinematics.place(vehicle.tree, q);
+        let mut about_centre = |w: &Vector3| {
+            kinematics.set_velocities(vehicle.tree, &Vector3::zeros(), w, rates);
+            let lh = momentum(&vehicle.bodies, kinematics);
+            let l: Vector3 = lh.fixed_rows::<3>(0).into();
+            let wheel = wheel_momentum(vehicle.tree, kinematics, &vehicle.spin, speed);
+            let c = composite(&vehicle.bodies, kinematics).p_BoScm_B();
+            state.R_NB * (lh.fixed_rows::<3>(3) + wheel - c.cross(&l))
+        };
+        let own = about_centre(&self.gyro.1.corrected(measured));
+        let expected = about_centre(predicted);
+        let t = self.segment.observations.time_s[k];
+        let p = &mut self.prediction.momentum;
+        p.push(t, &three(&own), &three(&expected), &(own - expected));
+        p.samples += 1;
+    }
+}
+
+/// An empty channel of a sensor.
+fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
+    let unit = reading_unit(record.kind);
+    let components: &[&'static str] = match record.kind {
+        SensorKind::Attitude => &["q_x", "q_y", "q_z", "q_w"],
+        SensorKind::Gyro => &["omega_x", "omega_y", "omega_z"],
+        SensorKind::Velocity => &["v_x", "v_y", "v_z"],
+        SensorKind::Position => &["r_x", "r_y", "r_z"],
+        SensorKind::VelocityIncrement => &["dv_x", "dv_y", "dv_z"],
+        _ => &["acc_x", "acc_y", "acc_z"],
+    };
+    let measured = match record.kind {
+        SensorKind::Attitude => "1",
+        _ => unit,
+    };
+    channel(&record.name, [measured, unit], components)
+}
+
+fn channel(
+    name: &str,
+    [unit, residual_unit]: [&'static str; 2],
+    components: &[&'static str],
+) -> PredictedChannel {
+    PredictedChannel {
+        name: name.to_owned(),
+        unit,
+        residual_unit,
+        components: components.to_vec(),
+        measured: vec![Vec::new(); components.len()],
+        predicted: vec![Vec::new(); components.len()],
+        residual: vec![Vec::new(); 3],
+        ..PredictedChannel::default()
+    }
+}
+
+impl PredictedChannel {
+    fn push(&mut self, t: f64, measured: &[f64], predicted: &[f64], residual: &Vector3) {
+        self.time_s.push(t);
+        for (row, x) in self.measured.iter_mut().zip(measured) {
+            row.push(*x);
+        }
+        for (row, x) in self.predicted.iter_mut().zip(predicted) {
+            row.push(*x);
+        }
+        for (row, x) in self.residual.iter_mut().zip(residual.iter()) {
+            row.push(*x);
+        }
+    }
+}
+
+fn three(v: &Vector3) -> [f64; 3] {
+    [v.x, v.y, v.z]
+}
+
+/// The quaternion with the sign that continues the one before.
+fn xyzw(q: &UnitQuaternion, before: Option<[f64; 4]>) -> [f64; 4] {
+    let now = [q.i, q.j, q.k, q.w];
+    let along = before.map_or(1.0, |b| b.iter().zip(&now).map(|(a, b)| a * b).sum());
+    if along < 0.0 { now.map(|x| -x) } else { now }
+}
+
+fn last(rows: &[Vec<f64>]) -> Option<[f64; 4]> {
+    let mut out = [0.0; 4];
+    for (o, row) in out.iter_mut().zip(rows) {
+        *o = *row.last()?;
+    }
+    Some(out)
+}
+
+fn statistics(channel: &mut PredictedChannel, all: &ChannelResidual) {
+    for axis in 0..3 {
+        let mut bars = vec![0_u64; HISTOGRAM_BARS];
+        for white in &all.white {
+            let place = (white[axis] + HISTOGRAM_REACH) / (2.0 * HISTOGRAM_REACH);
+            let bar = (place * HISTOGRAM_BARS as f64).clamp(0.0, (HISTOGRAM_BARS - 1) as f64);
+            bars[bar as usize] += 1;
+        }
+        channel.histogram.push(bars);
+        let series: Vec<f64> = all.white.iter().map(|w| w[axis]).collect();
+        channel.autocorrelation.push(autocorrelation(&series));
+    }
+}
+
+/// Empty for series too short or without any residual.
+fn autocorrelation(series: &[f64]) -> Vec<f64> {
+    let n = series.len();
+    let mean = series.iter().sum::<f64>() / n.max(1) as f64;
+    let square = |e: &f64| (e - mean) * (e - mean);
+    let variance: f64 = series.iter().map(square).sum();
+    if n < 2 * LAGS || variance <= 1.0e-12 * n as f64 {
+        return Vec::new();
+    }
+    (1..=LAGS)
+        .map(|lag| {
+            let product = |(a, b): (&f64, &f64)| (a - mean) * (b - mean);
+            series.iter().zip(&series[lag..]).map(product).sum::<f64>() / variance
+        })
+        .collect()
+}

@@ -1,0 +1,134 @@
+//! Held-back telemetry: how well given mass properties predict a record that they were not found from.
+//!
+//! Nothing of the vehicle is fitted. What belongs to the record alone is: pose and momentum at the start of
+//! each segment, and biases and other nuisances that the model declares unknown.
+
+use crate::diagnosis::diagnose;
+use crate::fit::degrees_of_freedom::fitted_numbers;
+use crate::fit::experiment::Experiment;
+use crate::fit::{Fitted, ITERATIONS, fit};
+use crate::methods::maximum_likelihood::channel_fit;
+use crate::prediction::completion::CompletedVehicle;
+use crate::prediction::curves::{Prediction, predict};
+use crate::problem::loss::Loss;
+use crate::problem::parameters::Parameters;
+use crate::problem::{Problem, ProblemError};
+use crate::solution::estimate::SegmentFit;
+
+/// How a record agrees with given mass properties.
+#[derive(Debug, Clone)]
+pub struct HeldBack {
+    /// Per segment, residuals in the declared noise.
+    pub fit: Vec<SegmentFit>,
+    /// Per segment and kind of sensor, the largest whitened component of a residual, sigmas.
+    pub worst: Vec<Vec<f64>>,
+    /// Measured and predicted.
+    pub predictions: Vec<Prediction>,
+    /// What the residuals say: outliers, what would explain them, spectral lines.
+    pub findings: Vec<String>,
+    /// Whether the fit of pose, momentum and nuisances settled.
+    pub settled: bool,
+}
+
+/// Compares the segments of a problem with the motion that a vehicle predicts; the model of the problem gives
+/// sensors, wheels and thrusters, its own mass properties are not used. At most `points` points a curve;
+/// `None` leaves out curves and findings, which take longer than the comparison.
+///
+/// # Errors
+/// The segments hold too little, or the vehicle cannot move.
+pub fn held_back(
+    problem: &Problem,
+    vehicle: &CompletedVehicle,
+    points: Option<usize>,
+) -> Result<HeldBack, ProblemError> {
+    problem.check_samples()?;
+    problem.check_observations()?;
+    let (model, segments) = prepared(problem, vehicle);
+    let problem = Problem {
+        model: &model,
+        segments: &segments,
+        ..*problem
+    };
+    let parameters = Parameters::without_mass(&model, problem.tree, &vehicle.bodies);
+    let mut experiment = Experiment::new(&problem, &parameters);
+    experiment.loss = Loss::Gaussian;
+    let mut fitted = fit(&experiment, None, ITERATIONS)?;
+    if !model.wheels.is_empty() {
+        // As in an identification: the data decide how wheels run between readings.
+        experiment.wheels_smooth = true;
+        let smooth = fit(&experiment, None, ITERATIONS)?;
+        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+            fitted = smooth;
+        } else {
+            experiment.wheels_smooth = false;
+        }
+    }
+    let (mut findings, mut predictions) = (Vec::new(), Vec::new());
+    if let Some(points) = points {
+        let found = diagnose(&experiment, &fitted, fitted_numbers(&experiment, &fitted));
+        findings.extend(found.findings.into_iter().map(|f| f.text));
+        predictions = predict(&experiment, &fitted.at, points);
+    }
+    let evaluated = segments.iter().zip(&fitted.evaluated);
+    let fit = evaluated
+        .map(|(segment, one)| SegmentFit {
+            label: segment.label.clone(),
+            samples: segment.observations.time_s.len(),
+            chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
+            channels: one
+                .channels
+                .iter()
+                .map(|c| channel_fit(c, experiment.loss))
+                .collect(),
+        })
+        .collect();
+    let worst = fitted.evaluated.iter().map(|one| {
+        let largest =
+            |white: &[poinsot_spatial::Vector3]| white.iter().map(|w| w.amax()).fold(0.0, f64::max);
+        one.channels.iter().map(|c| largest(&c.white)).collect()
+    });
+    Ok(HeldBack {
+        fit,
+        worst: worst.collect(),
+        predictions,
+        findings,
+        settled: fitted.settled,
+    })
+}
+
+fn cost(experiment: &Experiment, fitted: &Fitted) -> f64 {
+    let found = experiment.chi2(&fitted.at, &fitted.evaluated);
+    found.unwrap_or(f64::INFINITY)
+}
+
+/// Wheels and thrusters as found, none of them unknown any more.
+fn prepared(
+    problem: &Problem,
+    vehicle: &CompletedVehicle,
+) -> (poinsot_model::Model, Vec<crate::problem::segment::Segment>) {
+    let mut model = problem.model.clone();
+    for body in &mut model.bodies {
+        body.estimate = poinsot_model::EstimateSet::default();
+        body.prior = None;
+    }
+    for wheel in &mut model.wheels {
+        wheel.estimate = false;
+    }
+    for thruster in &mut model.thrusters {
+        thruster.scale = poinsot_model::Nuisance::Known;
+    }
+    for (k, spin) in &vehicle.spin_inertia {
+        if let Some(wheel) = model.wheels.get_mut(*k) {
+            wheel.spin_inertia = *spin;
+        }
+    }
+    let mut segments = problem.segments.to_vec();
+    for firing in segments.iter_mut().flat_map(|s| &mut s.firings) {
+        let factor = vehicle
+            .thrust_factor
+            .iter()
+            .find(|(k, _)| *k == firing.thruster);
+        firing.force *= factor.map_or(1.0, |(_, factor)| *factor);
+    }
+    (model, segments)
+}

@@ -1,0 +1,10 @@
+//! What an answer predicts, for the eye and for records that were not used.
+
+pub(crate) mod completion;
+pub(crate) mod curves;
+pub(crate) mod held_back;
+
+pub use curves::{
+    HISTOGRAM_BARS, LAGS, PredictedChannel, PredictedMotion, Prediction, linear_predicted,
+    maximum_likelihood_predicted, predicted_by,
+};

@@ -1,0 +1,11 @@
+//! What is asked: segments of telemetry, unknowns, priors, loss.
+
+pub(crate) mod loss;
+pub(crate) mod parameters;
+pub(crate) mod prior;
+pub(crate) mod quantity;
+pub(crate) mod question;
+pub(crate) mod segment;
+pub(crate) mod shifted_vehicle;
+
+pub use question::{Problem, ProblemError};

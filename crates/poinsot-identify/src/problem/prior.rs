@@ -1,0 +1,318 @@
+//! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
+
+use crate::problem::Problem;
+use crate::problem::parameters::{
+    Equations, Parameters, Unknown, UnknownKind, axis_name, declared, tensor_name,
+};
+use crate::problem::quantity::{Quantity, TenParameters};
+use nalgebra::{DMatrix, Matrix4};
+use poinsot_model::{Nuisance, Prior, SensorKind};
+use poinsot_spatial::{InertialParameters, pseudo_inertia};
+
+/// One row: `gradient . dx = residual`, both over the sigma.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PriorRow {
+    pub gradient: Vec<f64>,
+    pub residual: f64,
+    /// What is declared; `None` of a row that is not about one number.
+    pub about: Option<Declared>,
+}
+
+/// One number with its declared sigma.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Declared {
+    pub name: String,
+    pub unit: &'static str,
+    pub nominal: f64,
+    pub sigma: f64,
+}
+
+/// Priors that the data contradict.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Conflict {
+    pub text: String,
+    /// Factor on every variance that covers what the priors of mass properties have moved the answer by. Calibrations (a bias,
+    /// a random torque) act on the answer through others, and a bound on that would be far above what they do.
+    pub ratio: f64,
+}
+
+/// Rows of the declared priors at a value of the unknowns, and what they add to chi-square.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PriorRows {
+    pub rows: Vec<PriorRow>,
+    pub chi2: f64,
+}
+
+impl PriorRows {
+    fn push(&mut self, gradient: Vec<f64>, residual: f64, about: Option<Declared>) {
+        self.chi2 += residual * residual;
+        self.rows.push(PriorRow {
+            gradient,
+            residual,
+            about,
+        });
+    }
+
+    fn gaussian(&mut self, quantity: &Quantity, declared: Declared) {
+        let sigma = declared.sigma;
+        let gradient = quantity.gradient.iter().map(|g| g / sigma).collect();
+        let residual = (declared.nominal - quantity.value) / sigma;
+        self.push(gradient, residual, Some(declared));
+    }
+}
+
+/// Priors of sensors and thrusters: calibration, part of the experiment.
+pub(crate) fn calibration(problem: &Problem, parameters: &Parameters, x: &[f64]) -> PriorRows {
+    let mut out = PriorRows::default();
+    let model = problem.model;
+    let reads = |kind, list: &[usize]| {
+        let first = list.first()?;
+        model.sensors_of(kind).find(|s| s.of.contains(first))
+    };
+    let joint_sensor = |k: usize| {
+        let joint = problem.tree.coordinates.get(k)?;
+        reads(SensorKind::JointPosition, &[*joint])
+    };
+    known_numbers(parameters, x, &mut out);
+    for (at, unknown) in parameters.unknowns.iter().enumerate() {
+        let around = &problem.model.environment;
+        let declared = match unknown.kind {
+            UnknownKind::Sensor { sensor, error } => {
+                let of = problem.model.sensors.get(sensor);
+                of.map(|s| declared(s, error))
+            }
+            UnknownKind::JointOffset(k) => joint_sensor(k).map(|s| s.bias),
+            UnknownKind::JointLag(ref list) => {
+                list.first().and_then(|k| joint_sensor(*k)).map(|s| s.lag)
+            }
+            UnknownKind::WheelLag(ref list) => reads(SensorKind::WheelSpeed, list).map(|s| s.lag),
+            UnknownKind::ThrusterLag(ref list) => reads(SensorKind::Thrust, list).map(|s| s.lag),
+            UnknownKind::WheelTilt(k, _) => Some(problem.model.wheels[k].misalignment),
+            UnknownKind::InertialTorque(_) => Some(around.disturbance_torque_inertial),
+            UnknownKind::DisturbanceTorque(_) => Some(around.disturbance_torque),
+            UnknownKind::DragTorque(_) => Some(around.drag_torque),
+            UnknownKind::ThrusterScale(k) => Some(problem.model.thrusters[k].scale),
+            _ => None,
+        };
+        if let Some(Nuisance::Prior(sigma)) = declared {
+            let mut gradient = vec![0.0; x.len()];
+            gradient[at] = 1.0;
+            let value = x[at];
+            out.gaussian(&Quantity { value, gradient }, declared_of(unknown, sigma));
+        }
+    }
+    out
+}
+
+fn declared_of(unknown: &Unknown, sigma: f64) -> Declared {
+    Declared {
+        name: unknown.name.clone(),
+        unit: unknown.unit,
+        nominal: unknown.nominal,
+        sigma,
+    }
+}
+
+/// Known numbers about the values of the model: deviations over the root of their declared covariance.
+fn known_numbers(parameters: &Parameters, x: &[f64], out: &mut PriorRows) {
+    let places = parameters.known_places();
+    if places.is_empty() {
+        return;
+    }
+    let covariance = parameters.known_covariance();
+    let n = places.len();
+    let root = covariance.cholesky().map(|c| c.l());
+    let inverse = root.and_then(|l| l.solve_lower_triangular(&DMatrix::identity(n, n)));
+    let Some(inverse) = inverse else { return };
+    for i in 0..n {
+        let mut gradient = vec![0.0; x.len()];
+        let mut residual = 0.0;
+        for (j, place) in places.iter().enumerate().take(i + 1) {
+            gradient[*place] = inverse[(i, j)];
+            residual -= inverse[(i, j)] * (x[*place] - parameters.unknowns[*place].nominal);
+        }
+        out.push(gradient, residual, None);
+    }
+}
+
+/// Priors of mass properties (CAD). `None` where an entropic prior meets a body that is not physical.
+pub(crate) fn design(problem: &Problem, parameters: &Parameters, x: &[f64]) -> Option<PriorRows> {
+    let mut out = PriorRows::default();
+    for (at, body) in problem.model.bodies.iter().enumerate() {
+        let Some(prior) = &body.prior else { continue };
+        if !body.estimate.any() {
+            continue;
+        }
+        match parameters.equations {
+            Equations::Momentum => body_rows(&mut out, parameters, at, prior, x)?,
+            Equations::Rotation => rotation_rows(&mut out, parameters, prior, x),
+        }
+    }
+    Some(out)
+}
+
+fn body_rows(
+    out: &mut PriorRows,
+    parameters: &Parameters,
+    at: usize,
+    prior: &Prior,
+    x: &[f64],
+) -> Option<()> {
+    let ten = TenParameters::of_body(parameters, at, x);
+    let nominal = &parameters.nominal_properties[at];
+    let asked = parameters.estimate[at];
+    let body = &parameters.body_names[at];
+    let declared = |what: String, unit, nominal, sigma| Declared {
+        name: format!("{body}.{what}"),
+        unit,
+        nominal,
+        sigma,
+    };
+    if let Some(sigma) = prior.mass.filter(|_| asked.mass) {
+        let declared = declared("mass".to_owned(), "kg", nominal.mass, sigma);
+        out.gaussian(&ten.parameter(0), declared);
+    }
+    if let Some(sigma) = prior.com.filter(|_| asked.com) {
+        for k in 0..3 {
+            let what = format!("com_{}", axis_name(k));
+            let declared = declared(what, "m", nominal.p_BoBcm_B[k], sigma);
+            out.gaussian(&ten.mass_centre(k), declared);
+        }
+    }
+    if let Some(sigma) = prior.inertia.filter(|_| asked.inertia) {
+        for (k, &e) in crate::problem::parameters::TENSOR.iter().enumerate() {
+            let what = format!("inertia_{}", tensor_name(k));
+            let declared = declared(what, "kg m2", nominal.I_BBcm_B[e], sigma);
+            out.gaussian(&ten.central_inertia(k), declared);
+        }
+    }
+    if let Some(sigma) = prior.entropic {
+        entropic(out, &ten, &parameters.nominal[at], sigma)?;
+    }
+    Some(())
+}
+
+fn rotation_rows(out: &mut PriorRows, parameters: &Parameters, prior: &Prior, x: &[f64]) {
+    for (at, unknown) in parameters.unknowns.iter().enumerate() {
+        let sigma = match unknown.kind {
+            UnknownKind::MassCentre(_) => prior.com,
+            UnknownKind::CentralInertia(_) => prior.inertia,
+            _ => None,
+        };
+        if let Some(sigma) = sigma {
+            let mut gradient = vec![0.0; x.len()];
+            gradient[at] = 1.0;
+            let value = x[at];
+            out.gaussian(&Quantity { value, gradient }, declared_of(unknown, sigma));
+        }
+    }
+}
+
+/// The entropic prior (Lee, Wensing, Park 2020): the Bregman divergence of the log-determinant between
+/// pseudo-inertias, `d = tr(J J0^-1) - log det(J J0^-1) - 4`, over `2 sigma^2`; a body scaled by
+/// `1 + sigma` costs one. Its rows are the Newton step of `d`: gradient and Hessian in the ten parameters.
+fn entropic(
+    out: &mut PriorRows,
+    ten: &TenParameters,
+    nominal: &InertialParameters,
+    sigma: f64,
+) -> Option<()> {
+    let J = pseudo_inertia(&ten.inertial());
+    let J0_inverse = pseudo_inertia(nominal).cholesky()?.inverse();
+    let J_factor = J.cholesky()?;
+    let J_inverse = J_factor.inverse();
+    let basis: Vec<Matrix4<f64>> = (0..10)
+        .map(|k| {
+            let mut unit = [0.0; 10];
+            unit[k] = 1.0;
+            pseudo_inertia(&InertialParameters::from_array(&unit))
+        })
+        .collect();
+    let scale = 1.0 / (2.0 * sigma * sigma);
+    let images: Vec<Matrix4<f64>> = basis.iter().map(|e| J_inverse * e).collect();
+    // chi2 = scale d: half its gradient and half its Hessian make the normal equations.
+    let slope = DMatrix::from_fn(10, 1, |k, _| {
+        0.5 * scale * ((J0_inverse - J_inverse) * basis[k]).trace()
+    });
+    let hessian = DMatrix::from_fn(10, 10, |i, k| 0.5 * scale * (images[i] * images[k]).trace());
+    let L = hessian.cholesky()?.l();
+    let residual = L.solve_lower_triangular(&slope)?;
+    let rows = L.transpose();
+    for k in 0..10 {
+        let gradient = (0..ten.gradient[0].len())
+            .map(|u| (0..10).map(|i| rows[(k, i)] * ten.gradient[i][u]).sum())
+            .collect();
+        out.rows.push(PriorRow {
+            gradient,
+            residual: -residual[(k, 0)],
+            about: None,
+        });
+    }
+    let log_ratio = J_factor.determinant().ln() + J0_inverse.determinant().ln();
+    out.chi2 += scale * ((J * J0_inverse).trace() - log_ratio - 4.0);
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+
+    fn ten(parameters: &InertialParameters) -> TenParameters {
+        TenParameters {
+            value: parameters.to_array(),
+            gradient: (0..10)
+                .map(|i| (0..10).map(|k| f64::from(u8::from(i == k))).collect())
+                .collect(),
+        }
+    }
+
+    fn body(scale: f64) -> InertialParameters {
+        MassProperties {
+            mass: 12.0 * scale,
+            p_BoBcm_B: Vector3::new(0.1, -0.2, 0.3),
+            I_BBcm_B: Matrix3::from_diagonal(&Vector3::new(1.0, 1.3, 0.7)) * scale,
+        }
+        .parameters()
+    }
+
+    #[test]
+    fn exact_entropic_prior_of_a_scaled_body() {
+        // d((1 + e) J0, J0) = 4 (e - log(1 + e)): by hand from the definition.
+        let mut rows = PriorRows::default();
+        entropic(&mut rows, &ten(&body(1.1)), &body(1.0), 0.1).unwrap();
+        let expected = 4.0 * (0.1 - 1.1_f64.ln()) / (2.0 * 0.01);
+        assert!((rows.chi2 - expected).abs() < 1e-10);
+    }
+
+    #[test]
+    fn prop_entropic_rows_are_half_the_slope_of_chi2() {
+        let mut x = body(1.0).to_array();
+        x[0] += 1.0;
+        x[4] += 0.3;
+        x[5] -= 0.1;
+        let at = |x: &[f64; 10]| {
+            let mut rows = PriorRows::default();
+            entropic(
+                &mut rows,
+                &ten(&InertialParameters::from_array(x)),
+                &body(1.0),
+                0.2,
+            )
+            .unwrap();
+            rows
+        };
+        let rows = at(&x);
+        for k in 0..10 {
+            let from_rows: f64 = rows.rows.iter().map(|r| -r.gradient[k] * r.residual).sum();
+            let mut ends = [x, x];
+            ends[0][k] += 1e-5;
+            ends[1][k] -= 1e-5;
+            let slope = (at(&ends[0]).chi2 - at(&ends[1]).chi2) / 2e-5;
+            assert!(
+                (2.0 * from_rows - slope).abs() < 1e-5 * (1.0 + slope.abs()),
+                "{k}"
+            );
+        }
+    }
+}

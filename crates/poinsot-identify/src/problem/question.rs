@@ -1,0 +1,119 @@
+//! The question put to an estimator.
+
+use crate::problem::parameters::{Equations, Parameters, ParametersError};
+use crate::problem::segment::{Noise, Segment};
+use poinsot_dynamics::Tree;
+use poinsot_model::Model;
+use poinsot_solve::NotFinite;
+
+/// The question: which numbers of this vehicle follow from these segments?
+#[derive(Clone, Copy)]
+pub struct Problem<'a> {
+    /// Vehicle with nominal numbers.
+    pub model: &'a Model,
+    /// Its kinematics.
+    pub tree: &'a Tree,
+    /// Data.
+    pub segments: &'a [Segment],
+    /// Declared noise.
+    pub noise: &'a Noise,
+    /// One-sigma accuracy in natural units that counts as identified (CONTRACT: 1.0).
+    pub relative_accuracy: f64,
+}
+
+/// Why a problem has no answer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ProblemError {
+    /// The question cannot be put.
+    #[error(transparent)]
+    Parameters(#[from] ParametersError),
+    /// The numbers overflow.
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
+    /// Fewer samples than any motion needs.
+    #[error(
+        "E0404 segment '{label}': {samples} samples are not enough, at least 2 are needed; give a longer record"
+    )]
+    TooFewSamples {
+        /// Segment.
+        label: String,
+        /// Samples found.
+        samples: usize,
+    },
+    /// The nominal vehicle cannot move.
+    #[error(
+        "E0405 the motion cannot be predicted from the nominal mass properties: the vehicle has no positive mass or inertia, or would turn five times faster than measured; check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
+    )]
+    NoMotion,
+}
+
+impl Problem<'_> {
+    /// Whether velocity or position is measured in every segment.
+    pub(crate) fn sees_translation(&self) -> bool {
+        self.segments
+            .iter()
+            .all(|s| s.samples.translation.is_some())
+    }
+
+    /// Whether an instrument at a point (accelerometer, velocity increments) has readings.
+    pub(crate) fn sees_points(&self) -> bool {
+        self.segments.iter().any(|s| s.observations.reads_points())
+    }
+
+    /// The unknowns of maximum likelihood: barycentric ones unless nothing but the rotation of one body is
+    /// seen.
+    ///
+    /// # Errors
+    /// The question cannot be put.
+    pub(crate) fn likelihood_parameters(&self) -> Result<Parameters, ParametersError> {
+        let fires = self.segments.iter().any(|s| !s.firings.is_empty());
+        let of = |equations| Parameters::new(self.model, self.tree, equations, fires);
+        let equations = match self.sees_points() {
+            true => Equations::Momentum,
+            false => self.linear_equations(),
+        };
+        match of(equations) {
+            Err(ParametersError::RotationOfTree { .. }) => of(Equations::Momentum),
+            other => other,
+        }
+    }
+
+    /// The equations that the linear method can write.
+    pub(crate) fn linear_equations(&self) -> Equations {
+        if self.sees_translation() {
+            Equations::Momentum
+        } else {
+            Equations::Rotation
+        }
+    }
+
+    /// Whether the readings of a segment, each at its own times, can be compared with a predicted motion.
+    pub(crate) fn is_observed(&self, segment: &Segment) -> bool {
+        let o = &segment.observations;
+        o.is_whole(self.tree.dof(), self.tree.rotors.len())
+    }
+
+    /// # Errors
+    /// A segment has fewer than two grid times, or its readings are not all given at them.
+    pub(crate) fn check_observations(&self) -> Result<(), ProblemError> {
+        match self.segments.iter().find(|s| !self.is_observed(s)) {
+            Some(s) => Err(ProblemError::TooFewSamples {
+                label: s.label.clone(),
+                samples: s.observations.time_s.len(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// # Errors
+    /// A segment has fewer than two samples.
+    pub(crate) fn check_samples(&self) -> Result<(), ProblemError> {
+        match self.segments.iter().find(|s| s.samples.time_s.len() < 2) {
+            Some(s) => Err(ProblemError::TooFewSamples {
+                label: s.label.clone(),
+                samples: s.samples.time_s.len(),
+            }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! The vehicle with its known numbers at other values.
+
+use crate::problem::Problem;
+use crate::problem::parameters::Parameters;
+use crate::problem::segment::{Segment, SensorValue};
+use poinsot_dynamics::Tree;
+use poinsot_model::{KnownNumber, Model, SensorKind};
+use poinsot_spatial::{UnitQuaternion, Vector3};
+
+/// The vehicle with its known numbers at other values than those of the model.
+pub(crate) struct Centre {
+    model: Model,
+    tree: Tree,
+    segments: Option<Vec<Segment>>,
+    /// The same unknowns, of that vehicle.
+    pub parameters: Parameters,
+}
+
+impl Centre {
+    /// `changes` are added to the numbers of the problem; `None` where no such vehicle can be asked about.
+    pub fn new(
+        problem: &Problem,
+        parameters: &Parameters,
+        changes: &[(KnownNumber, usize, f64)],
+    ) -> Option<Self> {
+        let mut model = problem.model.clone();
+        let mut segments = None;
+        for (number, component, change) in changes.iter().filter(|c| c.2 != 0.0) {
+            number.shift(problem.model, &mut model, *component, *change);
+            let acts_on_readings =
+                matches!(number, KnownNumber::Force(_) | KnownNumber::Mounting(_));
+            if acts_on_readings {
+                let segments = segments.get_or_insert_with(|| problem.segments.to_vec());
+                reread(segments, *number, *component, *change);
+            }
+        }
+        let tree = Tree::new(&model);
+        let parameters = parameters.of_vehicle(&model, &tree)?;
+        Some(Self {
+            model,
+            tree,
+            segments,
+            parameters,
+        })
+    }
+
+    /// The known numbers where a value of all unknowns has them.
+    pub fn at(problem: &Problem, parameters: &Parameters, x: &[f64]) -> Option<Self> {
+        let unknowns = parameters.unknowns.iter().zip(x);
+        let changes = unknowns.filter_map(|(u, x)| {
+            let known = u.kind.known()?;
+            Some((known.number, known.component, x - u.nominal))
+        });
+        Self::new(problem, parameters, &changes.collect::<Vec<_>>())
+    }
+
+    /// The question asked of that vehicle.
+    pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
+        Problem {
+            model: &self.model,
+            tree: &self.tree,
+            segments: self.segments.as_deref().unwrap_or(problem.segments),
+            ..*problem
+        }
+    }
+}
+
+/// What would have been read with another thrust for each newton, or with a sensor mounted otherwise.
+fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, change: f64) {
+    for segment in segments {
+        match number {
+            KnownNumber::Force(thruster) => {
+                let firings = segment.firings.iter_mut();
+                for f in firings.filter(|f| f.thruster == thruster) {
+                    f.force *= 1.0 + change;
+                }
+            }
+            KnownNumber::Mounting(sensor) => {
+                let mut turn = Vector3::zeros();
+                turn[component % 3] = change;
+                let turn = UnitQuaternion::from_scaled_axis(turn);
+                let records = segment.observations.sensors.iter_mut();
+                for record in records.filter(|r| r.sensor == Some(sensor)) {
+                    let attitude = record.kind == SensorKind::Attitude;
+                    for sample in &mut record.samples {
+                        sample.value = match sample.value {
+                            SensorValue::Attitude(R) if attitude => {
+                                SensorValue::Attitude(R * turn.inverse())
+                            }
+                            SensorValue::Vector(v) if !attitude => SensorValue::Vector(turn * v),
+                            other => other,
+                        };
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! The answer: numbers with their sigma and source, and what the data leave open.
+
+use crate::diagnosis::Diagnostics;
+use crate::diagnosis::octaves::Octave;
+
+/// How a question was answered. The names are those of the result file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Every number asked for is determined.
+    Converged,
+    /// Some are.
+    Partial,
+    /// None is.
+    NotIdentifiable,
+    /// The iteration ended before it settled.
+    IterationLimit,
+    /// The rigid model contradicts the data.
+    Rejected,
+}
+
+impl Status {
+    /// Name in the result file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Partial => "partial",
+            Self::NotIdentifiable => "not_identifiable",
+            Self::IterationLimit => "iteration_limit",
+            Self::Rejected => "rejected",
+        }
+    }
+}
+
+impl Estimate {
+    /// Takes note of a reason not to rely on the answer.
+    pub fn doubt(&mut self, reason: String) {
+        self.doubts.push(reason);
+        self.covariance_trustworthy = false;
+    }
+
+    /// Exit code of the command that gives this answer: 0 where every number asked for is determined and nothing speaks
+    /// against it.
+    pub fn exit_code(&self) -> u8 {
+        u8::from(self.status != Status::Converged || !self.doubts.is_empty())
+    }
+}
+
+/// Where a number comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The telemetry.
+    Data,
+    /// A declared prior.
+    Prior,
+    /// Given in the model as known.
+    Known,
+    /// Nowhere: it is not determined.
+    Open,
+}
+
+impl Source {
+    /// Name in the result file; `None` is written as null.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Data => Some("data"),
+            Self::Prior => Some("prior"),
+            Self::Known => Some("known"),
+            Self::Open => None,
+        }
+    }
+}
+
+/// One number of the answer. Value and sigma are absent where the data do not determine it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number {
+    /// Value.
+    pub value: Option<f64>,
+    /// One sigma; zero for a known number.
+    pub sigma: Option<f64>,
+    /// Value in the model.
+    pub nominal: f64,
+    /// Where the value comes from.
+    pub source: Source,
+}
+
+impl Number {
+    /// A number taken from the model.
+    pub fn known(nominal: f64) -> Self {
+        Self {
+            value: Some(nominal),
+            sigma: Some(0.0),
+            nominal,
+            source: Source::Known,
+        }
+    }
+
+    /// A number the data leave open.
+    pub fn open(nominal: f64) -> Self {
+        Self {
+            value: None,
+            sigma: None,
+            nominal,
+            source: Source::Open,
+        }
+    }
+
+    /// A number the data determine.
+    pub fn data(value: f64, sigma: f64, nominal: f64) -> Self {
+        Self {
+            value: Some(value),
+            sigma: Some(sigma),
+            nominal,
+            source: Source::Data,
+        }
+    }
+}
+
+/// Mass properties of one body or of the whole vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyEstimate {
+    /// Name.
+    pub name: String,
+    /// Whether anything of it was asked for.
+    pub asked: bool,
+    /// Mass, kg.
+    pub mass: Number,
+    /// Mass centre from the body's origin, body axes, m.
+    pub com: [Number; 3],
+    /// Central inertia, tensor elements in the order xx, xy, yy, xz, yz, zz, kg m2.
+    pub inertia: [Number; 6],
+    /// The ten barycentric parameters about the body's origin.
+    pub barycentric: [Number; 10],
+    /// Principal moments, kg m2, and axes as a rotation (body from principal), where all is determined.
+    pub principal: Option<Principal>,
+    /// Whether some distribution of positive mass has these properties; `None` where not all is known.
+    pub physically_consistent: Option<bool>,
+}
+
+/// Principal moments and axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Principal {
+    /// Moments in ascending order, kg m2.
+    pub moments: [f64; 3],
+    /// Rotation from principal axes to body axes as a quaternion, scalar last.
+    pub axes_xyzw: [f64; 4],
+}
+
+/// Momentum at the first sample of a segment, in N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MomentumEstimate {
+    /// Linear, N s.
+    pub linear: [Number; 3],
+    /// Angular about the system mass centre, N m s.
+    pub angular: [Number; 3],
+}
+
+/// A nuisance number with its name and unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedNumber {
+    /// Name, for example `gyro.bias_x`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Number.
+    pub number: Number,
+}
+
+/// A combination of parameters, or a function of them that is no combination, that the data determine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeterminedCombination {
+    /// In words and numbers.
+    pub text: String,
+    /// Name and coefficient of each parameter; empty of a function that is not linear.
+    pub coefficients: Vec<(String, f64)>,
+    /// Unit of the leading parameter.
+    pub unit: &'static str,
+    /// Value.
+    pub value: f64,
+    /// One sigma.
+    pub sigma: f64,
+}
+
+/// A direction in which the parameters can move unseen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenCombination {
+    /// In words.
+    pub text: String,
+    /// Name and coefficient of each parameter.
+    pub coefficients: Vec<(String, f64)>,
+    /// Why it is open.
+    pub reason: String,
+    /// What would close it.
+    pub remedy: String,
+    /// Values of each parameter that moves, at points of equal prediction along it, evenly spaced, the answer in the middle;
+    /// empty where nobody walked.
+    pub walk: Vec<(String, Vec<f64>)>,
+}
+
+/// What the data determine and what they leave open.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Identifiability {
+    /// Number of unknown mass properties (momentum and biases not counted).
+    pub parameters: usize,
+    /// Identified directions.
+    pub rank: usize,
+    /// Directions above round-off.
+    pub structural_rank: usize,
+    /// Rank at the answer and at two points of equal prediction as far from it as was walked; empty where the open set is
+    /// straight.
+    pub ranks: Vec<usize>,
+    /// Sigma of each direction in natural units, best first.
+    pub sigmas_natural: Vec<f64>,
+    /// Determined combinations; where they are fewer than the rank, other functions behind them.
+    pub determined: Vec<DeterminedCombination>,
+    /// Open directions.
+    pub open: Vec<OpenCombination>,
+}
+
+/// How well one segment fits.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SegmentFit {
+    /// Name of the segment.
+    pub label: String,
+    /// Samples used.
+    pub samples: usize,
+    /// Chi-square per degree of freedom with the declared noise.
+    pub chi2_per_dof: f64,
+    /// One entry per sensor.
+    pub channels: Vec<ChannelFit>,
+}
+
+/// How well one sensor fits in one segment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelFit {
+    /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment; `<kind>.<sensor>` where several
+    /// sensors share the kind.
+    pub name: String,
+    /// Unit of the root mean square.
+    pub unit: &'static str,
+    /// Root mean square of measured less predicted, per axis.
+    pub rms: f64,
+    /// Chi-square per number with the declared noise; `None` where the method does not weigh this sensor
+    /// on its own.
+    pub chi2_per_number: Option<f64>,
+    /// Probability of so much correlation in time if the residual were white (Ljung and Box 1978, ten lags
+    /// on each axis).
+    pub whiteness_p: Option<f64>,
+    /// The whitened residual octave by octave, the fastest first; empty where the method does not weigh this sensor
+    /// on its own.
+    pub octaves: Vec<Octave>,
+}
+
+/// How the answer depends on numbers that the model gives as known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct KnownNumbers {
+    /// Whether the model takes every known number as exact.
+    pub exact: bool,
+    /// Whether the model leaves the source of some known number open, so that it is taken as exact.
+    pub assumed: bool,
+    /// One sigma of each number of the covariance if every known number were exact; `None` of one that is itself known.
+    pub sigma_data: Vec<Option<f64>>,
+    /// Uncertain known numbers on which the readings depend, the largest share first.
+    pub effects: Vec<KnownEffect>,
+}
+
+/// What one known number does to the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownEffect {
+    /// Name, for example `link1.mass`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value in the model; zero for a small turn, one for a factor.
+    pub value: f64,
+    /// Declared one sigma.
+    pub sigma: f64,
+    /// Value and one sigma where the data are needed to state it: they shrink the declared sigma below 0.7.
+    pub estimated: Option<(f64, f64)>,
+    /// A step of it: 1 %, 1 mm or 1 mrad, in its unit.
+    pub step: f64,
+    /// The same in words.
+    pub step_words: &'static str,
+    /// Change of each number of the covariance with that step, the readings held; `None` of a number that is known.
+    pub changes: Vec<Option<f64>>,
+    /// Share of the variance of each number of the covariance.
+    pub shares: Vec<Option<f64>>,
+}
+
+impl KnownEffect {
+    /// The number of the covariance whose variance it has most of, and the share.
+    pub fn largest(&self) -> Option<(usize, f64)> {
+        let shares = self.shares.iter().enumerate();
+        let present = shares.filter_map(|(k, s)| Some((k, (*s)?)));
+        present.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// Numbers of a published method in its own terms, beside the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodReport {
+    /// What they are and what they are not.
+    pub note: String,
+    /// The numbers.
+    pub numbers: Vec<NamedNumber>,
+}
+
+/// The answer to one question.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Method.
+    pub method: String,
+    /// Variant of a published method.
+    pub variant: Option<String>,
+    /// How it ended.
+    pub status: Status,
+    /// Iterations taken; one for a closed form.
+    pub iterations: usize,
+    /// Bodies in the order of the model.
+    pub bodies: Vec<BodyEstimate>,
+    /// The whole vehicle at the first sample of the first segment, with the joint positions it holds
+    /// for; `None` where only rotation is seen.
+    pub system: Option<(BodyEstimate, Vec<f64>)>,
+    /// Momentum, one per segment.
+    pub momentum: Vec<MomentumEstimate>,
+    /// Spin inertias, thruster scales, biases.
+    pub nuisance: Vec<NamedNumber>,
+    /// Names of the rows of the covariance.
+    pub covariance_names: Vec<String>,
+    /// Units of the same.
+    pub covariance_units: Vec<&'static str>,
+    /// Covariance of the determined numbers, row by row.
+    pub covariance: Vec<Vec<f64>>,
+    /// Identifiability.
+    pub identifiability: Identifiability,
+    /// Fit, one per segment.
+    pub fit: Vec<SegmentFit>,
+    /// Whether a covariance is stated and nothing speaks against it.
+    pub covariance_trustworthy: bool,
+    /// Why the answer is not to be relied on, the most important first; empty where nothing speaks against it.
+    pub doubts: Vec<String>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// What the method assumed of its inputs.
+    pub assumptions: Vec<String>,
+    /// What the residuals say beyond the fit; `None` of a method that does not ask them.
+    pub diagnostics: Option<Diagnostics>,
+    /// How it depends on numbers that are known.
+    pub known_numbers: KnownNumbers,
+    /// A published method's own numbers.
+    pub method_report: Option<MethodReport>,
+}

@@ -1,0 +1,102 @@
+//! The set of unknowns that predict the same readings, as far as it was walked, and what stays the same along it.
+
+use crate::problem::quantity::Quantity;
+use poinsot_solve::Spectrum;
+
+/// How far a walk leads, natural units: as far as nominal numbers are usually off.
+pub(crate) const REACH: f64 = 0.2;
+/// Points of a walk on each side of the answer.
+pub(crate) const POINTS: usize = 10;
+/// Largest change of a quantity along a walk, sigmas: it adds half a percent to the variance.
+const CHANGE: f64 = 0.1;
+/// Largest factor by which sigma may change along a walk: what is a function of the identifiable numbers has one sigma on
+/// the whole set, and a combination whose coefficients are themselves estimated does not.
+const SPREAD: f64 = 1.5;
+
+/// One walk along an open direction, both ways.
+#[derive(Clone)]
+pub(crate) struct Walk {
+    /// Values of all unknowns, evenly spaced; the answer is in the middle.
+    pub points: Vec<Vec<f64>>,
+    /// Spectra at the ends; none where the walk is straight.
+    pub ends: Vec<(Vec<f64>, Spectrum)>,
+}
+
+/// All walks from an answer.
+#[derive(Clone, Default)]
+pub(crate) struct OpenSet {
+    /// One per open direction in the order of their names, then two along all of them at once.
+    pub walks: Vec<Walk>,
+    /// Spectrum at the answer, of the readings that were walked along; `None` where every walk is straight.
+    pub here: Option<Spectrum>,
+}
+
+impl OpenSet {
+    /// Straight walks along directions in the unknowns' own units: the set of a linear problem.
+    pub fn straight(x: &[f64], directions: &[Vec<f64>], natural: &[f64]) -> Self {
+        let walk = |step: &Vec<f64>| {
+            let largest = step.iter().zip(natural).map(|(s, unit)| (s / unit).abs());
+            let largest = largest.fold(0.0, f64::max);
+            let ends = if largest > 0.0 { REACH / largest } else { 0.0 };
+            Walk::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
+        };
+        Self {
+            walks: directions.iter().map(walk).collect(),
+            here: None,
+        }
+    }
+
+    /// The points at which quantities are compared: of a straight walk a few, of others all.
+    pub fn points(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let stride = |w: &Walk| if w.ends.is_empty() { POINTS / 2 } else { 1 };
+        let walks = self.walks.iter();
+        walks.flat_map(move |w| w.points.iter().step_by(stride(w)))
+    }
+
+    /// Whether an unknown stays at its value.
+    pub fn keeps(&self, at: usize, value: f64, sigma: f64) -> bool {
+        let mut points = self.points();
+        points.all(|x| (x[at] - value).abs() <= CHANGE * sigma)
+    }
+
+    /// Whether a quantity is the same all along, value and sigma.
+    pub fn holds(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> Quantity) -> bool {
+        let mut values = self.points().map(|x| at(x).value);
+        if !values.all(|v| (v - here.value).abs() <= CHANGE * sigma) {
+            return false;
+        }
+        let Some(spectrum) = &self.here else {
+            return true;
+        };
+        let mass = spectrum.natural.len();
+        let of = |s: &Spectrum, q: &Quantity| s.sigma(&q.gradient[..mass.min(q.gradient.len())]);
+        let Some(own) = of(spectrum, here) else {
+            return false;
+        };
+        let mut ends = self.walks.iter().flat_map(|w| &w.ends);
+        ends.all(|(x, s)| of(s, &at(x)).is_some_and(|there| there <= SPREAD * own))
+    }
+
+    /// Ranks at the answer and at both ends of the walks along all directions at once.
+    pub fn ranks(&self) -> Vec<usize> {
+        let ends = self.walks.last().into_iter().flat_map(|w| &w.ends);
+        let spectra = self.here.iter().chain(ends.map(|(_, s)| s));
+        spectra.map(|s| s.rank).collect()
+    }
+}
+
+impl Walk {
+    /// Evenly spaced on a line; `end` is the step to its far end.
+    pub fn straight(x: &[f64], end: impl Fn(usize) -> f64) -> Self {
+        let count = POINTS as i32;
+        let at = |k: i32| {
+            let share = f64::from(k) / f64::from(count);
+            let moved = x.iter().enumerate().map(|(i, x)| x + share * end(i));
+            moved.collect()
+        };
+        Self {
+            points: (-count..=count).map(at).collect(),
+            ends: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A solved problem before it is put into words.
+
+use crate::fit::experiment::{Experiment, Point};
+use crate::fit::known_numbers::Effects;
+use crate::fit::step::Held;
+use crate::fit::triangle::{HeadSolution, Shared};
+use crate::likelihood::rows::StartMomentum;
+use crate::likelihood::{Head, Sight};
+use crate::problem::parameters::Parameters;
+use crate::problem::prior::Conflict;
+use crate::solution::estimate::SegmentFit;
+use crate::solution::open_set::OpenSet;
+use poinsot_model::MomentumKnowledge;
+use poinsot_solve::{Spectrum, Triangle};
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// A vector with its gradient over the unknowns (three rows) and its own covariance given them.
+#[derive(Clone)]
+pub(crate) struct VectorQuantity {
+    pub value: Vector3,
+    pub gradient: [Vec<f64>; 3],
+    pub own: Matrix3,
+}
+
+impl VectorQuantity {
+    /// A vector that is known.
+    pub fn known(value: Vector3, unknowns: usize) -> Self {
+        Self {
+            value,
+            gradient: std::array::from_fn(|_| vec![0.0; unknowns]),
+            own: Matrix3::zeros(),
+        }
+    }
+
+    /// Components `from..from + 3` of a solved head.
+    pub fn of_head(solution: &HeadSolution, from: usize, value: Vector3) -> Self {
+        Self {
+            value,
+            gradient: std::array::from_fn(|k| solution.slope[from + k].clone()),
+            own: solution
+                .covariance
+                .fixed_view::<3, 3>(from, from)
+                .into_owned(),
+        }
+    }
+}
+
+/// Momentum at the start of a segment, in N: linear, and angular about the system's mass centre.
+pub(crate) struct StartOfSegment {
+    pub linear: VectorQuantity,
+    pub angular: VectorQuantity,
+    pub linear_given: MomentumKnowledge,
+    pub angular_given: MomentumKnowledge,
+    /// Whether any sensor sees translation.
+    pub translation: bool,
+}
+
+/// One segment reduced by the linear method: its momentum rows and what is left for the shared unknowns.
+pub(crate) struct Reduced {
+    /// Triangle of `[momentum | unknowns | rhs]`.
+    pub triangle: Triangle,
+    /// What was assumed of its momentum.
+    pub start: StartMomentum,
+}
+
+/// A solved problem.
+pub(crate) struct Solved {
+    pub method: &'static str,
+    pub parameters: Parameters,
+    pub shared: Shared,
+    /// Spectrum of the data and all declared priors: what the numbers rest on.
+    pub spectrum: Spectrum,
+    /// Spectrum without the priors of mass properties, where any are declared.
+    pub data_alone: Option<Spectrum>,
+    /// Values of all unknowns in the order of `parameters`.
+    pub x: Vec<f64>,
+    /// Residual sum of squares of the whitened rows and degrees of freedom.
+    pub residual: (f64, usize),
+    /// Whitened rows, momentum taken off.
+    pub rows: usize,
+    /// Share of the measured change of momentum that the model explains; `None` where all of it is
+    /// proportional to the unknowns.
+    pub explained: Option<f64>,
+    pub starts: Vec<StartOfSegment>,
+    pub fit: Vec<SegmentFit>,
+    /// Triangles of the linear method; empty for others.
+    pub reduced: Vec<Reduced>,
+    /// Walks along what is open.
+    pub open_set: OpenSet,
+    /// Iterations, and whether they settled.
+    pub iterations: usize,
+    pub settled: bool,
+    pub warnings: Vec<String>,
+    /// Whether wheel speeds are assumed smooth between samples.
+    pub wheels_smooth: bool,
+    /// What was assumed of the inputs.
+    pub assumptions: Vec<String>,
+    /// Bodies that the data press against the edge of what positive mass can have.
+    pub held: Option<Held>,
+    /// What the residuals say; `None` of a method that does not ask them.
+    pub diagnostics: Option<crate::diagnosis::Diagnostics>,
+    /// Priors that the data contradict.
+    pub conflict: Option<Conflict>,
+    /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
+    pub adds_up: bool,
+    /// How the answer depends on the known numbers, where any is uncertain.
+    pub known: Option<Effects>,
+    /// What is not measured well enough for the answer to be relied on.
+    pub sensitive_to: Vec<&'static str>,
+    /// Whether the residual speaks against a rigid vehicle.
+    pub not_rigid: bool,
+    /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.
+    pub regressor_noise: Vec<f64>,
+}
+
+impl Solved {
+    /// What the data determine, priors of mass properties left out.
+    pub fn of_data(&self) -> &Spectrum {
+        self.data_alone.as_ref().unwrap_or(&self.spectrum)
+    }
+
+    /// The value of all unknowns that it stands for.
+    pub fn point(&self, experiment: &Experiment) -> Point {
+        let segments = experiment.problem.segments.iter().zip(&self.starts);
+        let heads = segments.map(|(segment, start)| Head {
+            P: match experiment.sight {
+                Sight::Translation => start.linear.value,
+                Sight::Rotation => Vector3::zeros(),
+            },
+            h_SScm_N: start.angular.value,
+            ..experiment.measured_head(segment, &self.x)
+        });
+        Point {
+            heads: heads.collect(),
+            x: self.x.clone(),
+        }
+    }
+
+    /// Chi-square per degree of freedom.
+    pub fn chi2_per_dof(&self) -> f64 {
+        self.residual.0 / self.residual.1.max(1) as f64
+    }
+}
