@@ -14,7 +14,7 @@ use faer::Mat;
 /// Movement of a combination along all walks together that counts as none, sigmas.
 const STILL: f64 = 0.1;
 /// Step of a difference, natural units: its third power and the round-off over it are both below 1e-9.
-const STEP: f64 = 1.0e-4;
+const GRADIENT_STEP: f64 = 1.0e-4;
 /// Slope of a quantity, shares of its largest possible, below which it does not depend on the unknowns.
 const FLAT: f64 = 1.0e-9;
 
@@ -182,9 +182,9 @@ fn slopes(problem: &Problem, solved: &Solved, x: &[f64]) -> Option<Vec<Vec<f64>>
             moved[i] += step * unit;
             values(problem, solved, &moved)
         };
-        let pairs = at(STEP)?.into_iter().zip(at(-STEP)?);
+        let pairs = at(GRADIENT_STEP)?.into_iter().zip(at(-GRADIENT_STEP)?);
         for (slope, (up, down)) in all.iter_mut().zip(pairs) {
-            slope[i] = (up - down) / (2.0 * STEP * unit);
+            slope[i] = (up - down) / (2.0 * GRADIENT_STEP * unit);
         }
     }
     Some(all)

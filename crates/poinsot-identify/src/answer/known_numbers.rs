@@ -8,7 +8,7 @@ use crate::solution::solved::Solved;
 use poinsot_model::{KnownNumber, Model};
 
 /// One per cent, one millimetre or one milliradian.
-const STEP: f64 = 1.0e-2;
+const SHOWN_STEP: f64 = 1.0e-2;
 const SMALL_STEP: f64 = 1.0e-3;
 
 /// Sigmas without the known numbers, and what each of these does; `rows` are those of the covariance.
@@ -76,7 +76,7 @@ fn step(model: &Model, known: &KnownUnknown) -> (f64, &'static str) {
         | KnownNumber::Inertia(_)
         | KnownNumber::SpinInertia(_)
         | KnownNumber::Force(_) => {
-            let step = known.number.absolute(model, known.component, STEP);
+            let step = known.number.absolute(model, known.component, SHOWN_STEP);
             (step, "1 %")
         }
         KnownNumber::MassCentre(_)

@@ -5,20 +5,19 @@
 //! a chance of its own, so that an honest record is doubted less than once in 10,000 answers, however many tests it takes.
 
 use crate::diagnosis::octaves::Octave;
+use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::solved::Solved;
 
 /// Probability that any of the tests of one answer doubts an honest record.
 const FALSE_ALARM: f64 = 2.0e-5;
 /// Excess of a mean square that is too small to matter: sigmas are 1 % too small.
-const NEGLIGIBLE: f64 = 0.02;
+const NEGLIGIBLE_EXCESS: f64 = 0.02;
 /// Excess of a mean square that is white all over, up to which widened sigmas make up for it: noise of a tenth more than
 /// declared. Nobody knows the noise of a sensor better.
 const WHITE: f64 = 0.21;
 /// Share of the misfit from which a suspect is named beside the sensors that show it.
-const MOST: f64 = 0.5;
-/// Chi-square per degree of freedom above which the declared noise cannot be right, of methods that know no more.
-pub(crate) const MISFIT: f64 = 1.5;
+const MOST_OF_MISFIT: f64 = 0.5;
 /// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
 pub(crate) const NOISE_FREE: f64 = 1.0e-3;
 
@@ -84,7 +83,7 @@ impl Trust {
 fn suspect(solved: &Solved, shown: bool) -> Option<String> {
     let suspects = &solved.diagnostics.as_ref()?.suspects;
     let first = suspects.first().filter(|s| !s.fault.is_spread())?;
-    if shown && first.explains < MOST {
+    if shown && first.explains < MOST_OF_MISFIT {
         return None;
     }
     Some(match first.explains > 0.0 {
@@ -118,7 +117,8 @@ impl Sensor {
     /// The levels of one sensor, judged; `None` where none is too large.
     fn judged(name: &str, levels: &[Octave], chance: f64) -> Option<Self> {
         let whole = levels.iter().fold(Octave::default(), |a, b| a.plus(b));
-        let too_large = |o: &&Octave| o.per_number() > 1.0 + NEGLIGIBLE && o.chance(1.0) < chance;
+        let too_large =
+            |o: &&Octave| o.per_number() > 1.0 + NEGLIGIBLE_EXCESS && o.chance(1.0) < chance;
         let coloured = levels.iter().any(|o| o.chance(whole.per_number()) < chance);
         // Levels of white noise scatter about the whole, those of few readings widely.
         let all = std::iter::once(&whole).chain(levels.iter().filter(|_| coloured));

@@ -5,8 +5,9 @@ use crate::answer::covariance::{covariance, covariance_rows};
 use crate::answer::determined;
 use crate::answer::known_numbers::known_numbers;
 use crate::answer::momentum::{momentum, nuisances};
-use crate::answer::trust::{MISFIT, NOISE_FREE, Trust};
+use crate::answer::trust::{NOISE_FREE, Trust};
 use crate::certify::words;
+use crate::fit::degrees_of_freedom::MISFIT;
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::remedies;
@@ -25,7 +26,7 @@ const REJECT: f64 = 9.0;
 /// contradict the model: three sigma where one condition holds a body.
 const PRESSED: f64 = 2.7e-3;
 /// Share of the signal that a model must explain not to be rejected then.
-const EXPLAINED: f64 = 0.5;
+const LEAST_EXPLAINED: f64 = 0.5;
 
 /// The answer with remedies that were tried: for readers, not for the trials of a campaign.
 pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimate {
@@ -38,7 +39,9 @@ pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimat
 
 pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     let chi2 = solved.chi2_per_dof();
-    let unexplained = solved.explained.is_some_and(|share| share < EXPLAINED);
+    let unexplained = solved
+        .explained
+        .is_some_and(|share| share < LEAST_EXPLAINED);
     let not_rigid = solved.not_rigid && chi2 > MISFIT;
     let mut trust = Trust::of(solved);
     let answered = |rejected: bool| {

@@ -21,13 +21,13 @@ use poinsot_solve::{LeastSquares, Spectrum};
 use rayon::prelude::*;
 
 /// Readings of each sensor in a segment along which a walk goes: far more than the numbers that they determine.
-const FEW: usize = 32;
+const WALK_SAMPLES: usize = 32;
 /// Change of all predictions along a walk that counts as none, in their noise.
 const EQUAL: f64 = 1.0e-2;
 /// Factor on what directions that are hardly excited change by themselves.
 const OWN: f64 = 1.02;
 /// The same before the last step back onto the set.
-const CLOSE: f64 = 3.0e-2;
+const NEARLY_EQUAL: f64 = 3.0e-2;
 /// Most Gauss-Newton steps back onto equal prediction.
 const CORRECTIONS: usize = 8;
 
@@ -184,7 +184,7 @@ fn walked(
 /// A few readings of every segment with the values that a point predicts, weighted for all of them.
 fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
     let few = |s: &Segment| {
-        let mut few = thinned(s, FEW).unwrap_or_else(|| s.clone());
+        let mut few = thinned(s, WALK_SAMPLES).unwrap_or_else(|| s.clone());
         let pairs = few
             .observations
             .sensors
@@ -296,7 +296,7 @@ impl Walker<'_> {
                 return None;
             }
             // The step back is still taken: what it leaves is of second order.
-            if off < CLOSE {
+            if off < NEARLY_EQUAL {
                 return Some(Stand { at, local, back });
             }
             at = moved(self.experiment, &at, local.parts(), &back);

@@ -24,7 +24,7 @@ struct Symmetry {
 /// A candidate belongs to the open space if less than this share of it lies outside.
 const INSIDE: f64 = 1.0e-4;
 /// A part of a direction smaller than this share adds nothing new.
-const NEW: f64 = 1.0e-3;
+const NEW_DIRECTION: f64 = 1.0e-3;
 /// Coefficients below this share of the largest are left out of sentences.
 const SAID: f64 = 1.0e-3;
 
@@ -453,7 +453,7 @@ fn independent(z: &[f64], spanned: &[Vec<f64>]) -> Option<Vec<f64>> {
         }
     }
     let rest = norm(&left);
-    (rest > NEW * length && rest > 0.0).then(|| left.iter().map(|x| x / rest).collect())
+    (rest > NEW_DIRECTION * length && rest > 0.0).then(|| left.iter().map(|x| x / rest).collect())
 }
 
 /// Basis of what `open` holds beyond `spanned`.

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Step of a difference, in the usual uncertainty of a number: the bend over it and its round-off stay far below the noise.
-const STEP: f64 = 1.0e-3;
+const CHANGE_STEP: f64 = 1.0e-3;
 /// Step of the play of a joint, rad or m.
 const PLAY: f64 = 1.0e-6;
 /// Step of the share of a firing's force.
@@ -183,7 +183,7 @@ fn changed(
     let problem = experiment.problem;
     if let Change::Known(number, component) = change {
         let usual = number.usual_sigma(Origin::Cad);
-        let step = STEP * number.absolute(problem.model, component, usual);
+        let step = CHANGE_STEP * number.absolute(problem.model, component, usual);
         if step == 0.0 {
             // A share of nothing.
             return None;

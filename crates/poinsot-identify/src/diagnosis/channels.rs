@@ -11,7 +11,7 @@ pub(crate) const OUTLIER: f64 = 30.7;
 /// Median of chi-square with three degrees of freedom.
 const MEDIAN: f64 = 2.366;
 /// Lags of the whiteness test.
-const LAGS: usize = 10;
+const WHITENESS_LAGS: usize = 10;
 
 /// One entry per sensor, all segments together.
 pub(super) fn channels(fitted: &Fitted) -> Vec<ChannelDiagnosis> {
@@ -56,7 +56,7 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
 /// chi-square. `None` for records too short or without residual.
 pub(crate) fn whiteness(white: &[Vector3]) -> Option<f64> {
     let n = white.len();
-    if n < 4 * LAGS {
+    if n < 4 * WHITENESS_LAGS {
         return None;
     }
     let mut q = 0.0;
@@ -67,12 +67,12 @@ pub(crate) fn whiteness(white: &[Vector3]) -> Option<f64> {
         if variance < 1.0e-12 * n as f64 {
             return None;
         }
-        for lag in 1..=LAGS {
+        for lag in 1..=WHITENESS_LAGS {
             let product = |(a, b): (&f64, &f64)| a * b;
             let r = series.iter().zip(&series[lag..]).map(product).sum::<f64>() / variance;
             q += n as f64 * (n as f64 + 2.0) * r * r / (n - lag) as f64;
         }
     }
-    let chi2 = ChiSquared::new(3.0 * LAGS as f64).ok()?;
+    let chi2 = ChiSquared::new(3.0 * WHITENESS_LAGS as f64).ok()?;
     Some(chi2.sf(q))
 }

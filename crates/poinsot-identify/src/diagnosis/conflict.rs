@@ -11,16 +11,12 @@ use crate::fit::experiment::Experiment;
 use crate::fit::triangle::{HeadSolution, Shared, head};
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
-use crate::problem::prior::{self, Conflict, Declared, PriorRow};
+use crate::problem::prior::{self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST_SHARE, PriorRow};
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability by chance below which priors and data contradict each other: five sigma of one number.
 const CONTRADICTED: f64 = 5.7e-7;
-/// The same for one row.
-const FAR: f64 = 5.0;
-/// Least share of a row's variance that the data leave to judge it by.
-const SEEN: f64 = 1.0e-6;
 
 /// A declared number, what the data say of it, and how many sigmas lie between.
 struct Apart {
@@ -156,7 +152,7 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
         })
     };
     let all = rows.into_iter().filter_map(apart);
-    all.filter(|a| a.z.abs() > FAR).collect()
+    all.filter(|a| a.z.abs() > CONTRADICTED_SIGMAS).collect()
 }
 
 /// Rows of calibrations (biases, scales, thrust) that lie far from what the data alone say.
@@ -172,7 +168,7 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
         let declared = row.about?;
         let at = row.gradient.iter().position(|g| *g != 0.0)?;
         let known = variance(fitted, &heads, at)? / (declared.sigma * declared.sigma);
-        let left = (1.0 - known).max(SEEN);
+        let left = (1.0 - known).max(LEAST_SHARE);
         let z = row.residual / left.sqrt();
         // The declared number and its weight taken out of the answer again.
         Some(Apart {
@@ -183,7 +179,7 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
         })
     };
     let all = rows.into_iter().filter_map(apart);
-    all.filter(|a| a.z.abs() > FAR).collect()
+    all.filter(|a| a.z.abs() > CONTRADICTED_SIGMAS).collect()
 }
 
 /// Variance of one unknown in the answer, its own declared sigma included.

@@ -9,7 +9,7 @@ use poinsot_solve::LeastSquares;
 /// Chi-square per number from which gross mistakes are looked for.
 const GROSS: f64 = 1.0e2;
 /// Iterations of such a fit: enough to tell right from wrong.
-const ITERATIONS: usize = 8;
+const MISTAKE_ITERATIONS: usize = 8;
 /// Share of the misfit that a gross mistake must explain.
 const EXPLAINS: f64 = 0.99;
 
@@ -143,12 +143,12 @@ fn promising<'a>(
 /// Chi-square that a fit from the nominal numbers leaves; given up where half of it has not come below what is to be
 /// explained.
 fn cost(other: &Experiment, before: f64) -> Option<f64> {
-    let half = fit_from(other, other.nominal_point(), ITERATIONS / 2)?;
+    let half = fit_from(other, other.nominal_point(), MISTAKE_ITERATIONS / 2)?;
     let after = other.chi2(&half.at, &half.evaluated)?;
     if half.settled || after > before {
         return Some(after);
     }
-    let found = fit_from(other, half.at, ITERATIONS / 2)?;
+    let found = fit_from(other, half.at, MISTAKE_ITERATIONS / 2)?;
     other.chi2(&found.at, &found.evaluated)
 }
 

@@ -12,7 +12,7 @@ use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// Numbers up to which the tail of chi-square is computed exactly, and not after Wilson and Hilferty 1931.
-const EXACT: usize = 1000;
+const EXACT_TAIL: usize = 1000;
 
 /// Energy of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,7 +38,7 @@ impl Octave {
         if self.numbers == 0 || scaled.is_nan() {
             return 1.0;
         }
-        if self.numbers <= EXACT {
+        if self.numbers <= EXACT_TAIL {
             return ChiSquared::new(n).map_or(1.0, |c| c.sf(scaled));
         }
         let spread = 2.0 / (9.0 * n);
@@ -156,8 +156,8 @@ pub(crate) mod tests {
         };
         for excess in [0.0, 3.0, 6.0] {
             let (few, more) = (
-                at(EXACT, excess).chance(1.0),
-                at(EXACT + 1, excess).chance(1.0),
+                at(EXACT_TAIL, excess).chance(1.0),
+                at(EXACT_TAIL + 1, excess).chance(1.0),
             );
             assert!((few / more - 1.0).abs() < 0.05, "{excess}: {few} {more}");
         }

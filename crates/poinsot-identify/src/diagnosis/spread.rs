@@ -20,7 +20,7 @@ use poinsot_spatial::Vector3;
 /// Shares of outliers worth a word: where most samples are off, it is not the samples that are wrong.
 const OUTLIERS: [f64; 2] = [1.0e-3, 0.2];
 /// A median scatters so many times as much as a mean.
-const MEDIAN: f64 = 1.5;
+const MEDIAN_SCATTER: f64 = 1.5;
 /// Share of the excess of a sensor's variance that rounding must make up to be its cause.
 const ROUNDING: f64 = 0.5;
 /// Part of a step by which a rounded value may lie off its multiple.
@@ -102,7 +102,7 @@ fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
 fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> {
     let numbers = 3.0 * channel.readings.max(1) as f64;
     let ratio = channel.typical_chi2_per_number;
-    if ratio <= 1.0 + MEDIAN * EXCESS * (2.0 / numbers).sqrt() {
+    if ratio <= 1.0 + MEDIAN_SCATTER * EXCESS * (2.0 / numbers).sqrt() {
         return None;
     }
     let mean = channel.chi2_per_number.max(1.0);

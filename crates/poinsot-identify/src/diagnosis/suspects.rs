@@ -23,7 +23,7 @@ const TIED: f64 = 10.0;
 /// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
 const STEEPEST: f64 = 4.6e-6;
 /// Iterations of such a fit.
-const ITERATIONS: usize = 12;
+const SUSPECT_ITERATIONS: usize = 12;
 
 /// What the misfit is, and whether fits may be tried to explain it.
 #[derive(Clone, Copy)]
@@ -277,7 +277,7 @@ fn in_earnest(
         heads: fitted.at.heads.clone(),
     };
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
-    let found = fit_from(&wide, start, ITERATIONS)?;
+    let found = fit_from(&wide, start, SUSPECT_ITERATIONS)?;
     let after = wide.chi2(&found.at, &found.evaluated)?;
     let values = found.at.x.get(at..at + candidate.unknowns.len())?.to_vec();
     Some((before - after, values))

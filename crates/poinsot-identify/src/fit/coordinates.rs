@@ -67,7 +67,7 @@ const THICKNESS: f64 = 1.0e-3;
 /// Relative violation of the triangle inequality that printed nominal numbers may have.
 const PRINTED: f64 = 1.0e-9;
 /// Share that an open direction may have in a body that it does not change.
-const SEEN: f64 = 1.0e-6;
+const UNCHANGED: f64 = 1.0e-6;
 /// Weight of open directions over that of the weakest identified one: they follow the others and cost nothing.
 const OPEN: f64 = 1.0e-4;
 
@@ -108,7 +108,7 @@ impl PhysicalBodies {
             let own = body.slopes.iter().map(|(u, _)| u);
             own.map(|u| spectrum.directions[(*u, k)].powi(2))
                 .sum::<f64>()
-                > SEEN * SEEN
+                > UNCHANGED * UNCHANGED
         };
         let mut traded = vec![false; self.bodies.len()];
         for k in spectrum.rank..spectrum.natural.len() {

@@ -6,6 +6,9 @@ use crate::fit::triangle::head;
 use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 
+/// Chi-square per degree of freedom above which the declared noise cannot be right, of methods that know no more.
+pub(crate) const MISFIT: f64 = 1.5;
+
 /// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
 /// directions of the mass properties that are not left open.
 pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {

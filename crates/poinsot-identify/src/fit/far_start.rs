@@ -4,7 +4,7 @@
 //! as the whole record would, for a share of the time. The fit itself then sees every reading.
 
 use crate::fit::experiment::{Experiment, Point};
-use crate::fit::step::is_close;
+use crate::fit::step::{ITERATIONS, is_close};
 use crate::problem::Problem;
 use crate::problem::segment::{
     InputErrors, Observations, Samples, Segment, SensorRecord, SensorSample,
@@ -12,13 +12,11 @@ use crate::problem::segment::{
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
 /// Readings of each sensor in a segment of which none is left out.
-const FEW: usize = 128;
+const START_SAMPLES: usize = 128;
 /// Largest step over readings: beyond it the motion between them may be lost.
 const STRIDE: usize = 16;
 /// How much shorter the grid must become to be worth it.
 const WORTH: usize = 4;
-/// Most iterations on the way.
-const ITERATIONS: usize = 60;
 
 /// Where a fit of a few readings from a far point ends; `None` where the point is close, or the record too short or of a
 /// kind that cannot be thinned.
@@ -26,7 +24,7 @@ pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
     let whole = experiment.problem.segments;
     let segments = whole
         .iter()
-        .map(|s| thinned(s, FEW))
+        .map(|s| thinned(s, START_SAMPLES))
         .collect::<Option<Vec<_>>>()?;
     let times =
         |all: &[Segment]| -> usize { all.iter().map(|s| s.observations.time_s.len()).sum() };

@@ -11,12 +11,12 @@ mod effects;
 
 pub(crate) use effects::Effects;
 
-use crate::fit::degrees_of_freedom::{fitted_numbers, known_covariance};
+use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
 use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, slopes};
 use crate::fit::{Fitted, fit_from};
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
-use crate::problem::prior::Conflict;
+use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
 use crate::problem::shifted_vehicle::Centre;
 use nalgebra::DMatrix;
 use poinsot_model::{Model, rounded};
@@ -27,13 +27,7 @@ const SILENT: f64 = 1.0e-3;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
-const SETTLED: f64 = 1.0e-3;
-/// Sigmas between a known number and what the data say of it, from which they contradict each other.
-const FAR: f64 = 5.0;
-/// Least share of a prior variance that the data leave to judge it by.
-const SEEN: f64 = 1.0e-6;
-/// Chi-square per degree of freedom that is left, below which a wrong known number explains a misfit.
-const EXPLAINED: f64 = 1.5;
+const SETTLED_BY_DIFFERENCES: f64 = 1.0e-3;
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
@@ -69,10 +63,10 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     wide.kept = KeptColumns::default();
     let first = behind(&fitted.at, &all);
     let found = fit_from(&wide, first.clone(), TRIED)?;
-    let done = found.settled || promised(&found) < SETTLED;
+    let done = found.settled || promised(&found) < SETTLED_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
     // What known numbers cannot explain within their uncertainty is looked for elsewhere.
-    let left = per_number > EXPLAINED && (worst.is_some() || !done);
+    let left = per_number > MISFIT && (worst.is_some() || !done);
     let fitted = match left {
         true => Fitted {
             settled: true,
@@ -201,7 +195,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
     let apart = places.iter().enumerate().filter_map(|(k, place)| {
         let unknown = &parameters.unknowns[*place];
         let sigma = unknown.kind.known()?.sigma;
-        let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(SEEN);
+        let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(LEAST_SHARE);
         let change = fitted.at.x[*place] - unknown.nominal;
         let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
         // What the data alone say, the declared uncertainty taken out again.
@@ -212,7 +206,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         Some((z, unknown, sigma, alone))
     });
     let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));
-    let said = worst.filter(|w| w.0 > FAR).map(|(z, unknown, sigma, alone)| {
+    let said = worst.filter(|w| w.0 > CONTRADICTED_SIGMAS).map(|(z, unknown, sigma, alone)| {
         let unit = if unknown.unit == "1" { "" } else { unknown.unit };
         let numbers = [unknown.nominal, sigma, alone.0, alone.1.sqrt()];
         let [nominal, sigma, alone, own] = numbers.map(|x| rounded(x, 5));

@@ -11,4 +11,5 @@ pub(crate) mod step;
 pub(crate) mod step_error;
 pub(crate) mod triangle;
 
-pub(crate) use momentum_state::{Fitted, ITERATIONS, chi2, fit, fit_from, fit_on, fit_starts};
+pub(crate) use momentum_state::{Fitted, chi2, fit, fit_from, fit_on, fit_starts};
+pub(crate) use step::ITERATIONS;

@@ -8,16 +8,16 @@
 use crate::fit::coordinates::{Coordinates, PhysicalBodies};
 use crate::fit::experiment::{Experiment, Point};
 use crate::fit::far_start::approach;
-use crate::fit::step::{Held, Local, held, is_close, linearised, moved, physical_bodies};
+use crate::fit::step::{
+    Held, ITERATIONS, Local, held, is_close, linearised, moved, physical_bodies,
+};
 use crate::fit::triangle::Shared;
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
 
-/// Most iterations.
-pub(crate) const ITERATIONS: usize = 60;
 /// Share of chi-square that may be left where no step lowers it: round-off, not a failure.
-const NEGLIGIBLE: f64 = 1.0e-4;
+const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
 ///
@@ -256,7 +256,9 @@ fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fit
         iterations,
         settled: match end {
             End::Settled => true,
-            End::NoLowerCost | End::RoundOff => here.promised < NEGLIGIBLE * here.cost.max(1.0),
+            End::NoLowerCost | End::RoundOff => {
+                here.promised < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
+            }
             End::IterationLimit | End::Creeping => false,
         },
         crept: end == End::Creeping,

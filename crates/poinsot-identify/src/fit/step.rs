@@ -12,6 +12,8 @@ use nalgebra::UnitQuaternion;
 use poinsot_solve::{LeastSquares, Linearised, Spectrum, Step};
 use poinsot_spatial::Vector3;
 
+/// Most iterations of a fit.
+pub(crate) const ITERATIONS: usize = 60;
 /// Settled when the next step would lower chi-square by less than this: steps of a ten-thousandth of a sigma.
 const SETTLED: f64 = 1.0e-8;
 /// Share of chi-square by which two evaluations may differ.
@@ -25,7 +27,7 @@ const FELT: f64 = 4.0e-6;
 /// Share of a chi-square that is far too large, below which what a step promises is not worth many iterations.
 const CREEPING: f64 = 1.0e-3;
 /// Chi-square per row below which a start is taken without a look at another.
-const CLOSE: f64 = 10.0;
+const FAR_OFF: f64 = 10.0;
 
 /// Bodies that the data press against the edge of what positive mass can have.
 #[derive(Debug, Clone, PartialEq)]
@@ -305,5 +307,5 @@ pub(crate) fn physical_bodies(
 /// Whether chi-square at a point is not far from what noise makes.
 pub(crate) fn is_close(here: &Linearised<Local>) -> bool {
     let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
-    here.cost < CLOSE * rows as f64
+    here.cost < FAR_OFF * rows as f64
 }

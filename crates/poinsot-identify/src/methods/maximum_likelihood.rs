@@ -14,15 +14,16 @@ use crate::fit::coordinates::FitOptions;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Point};
 use crate::fit::known_numbers::{Effects, fit_known};
-use crate::fit::step_error::within_steps;
+use crate::fit::step_error::{StepError, within_steps};
 use crate::fit::triangle::head;
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
-use crate::likelihood::{ChannelResidual, Sight};
+use crate::likelihood::{ChannelResidual, Evaluated, Head, HeadColumns, Sight};
 use crate::methods::linear::solve_linear;
 use crate::motion::input_curves::beyond_the_readings;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
 use crate::problem::prior::Conflict;
+use crate::problem::segment::Segment;
 use crate::problem::shifted_vehicle::Centre;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
@@ -132,20 +133,26 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
         Some(known) => open_set(&known.experiment(&experiment), &at, &solved),
     };
     solved.assumptions = assumptions;
+    solved.wheels_smooth = experiment.wheels_smooth;
+    note(problem, &mut solved, shift, step_error);
+    Ok(Ended { solved, at, centre })
+}
+
+/// What the answer is sensitive to, and what was approximated; `shift` is that of another wheel motion between samples.
+fn note(problem: &Problem, solved: &mut Solved, shift: f64, step_error: Option<StepError>) {
     if let Some(warning) = crate::motion::input_noise::approximate(problem) {
         solved.warnings.push(warning);
     }
-    solved.wheels_smooth = experiment.wheels_smooth;
     if shift > SENSITIVE {
         // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
         let mut segments = problem.segments.iter();
         let seldom = segments.any(|s| s.observations.between_readings);
         let wheels = seldom.then_some("the wheel motion between samples");
         solved.sensitive_to.extend(wheels);
-        let warning = wheel_warning(shift, experiment.wheels_smooth, seldom);
+        let warning = wheel_warning(shift, solved.wheels_smooth, seldom);
         solved.warnings.extend(warning);
     }
-    if let Some(warning) = beyond_the_readings(problem.segments, &parameters, &at.x) {
+    if let Some(warning) = beyond_the_readings(problem.segments, &solved.parameters, &solved.x) {
         solved
             .sensitive_to
             .push("inputs beyond the first and last sample");
@@ -158,7 +165,6 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
     if let Some(found) = &mut solved.diagnostics {
         found.shift_between_readings = shift;
     }
-    Ok(Ended { solved, at, centre })
 }
 
 /// Diagnoses a fit and concludes. `looked_at` is diagnosed instead, where known numbers do not explain a misfit.
@@ -321,55 +327,10 @@ pub(crate) fn conclude(
     explained: Option<f64>,
     found: Diagnostics,
 ) -> Solved {
-    let given = &experiment.problem.model.momentum;
-    let x = &fitted.at.x;
     let numbers = fitted_numbers(experiment, &fitted);
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-    let starts = fitted
-        .evaluated
-        .iter()
-        .zip(&fitted.at.heads)
-        .zip(&experiment.unknown)
-        .map(|((one, at), unknown)| {
-            let solution = one
-                .triangle
-                .as_ref()
-                .map(|t| head(&t.r, unknown.count(), x));
-            let pick = |column: Option<usize>, value: Vector3| match (&solution, column) {
-                (Some(solution), Some(from)) => VectorQuantity::of_head(solution, from, value),
-                _ => VectorQuantity::known(value, x.len()),
-            };
-            let (linear, angular) = unknown.momentum_at();
-            let translation = experiment.sight == Sight::Translation;
-            StartOfSegment {
-                linear: pick(linear, at.P),
-                angular: pick(angular, at.h_SScm_N),
-                linear_given: if translation {
-                    given.linear
-                } else {
-                    MomentumKnowledge::Estimate
-                },
-                angular_given: given.angular,
-                translation,
-            }
-        })
-        .collect();
-    let fit = experiment
-        .problem
-        .segments
-        .iter()
-        .zip(&fitted.evaluated)
-        .map(|(segment, one)| SegmentFit {
-            label: segment.label.clone(),
-            samples: segment.observations.time_s.len(),
-            chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
-            channels: one
-                .channels
-                .iter()
-                .map(|c| channel_fit(c, experiment.loss))
-                .collect(),
-        })
-        .collect();
+    let starts = starts(experiment, &fitted);
+    let fit = segment_fits(experiment, &fitted);
     // The fit moves whatever the data hold; what counts as known is asked afterwards, of exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
     let known = Effects::new(experiment, &fitted).ok().flatten();
@@ -410,7 +371,49 @@ pub(crate) fn conclude(
     }
 }
 
-pub(crate) fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
+/// Momentum at the start of every segment.
+fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
+    let given = &experiment.problem.model.momentum;
+    let x = &fitted.at.x;
+    let translation = experiment.sight == Sight::Translation;
+    let segments = fitted.evaluated.iter().zip(&fitted.at.heads);
+    let start = |((one, at), unknown): ((&Evaluated, &Head), &HeadColumns)| {
+        let triangle = one.triangle.as_ref();
+        let solution = triangle.map(|t| head(&t.r, unknown.count(), x));
+        let pick = |column: Option<usize>, value: Vector3| match (&solution, column) {
+            (Some(solution), Some(from)) => VectorQuantity::of_head(solution, from, value),
+            _ => VectorQuantity::known(value, x.len()),
+        };
+        let (linear, angular) = unknown.momentum_at();
+        StartOfSegment {
+            linear: pick(linear, at.P),
+            angular: pick(angular, at.h_SScm_N),
+            linear_given: match translation {
+                true => given.linear,
+                false => MomentumKnowledge::Estimate,
+            },
+            angular_given: given.angular,
+            translation,
+        }
+    };
+    segments.zip(&experiment.unknown).map(start).collect()
+}
+
+/// How well every segment fits.
+pub(crate) fn segment_fits(experiment: &Experiment, fitted: &Fitted) -> Vec<SegmentFit> {
+    let segments = experiment.problem.segments.iter().zip(&fitted.evaluated);
+    let fit = |(segment, one): (&Segment, &Evaluated)| SegmentFit {
+        label: segment.label.clone(),
+        samples: segment.observations.time_s.len(),
+        chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
+        channels: (one.channels.iter())
+            .map(|c| channel_fit(c, experiment.loss))
+            .collect(),
+    };
+    segments.map(fit).collect()
+}
+
+fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
     let count = 3.0 * channel.white.len().max(1) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {

@@ -18,7 +18,7 @@ const NUTATION: f64 = 0.06;
 /// eighth of its square.
 const BEND: f64 = 0.1;
 /// Most steps in an interval: beyond it the record says nothing of the motion between its samples.
-const MOST: f64 = 4096.0;
+const MOST_STEPS: f64 = 4096.0;
 
 impl Grid {
     /// The steps for a vehicle whose numbers are near enough: the nominal one.
@@ -30,7 +30,9 @@ impl Grid {
             let [turn, nutation] =
                 [&frequencies.turn, &frequencies.nutation].map(|f| f64::max(f[k], f[k + 1]) * h);
             bends |= !vehicle.tree.rotors.is_empty() && turn + nutation > BEND;
-            (turn / TURN + nutation / NUTATION).ceil().clamp(1.0, MOST) as u32
+            (turn / TURN + nutation / NUTATION)
+                .ceil()
+                .clamp(1.0, MOST_STEPS) as u32
         });
         Self {
             steps: steps.collect(),

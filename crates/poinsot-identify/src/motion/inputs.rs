@@ -9,7 +9,7 @@ use poinsot_spatial::{Vector3, Vector6};
 use std::sync::Arc;
 
 /// Step of the differences over a joint's position, rad or m.
-const STEP: f64 = 1.0e-5;
+pub(super) const JOINT_STEP: f64 = 1.0e-5;
 
 /// What one unknown does to the inputs at an instant, per unit of it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -159,8 +159,8 @@ impl Motion<'_> {
             };
             let (mut F_B, mut T_B) = (Vector3::zeros(), Vector3::zeros());
             let mut q = self.site.q.clone();
-            for weight in [0.5 / STEP, -0.5 / STEP] {
-                q[joint] = self.site.q[joint] + STEP * weight.signum();
+            for weight in [0.5 / JOINT_STEP, -0.5 / JOINT_STEP] {
+                q[joint] = self.site.q[joint] + JOINT_STEP * weight.signum();
                 self.still.place(self.vehicle.tree, &q);
                 let whole = composite(&self.vehicle.bodies, &self.still);
                 let mut there = *centre;

@@ -6,8 +6,8 @@
 use crate::diagnosis::diagnose;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
-use crate::fit::{Fitted, ITERATIONS, fit};
-use crate::methods::maximum_likelihood::channel_fit;
+use crate::fit::{ITERATIONS, fit};
+use crate::methods::maximum_likelihood::segment_fits;
 use crate::prediction::completion::CompletedVehicle;
 use crate::prediction::curves::{Prediction, predict};
 use crate::problem::loss::Loss;
@@ -57,7 +57,7 @@ pub fn held_back(
         // As in an identification: the data decide how wheels run between readings.
         experiment.wheels_smooth = true;
         let smooth = fit(&experiment, None, ITERATIONS)?;
-        if cost(&experiment, &smooth) < cost(&experiment, &fitted) {
+        if experiment.cost_of(&smooth) < experiment.cost_of(&fitted) {
             fitted = smooth;
         } else {
             experiment.wheels_smooth = false;
@@ -69,36 +69,18 @@ pub fn held_back(
         findings.extend(found.findings.into_iter().map(|f| f.text));
         predictions = predict(&experiment, &fitted.at, points);
     }
-    let evaluated = segments.iter().zip(&fitted.evaluated);
-    let fit = evaluated
-        .map(|(segment, one)| SegmentFit {
-            label: segment.label.clone(),
-            samples: segment.observations.time_s.len(),
-            chi2_per_dof: one.chi2 / one.rows.max(1) as f64,
-            channels: one
-                .channels
-                .iter()
-                .map(|c| channel_fit(c, experiment.loss))
-                .collect(),
-        })
-        .collect();
     let worst = fitted.evaluated.iter().map(|one| {
         let largest =
             |white: &[poinsot_spatial::Vector3]| white.iter().map(|w| w.amax()).fold(0.0, f64::max);
         one.channels.iter().map(|c| largest(&c.white)).collect()
     });
     Ok(HeldBack {
-        fit,
+        fit: segment_fits(&experiment, &fitted),
         worst: worst.collect(),
         predictions,
         findings,
         settled: fitted.settled,
     })
-}
-
-fn cost(experiment: &Experiment, fitted: &Fitted) -> f64 {
-    let found = experiment.chi2(&fitted.at, &fitted.evaluated);
-    found.unwrap_or(f64::INFINITY)
 }
 
 /// Wheels and thrusters as found, none of them unknown any more.

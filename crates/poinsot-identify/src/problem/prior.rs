@@ -9,6 +9,11 @@ use nalgebra::{DMatrix, Matrix4};
 use poinsot_model::{Nuisance, Prior, SensorKind};
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
 
+/// Sigmas between a declared number and what the data say of it, from which they contradict each other.
+pub(crate) const CONTRADICTED_SIGMAS: f64 = 5.0;
+/// Least share of a declared variance that the data leave to judge it by.
+pub(crate) const LEAST_SHARE: f64 = 1.0e-6;
+
 /// One row: `gradient . dx = residual`, both over the sigma.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PriorRow {

@@ -19,6 +19,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -372,224 +373,95 @@ fn backlash(table: &mut Table, play: f64) {
 
 /// Every fault on every vehicle that can have it.
 pub fn faults() -> Vec<Fault> {
+    const DRAWN: bool = false;
+    const FIXED: bool = true;
     use Craft::{Arm, LowOrbit, Satellite};
     use FaultKind as F;
-    let mut list = Vec::new();
-    let mut add = |words, craft, names, culprit, size, fixed, way| {
-        list.push(Fault {
-            words,
-            craft,
-            names,
-            culprit,
-            size,
-            fixed,
-            way,
-        });
+    use Way::{Exact, Joined, Read, Vehicle};
+    let row = |(words, names, culprit, size, fixed, way), craft| Fault {
+        words,
+        craft,
+        names,
+        culprit,
+        size,
+        fixed,
+        way,
     };
-    let tilt: fn(&mut Model, f64) = |m, e| {
-        let a = m.wheels[1].axis_B;
-        m.wheels[1].axis_B =
-            (a + Vector3::new(0.8, 0.1, 0.6).cross(&a).normalize() * e).normalize();
-    };
-    let spin: fn(&mut Model, f64) = |m, e| m.wheels[1].spin_inertia *= 1.0 + e;
-    let drift: fn(&mut Table, f64) = |t, e| each(t, "omega_y", |s, x| *x += e * s);
-    let turned: fn(&mut Table, f64) =
-        |t, e| turn(t, f64::NEG_INFINITY, Vector3::new(0.6, -0.5, 0.62) * e);
-    let jump: fn(&mut Table, f64) = |t, e| turn(t, 37.0, Vector3::new(0.6, -0.5, 0.62) * e);
-    let scale: fn(&mut Table, f64) = |t, e| each(t, "omega_", |_, x| *x *= 1.0 + e);
-    for craft in Craft::ALL {
-        add(
-            "wheel tilt",
-            craft,
-            &[F::WheelTilt],
-            "wheel2",
-            (1.0e-4, "rad"),
-            false,
-            Way::Vehicle(tilt),
-        );
-        add(
-            "spin inertia",
-            craft,
-            &[F::WheelScale, F::KnownNumber],
-            "wheel2",
-            (1.0e-4, "1"),
-            false,
-            Way::Vehicle(spin),
-        );
-        add(
-            "tracker misalignment",
-            craft,
-            &[F::TrackerMisalignment],
-            "attitude",
-            (1.0e-4, "rad"),
-            false,
-            Way::Exact(turned),
-        );
-        add(
-            "gyro bias drift",
-            craft,
-            &[F::BiasDrift],
-            "gyro",
-            (1.0e-7, "rad/s2"),
-            false,
-            Way::Exact(drift),
-        );
-        add(
-            "gyro scale",
-            craft,
-            &[F::GyroScale],
-            "gyro",
-            (1.0e-4, "1"),
-            false,
-            Way::Exact(scale),
-        );
-        add(
-            "attitude jump",
-            craft,
-            &[F::AttitudeJump],
-            "attitude",
-            (1.0e-5, "rad"),
-            false,
-            Way::Exact(jump),
-        );
-        add(
-            "time jitter 20 %",
-            craft,
-            &[F::TimeJitter],
-            "gyro",
-            (0.2, "of an interval"),
-            true,
-            Way::Read(jitter),
-        );
-        add(
-            "rounded gyro",
-            craft,
-            &[F::Quantisation],
-            "gyro",
-            (3.0e-4, "rad/s"),
-            true,
-            Way::Read(|t, e, _| {
-                each(t, "omega_", |_, x| *x = (*x / e).round() * e);
-            }),
-        );
-    }
-    add(
-        "joined record",
-        Satellite,
-        &[F::JoinedRecord],
-        "",
-        (1.0e-5, "rad/s"),
-        false,
-        Way::Joined,
-    );
-    add(
-        "joined record",
-        Arm,
-        &[F::JoinedRecord],
-        "",
-        (1.0e-5, "rad/s"),
-        false,
-        Way::Joined,
-    );
-    add(
-        "tide",
-        Satellite,
-        &[F::Tide],
-        "",
-        (1.0e-6, "1/s2"),
-        false,
-        Way::Exact(tide),
-    );
-    add(
-        "firing missing from telemetry",
-        Satellite,
-        &[F::Firing],
-        "",
-        (1.0, "firing"),
-        true,
-        Way::Exact(|t, _| {
-            each(t, "thr2_N", |s, x| {
-                if s < 20.0 {
-                    *x = 0.0
-                }
-            });
-        }),
-    );
-    add(
-        "firing that did not happen",
-        Satellite,
-        &[F::Firing],
-        "thr2 at",
-        (1.0, "firing"),
-        true,
-        Way::Exact(|t, _| {
-            each(t, "thr2_N", |s, x| {
-                if (40.0..41.0).contains(&s) {
-                    *x = 5.0
-                }
-            });
-        }),
-    );
-    add(
-        "backlash",
-        Arm,
-        &[F::Backlash],
-        "elbow",
-        (1.0e-4, "rad"),
-        false,
-        Way::Exact(backlash),
-    );
-    add(
-        "link mass",
-        Arm,
-        &[F::KnownNumber],
-        "upper.mass",
-        (1.0e-3, "1"),
-        false,
-        Way::Vehicle(|m, e| m.bodies[1].nominal.mass *= 1.0 + e),
-    );
-    add(
-        "joint origin",
-        Arm,
-        &[F::KnownNumber],
-        "shoulder.origin",
-        (1.0e-4, "m"),
-        false,
-        Way::Vehicle(|m, e| m.joints[0].p_PoCo_P += Vector3::new(0.3, 0.8, -0.5) * e),
-    );
-    add(
-        "gravity gradient",
-        LowOrbit,
-        &[F::GravityGradient],
-        "",
-        (1.0, "of 600 km"),
-        true,
-        Way::Vehicle(|m, e| {
-            m.environment.point_mass_gm = Some(EARTH * e);
-            m.environment.gravity_gradient = true;
-            m.environment.orbit = Some(Orbit {
-                semi_major_axis: 6.978e6,
-                eccentricity: 0.0,
-                inclination: 0.9,
-                raan: 0.4,
-                argument_of_periapsis: 0.2,
-                true_anomaly: -0.3,
-                epoch: 0.0,
-            });
-        }),
-    );
-    add(
-        "reversed wheel",
-        LowOrbit,
-        &[F::WheelSign],
-        "wheel2",
-        (1.0, "sign"),
-        true,
-        Way::Exact(|t, _| {
-            each(t, "wheel2_rad_s", |_, x| *x = -*x);
-        }),
-    );
-    list
+    #[rustfmt::skip]
+    let everywhere: [Row; 8] = [
+        ("wheel tilt", &[F::WheelTilt], "wheel2", (1.0e-4, "rad"), DRAWN, Vehicle(tilt)),
+        ("spin inertia", &[F::WheelScale, F::KnownNumber], "wheel2", (1.0e-4, "1"), DRAWN, Vehicle(spin)),
+        ("tracker misalignment", &[F::TrackerMisalignment], "attitude", (1.0e-4, "rad"), DRAWN, Exact(|t, e| turn(t, f64::NEG_INFINITY, turned(e)))),
+        ("gyro bias drift", &[F::BiasDrift], "gyro", (1.0e-7, "rad/s2"), DRAWN, Exact(|t, e| each(t, "omega_y", |s, x| *x += e * s))),
+        ("gyro scale", &[F::GyroScale], "gyro", (1.0e-4, "1"), DRAWN, Exact(|t, e| each(t, "omega_", |_, x| *x *= 1.0 + e))),
+        ("attitude jump", &[F::AttitudeJump], "attitude", (1.0e-5, "rad"), DRAWN, Exact(|t, e| turn(t, 37.0, turned(e)))),
+        ("time jitter 20 %", &[F::TimeJitter], "gyro", (0.2, "of an interval"), FIXED, Read(jitter)),
+        ("rounded gyro", &[F::Quantisation], "gyro", (3.0e-4, "rad/s"), FIXED, Read(|t, e, _| each(t, "omega_", |_, x| *x = (*x / e).round() * e))),
+    ];
+    #[rustfmt::skip]
+    let some: [(Row, Craft); 10] = [
+        (("joined record", &[F::JoinedRecord], "", (1.0e-5, "rad/s"), DRAWN, Joined), Satellite),
+        (("joined record", &[F::JoinedRecord], "", (1.0e-5, "rad/s"), DRAWN, Joined), Arm),
+        (("tide", &[F::Tide], "", (1.0e-6, "1/s2"), DRAWN, Exact(tide)), Satellite),
+        (("firing missing from telemetry", &[F::Firing], "", (1.0, "firing"), FIXED, Exact(|t, _| thrust(t, 0.0..20.0, 0.0))), Satellite),
+        (("firing that did not happen", &[F::Firing], "thr2 at", (1.0, "firing"), FIXED, Exact(|t, _| thrust(t, 40.0..41.0, 5.0))), Satellite),
+        (("backlash", &[F::Backlash], "elbow", (1.0e-4, "rad"), DRAWN, Exact(backlash)), Arm),
+        (("link mass", &[F::KnownNumber], "upper.mass", (1.0e-3, "1"), DRAWN, Vehicle(|m, e| m.bodies[1].nominal.mass *= 1.0 + e)), Arm),
+        (("joint origin", &[F::KnownNumber], "shoulder.origin", (1.0e-4, "m"), DRAWN, Vehicle(|m, e| m.joints[0].p_PoCo_P += Vector3::new(0.3, 0.8, -0.5) * e)), Arm),
+        (("gravity gradient", &[F::GravityGradient], "", (1.0, "of 600 km"), FIXED, Vehicle(gravity_gradient)), LowOrbit),
+        (("reversed wheel", &[F::WheelSign], "wheel2", (1.0, "sign"), FIXED, Exact(|t, _| each(t, "wheel2_rad_s", |_, x| *x = -*x))), LowOrbit),
+    ];
+    let on = |craft| everywhere.map(|fault| row(fault, craft));
+    let all = Craft::ALL.into_iter().flat_map(on);
+    all.chain(some.map(|(fault, craft)| row(fault, craft)))
+        .collect()
+}
+
+/// Words, names, culprit, size, whether it is fixed, way.
+type Row = (
+    &'static str,
+    &'static [FaultKind],
+    &'static str,
+    (f64, &'static str),
+    bool,
+    Way,
+);
+
+fn tilt(m: &mut Model, angle: f64) {
+    let a = m.wheels[1].axis_B;
+    let across = Vector3::new(0.8, 0.1, 0.6).cross(&a).normalize();
+    m.wheels[1].axis_B = (a + across * angle).normalize();
+}
+
+fn spin(m: &mut Model, share: f64) {
+    m.wheels[1].spin_inertia *= 1.0 + share;
+}
+
+fn turned(angle: f64) -> Vector3 {
+    Vector3::new(0.6, -0.5, 0.62) * angle
+}
+
+/// Thrust as read within some time, N.
+fn thrust(table: &mut Table, within_s: Range<f64>, force: f64) {
+    each(table, "thr2_N", |s, x| {
+        if within_s.contains(&s) {
+            *x = force;
+        }
+    });
+}
+
+fn gravity_gradient(m: &mut Model, share: f64) {
+    m.environment.point_mass_gm = Some(EARTH * share);
+    m.environment.gravity_gradient = true;
+    m.environment.orbit = Some(Orbit {
+        semi_major_axis: 6.978e6,
+        eccentricity: 0.0,
+        inclination: 0.9,
+        raan: 0.4,
+        argument_of_periapsis: 0.2,
+        true_anomaly: -0.3,
+        epoch: 0.0,
+    });
 }
 
 /// Vehicles without a fault; of the satellite the last has stored momentum.

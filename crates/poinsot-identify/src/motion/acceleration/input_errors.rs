@@ -1,13 +1,11 @@
 //! How the specific force at a point answers to small errors of state and inputs.
 
 use super::{Inputs, Moving, Point, RateSlopes, lower, stack, upper};
+use crate::motion::inputs::JOINT_STEP;
 use crate::motion::slope_weights;
 use crate::motion::{Column, Instant, Motion, State, matrix};
 use poinsot_dynamics::{Accelerations, Kinematics};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
-
-/// Step over a joint's position, rad or m; over all else the equations are quadratic, and a step of one is exact.
-const STEP: f64 = 1.0e-5;
 
 /// The equation of the accelerations around one instant.
 pub(crate) struct ForceAround<'m, 'a> {
@@ -89,7 +87,8 @@ impl ForceAround<'_, '_> {
 
     /// A joint's position, the twist held.
     pub fn joint_position(&self, joint: usize) -> Vector3 {
-        self.input(STEP, |inputs, step| inputs.q[joint] += step)
+        // Over all else the equations are quadratic, and a step of one is exact.
+        self.input(JOINT_STEP, |inputs, step| inputs.q[joint] += step)
     }
 
     /// A joint's rate, the twist held.
