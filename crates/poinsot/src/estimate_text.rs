@@ -3,7 +3,9 @@
 use crate::estimate_file::{component, inertia_entries};
 use crate::identify::Identified;
 use crate::verdict::Standing;
-use poinsot_identify::{BodyEstimate, Estimate, Number, OpenCombination, Source, Status};
+use poinsot_identify::{
+    BodyEstimate, Estimate, MethodReport, Number, OpenCombination, Source, Status,
+};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
@@ -38,19 +40,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(section);
     }
     if !e.nuisance.is_empty() {
-        let mut table = Table::new(&["", "value", "1 sigma", "nominal", "unit"]);
-        for item in &e.nuisance {
-            let n = &item.number;
-            let (value, sigma) = number_with_sigma(n.value, n.sigma);
-            table.push(vec![
-                item.name.clone(),
-                value,
-                sigma,
-                significant(n.nominal, 6),
-                item.unit.to_owned(),
-            ]);
-        }
-        document.push(Section::table("also estimated", table));
+        document.push(nuisances(e));
     }
     if e.status == Status::Rejected {
         document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
@@ -67,23 +57,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
         }
     }
     if let Some(report) = &e.method_report {
-        let mut table = Table::new(&["", "value", "nominal", "unit"]);
-        for item in &report.numbers {
-            let (value, _) = number_with_sigma(item.number.value, item.number.sigma);
-            table.push(vec![
-                item.name.clone(),
-                value,
-                if item.number.nominal == 0.0 {
-                    String::new()
-                } else {
-                    significant(item.number.nominal, 6)
-                },
-                item.unit.to_owned(),
-            ]);
-        }
-        let mut section = Section::table(&format!("what the method {} prints", e.method), table);
-        section.note = Some(report.note.clone());
-        document.push(section);
+        document.push(own_numbers(&e.method, report));
     }
     if let Some(section) = sensitivities(e) {
         document.push(section);
@@ -92,20 +66,7 @@ pub fn estimate_document(identified: &Identified) -> Document {
         document.push(Section::list("known numbers", vec![line]));
     }
     document.push(fit(identified));
-    let found: Vec<String> = identified
-        .findings
-        .iter()
-        .filter(|f| f.count > 0)
-        .map(|f| {
-            format!(
-                "{} ({}): {}: {}",
-                f.check.name(),
-                f.policy.name(),
-                f.channel,
-                f.text
-            )
-        })
-        .collect();
+    let found = found(identified);
     if !found.is_empty() {
         document.push(Section::list("found in the telemetry", found));
     }
@@ -119,6 +80,61 @@ pub fn estimate_document(identified: &Identified) -> Document {
         ));
     }
     document
+}
+
+fn nuisances(e: &Estimate) -> Section {
+    let mut table = Table::new(&["", "value", "1 sigma", "nominal", "unit"]);
+    for item in &e.nuisance {
+        let n = &item.number;
+        let (value, sigma) = number_with_sigma(n.value, n.sigma);
+        table.push(vec![
+            item.name.clone(),
+            value,
+            sigma,
+            significant(n.nominal, 6),
+            item.unit.to_owned(),
+        ]);
+    }
+    Section::table("also estimated", table)
+}
+
+/// What a published method gives in its own terms.
+fn own_numbers(method: &str, report: &MethodReport) -> Section {
+    let mut table = Table::new(&["", "value", "nominal", "unit"]);
+    for item in &report.numbers {
+        let (value, _) = number_with_sigma(item.number.value, item.number.sigma);
+        table.push(vec![
+            item.name.clone(),
+            value,
+            if item.number.nominal == 0.0 {
+                String::new()
+            } else {
+                significant(item.number.nominal, 6)
+            },
+            item.unit.to_owned(),
+        ]);
+    }
+    let mut section = Section::table(&format!("what the method {method} prints"), table);
+    section.note = Some(report.note.clone());
+    section
+}
+
+/// Findings in the telemetry.
+fn found(identified: &Identified) -> Vec<String> {
+    identified
+        .findings
+        .iter()
+        .filter(|f| f.count > 0)
+        .map(|f| {
+            format!(
+                "{} ({}): {}: {}",
+                f.check.name(),
+                f.policy.name(),
+                f.channel,
+                f.text
+            )
+        })
+        .collect()
 }
 
 fn verdict(identified: &Identified) -> String {

@@ -91,6 +91,23 @@ impl Planner<'_> {
                 remedy,
             );
         }
+        let targets = self.targets(file);
+        let (limits, wheel_speed) = self.wheels(file);
+        Control {
+            law: AttitudeControl {
+                proportional,
+                derivative,
+                targets,
+                period: file.period_s.as_ref().map(|p| *p.get_ref()),
+                drive,
+            },
+            limits,
+            wheel_speed,
+        }
+    }
+
+    /// Attitudes to hold, each from its time on.
+    fn targets(&mut self, file: &ControlFile) -> Vec<Target> {
         let mut targets: Vec<Target> = Vec::new();
         for (i, target) in file.target.iter().enumerate() {
             let key = |name: &str| format!("control.target[{i}].{name}");
@@ -122,6 +139,11 @@ impl Planner<'_> {
             let R_NB = UnitQuaternion::new_normalize(q);
             targets.push(Target { time, R_NB });
         }
+        targets
+    }
+
+    /// Limits and first speed of every wheel, rad/s.
+    fn wheels(&mut self, file: &ControlFile) -> (Vec<WheelLimits>, Vec<f64>) {
         let wheels = self.model.wheels.len();
         let mut limits = vec![WheelLimits::default(); wheels];
         let mut wheel_speed = vec![0.0; wheels];
@@ -151,17 +173,7 @@ impl Planner<'_> {
                 );
             }
         }
-        Control {
-            law: AttitudeControl {
-                proportional,
-                derivative,
-                targets,
-                period: file.period_s.as_ref().map(|p| *p.get_ref()),
-                drive,
-            },
-            limits,
-            wheel_speed,
-        }
+        (limits, wheel_speed)
     }
 
     /// Gains as given, or those of Table 1 of Kim, Choi, Oh 2010: `2 wn^2 I` and `2 zeta wn I` with the

@@ -15,6 +15,28 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
         format!("{} statistics outside their 99.9 % bands", faults.len())
     };
     let mut document = Document::new(format!("{title}: {} trials, {word}", s.trials));
+    document.push(numbers(s));
+    document.push(Section::list("all together", together(s)));
+    if !s.failed.is_empty() {
+        let mut lines: Vec<String> = s
+            .failed
+            .iter()
+            .take(LISTED)
+            .map(|(trial, why)| format!("trial {trial}: {why}"))
+            .collect();
+        if s.failures > lines.len() as u64 {
+            lines.push(format!("and {} more", s.failures - lines.len() as u64));
+        }
+        document.push(Section::list(
+            &format!("{} failed trials", s.failures),
+            lines,
+        ));
+    }
+    document
+}
+
+/// Each number against its bound.
+fn numbers(s: &Statistics) -> Section {
     let mut table = Table::new(&[
         "",
         "bound (1 sigma)",
@@ -61,7 +83,11 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
         100.0 * coverage.low,
         100.0 * coverage.high
     ));
-    document.push(section);
+    section
+}
+
+/// What holds of all numbers together.
+fn together(s: &Statistics) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some((mean, dof)) = s.nees {
         let band = Band::of_mean_square(dof);
@@ -92,21 +118,5 @@ pub fn statistics_document(title: &str, s: &Statistics) -> Document {
             100.0 * gap.abs()
         ));
     }
-    document.push(Section::list("all together", lines));
-    if !s.failed.is_empty() {
-        let mut lines: Vec<String> = s
-            .failed
-            .iter()
-            .take(LISTED)
-            .map(|(trial, why)| format!("trial {trial}: {why}"))
-            .collect();
-        if s.failures > lines.len() as u64 {
-            lines.push(format!("and {} more", s.failures - lines.len() as u64));
-        }
-        document.push(Section::list(
-            &format!("{} failed trials", s.failures),
-            lines,
-        ));
-    }
-    document
+    lines
 }

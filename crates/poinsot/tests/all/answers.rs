@@ -1,5 +1,6 @@
 //! Noise-free questions with a known answer: momentum, wheels, thrusters, subsets, repairs, units.
 
+use crate::shared::examples;
 use crate::vehicle;
 
 use poinsot::{Error, Identified, IdentifyRequest, identify, identify_tables};
@@ -8,7 +9,7 @@ use poinsot_identify::{Number, Source, Status};
 use poinsot_model::{EstimateSet, Model, Momentum, MomentumKnowledge, Nuisance, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Source as File, Table};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use vehicle::*;
 
 const METHODS: [&str; 2] = ["linear", "maximum_likelihood"];
@@ -586,10 +587,6 @@ fn exact_a_slow_star_tracker_gives_the_same_answer() {
         assert_found(&answer, &truth, 1.0e-5, method);
         assert_eq!(answer.estimate.status, Status::Converged);
     }
-}
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
 }
 
 #[test]

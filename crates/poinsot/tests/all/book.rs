@@ -1,10 +1,6 @@
 //! The snippets of the book: what a page shows is compiled and run here.
 
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
+use crate::shared::examples;
 
 #[test]
 fn exact_book_state() {

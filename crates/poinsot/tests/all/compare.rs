@@ -1,18 +1,14 @@
 //! Answers of one vehicle side by side.
 
+use crate::shared::stsat3;
 use poinsot::compare::{CompareRequest, compare, comparison_document};
 use poinsot::{EstimateFile, IdentifyRequest, estimate_file, identify};
 use poinsot_formats::ComparisonFile;
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3")
-}
 
 /// The first or the second half of the shipped slews: two nights of one satellite.
 fn night(half: [f64; 2]) -> EstimateFile {
-    let telemetry = examples().join("multiaxis/telemetry_noisy.csv");
-    let mut request = IdentifyRequest::new(examples().join("model.toml"), [telemetry]);
+    let telemetry = stsat3().join("multiaxis/telemetry_noisy.csv");
+    let mut request = IdentifyRequest::new(stsat3().join("model.toml"), [telemetry]);
     request.reading.time_s = Some(half);
     let mut file = estimate_file(&identify(&request).unwrap());
     // Each night has a file of its own.

@@ -1,24 +1,16 @@
 //! Files and tables in memory go through one gate: the same answer to the last bit, the same faults found.
 
+use crate::shared::stsat3;
 use poinsot::identify::read_options;
 use poinsot::{IdentifyRequest, Question, estimate_file, identify, identify_tables};
 use poinsot_model::read_model;
 use poinsot_telemetry::{Table, read, write};
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3")
-}
 
 /// The first slews of the shipped record.
 fn record() -> Table {
-    let model = read_model(examples().join("model.toml")).unwrap();
+    let model = read_model(stsat3().join("model.toml")).unwrap();
     let options = read_options(&model, &model.telemetry, false, false);
-    let mut table = read(
-        &[examples().join("multiaxis/telemetry_noisy.csv")],
-        &options,
-    )
-    .unwrap();
+    let mut table = read(&[stsat3().join("multiaxis/telemetry_noisy.csv")], &options).unwrap();
     for c in &mut table.channels {
         c.values.truncate(1500);
         c.time_s = c.time_s.iter().take(1500).copied().collect();
@@ -72,14 +64,14 @@ fn prop_a_fault_found_in_a_file_is_found_in_memory() {
         ("a gyro axis that sticks", |t| stick(t, "omega_x")),
         ("a rate of 1e9", |t| t.channels[0].values[3] = 1.0e9),
     ];
-    let model = read_model(examples().join("model.toml")).unwrap();
+    let model = read_model(stsat3().join("model.toml")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (name, plant) in faults {
         let mut table = record();
         plant(&mut table);
         let path = folder.path().join("telemetry.parquet");
         write(&path, &table.channels).unwrap();
-        let request = IdentifyRequest::new(examples().join("model.toml"), [&path]);
+        let request = IdentifyRequest::new(stsat3().join("model.toml"), [&path]);
         let from_file = told(identify(&request), &path.display().to_string());
         let options = read_options(&model, &model.telemetry, false, false);
         let from_memory = match read(std::slice::from_ref(&path), &options) {
@@ -98,7 +90,7 @@ fn prop_a_fault_found_in_a_file_is_found_in_memory() {
 
 #[test]
 fn regress_one_record_twice_in_memory_is_refused() {
-    let model = read_model(examples().join("model.toml")).unwrap();
+    let model = read_model(stsat3().join("model.toml")).unwrap();
     let tables = [(); 2].map(|()| Table {
         sources: Vec::new(),
         ..record()

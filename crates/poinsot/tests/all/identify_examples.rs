@@ -1,25 +1,9 @@
 //! The shipped telemetry, made by MuJoCo and Basilisk, against its truth.
 
-use poinsot::{Identified, IdentifyRequest, identify};
+use crate::shared::{examples, identified};
 use poinsot_identify::{Estimate, Source, Status};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
-
-fn run(model: &str, telemetry: &[&str], method: &str) -> Identified {
-    identify(
-        &IdentifyRequest::new(
-            examples().join(model),
-            telemetry.iter().map(|t| examples().join(t)),
-        )
-        .by(method),
-    )
-    .unwrap()
-}
 
 /// The ten barycentric parameters of every body of a truth file, by the names of the result.
 fn truth(path: &str) -> BTreeMap<String, f64> {
@@ -96,7 +80,7 @@ fn worst_sigmas(estimate: &Estimate, truth: &BTreeMap<String, f64>) -> f64 {
 fn xval_mujoco_ma2008_noise_free_base_to_1e_9() {
     for run_name in ["traj1", "traj1_wrist", "traj2", "traj2b"] {
         let telemetry = format!("ma2008/{run_name}/telemetry.parquet");
-        let answer = run("ma2008/model.toml", &[&telemetry], "linear");
+        let answer = identified("ma2008/model.toml", &[&telemetry], "linear");
         assert_eq!(answer.estimate.status, Status::Converged);
         let truth = truth(&format!("ma2008/{run_name}/truth.json"));
         let error = worst_error(&answer.estimate, &truth, "base");
@@ -109,7 +93,7 @@ fn xval_mujoco_ma2008_noise_free_base_to_1e_9() {
 fn xval_basilisk_stsat3_noise_free_to_1e_9() {
     for run_name in ["multiaxis", "bias"] {
         let telemetry = format!("stsat3/{run_name}/telemetry.parquet");
-        let answer = run("stsat3/model.toml", &[&telemetry], "linear");
+        let answer = identified("stsat3/model.toml", &[&telemetry], "linear");
         assert_eq!(answer.estimate.status, Status::Converged);
         let truth = truth(&format!("stsat3/{run_name}/truth.json"));
         let error = worst_error(&answer.estimate, &truth, "spacecraft");
@@ -123,7 +107,7 @@ fn paper_kim2010_published_manoeuvre_shows_three_of_six() {
     for method in ["linear", "auto"] {
         for file in ["telemetry.parquet", "telemetry_noisy.csv"] {
             let telemetry = format!("stsat3/paper/{file}");
-            let answer = run("stsat3/model.toml", &[&telemetry], method);
+            let answer = identified("stsat3/model.toml", &[&telemetry], method);
             let found = &answer.estimate.identifiability;
             assert_eq!(answer.estimate.status, Status::Partial, "{method} {file}");
             assert_eq!(answer.exit_code(), 1);
@@ -161,7 +145,7 @@ const XU: [&str; 7] = [
 
 #[test]
 fn xval_mujoco_xu2017_as_one_problem_shows_52_of_70() {
-    let answer = run("xu2017/model.toml", &XU, "linear");
+    let answer = identified("xu2017/model.toml", &XU, "linear");
     let found = &answer.estimate.identifiability;
     assert_eq!(
         (found.rank, found.structural_rank, found.parameters),
@@ -214,7 +198,7 @@ impl NamesAJoint for poinsot_identify::OpenCombination {
 
 #[test]
 fn paper_xu2017_without_thrusters_has_no_scale() {
-    let answer = run("xu2017/model.toml", &XU[1..], "linear");
+    let answer = identified("xu2017/model.toml", &XU[1..], "linear");
     let found = &answer.estimate.identifiability;
     println!("rank {} structural {}", found.rank, found.structural_rank);
     assert_eq!(found.structural_rank, 51);
@@ -223,7 +207,7 @@ fn paper_xu2017_without_thrusters_has_no_scale() {
 
 #[test]
 fn stat_stsat3_noisy_within_four_sigma_of_the_truth_at_the_bound() {
-    let answer = run(
+    let answer = identified(
         "stsat3/model.toml",
         &["stsat3/multiaxis/telemetry_noisy.csv"],
         "auto",
@@ -241,7 +225,7 @@ fn stat_stsat3_noisy_within_four_sigma_of_the_truth_at_the_bound() {
 
 #[test]
 fn stat_ma2008_noisy_within_four_sigma_of_the_truth_at_the_bound() {
-    let answer = run(
+    let answer = identified(
         "ma2008/model_noisy.toml",
         &["ma2008/traj1/telemetry_noisy.csv"],
         "auto",

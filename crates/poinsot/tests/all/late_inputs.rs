@@ -1,5 +1,6 @@
 //! Joints and wheels that read late, with the noise of real instruments: the lag comes back, and so do the bodies.
 
+use crate::shared::examples;
 use poinsot::case::parse_case;
 use poinsot::simulate::simulate_case;
 use poinsot::{Identified, Question, identify_tables};
@@ -7,11 +8,6 @@ use poinsot_identify::{Number, Status};
 use poinsot_model::{Model, Nuisance, SensorKind, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
 
 fn model(path: &str, late: SensorKind) -> Model {
     let mut model = read_model(examples().join(path)).unwrap();

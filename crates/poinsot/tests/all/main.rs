@@ -60,6 +60,7 @@ mod real_data;
 mod remedies;
 mod report;
 mod setups;
+mod shared;
 mod simulate;
 mod statistics;
 mod stored_momentum;

@@ -1,11 +1,12 @@
 //! Any number of sensors of a kind, on any body: gyros and star trackers of different quality on one tug, and on an arm.
 
+use crate::shared::undiagnosed;
 use poinsot::bind::{BindError, Bound, bind};
 use poinsot::case::{Case, parse_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::trials::{Study, statistics};
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Estimate, FitOptions, Number, Problem, Status, maximum_likelihood_with};
+use poinsot_identify::{Estimate, Number, Problem, Status};
 use poinsot_model::{Model, SensorKind, parse_model};
 use poinsot_telemetry::{Channel, Table};
 use std::path::Path;
@@ -126,11 +127,7 @@ fn solved(model: &Model, table: &Table) -> Estimate {
         noise: &bound.noise,
         relative_accuracy: 1.0,
     };
-    let options = FitOptions {
-        undiagnosed: true,
-        ..FitOptions::default()
-    };
-    let answer = maximum_likelihood_with(&problem, options).unwrap();
+    let answer = undiagnosed(&problem);
     assert_eq!(answer.status, Status::Converged);
     answer
 }

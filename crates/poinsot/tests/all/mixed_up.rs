@@ -1,21 +1,17 @@
 //! Records without attitude whose columns or times are not what they are called.
 
+use crate::shared::stsat3;
 use poinsot::{Error, Identified, IdentifyRequest, Question, identify, identify_tables};
 use poinsot_model::{Model, read_model};
 use poinsot_telemetry::{ReadOptions, Table, read, write};
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/stsat3")
-}
 
 fn model() -> Model {
-    read_model(examples().join("model.toml")).unwrap()
+    read_model(stsat3().join("model.toml")).unwrap()
 }
 
 /// The first minutes of three slews, gyro and wheels alone.
 fn gyro_and_wheels() -> Table {
-    let files = [examples().join("multiaxis/telemetry_noisy.csv")];
+    let files = [stsat3().join("multiaxis/telemetry_noisy.csv")];
     let mut table = read(&files, &ReadOptions::default()).unwrap();
     table.channels.retain(|c| !c.name.starts_with("q_"));
     for c in &mut table.channels {
@@ -67,7 +63,7 @@ fn stat_times_in_milliseconds_are_refused_before_the_fit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("telemetry.parquet");
     write(&path, &table.channels).unwrap();
-    let request = IdentifyRequest::new(examples().join("model.toml"), [path]);
+    let request = IdentifyRequest::new(stsat3().join("model.toml"), [path]);
     let error = refusal(identify(&request));
     assert!(error.contains("E0220"), "{error}");
     assert!(error.contains("times in ms that are read as s"), "{error}");

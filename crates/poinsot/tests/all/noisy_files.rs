@@ -1,14 +1,11 @@
 //! The shipped noisy records, raw joints and wheels included, against their truth and the bounds of the experiment.
 
+use crate::shared::examples;
 use poinsot::{Identified, IdentifyRequest, identify};
 use poinsot_identify::{BodyEstimate, Source};
 use poinsot_spatial::MassProperties;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
+use std::path::Path;
 
 fn run(model: &Path, telemetry: &[String]) -> Identified {
     let telemetry = telemetry.iter().map(|t| examples().join(t));

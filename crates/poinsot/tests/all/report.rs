@@ -1,31 +1,16 @@
 //! The page: complete in itself, deaf to hostile names, true to the fit.
 
+use crate::shared::{examples, identified};
 use poinsot::report::{ReportData, report_data, report_html};
-use poinsot::{EstimateFile, Identified, IdentifyRequest, estimate_file, identify};
+use poinsot::{EstimateFile, Identified, estimate_file};
 use scraper::{Html, Node, Selector};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
 
 /// Most bytes of the page of a shipped example.
 const LIMIT: usize = 1_000_000;
 
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
-
-fn answer(model: &str, telemetry: &[&str], method: &str) -> Identified {
-    identify(
-        &IdentifyRequest::new(
-            examples().join(model),
-            telemetry.iter().map(|t| examples().join(t)),
-        )
-        .by(method),
-    )
-    .unwrap()
-}
-
 fn ma2008() -> Identified {
-    answer(
+    identified(
         "ma2008/model_noisy.toml",
         &["ma2008/traj1/telemetry_noisy.csv"],
         "auto",
@@ -160,7 +145,7 @@ fn unit_page_is_complete_and_names_no_address() {
 
 #[test]
 fn unit_policy_allows_what_is_there_and_nothing_else() {
-    let html = page(&answer(
+    let html = page(&identified(
         "stsat3/model.toml",
         &["stsat3/paper/telemetry.parquet"],
         "auto",
@@ -223,7 +208,7 @@ fn unit_every_plot_has_units_or_none_to_have() {
 /// At most twenty words that hold a number, the same in the terminal and on the page.
 #[test]
 fn unit_the_answer_is_one_short_sentence_with_a_number() {
-    let open = answer(
+    let open = identified(
         "stsat3/model.toml",
         &["stsat3/paper/telemetry.parquet"],
         "auto",
@@ -257,7 +242,7 @@ fn unit_same_question_same_bytes() {
 #[test]
 fn unit_files_of_different_runs_are_refused() {
     let (estimate, _) = documents(&ma2008());
-    let other = answer(
+    let other = identified(
         "stsat3/model.toml",
         &["stsat3/paper/telemetry.parquet"],
         "auto",
@@ -302,6 +287,6 @@ fn unit_many_segments_stay_small() {
     let runs =
         ["C1", "C2", "C3", "C4", "C5", "C6", "C7"].map(|c| format!("xu2017/{c}/telemetry.parquet"));
     let runs: Vec<&str> = runs.iter().map(String::as_str).collect();
-    let html = page(&answer("xu2017/model.toml", &runs, "linear"));
+    let html = page(&identified("xu2017/model.toml", &runs, "linear"));
     assert!(html.len() < LIMIT, "{} bytes", html.len());
 }

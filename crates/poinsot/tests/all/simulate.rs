@@ -1,5 +1,6 @@
 //! From case files to telemetry.
 
+use crate::shared::examples;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::{simulate, simulate_case, simulate_trial};
 use poinsot_model::{JointKind, Model, SensorKind, read_model};
@@ -9,11 +10,7 @@ use poinsot_testkit::joint_plans::fourier;
 use poinsot_testkit::momentum_sum::*;
 use poinsot_testkit::trees::rotation_from_xyzw;
 use poinsot_testkit::{Matrix3, Vector3};
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
+use std::path::Path;
 
 fn load(name: &str) -> (Case, Model) {
     let case = read_case(&examples().join("cases").join(name)).unwrap();

@@ -3,6 +3,7 @@
 //! The full campaign is `poinsot campaign examples/campaigns/NAME.toml --out DIR`.
 
 use crate::setups;
+use crate::shared::undiagnosed;
 
 use nalgebra::Matrix3;
 use poinsot::bind::bind;
@@ -162,11 +163,7 @@ fn stat_covariance_of_mass_properties_and_nuisances_together_is_that_of_the_erro
             noise: &bound.noise,
             relative_accuracy: 1.0,
         };
-        let options = FitOptions {
-            undiagnosed: true,
-            ..FitOptions::default()
-        };
-        let answer = maximum_likelihood_with(&problem, options).unwrap();
+        let answer = undiagnosed(&problem);
         let body = &answer.bodies[0];
         let value = |n: &poinsot_identify::Number| n.value.unwrap();
         let mut errors = vec![value(&body.mass) - truth.mass];

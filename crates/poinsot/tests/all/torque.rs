@@ -1,5 +1,6 @@
 //! Joints driven by torques and springs, from the case file to telemetry and to what an identification says of it.
 
+use crate::shared::examples;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::predict::predict_case;
 use poinsot::simulate::simulate_case;
@@ -8,11 +9,7 @@ use poinsot_identify::Status;
 use poinsot_model::{Model, parse_model, read_model};
 use poinsot_telemetry::{Channel, Table};
 use poinsot_testkit::{Matrix3, Vector3};
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
+use std::path::Path;
 
 fn load(name: &str) -> (Case, Model) {
     let case = read_case(&examples().join("cases").join(name)).unwrap();

@@ -1,15 +1,12 @@
 //! Two vehicles under the same torques, and vehicles against telemetry.
 
+use crate::shared::examples;
 use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_trial;
 use poinsot::validate::*;
 use poinsot::{Identified, IdentifyRequest, Question, identify, write_estimate};
 use poinsot_model::{Model, read_model};
-use std::path::{Path, PathBuf};
-
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
-}
+use std::path::Path;
 
 fn xu(runs: std::ops::RangeInclusive<usize>) -> Identified {
     let run = |k| vec![examples().join(format!("xu2017/C{k}/telemetry.parquet"))];

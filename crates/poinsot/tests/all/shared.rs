@@ -1,0 +1,30 @@
+//! What many tests of this crate start from.
+
+use poinsot::{Identified, IdentifyRequest, identify};
+use poinsot_identify::{Estimate, FitOptions, Problem, maximum_likelihood_with};
+use std::path::{Path, PathBuf};
+
+/// The folder of the shipped examples.
+pub fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+/// The files of one satellite.
+pub fn stsat3() -> PathBuf {
+    examples().join("stsat3")
+}
+
+/// The answer to shipped telemetry.
+pub fn identified(model: &str, telemetry: &[&str], method: &str) -> Identified {
+    let files = telemetry.iter().map(|t| examples().join(t));
+    identify(&IdentifyRequest::new(examples().join(model), files).by(method)).unwrap()
+}
+
+/// The estimate without a look at what would explain a misfit, which takes longer than the fit.
+pub fn undiagnosed(problem: &Problem) -> Estimate {
+    let options = FitOptions {
+        undiagnosed: true,
+        ..FitOptions::default()
+    };
+    maximum_likelihood_with(problem, options).unwrap()
+}
