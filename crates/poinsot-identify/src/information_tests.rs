@@ -385,34 +385,26 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
     out
 }
 
+fn slopes_agree(translation: bool, loss: Loss) {
+    for (name, by_rows, by_differences) in slopes(translation, loss) {
+        let gap = (by_rows - by_differences).abs();
+        let size = by_rows.abs().max(by_differences.abs()).max(1.0);
+        assert!(
+            gap < 2.0e-6 * size,
+            "{name} (translation {translation}, {loss:?}): rows {by_rows:.9e}, differences {by_differences:.9e}"
+        );
+    }
+}
+
 #[test]
 fn exact_sensitivity_of_every_unknown_is_the_slope_of_chi2() {
-    for translation in [true, false] {
-        for (name, by_rows, by_differences) in slopes(translation, Loss::Gaussian) {
-            println!("{name}: {by_rows:.6e} {by_differences:.6e}");
-            let gap = (by_rows - by_differences).abs();
-            let size = by_rows.abs().max(by_differences.abs()).max(1.0);
-            assert!(
-                gap < 2.0e-6 * size,
-                "{name} (translation {translation}): rows {by_rows:.9e}, differences {by_differences:.9e}"
-            );
-        }
-    }
+    [true, false].map(|translation| slopes_agree(translation, Loss::Gaussian));
 }
 
 /// The weights of a robust loss in the rows are what makes them its slope.
 #[test]
 fn exact_sensitivity_under_a_robust_loss_is_the_slope_of_the_loss() {
-    for loss in [Loss::Huber, Loss::StudentT] {
-        for (name, by_rows, by_differences) in slopes(true, loss) {
-            let gap = (by_rows - by_differences).abs();
-            let size = by_rows.abs().max(by_differences.abs()).max(1.0);
-            assert!(
-                gap < 2.0e-6 * size,
-                "{name} ({loss:?}): rows {by_rows:.9e}, differences {by_differences:.9e}"
-            );
-        }
-    }
+    [Loss::Huber, Loss::StudentT].map(|loss| slopes_agree(true, loss));
 }
 
 #[test]

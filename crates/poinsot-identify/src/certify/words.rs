@@ -8,7 +8,7 @@ use crate::solution::estimate::OpenCombination;
 use crate::solution::open_set::{POINTS, REACH, Walk};
 use crate::solution::solved::Solved;
 use faer::Mat;
-use poinsot_dynamics::{Motion, Tree};
+use poinsot_dynamics::{Link, Motion, Tree};
 use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
 
@@ -216,47 +216,7 @@ fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut
     let (c, p) = (&model.bodies[child].name, &model.bodies[parent].name);
     let joint = joint_name(model, child);
     let still = stopped_at(problem, child);
-    let u = link.axis_C;
-    let line = Matrix3::identity() - u * u.transpose();
-    let moves: Vec<(String, InertialParameters)> = match (link.motion, still) {
-        (Motion::Revolute(_), None) => vec![
-            (
-                format!("mass of {c} moves against mass of {p} (a point mass on the axis of {joint})"),
-                ten(1.0, Vector3::zeros(), Matrix3::zeros()),
-            ),
-            (
-                format!("first moment of {c} along the axis of {joint} moves against that of {p}"),
-                ten(0.0, u, Matrix3::zeros()),
-            ),
-            (
-                format!("a line inertia on the axis of {joint} moves between {c} and {p}"),
-                ten(0.0, Vector3::zeros(), line),
-            ),
-        ],
-        (Motion::Prismatic(_), None) => (0..6)
-            .map(|k| {
-                let mut pi = [0.0; 10];
-                pi[4 + k] = 1.0;
-                (
-                    format!(
-                        "inertia element {} of {c} moves against the inertia of {p} ({joint} slides without turning)",
-                        PARAMETER_NAMES[4 + k]
-                    ),
-                    InertialParameters::from_array(&pi),
-                )
-            })
-            .collect(),
-        _ => (0..10)
-            .map(|k| {
-                let mut pi = [0.0; 10];
-                pi[k] = 1.0;
-                (
-                    format!("{} of {c} moves against {p}: the two moved as one body", PARAMETER_NAMES[k]),
-                    InertialParameters::from_array(&pi),
-                )
-            })
-            .collect(),
-    };
+    let moves = moves(link, still.is_some(), [c, p, &joint]);
     let (reason, remedy) = match (link.motion, still.is_some()) {
         (Motion::Revolute(_) | Motion::Prismatic(_), false) => (
             format!(
@@ -287,6 +247,51 @@ fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut
             reason: reason.clone(),
             remedy: remedy.clone(),
         });
+    }
+}
+
+/// What moves between a body and its parent, with words for it: `names` are those of the body, its parent and the joint.
+fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, InertialParameters)> {
+    let u = link.axis_C;
+    let line = Matrix3::identity() - u * u.transpose();
+    match (link.motion, stands) {
+        (Motion::Revolute(_), false) => vec![
+            (
+                format!("mass of {c} moves against mass of {p} (a point mass on the axis of {joint})"),
+                ten(1.0, Vector3::zeros(), Matrix3::zeros()),
+            ),
+            (
+                format!("first moment of {c} along the axis of {joint} moves against that of {p}"),
+                ten(0.0, u, Matrix3::zeros()),
+            ),
+            (
+                format!("a line inertia on the axis of {joint} moves between {c} and {p}"),
+                ten(0.0, Vector3::zeros(), line),
+            ),
+        ],
+        (Motion::Prismatic(_), false) => (0..6)
+            .map(|k| {
+                let mut pi = [0.0; 10];
+                pi[4 + k] = 1.0;
+                (
+                    format!(
+                        "inertia element {} of {c} moves against the inertia of {p} ({joint} slides without turning)",
+                        PARAMETER_NAMES[4 + k]
+                    ),
+                    InertialParameters::from_array(&pi),
+                )
+            })
+            .collect(),
+        _ => (0..10)
+            .map(|k| {
+                let mut pi = [0.0; 10];
+                pi[k] = 1.0;
+                (
+                    format!("{} of {c} moves against {p}: the two moved as one body", PARAMETER_NAMES[k]),
+                    InertialParameters::from_array(&pi),
+                )
+            })
+            .collect(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! How many integration steps each interval takes, from the frequencies that are present in the record.
 //!
 //! The grid depends on measurements and nominal numbers alone, so it stays the same while a fit moves the unknowns: the
-//! cost is then a smooth function of them. Whether it is fine enough is found at the end of the fit (`propagation.rs`).
+//! cost is then a smooth function of them. Whether it is fine enough is found at the end of the fit (`fit/step_error.rs`).
 
 use super::steps::Grid;
 use super::vehicle::Vehicle;

@@ -254,17 +254,3 @@ impl Kind {
         }
     }
 }
-
-/// Names of the ten coordinates of a particle, with units.
-pub(super) const COORDINATES: [(&str, &str); 10] = [
-    ("mass", "kg"),
-    ("inertia xx", "kg m2"),
-    ("inertia yy", "kg m2"),
-    ("inertia zz", "kg m2"),
-    ("inertia xy", "kg m2"),
-    ("inertia xz", "kg m2"),
-    ("inertia yz", "kg m2"),
-    ("mass centre x", "m"),
-    ("mass centre y", "m"),
-    ("mass centre z", "m"),
-];

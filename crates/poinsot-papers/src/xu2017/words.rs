@@ -1,6 +1,5 @@
 //! What to say beside the numbers: thrust that shows nothing, joints that stand, ranges that exclude.
 
-use super::identify::COORDINATES;
 use super::roles::{joint_name, roles};
 use super::sequence::{Found, StepReport};
 use super::single_body::Form;
@@ -11,6 +10,20 @@ use poinsot_model::{Nuisance, SensorKind};
 
 /// A lever arm below this share of the radius of gyration is no lever.
 const NO_LEVER: f64 = 1.0e-6;
+
+/// Names of the ten coordinates of a particle, with units.
+const COORDINATES: [(&str, &str); 10] = [
+    ("mass", "kg"),
+    ("inertia xx", "kg m2"),
+    ("inertia yy", "kg m2"),
+    ("inertia zz", "kg m2"),
+    ("inertia xy", "kg m2"),
+    ("inertia xz", "kg m2"),
+    ("inertia yz", "kg m2"),
+    ("mass centre x", "m"),
+    ("mass centre y", "m"),
+    ("mass centre z", "m"),
+];
 
 /// What the report of the method says first.
 pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> String {

@@ -1,6 +1,6 @@
 //! The page: complete in itself, deaf to hostile names, true to the fit.
 
-use crate::shared::{examples, identified};
+use crate::shared::identified;
 use poinsot::report::{ReportData, report_data, report_html};
 use poinsot::{EstimateFile, Identified, estimate_file};
 use scraper::{Html, Node, Selector};
