@@ -6,7 +6,7 @@
 //! predicts, at a few times of the record: their residual at the answer is zero, and so is the noise in the walk.
 
 use crate::certify::words;
-use crate::fit::as_predicted::{readings_alone, take_predictions};
+use crate::fit::experiment::as_predicted::{readings_alone, take_predictions};
 use crate::fit::experiment::{Experiment, Point};
 use crate::fit::far_start::thinned;
 use crate::fit::step::{Local, moved};

@@ -3,7 +3,7 @@
 
 use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
-use crate::fit::as_predicted::take_predictions;
+use crate::fit::experiment::as_predicted::take_predictions;
 use crate::fit::experiment::{Experiment, Point};
 use crate::problem::Problem;
 use crate::problem::parameters::UnknownKind;

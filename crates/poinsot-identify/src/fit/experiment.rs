@@ -4,6 +4,7 @@
 //! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
 //! estimator: this module knows none.
 
+pub(crate) mod as_predicted;
 mod known_columns;
 
 pub(crate) use known_columns::{DIFFERENCE, KeptColumns, slopes};

@@ -1,6 +1,5 @@
 //! The experiment at any value of its unknowns, and the fit of the momentum state.
 
-pub(crate) mod as_predicted;
 pub(crate) mod coordinates;
 pub(crate) mod degrees_of_freedom;
 pub(crate) mod experiment;

@@ -23,10 +23,20 @@ impl Centre {
         parameters: &Parameters,
         changes: &[(KnownNumber, usize, f64)],
     ) -> Option<Self> {
+        Self::from(problem, problem.model, parameters, changes)
+    }
+
+    /// The same from a vehicle whose numbers have moved already: turns are about directions of the `nominal` one.
+    pub(crate) fn from(
+        problem: &Problem,
+        nominal: &Model,
+        parameters: &Parameters,
+        changes: &[(KnownNumber, usize, f64)],
+    ) -> Option<Self> {
         let mut model = problem.model.clone();
         let mut segments = None;
         for (number, component, change) in changes.iter().filter(|c| c.2 != 0.0) {
-            number.shift(problem.model, &mut model, *component, *change);
+            number.shift(nominal, &mut model, *component, *change);
             let acts_on_readings =
                 matches!(number, KnownNumber::Force(_) | KnownNumber::Mounting(_));
             if acts_on_readings {

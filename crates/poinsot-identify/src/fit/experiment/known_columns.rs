@@ -1,8 +1,10 @@
 //! What known numbers do to the predictions: columns beside those of the unknowns.
 
+use super::as_predicted::take_predictions;
 use super::{Experiment, Point};
 use crate::likelihood::KnownColumns;
-use crate::problem::parameters::Unknown;
+use crate::problem::Problem;
+use crate::problem::parameters::KnownUnknown;
 use crate::problem::shifted_vehicle::Centre;
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
@@ -11,8 +13,9 @@ use std::sync::{Arc, Mutex};
 /// Step of a difference, sigmas of the number. One sigma may be 10^5 times the noise of all readings together; the bend over
 /// a step and its round-off must both stay far below the noise.
 pub(crate) const DIFFERENCE: f64 = 1.0e-5;
-/// Sigmas by which a known number may have moved since its columns were made.
-const FRESH: f64 = 1.0e-3;
+/// Sigmas by which a known number may have moved since its columns were made. One sigma changes a column by a tenth at most
+/// (inertia from a drawing), so columns this old move no answer by more than a hundredth of its sigma.
+const FRESH: f64 = 0.1;
 
 /// Columns with the values of the known numbers where they were made, sigmas.
 pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
@@ -36,34 +39,50 @@ pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<Know
     Some(columns)
 }
 
-/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns.
+/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns. Predictions are
+/// compared with each other: whitening depends on the vehicle where inputs err, and its change times the residual is no
+/// slope.
 pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
     let (own, kept) = experiment.parameters.without_known();
     let base = Point {
         x: kept.iter().map(|k| at.x[*k]).collect(),
         heads: at.heads.clone(),
     };
-    let places = experiment.parameters.known_places();
-    let numbers: Vec<(&Unknown, f64)> = places
+    let numbers: Vec<(&KnownUnknown, f64)> = experiment
+        .parameters
+        .known_places()
         .iter()
         .map(|p| (&experiment.parameters.unknowns[*p], at.x[*p]))
+        .filter_map(|(u, x)| Some((u.kind.known()?, x - u.nominal)))
         .collect();
-    let evaluated = |moved: Option<(usize, f64)>| {
-        let changes = numbers.iter().enumerate().filter_map(|(k, (u, x))| {
-            let number = u.kind.known()?;
-            let step = moved.filter(|m| m.0 == k).map_or(0.0, |m| m.1);
-            Some((number.number, number.component, x - u.nominal + step))
-        });
-        let problem = experiment.problem;
-        let centre = Centre::new(problem, &own, &changes.collect::<Vec<_>>())?;
-        let there = centre.problem(problem);
-        let there = experiment.of_vehicle(&there, &centre.parameters);
-        there.evaluate(&base, false)
+    let moved = numbers
+        .iter()
+        .map(|(n, change)| (n.number, n.component, *change));
+    let centre = Centre::new(experiment.problem, &own, &moved.collect::<Vec<_>>())?;
+    let there = centre.problem(experiment.problem);
+    let mut perfect = there.segments.to_vec();
+    take_predictions(
+        &experiment.of_vehicle(&there, &centre.parameters),
+        &base,
+        &mut perfect,
+    )?;
+    let there = Problem {
+        segments: &perfect,
+        ..there
     };
-    let here = evaluated(None)?;
+    let here = experiment
+        .of_vehicle(&there, &centre.parameters)
+        .evaluate(&base, false)?;
     let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
-        let step = DIFFERENCE * numbers[k].0.natural;
-        let evaluated = evaluated(Some((k, step)))?;
+        let number = numbers[k].0;
+        let step = DIFFERENCE * number.sigma;
+        let change = (number.number, number.component, step);
+        let nominal = experiment.problem.model;
+        let centre = Centre::from(&there, nominal, &centre.parameters, &[change])?;
+        let beside = centre.problem(&there);
+        let evaluated = experiment
+            .of_vehicle(&beside, &centre.parameters)
+            .evaluate(&base, false)?;
         let segments = here.iter().zip(&evaluated);
         let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
         segments

@@ -1,7 +1,7 @@
 //! Readings as a point predicts them.
 
+use super::{Experiment, Point};
 use crate::fit::coordinates::Coordinates;
-use crate::fit::experiment::{Experiment, Point};
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::segment::{Segment, SensorValue};
