@@ -8,7 +8,7 @@
 use crate::coarse::thinned;
 use crate::coordinates::Coordinates;
 use crate::estimate::OpenCombination;
-use crate::fit::{Local, moved};
+use crate::fit::{Local, moved, promised_decrease};
 use crate::information::{Experiment, Point};
 use crate::known::Centre;
 use crate::loss::Loss;
@@ -332,11 +332,19 @@ impl Walker<'_> {
         (points, end.map(|(s, x)| (x, s.local.spectrum)))
     }
 
+    /// How far the predictions are from equal, in their noise, as far as the identified directions can move them.
+    fn off(&self, local: &Local) -> f64 {
+        let rhs = local.shared.rhs();
+        let identified = (0..self.rank).map(|k| local.spectrum.left_along(&rhs, k).powi(2));
+        promised_decrease(self.experiment, local, identified.sum()).sqrt()
+    }
+
     fn back_onto_the_set(&self, mut at: Point) -> Option<Stand> {
         for _ in 0..CORRECTIONS {
             let here = self.experiment.linearise(&at)?;
-            let (off, local) = (here.promised.sqrt(), here.rows);
-            let back = across(&local, self.rank);
+            let local = here.rows;
+            // A direction that is hardly excited at the answer stays out where it is excited more.
+            let (off, back) = (self.off(&local), across(&local, self.rank));
             if off.is_nan() || largest(&back) > REACH {
                 return None;
             }
