@@ -14,13 +14,14 @@ pub(crate) use effects::Effects;
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
 use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, slopes};
 use crate::fit::{Fitted, fit_from};
+use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
 use crate::problem::shifted_vehicle::Centre;
 use nalgebra::DMatrix;
 use poinsot_model::{Model, rounded};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 const SILENT: f64 = 1.0e-3;
@@ -57,10 +58,11 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     }
     let problem = experiment.problem;
     let all = unknowns(problem.model);
-    let all = shown(experiment, &fitted.at, all)?;
+    let (all, columns) = shown(experiment, &fitted.at, all)?;
     let parameters = extended(problem, experiment.parameters, &all);
     let mut wide = experiment.with_parameters(&parameters);
-    wide.kept = KeptColumns::default();
+    let nominal = all.iter().map(|u| u.nominal / u.natural).collect();
+    wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
     let found = fit_from(&wide, first.clone(), TRIED)?;
     let done = found.settled || promised(&found) < SETTLED_BY_DIFFERENCES;
@@ -158,13 +160,17 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
     out
 }
 
-/// The numbers that show in the predictions.
-fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<Unknown>> {
+/// The numbers that show in the predictions, with their columns at their nominal values.
+fn shown(
+    experiment: &Experiment,
+    at: &Point,
+    all: Vec<Unknown>,
+) -> Option<(Vec<Unknown>, KnownColumns)> {
     if all.is_empty() {
         return None;
     }
     let whole = extended(experiment.problem, experiment.parameters, &all);
-    let columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
+    let mut columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
     let shows = |k: usize| {
         let sensors = columns.slopes.iter().flatten();
         let square: f64 = sensors
@@ -175,12 +181,13 @@ fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<U
         square.sqrt() * all[k].natural > SILENT
     };
     let keep: Vec<bool> = (0..all.len()).map(shows).collect();
-    let all: Vec<Unknown> = all
-        .into_iter()
-        .zip(keep)
-        .filter_map(|(u, k)| k.then_some(u))
-        .collect();
-    (!all.is_empty()).then_some(all)
+    for numbers in columns.slopes.iter_mut().flatten() {
+        let mut kept = keep.iter();
+        numbers.retain(|_| kept.next() == Some(&true));
+    }
+    let pairs = all.into_iter().zip(keep);
+    let all: Vec<Unknown> = pairs.filter_map(|(u, k)| k.then_some(u)).collect();
+    (!all.is_empty()).then_some((all, columns))
 }
 
 /// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.

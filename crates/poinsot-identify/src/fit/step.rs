@@ -234,7 +234,7 @@ pub(crate) fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option
 }
 
 /// How much the linear model says a step lowers chi-square of which the mass properties' part is given.
-fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
+pub(crate) fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
     let shared = &local.shared;
     let n = shared.nuisances + shared.mass;
     let biases: f64 = (0..shared.nuisances)
