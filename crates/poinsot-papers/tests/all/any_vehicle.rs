@@ -97,15 +97,13 @@ fn stat_methods_on_a_pyramid_of_four_wheels() {
     refused(&result, "xu2017 linear", "E053");
     let (share, count) = held(&result, "auto");
     assert!(count > 0 && share > 0.85, "auto: {share} of {count}");
-    // The paper's estimators state no sigma. The nine-element one is near the bound, the suggested one far off, and says so.
+    // Sigma holds the difference to the certified answer. The nine-element estimator is near the bound, the suggested one
+    // far off, and says so.
     for (m, cell) in of(&result, "kim2010 batch").into_iter().zip(&result.cells) {
         for (name, n) in &m.numbers {
             let ratio = n.rmse_over_bound.value.unwrap();
             assert!(ratio < 20.0, "{:?} {name}: {ratio}", cell.at);
-            assert_eq!(
-                (n.trials, n.stated, n.coverage_all.value),
-                (TRIALS, None, None)
-            );
+            assert!(n.coverage_all.value.unwrap() > 0.8, "{:?} {name}", cell.at);
         }
         assert_eq!(m.doubted.value, Some(0.0));
     }
