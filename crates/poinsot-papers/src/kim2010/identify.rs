@@ -118,7 +118,7 @@ fn check(problem: &Problem) -> Result<(), Kim2010ProblemError> {
         ));
     }
     if model.wheels.is_empty() {
-        return unsuited("the model has no wheel, so the scale of the inertia is open; use --method maximum_likelihood".into());
+        return unsuited("the model has no wheel, so the scale of the inertia is undetermined; use --method maximum_likelihood".into());
     }
     if let Some(segment) = problem.segments.iter().find(|s| !s.firings.is_empty()) {
         return unsuited(format!(

@@ -30,7 +30,7 @@ pub(super) fn identifiability(
         || !ten.open[0] && ten.open[1..4].contains(&true);
     let (why, remedy) = if lone {
         (
-            "the base hardly turns: the mass centre shows only in w x rho_S",
+            "the base hardly turns: the mass centre enters only in w x rho_S",
             "give the vehicle a spin, or move the arm about two axes",
         )
     } else {
@@ -67,7 +67,7 @@ pub(super) fn identifiability(
                 found.open.push(OpenCombination {
                     text: name.clone(),
                     coefficients: vec![(name.clone(), 1.0)],
-                    reason: "step 2 needs mass and mass centre, which step 1 leaves open"
+                    reason: "step 2 needs mass and mass centre, which step 1 does not determine"
                         .to_owned(),
                     remedy: remedy.to_owned(),
                     walk: Vec::new(),

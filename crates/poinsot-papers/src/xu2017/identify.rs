@@ -101,7 +101,7 @@ fn numbers(step: &StepReport) -> Vec<NamedNumber> {
             step.cost_linear,
         ),
         plain(
-            "directions of ten that this step shows",
+            "directions of ten that this step determines",
             "1",
             step.rank as f64,
         ),

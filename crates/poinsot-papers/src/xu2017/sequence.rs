@@ -143,7 +143,7 @@ impl Work<'_> {
         if !self.weighed {
             let note = match self.roles.moving_segments() {
                 0 => {
-                    "translation is not seen: the mass stays at its nominal value, which no number of the answer rests on"
+                    "translation is not measured: the mass stays at its nominal value, and no number of the answer depends on it"
                 }
                 _ => {
                     "the thrust segments show no translation: the mass of the whole follows from the first joint that moves"

@@ -80,6 +80,23 @@ fn xval_offset_and_bias_in_both_options() {
     }
 }
 
+/// Errors of the tensor at 3 % noise in four readings; the medians of 200 trials scatter.
+#[test]
+fn xval_four_readings_of_three_per_cent() {
+    let (theirs, ours) = (outside("ma2008.json"), study("ma2008", "readings"));
+    for cell in theirs["noise"].as_array().unwrap() {
+        let [largest, known] = ["largest", "known"].map(|k| cell[k].as_bool().unwrap());
+        let scaling = if largest {
+            "largest component's maximum"
+        } else {
+            "each component's own maximum"
+        };
+        let title = format!("{scaling}, option {}", if known { 1 } else { 2 });
+        let percent: Vec<f64> = numbers(&cell["tensor"]).iter().map(|x| 100.0 * x).collect();
+        near(&title, &row(&ours, "readings", &title), &percent, 0.25);
+    }
+}
+
 /// Bounds of mass and tensor against span of the motion, moving joints and mass ratio.
 #[test]
 fn xval_bounds_of_the_claims() {

@@ -86,9 +86,33 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
             }
         }
     }
+    let least = range(&held, &[1, 2, 3, 4, 5])[0];
+    let ([low, high], stated) = (range(&loose, &[1, 4]), range(&loose, &[3, 6]));
     let mut findings = Findings::of(held);
+    findings.state(
+        "(29)-(37) first-order bounds",
+        format!(
+            "in {least:.2} % of trials; {low:.1} to {high:.0} times the error, stated {:.0} to {:.0} times",
+            stated[0], stated[1]
+        ),
+    );
     findings.tables.extend([loose, efficient]);
     Ok(findings)
+}
+
+/// Smallest and largest number of some columns.
+fn range(table: &Table, columns: &[usize]) -> [f64; 2] {
+    let cells = table
+        .rows
+        .iter()
+        .flat_map(|r| columns.iter().map(|c| &r[*c]));
+    let numbers = cells.filter_map(|c| match c {
+        Cell::Number(x, _) => Some(*x),
+        _ => None,
+    });
+    numbers.fold([f64::INFINITY, 0.0], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
 }
 
 fn shares(found: &[Trial]) -> [Cell; 5] {
