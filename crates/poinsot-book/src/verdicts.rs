@@ -19,7 +19,11 @@ pub fn page() -> String {
         let _ = writeln!(
             out,
             "| `{}` | {} | {} | {} | {} |",
-            v.status, v.condition, v.tone, v.word, v.exit
+            v.status,
+            v.condition,
+            v.tone.name(),
+            v.word,
+            v.exit
         );
     }
     out.push_str(

@@ -155,6 +155,9 @@ pub struct Identify {
     /// Print nothing but errors; not together with --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// Print the fit and every check besides.
+    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    pub verbose: bool,
     /// No repairs: what would be repaired is an error.
     #[arg(long)]
     pub strict: bool,

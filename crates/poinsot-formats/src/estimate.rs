@@ -243,8 +243,8 @@ pub struct UndeterminedFile {
     pub reason: String,
     /// What would determine it.
     pub remedy: String,
-    /// Values of each parameter that moves, at points of equal prediction along the direction, evenly spaced, the answer in
-    /// the middle.
+    /// Values of every unknown of each body that the direction moves, at points of equal prediction along it, evenly spaced,
+    /// the answer in the middle.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub walk: IndexMap<String, Vec<f64>>,
 }

@@ -2,7 +2,7 @@
 
 use crate::small_problem::SmallProblem;
 use arbitrary::Unstructured;
-use poinsot::{Identified, Question, estimate_document, estimate_file, identify_tables};
+use poinsot::{Detail, Identified, Question, estimate_document, estimate_file, identify_tables};
 use poinsot_model::parse_model;
 
 /// A small vehicle with a short record, both arbitrary. Whatever comes out, every number has a sigma, and both are
@@ -48,5 +48,5 @@ fn check(identified: &Identified) {
     let mut all = estimate.covariance.iter().flatten();
     assert!(all.all(|c| c.is_finite()), "a covariance is not finite");
     let _ = estimate_file(identified);
-    let _ = estimate_document(identified).to_string();
+    let _ = estimate_document(identified, Detail::Everything).to_string();
 }

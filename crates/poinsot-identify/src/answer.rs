@@ -330,13 +330,12 @@ fn warnings(
             body.name
         ));
     }
-    for item in nuisance {
-        if item.number == Number::open(item.number.nominal) {
-            list.push(match rejected || !solved.settled {
-                true => format!("{} is withheld with the other numbers", item.name),
-                false => format!("{} is not identifiable from these data", item.name),
-            });
-        }
+    let withheld = rejected || !solved.settled;
+    let open = nuisance
+        .iter()
+        .filter(|n| n.number == Number::open(n.number.nominal));
+    for item in open.filter(|_| !withheld) {
+        list.push(format!("{} is not identifiable from these data", item.name));
     }
     list
 }

@@ -43,11 +43,27 @@ pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
 
 /// A segment with a share of its readings, at least `few` of each sensor; `None` with instruments whose readings span intervals of the grid.
 pub(crate) fn thinned(segment: &Segment, few: usize) -> Option<Segment> {
-    let o = &segment.observations;
-    if o.reads_points() {
+    if segment.observations.reads_points() {
         return None;
     }
-    let kept = kept(segment, few);
+    Some(at_times(segment, &kept(segment, few)))
+}
+
+/// The first part of a segment, a share of its grid times.
+pub(crate) fn beginning(segment: &Segment, share: f64) -> Segment {
+    let times = segment.observations.time_s.len();
+    let first = ((times as f64 * share).ceil() as usize).clamp(2.min(times), times);
+    let kept: Vec<usize> = (0..first).collect();
+    Segment {
+        // Where a fit starts from.
+        samples: segment.samples.clone(),
+        ..at_times(segment, &kept)
+    }
+}
+
+/// A segment at some of its grid times.
+fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
+    let o = &segment.observations;
     let dof = o.joint_position.len() / o.time_s.len().max(1);
     let wheels = o.wheel_speed.len() / o.time_s.len().max(1);
     let rows = |all: &[f64], width: usize| -> Vec<f64> {
@@ -55,26 +71,26 @@ pub(crate) fn thinned(segment: &Segment, few: usize) -> Option<Segment> {
         kept.iter().flat_map(row).collect()
     };
     let observations = Observations {
-        time_s: picked(&o.time_s, &kept),
-        sensors: o.sensors.iter().map(|r| at_kept(r, &kept)).collect(),
-        orbit: picked(&o.orbit, &kept),
+        time_s: picked(&o.time_s, kept),
+        sensors: o.sensors.iter().map(|r| at_kept(r, kept)).collect(),
+        orbit: picked(&o.orbit, kept),
         joint_position: rows(&o.joint_position, dof),
         joint_rate: rows(&o.joint_rate, dof),
         wheel_speed: rows(&o.wheel_speed, wheels),
         smooth_wheel_speed: Vec::new(),
-        joint_errors: o.joint_errors.iter().map(|e| errors(e, &kept)).collect(),
-        wheel_errors: o.wheel_errors.iter().map(|e| errors(e, &kept)).collect(),
+        joint_errors: o.joint_errors.iter().map(|e| errors(e, kept)).collect(),
+        wheel_errors: o.wheel_errors.iter().map(|e| errors(e, kept)).collect(),
         // Rates were made on the finer grid and keep what they are.
         derived_rates: Vec::new(),
         between_readings: o.between_readings,
     };
-    Some(Segment {
+    Segment {
         label: segment.label.clone(),
         samples: Samples::default(),
         observations,
         firings: segment.firings.clone(),
         accelerations: None,
-    })
+    }
 }
 
 /// Grid times that stay: some readings of each sensor, both ends, and where a thruster starts or stops.
@@ -101,12 +117,9 @@ fn kept(segment: &Segment, few: usize) -> Vec<usize> {
 /// The samples of a sensor at the grid times that stay, of which they then bear the places.
 fn at_kept(record: &SensorRecord, kept: &[usize]) -> SensorRecord {
     let samples = record.samples.iter().filter_map(|s| {
-        let at = kept.binary_search(&s.to).ok()?;
-        Some(SensorSample {
-            from: at,
-            to: at,
-            ..*s
-        })
+        let to = kept.binary_search(&s.to).ok()?;
+        let from = kept.binary_search(&s.from).unwrap_or(to);
+        Some(SensorSample { from, to, ..*s })
     });
     SensorRecord {
         samples: samples.collect(),

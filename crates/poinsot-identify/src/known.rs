@@ -19,6 +19,7 @@ use crate::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::Problem;
 use crate::segment::{Segment, SensorValue};
 use crate::solved::head;
+use crate::walk::take_predictions;
 use nalgebra::DMatrix;
 use poinsot_dynamics::Tree;
 use poinsot_model::{KnownNumber, LIKE_WHEELS, Model, SensorKind, rounded};
@@ -33,8 +34,9 @@ const STEP: f64 = 1.0e-5;
 const SILENT: f64 = 1.0e-3;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
-/// Sigmas by which a known number may have moved since its columns were made.
-const FRESH: f64 = 1.0e-3;
+/// Sigmas by which a known number may have moved since its columns were made. One sigma changes a column by a tenth at most
+/// (inertia from a drawing), so columns this old move no answer by more than a hundredth of its sigma.
+const FRESH: f64 = 0.1;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
 const SETTLED: f64 = 1.0e-3;
 /// Sigmas between a known number and what the data say of it, from which they contradict each other.
@@ -60,10 +62,20 @@ impl Centre {
         parameters: &Parameters,
         changes: &[(KnownNumber, usize, f64)],
     ) -> Option<Self> {
+        Self::from(problem, problem.model, parameters, changes)
+    }
+
+    /// The same from a vehicle whose numbers have moved already: turns are about directions of the `nominal` one.
+    fn from(
+        problem: &Problem,
+        nominal: &Model,
+        parameters: &Parameters,
+        changes: &[(KnownNumber, usize, f64)],
+    ) -> Option<Self> {
         let mut model = problem.model.clone();
         let mut segments = None;
         for (number, component, change) in changes.iter().filter(|c| c.2 != 0.0) {
-            number.shift(problem.model, &mut model, *component, *change);
+            number.shift(nominal, &mut model, *component, *change);
             let acts_on_readings =
                 matches!(number, KnownNumber::Force(_) | KnownNumber::Mounting(_));
             if acts_on_readings {
@@ -311,34 +323,48 @@ fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<U
     (!all.is_empty()).then_some(all)
 }
 
-/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns.
+/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns. Predictions are
+/// compared with each other: whitening depends on the vehicle where inputs err, and its change times the residual is no
+/// slope.
 fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
     let (own, kept) = experiment.parameters.without_known();
     let base = Point {
         x: kept.iter().map(|k| at.x[*k]).collect(),
         heads: at.heads.clone(),
     };
-    let places = places(experiment.parameters);
-    let numbers: Vec<(&Unknown, f64)> = places
+    let numbers: Vec<(&KnownUnknown, f64)> = places(experiment.parameters)
         .iter()
         .map(|p| (&experiment.parameters.unknowns[*p], at.x[*p]))
+        .filter_map(|(u, x)| Some((u.kind.known()?, x - u.nominal)))
         .collect();
-    let evaluated = |moved: Option<(usize, f64)>| {
-        let changes = numbers.iter().enumerate().filter_map(|(k, (u, x))| {
-            let number = u.kind.known()?;
-            let step = moved.filter(|m| m.0 == k).map_or(0.0, |m| m.1);
-            Some((number.number, number.component, x - u.nominal + step))
-        });
-        let problem = experiment.problem;
-        let centre = Centre::new(problem, &own, &changes.collect::<Vec<_>>())?;
-        let there = centre.problem(problem);
-        let there = experiment.of_vehicle(&there, &centre.parameters);
-        there.evaluate(&base, false)
+    let moved = numbers
+        .iter()
+        .map(|(n, change)| (n.number, n.component, *change));
+    let centre = Centre::new(experiment.problem, &own, &moved.collect::<Vec<_>>())?;
+    let there = centre.problem(experiment.problem);
+    let mut perfect = there.segments.to_vec();
+    take_predictions(
+        &experiment.of_vehicle(&there, &centre.parameters),
+        &base,
+        &mut perfect,
+    )?;
+    let there = Problem {
+        segments: &perfect,
+        ..there
     };
-    let here = evaluated(None)?;
+    let here = experiment
+        .of_vehicle(&there, &centre.parameters)
+        .evaluate(&base, false)?;
     let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
-        let step = STEP * numbers[k].0.natural;
-        let evaluated = evaluated(Some((k, step)))?;
+        let number = numbers[k].0;
+        let step = STEP * number.sigma;
+        let change = (number.number, number.component, step);
+        let nominal = experiment.problem.model;
+        let centre = Centre::from(&there, nominal, &centre.parameters, &[change])?;
+        let beside = centre.problem(&there);
+        let evaluated = experiment
+            .of_vehicle(&beside, &centre.parameters)
+            .evaluate(&base, false)?;
         let segments = here.iter().zip(&evaluated);
         let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
         segments

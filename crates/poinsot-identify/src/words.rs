@@ -3,13 +3,13 @@
 use crate::combination::{Combination, split};
 use crate::estimate::OpenCombination;
 use crate::open_set::{POINTS, REACH, Walk};
-use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, axis_name};
+use crate::parameters::{Equations, Parameters, TENSOR, Unknown, UnknownKind, axis_name};
 use crate::problem::Problem;
 use crate::rows::parameters_in_base;
 use crate::solved::Solved;
 use faer::Mat;
 use poinsot_dynamics::{Motion, Tree};
-use poinsot_model::{EstimateSet, Model};
+use poinsot_model::{EstimateSet, Model, rounded};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
 
 /// A move of the parameters that known theory says no motion can show, if it lies in the open space.
@@ -148,10 +148,9 @@ pub(crate) fn sentence(solved: &Solved, combination: &Combination) -> String {
             (false, true) => " - ",
         };
         let size = c.abs();
-        let factor = if (size - 1.0).abs() < 5.0e-10 {
-            String::new()
-        } else {
-            format!("{} ", four_digits(size))
+        let factor = match four_digits(size).as_str() {
+            "1.000" | "1.0000" => String::new(),
+            text => format!("{text} "),
         };
         text.push_str(&format!("{sign}{factor}{}", unknowns[*at].name));
     }
@@ -350,7 +349,10 @@ fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> 
     let m = solved.of_data().natural.len();
     let (reason, remedy) = poor_motion(problem, solved);
     OpenCombination {
-        text: format!("{} can change unseen", sentence(solved, combination)),
+        text: format!(
+            "{} is an unobservable direction",
+            sentence(solved, combination)
+        ),
         coefficients: named(solved, &combination.gradient(m)),
         reason,
         remedy,
@@ -358,21 +360,24 @@ fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> 
     }
 }
 
-/// Values of each parameter that moves on a walk; none where it ended early.
+/// Values along a walk of every unknown of each body of which one moves; none where the walk ended early.
 pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
     let m = solved.of_data().natural.len();
     if walk.points.len() != 2 * POINTS + 1 {
         return Vec::new();
     }
-    let unknowns = solved.parameters.unknowns[..m].iter().enumerate();
-    let moves = unknowns.filter_map(|(i, u)| {
-        let values: Vec<f64> = walk.points.iter().map(|x| x[i]).collect();
-        let far = values
-            .iter()
-            .any(|v| (v - solved.x[i]).abs() > SAID * u.natural * REACH);
-        far.then(|| (u.name.clone(), values))
-    });
-    moves.collect()
+    let unknowns = || solved.parameters.unknowns[..m].iter().enumerate();
+    let owner = |u: &Unknown| u.name.split('.').next().map(str::to_owned);
+    let moves = |i: usize, u: &Unknown| {
+        let mut far = walk.points.iter().map(|x| (x[i] - solved.x[i]).abs());
+        far.any(|d| d > SAID * u.natural * REACH)
+    };
+    let moved = unknowns().filter(|(i, u)| moves(*i, u));
+    let moved: Vec<Option<String>> = moved.map(|(_, u)| owner(u)).collect();
+    unknowns()
+        .filter(|(_, u)| moved.contains(&owner(u)))
+        .map(|(i, u)| (u.name.clone(), walk.points.iter().map(|x| x[i]).collect()))
+        .collect()
 }
 
 /// Why a direction without a closed form is open: how the base turned.
@@ -412,20 +417,30 @@ fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
     if rms[1] < 0.05 * rms[0] {
         return (
             format!(
-                "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so of the inertia tensor only I n shows (best open direction: sigma {weak:.2e} of the nominal)",
+                "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so the data determine only I n of the inertia tensor ({})",
                 axis.x,
                 axis.y,
                 axis.z,
-                rms[1] / rms[0]
+                rms[1] / rms[0],
+                best_open(weak)
             ),
             "turn about a second axis, square to n as far as can be".to_owned(),
         );
     }
     (
         format!(
-            "the motion excites it too little for the declared noise (best open direction: sigma {weak:.2e} of the nominal)"
+            "the motion excites it too little for the declared noise ({})",
+            best_open(weak)
         ),
         "move more joints at once, turn about more axes, or record longer".to_owned(),
+    )
+}
+
+/// How well the best of the directions is known that count as undetermined.
+fn best_open(sigma: f64) -> String {
+    format!(
+        "the best unobservable direction has a sigma of {} times the nominal",
+        rounded(sigma, 2)
     )
 }
 

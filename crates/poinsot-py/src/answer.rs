@@ -7,8 +7,8 @@ use crate::run::run;
 use numpy::{PyArray1, PyArray2};
 use poinsot::report::{report_data, report_html};
 use poinsot::{
-    Coordinates, Identified, Question, Reading, estimate_document, estimate_file, estimate_text,
-    identify_records, write_result,
+    Coordinates, Detail, Identified, Question, Reading, estimate_document, estimate_file,
+    estimate_text, identify_records, write_result,
 };
 use poinsot_identify::PredictedChannel;
 use poinsot_report::{FigureFormat, TextStyle};
@@ -149,7 +149,7 @@ impl CoreAnswer {
             width,
             colour: false,
         };
-        estimate_document(&self.identified).text(&style)
+        estimate_document(&self.identified, Detail::Answer).text(&style)
     }
 
     /// Exit code of the command.

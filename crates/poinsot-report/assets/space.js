@@ -88,7 +88,8 @@
       this.roll = this.data.rolling;
       // Low over the invariable plane, so that the point of contact is seen.
       this.yaw = -0.9; this.pitch = this.roll && this.roll.free ? 0.18 : 0.42; this.zoom = 1; this.view = this.roll && this.roll.free ? "space" : "body";
-      this.timed = this.roll || this.data.tree;
+      this.morph = this.data.morph;
+      this.timed = this.roll || this.data.tree || this.morph;
       this.extent = this.data.extent; this.centre = this.roll ? [0, 0, 0] : this.data.centre;
       const q = matchMedia("(prefers-reduced-motion: reduce)");
       this.idle = !q.matches;
@@ -152,7 +153,7 @@
         button("play", b => this.play(b));
         this.slider = document.createElement("input");
         Object.assign(this.slider, { type: "range", min: 0, max: this.timed.time_s.length - 1, value: this.frame });
-        this.slider.setAttribute("aria-label", "time");
+        this.slider.setAttribute("aria-label", this.morph ? "shape" : "time");
         this.slider.addEventListener("input", () => { this.stop(); this.show(+this.slider.value, true); });
         bar.appendChild(this.slider);
         this.clock = document.createElement("output");
@@ -221,7 +222,12 @@
         if (this.playing) {
           const n = this.timed.time_s.length;
           this.show((this.from + Math.floor((now - this.begun) / 1000 / SECONDS * n)) % n, true);
-        } else { this.yaw += SPEED * (now - last) / 1000; this.draw(); }
+        } else {
+          this.yaw += SPEED * (now - last) / 1000;
+          // Shapes that nobody steers pass by themselves.
+          if (this.morph) this.slider.value = this.frame = Math.floor(now / 1000 / SECONDS * this.morph.time_s.length) % this.morph.time_s.length;
+          this.draw();
+        }
         last = now;
         requestAnimationFrame(step);
       };
@@ -251,7 +257,7 @@
       const tree = d.tree, clear = new Mesh();
       const bodies = Array.from({ length: tree ? tree.bodies : 1 }, () => new Mesh());
       const of = (kind, k) => bodies[tree ? tree[kind][k] : 0];
-      d.ellipsoids.forEach((e, k) => e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of("ellipsoids", k).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
+      d.ellipsoids.forEach((e, k) => d.morph && !k ? null : e.faint ? clear.ellipsoid(e.centre, e.axes, this.colour(e.colour, 0.16)) : of("ellipsoids", k).ellipsoid(e.centre, e.axes, this.colour(e.colour)));
       d.curves.forEach((c, k) => of("curves", k).tube(c.points, (c.shares ? 1.25 : 0.7) * thin, i => c.shares ? [...ramp(c.shares[i]), 1] : this.colour(c.colour)));
       d.arrows.forEach((a, k) => of("arrows", k).arrow(a.from, a.to, 0.6 * thin, this.colour(a.colour)));
       d.spots.forEach((s, k) => of("spots", k).ball(s.at, 1.6 * thin, this.colour(s.colour)));
@@ -301,6 +307,7 @@
       this.eye = { right: [-sy, cy, 0], up: [-sp * cy, -sp * sy, cp], towards: [cp * cy, cp * sy, sp], sx: size * high / wide, sy: size, depth: 0.2 / this.extent };
       const poses = this.poses(own), tree = this.data.tree;
       this.solid.forEach((mesh, b) => this.paint(mesh, (poses[b] || poses[0]).q, (poses[b] || poses[0]).p));
+      if (this.morph) { const now = new Mesh(); now.ellipsoid([0, 0, 0], this.morph.axes[k], this.colour(5)); this.passing(now, own); }
       const placed = (kind, i, x) => { const at = poses[tree ? tree[kind][i] : 0] || poses[0]; return add(at.p, turn(at.q, x)); };
       const labels = this.data.spots.map((s, i) => [s.label, placed("spots", i, s.at)]).concat(this.data.arrows.map((a, i) => [a.label, placed("arrows", i, a.to)]));
       if (roll && roll.pole[k]) {
@@ -323,7 +330,7 @@
       gl.depthMask(false); this.paint(this.ghost, own); gl.depthMask(true);
       this.label(labels, wide, high);
       if (this.clock) {
-        this.clock.textContent = "t = " + +this.timed.time_s[k].toPrecision(6) + " s" + (!roll || roll.pole[k] ? "" : ", nearly at rest");
+        this.clock.textContent = this.morph ? this.morph.words[k] : "t = " + +this.timed.time_s[k].toPrecision(6) + " s" + (!roll || roll.pole[k] ? "" : ", nearly at rest");
         this.slider.setAttribute("aria-valuetext", this.clock.textContent);
       }
     }

@@ -14,6 +14,18 @@ pub enum Tone {
     Bad,
 }
 
+impl Tone {
+    /// Name on a page.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "off",
+            Self::Good => "good",
+            Self::Fair => "fair",
+            Self::Bad => "bad",
+        }
+    }
+}
+
 /// A verdict and the sections that support it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {

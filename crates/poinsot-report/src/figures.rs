@@ -32,13 +32,30 @@ pub fn number_with_sigma(value: Option<f64>, sigma: Option<f64>) -> (String, Str
                 } else {
                     format!("{s:.decimals$}")
                 };
-                (format!("{v:.decimals$}"), sigma)
+                (unsigned_zero(format!("{v:.decimals$}")), sigma)
             } else {
                 (significant(v, 8), format!("{s:.1e}"))
             }
         }
         (Some(v), _) => (significant(v, 8), String::new()),
         (None, _) => ("not identifiable".to_owned(), String::new()),
+    }
+}
+
+/// A probability as text: two decimals; below one in a hundred two significant figures, so that no small one reads as zero.
+pub fn probability(p: f64) -> String {
+    if p >= 0.01 {
+        format!("{p:.2}")
+    } else {
+        significant(p, 2)
+    }
+}
+
+/// Text of a number without the sign of a value that rounds to zero.
+fn unsigned_zero(text: String) -> String {
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_owned(),
+        _ => text,
     }
 }
 
@@ -56,6 +73,22 @@ mod tests {
             number_with_sigma(Some(1000.0), Some(3.0e-8)),
             ("1000.000000000".to_owned(), "3.0e-8".to_owned())
         );
+    }
+
+    #[test]
+    fn unit_a_value_that_rounds_to_zero_has_no_sign() {
+        let (value, _) = number_with_sigma(Some(-0.0004), Some(0.12));
+        assert_eq!(value, "0.00");
+        let (value, _) = number_with_sigma(Some(-0.04), Some(0.12));
+        assert_eq!(value, "-0.04");
+    }
+
+    #[test]
+    fn unit_no_small_probability_reads_as_zero() {
+        assert_eq!(probability(0.654), "0.65");
+        assert_eq!(probability(0.0026), "0.0026");
+        assert_eq!(probability(3.21e-9), "3.2e-9");
+        assert_eq!(probability(0.0), "0");
     }
 
     #[test]

@@ -105,9 +105,25 @@ pub struct Scene {
     pub rolling: Option<Rolling>,
     /// Bodies that move in joints; without it everything is one body.
     pub tree: Option<Tree>,
+    /// Shapes that the first ellipsoid takes one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub morph: Option<Morph>,
     /// A remark under the picture.
     #[serde(skip)]
     pub note: String,
+}
+
+/// Shapes of one ellipsoid about the origin, in a closed round.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Morph {
+    /// Place of each shape in the round.
+    pub time_s: Vec<f64>,
+    /// Nothing else moves with it.
+    pub group: String,
+    /// Semi-axes of each shape.
+    pub axes: Vec<[Point; 3]>,
+    /// What is said of each shape.
+    pub words: Vec<String>,
 }
 
 /// Bodies that move in joints, drawn where they stand at the first time.

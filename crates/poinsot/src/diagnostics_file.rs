@@ -5,7 +5,7 @@ use poinsot_formats::{
     ValueFile, address, finite,
 };
 use poinsot_identify::{Diagnostics, MomentumDrift};
-use poinsot_report::{Section, Table, significant};
+use poinsot_report::{Tone, probability, significant};
 
 /// Probability below which a drift or a lag is worth a word.
 pub(crate) const SIGNIFICANT: f64 = 1.0e-4;
@@ -26,8 +26,38 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
     }
 }
 
-/// One row a question: what was tested, what came out, what it means.
-pub(crate) fn rows(d: &DiagnosticsFile) -> Vec<[String; 3]> {
+/// One check of the residuals.
+pub(crate) struct Check {
+    /// What was tested.
+    pub test: String,
+    /// What came out.
+    pub found: String,
+    /// What it means.
+    pub verdict: String,
+}
+
+impl Check {
+    /// Colour of the verdict.
+    pub fn tone(&self) -> Tone {
+        match self.verdict.as_str() {
+            "as declared" | "white" | "none seen" => Tone::Good,
+            "smaller than declared" | "" => Tone::Fair,
+            _ => Tone::Bad,
+        }
+    }
+}
+
+/// Every check of the residuals.
+pub(crate) fn checks(d: &DiagnosticsFile) -> Vec<Check> {
+    let of = |[test, found, verdict]: [String; 3]| Check {
+        test,
+        found,
+        verdict,
+    };
+    rows(d).into_iter().map(of).collect()
+}
+
+fn rows(d: &DiagnosticsFile) -> Vec<[String; 3]> {
     let mut rows = vec![chi_square(d)];
     rows.extend(d.channels.iter().map(|(name, c)| residual(name, c)));
     let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
@@ -149,7 +179,7 @@ fn residual(name: &str, c: &ChannelFile) -> [String; 3] {
     let verdict = residual_verdict(c);
     let white = c
         .whiteness_p
-        .map_or(String::new(), |p| format!(", white p = {p:.2}"));
+        .map_or(String::new(), |p| format!(", white p = {}", probability(p)));
     let result = format!("{:.2} % outliers{white}", 100.0 * c.outlier_share);
     [
         format!("residual of the {name}"),
@@ -175,7 +205,7 @@ fn drift_row(d: &DriftFile) -> [String; 3] {
     } else {
         "none seen"
     };
-    let result = format!("{}, p = {p:.2}", both.join("; "));
+    let result = format!("{}, p = {}", both.join("; "), probability(p));
     [name, result, verdict.to_owned()]
 }
 
@@ -198,16 +228,7 @@ fn lag_row(l: &LagFile) -> [String; 3] {
     let verdict = if p < SIGNIFICANT { "late" } else { "none seen" };
     [
         format!("lag of {} behind {}", l.between[0], l.between[1]),
-        format!("{lag} ± {sigma} ms, p = {p:.2}"),
+        format!("{lag} ± {sigma} ms, p = {}", probability(p)),
         verdict.to_owned(),
     ]
-}
-
-/// The same for the terminal.
-pub(crate) fn diagnostics_section(d: &Diagnostics) -> Section {
-    let mut table = Table::new(&["", "found", "verdict"]);
-    for row in rows(&diagnostics_file(d)) {
-        table.push(row.to_vec());
-    }
-    Section::table("diagnostics", table)
 }

@@ -1,31 +1,89 @@
 //! The answer as an engineer reads it in a terminal.
 
-use crate::estimate_file::{component, inertia_entries};
+use crate::diagnostics_file::{Check, checks};
+use crate::estimate_file::{component, estimate_file, inertia_entries};
 use crate::identify::Identified;
+use crate::summary;
 use crate::verdict::Standing;
 use poinsot_identify::{BodyEstimate, Estimate, Number, OpenCombination, Source, Status};
-use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, significant};
+use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
 pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. \
      Write source = \"measured\", source = \"cad\" or exact = true into the model.";
 
+/// How much of an answer is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detail {
+    /// What a reader needs to use the answer.
+    #[default]
+    Answer,
+    /// The fit and every check besides.
+    Everything,
+}
+
 /// Combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
 
-/// The answer as a document: verdict, mass properties, what is open, fit, repairs.
-pub fn estimate_document(identified: &Identified) -> Document {
+/// The answer as a document: sentence, mass properties, what is not determined, failed checks, what to do. With every
+/// detail also the fit, and the checks that passed.
+pub fn estimate_document(identified: &Identified, detail: Detail) -> Document {
     let e = &identified.estimate;
-    let tone = match e.status {
-        Status::Converged if e.covariance_trustworthy => Tone::Good,
-        Status::Converged | Status::Partial => Tone::Fair,
-        _ => Tone::Bad,
-    };
-    let mut document = Document::new(verdict(identified)).toned(tone);
+    let file = estimate_file(identified);
+    let (tone, word) = Standing {
+        status: &file.status,
+        covariance_trustworthy: file.covariance_trustworthy,
+        doubts: &file.doubts,
+    }
+    .display();
+    let name = &identified.model.name;
+    let mut document =
+        Document::new(format!("{name}: {word}. {}", summary::sentence(&file))).toned(tone);
     if e.known_numbers.assumed {
         let line = vec![ASSUMED.to_owned()];
         document.push(Section::list("known numbers", line).toned(Tone::Fair));
     }
+    numbers(&mut document, e);
+    evidence(&mut document, identified);
+    let checks: Vec<Check> = file.diagnostics.iter().flat_map(checks).collect();
+    let failed: Vec<&Check> = checks.iter().filter(|c| c.tone() == Tone::Bad).collect();
+    if !failed.is_empty() && detail == Detail::Answer {
+        document.push(check_table("failed checks", &failed).toned(Tone::Bad));
+    }
+    if let Some(action) = summary::action(&file) {
+        document.push(Section::list("what to do", vec![action]));
+    }
+    document.sections.extend(method_report(e));
+    document.sections.extend(known(e));
+    let found = telemetry_findings(identified);
+    if !found.is_empty() {
+        document.push(Section::list("found in the telemetry", found));
+    }
+    if !identified.repairs.is_empty() {
+        let lines = identified.repairs.clone();
+        document.push(Section::list("assumed or repaired", lines));
+    }
+    if detail == Detail::Everything {
+        document.push(fit(identified));
+        if !checks.is_empty() {
+            document.push(check_table("checks", &checks.iter().collect::<Vec<_>>()));
+        }
+    }
+    let samples: usize = e.fit.iter().map(|f| f.samples).sum();
+    let mut line = format!("method {}, {samples} samples", e.method);
+    if !checks.is_empty() {
+        let (passed, all) = (checks.len() - failed.len(), checks.len());
+        line.push_str(&format!(", {passed} of {all} checks passed"));
+    }
+    if detail == Detail::Answer {
+        line.push_str("; --verbose prints the fit and every check");
+    }
+    document.push(Section::list("fit", vec![line]));
+    document
+}
+
+/// Mass properties of every body that was asked for, of the whole vehicle, and what was estimated besides.
+fn numbers(document: &mut Document, e: &Estimate) {
     for body in e.bodies.iter().filter(|b| b.asked) {
         document.push(body_section(body, e.status));
     }
@@ -37,122 +95,110 @@ pub fn estimate_document(identified: &Identified) -> Document {
             "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
         document.push(section);
     }
-    if !e.nuisance.is_empty() {
-        let mut table = Table::new(&["", "value", "1 sigma", "nominal", "unit"]);
-        for item in &e.nuisance {
-            let n = &item.number;
-            let (value, sigma) = number_with_sigma(n.value, n.sigma);
-            table.push(vec![
-                item.name.clone(),
-                value,
-                sigma,
-                significant(n.nominal, 6),
-                item.unit.to_owned(),
-            ]);
-        }
-        document.push(Section::table("also estimated", table));
+    if e.nuisance.is_empty() {
+        return;
     }
-    if e.status == Status::Rejected {
-        document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
-    } else {
-        if !e.identifiability.open.is_empty() {
-            document.push(Section::list(
-                "not identifiable from these data",
-                open_sentences(&e.identifiability.open),
-            ));
-            document.push(determined(identified));
-        }
-        if !e.warnings.is_empty() {
-            document.push(Section::list("warnings", e.warnings.clone()).toned(Tone::Fair));
-        }
+    let mut table = Table::new(&["", "value", "1 sigma", "nominal", "unit"]);
+    for item in &e.nuisance {
+        let n = &item.number;
+        let (value, sigma) = value_and_sigma(n, e.status);
+        let nominal = significant(n.nominal, 6);
+        table.push(vec![
+            item.name.clone(),
+            value,
+            sigma,
+            nominal,
+            item.unit.to_owned(),
+        ]);
     }
-    if let Some(report) = &e.method_report {
-        let mut table = Table::new(&["", "value", "nominal", "unit"]);
-        for item in &report.numbers {
-            let (value, _) = number_with_sigma(item.number.value, item.number.sigma);
-            table.push(vec![
-                item.name.clone(),
-                value,
-                if item.number.nominal == 0.0 {
-                    String::new()
-                } else {
-                    significant(item.number.nominal, 6)
-                },
-                item.unit.to_owned(),
-            ]);
-        }
-        let mut section = Section::table(&format!("what the method {} prints", e.method), table);
-        section.note = Some(report.note.clone());
-        document.push(section);
-    }
-    if let Some(section) = sensitivities(e) {
-        document.push(section);
-    } else if e.known_numbers.exact {
-        let line = "all taken as exact, as the model declares".to_owned();
-        document.push(Section::list("known numbers", vec![line]));
-    }
-    document.push(fit(identified));
-    let found: Vec<String> = identified
-        .findings
-        .iter()
-        .filter(|f| f.count > 0)
-        .map(|f| {
-            format!(
-                "{} ({}): {}: {}",
-                f.check.name(),
-                f.policy.name(),
-                f.channel,
-                f.text
-            )
-        })
-        .collect();
-    if !found.is_empty() {
-        document.push(Section::list("found in the telemetry", found));
-    }
-    if let Some(d) = &identified.estimate.diagnostics {
-        document.push(crate::diagnostics_file::diagnostics_section(d));
-    }
-    if !identified.repairs.is_empty() {
-        document.push(Section::list(
-            "assumed or repaired",
-            identified.repairs.clone(),
-        ));
-    }
-    document
+    document.push(Section::table("also estimated", table));
 }
 
-fn verdict(identified: &Identified) -> String {
+/// What the data do not determine, what is determined instead, and the warnings.
+fn evidence(document: &mut Document, identified: &Identified) {
     let e = &identified.estimate;
-    let i = &e.identifiability;
-    let standing = Standing {
-        status: e.status.name(),
-        covariance_trustworthy: e.covariance_trustworthy,
-        doubts: &e.doubts,
+    if e.status == Status::Rejected {
+        document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
+        return;
+    }
+    if !e.identifiability.open.is_empty() {
+        document.push(Section::list(
+            "not identifiable from these data",
+            open_sentences(&e.identifiability.open),
+        ));
+        document.push(determined(identified));
+    }
+    if !e.warnings.is_empty() {
+        document.push(Section::list("warnings", e.warnings.clone()).toned(Tone::Fair));
+    }
+}
+
+/// What a published method prints of its own.
+fn method_report(e: &Estimate) -> Option<Section> {
+    let report = e.method_report.as_ref()?;
+    let mut table = Table::new(&["", "value", "nominal", "unit"]);
+    for item in &report.numbers {
+        let (value, _) = number_with_sigma(item.number.value, item.number.sigma);
+        let nominal = match item.number.nominal {
+            0.0 => String::new(),
+            nominal => significant(nominal, 6),
+        };
+        table.push(vec![
+            item.name.clone(),
+            value,
+            nominal,
+            item.unit.to_owned(),
+        ]);
+    }
+    let mut section = Section::table(&format!("what the method {} prints", e.method), table);
+    section.note = Some(report.note.clone());
+    Some(section)
+}
+
+/// Sensitivity to known numbers, or that all of them are exact.
+fn known(e: &Estimate) -> Option<Section> {
+    let exact = || {
+        let line = "all taken as exact, as the model declares".to_owned();
+        Section::list("known numbers", vec![line])
     };
-    let combinations = match e.status {
-        Status::Rejected | Status::IterationLimit => String::new(),
-        _ => format!("{} of {} combinations; ", i.rank, i.parameters),
+    sensitivities(e).or_else(|| e.known_numbers.exact.then(exact))
+}
+
+fn telemetry_findings(identified: &Identified) -> Vec<String> {
+    let found = identified.findings.iter().filter(|f| f.count > 0);
+    let line = |f: &poinsot_telemetry::checks::Finding| {
+        let (check, policy) = (f.check.name(), f.policy.name());
+        format!("{check} ({policy}): {}: {}", f.channel, f.text)
     };
-    format!(
-        "{}: {} ({combinations}method {})",
-        identified.model.name,
-        standing.headline(),
-        e.method
-    )
+    found.map(line).collect()
+}
+
+fn check_table(title: &str, checks: &[&Check]) -> Section {
+    let mut table = Table::new(&["", "found", "verdict"]);
+    for c in checks {
+        table.push(vec![c.test.clone(), c.found.clone(), c.verdict.clone()]);
+    }
+    Section::table(title, table)
+}
+
+/// Value and sigma of a number; words where there is none.
+fn value_and_sigma(n: &Number, status: Status) -> (String, String) {
+    if n.value.is_none() && matches!(status, Status::Rejected | Status::IterationLimit) {
+        return ("withheld".to_owned(), String::new());
+    }
+    number_with_sigma(n.value, n.sigma)
 }
 
 fn body_section(body: &BodyEstimate, status: Status) -> Section {
-    let open = match status {
-        Status::Rejected | Status::IterationLimit => "withheld",
-        _ => "not identifiable",
-    };
     let mut table = Table::new(&["", "value", "1 sigma", "nominal", "difference", "unit"]);
     let mut row = |name: String, n: &Number, unit: &str| {
-        let (value, sigma) = number_with_sigma(n.value, n.sigma);
-        let (value, sigma, difference) = match n.source {
-            Source::Known => (significant(n.nominal, 6), "known".to_owned(), String::new()),
-            Source::Open => (open.to_owned(), String::new(), String::new()),
-            _ => (value, sigma, difference(n)),
+        let (value, sigma) = match n.source {
+            Source::Known => (significant(n.nominal, 6), "known".to_owned()),
+            _ => value_and_sigma(n, status),
+        };
+        let difference = match n.source {
+            Source::Known => String::new(),
+            _ => difference(n),
         };
         table.push(vec![
             name,
@@ -204,22 +250,15 @@ fn difference(n: &Number) -> String {
     }
 }
 
+/// One line a direction; below those with one reason the reason, and below those with one remedy the remedy.
 pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    let mut last = ("", "");
-    for (k, item) in open.iter().enumerate() {
-        lines.push(item.text.clone());
-        let next = open
-            .get(k + 1)
-            .map(|n| (n.reason.as_str(), n.remedy.as_str()));
-        let own = (item.reason.as_str(), item.remedy.as_str());
-        if next != Some(own) && last != own {
-            lines.push(format!("    why: {}", item.reason));
-            lines.push(format!("    to change that: {}", item.remedy));
-            last = own;
-        } else if next != Some(own) {
-            last = ("", "");
+    for alike in open.chunk_by(|a, b| a.reason == b.reason) {
+        for group in alike.chunk_by(|a, b| a.remedy == b.remedy) {
+            lines.extend(group.iter().map(|item| item.text.clone()));
+            lines.push(format!("    to resolve it: {}.", group[0].remedy));
         }
+        lines.push(format!("    why: {}.", alike[0].reason));
     }
     lines
 }
@@ -314,7 +353,7 @@ fn fit(identified: &Identified) -> Section {
             );
             row.push(
                 c.whiteness_p
-                    .map_or_else(|| "-".to_owned(), |p| format!("p = {p:.2}")),
+                    .map_or_else(|| "-".to_owned(), |p| format!("p = {}", probability(p))),
             );
             table.push(row);
         }

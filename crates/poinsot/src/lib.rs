@@ -34,7 +34,7 @@ pub mod verdict;
 
 pub use error::Error;
 pub use estimate_file::estimate_file;
-pub use estimate_text::estimate_document;
+pub use estimate_text::{Detail, estimate_document};
 pub use identify::{
     Gated, Identified, IdentifyRequest, Question, Reading, gated, identify, identify_records,
     identify_tables, segment_files,

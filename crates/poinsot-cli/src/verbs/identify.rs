@@ -3,7 +3,7 @@
 use super::{Failure, Outcome, command_line, formats, note, print_document, print_json, step};
 use crate::arguments::Identify;
 use poinsot::{
-    Coordinates, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
+    Coordinates, Detail, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
     estimate_file, identify, segment_files, write_result,
 };
 use std::path::Path;
@@ -58,7 +58,11 @@ pub fn run(arguments: &Identify) -> Outcome {
     if arguments.json {
         print_json(&estimate_file(&identified));
     } else if !arguments.quiet {
-        print_document(&estimate_document(&identified));
+        let detail = match arguments.verbose {
+            true => Detail::Everything,
+            false => Detail::Answer,
+        };
+        print_document(&estimate_document(&identified, detail));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));

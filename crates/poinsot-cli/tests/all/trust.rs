@@ -33,9 +33,11 @@ fn cli_exit_1_and_one_verdict_everywhere_where_a_prior_contradicts_the_data() {
     assert_eq!(done.status.code(), Some(1));
     let printed = String::from_utf8(done.stdout).unwrap();
     let first = printed.lines().next().unwrap();
-    assert!(first.starts_with(
-        "stsat3: every number asked for is determined, but not to be relied on: a prior contradicts the data"
-    ), "{first}");
+    assert!(
+        first.starts_with("stsat3: Determined, not reliable. "),
+        "{first}"
+    );
+    assert!(printed.contains("Explain the failed test first: a prior contradicts the data."));
     let file = std::fs::read_to_string(out.join("estimate.json")).unwrap();
     let file: Value = serde_json::from_str(&file).unwrap();
     assert_eq!(file["status"], "converged");

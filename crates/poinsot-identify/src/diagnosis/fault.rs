@@ -39,6 +39,8 @@ pub enum FaultKind {
     Backlash,
     /// The sign of a wheel's speed or axis.
     WheelSign,
+    /// The speeds of two wheels stand in each other's column.
+    WheelExchange,
     /// Spin inertia, or scale of the speed, of a wheel.
     WheelScale,
     /// The axis of a wheel is tilted.
@@ -79,7 +81,7 @@ pub enum FaultKind {
 
 impl FaultKind {
     /// Every kind.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 37] = [
         Self::GyroBias,
         Self::GyroScale,
         Self::GyroMisalignment,
@@ -98,6 +100,7 @@ impl FaultKind {
         Self::JointOffset,
         Self::Backlash,
         Self::WheelSign,
+        Self::WheelExchange,
         Self::WheelScale,
         Self::WheelTilt,
         Self::Units,
@@ -210,6 +213,11 @@ impl FaultKind {
                 "wheel_sign",
                 "the sign of a wheel's speed or axis",
                 "; turn the axis round, or the sign of the column",
+            ],
+            Self::WheelExchange => [
+                "wheel_exchange",
+                "the speeds of two wheels stand in each other's column",
+                "; exchange their columns in the map",
             ],
             Self::WheelScale => [
                 "wheel_scale",

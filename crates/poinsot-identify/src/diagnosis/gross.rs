@@ -1,13 +1,19 @@
-//! Gross mistakes: a sign, a unit, a dead thruster. They put the fit so far off that no score of first order means anything, so
-//! each is tried by a fit of its own from the nominal numbers.
+//! Gross mistakes: a sign, a unit, exchanged columns, a dead thruster. They put the fit so far off that no score of first
+//! order means anything, so each is tried by a fit of its own from the nominal numbers, on the shortest beginning of the record
+//! that contradicts the model: there the motion has not yet come far from what is measured. The whole record confirms it.
 
 use super::types::{FaultKind, Suspect};
+use crate::coarse::beginning;
 use crate::fit::{Fitted, fit_from};
 use crate::information::Experiment;
+use crate::problem::Problem;
+use crate::segment::Segment;
 use poinsot_solve::LeastSquares;
 
 /// Chi-square per number from which gross mistakes are looked for.
 const GROSS: f64 = 1.0e2;
+/// Shares of the record that are tried as its beginning.
+const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
 /// Iterations of such a fit: enough to tell right from wrong.
 const ITERATIONS: usize = 8;
 /// Share of the misfit that a gross mistake must explain.
@@ -31,142 +37,233 @@ const WHEELS: [(f64, &str); 5] = [
 /// The same for the force of a thruster.
 const THRUSTERS: [(f64, &str); 2] = [(0.0, "dead"), (-1.0, "direction")];
 
-/// What the mistake may be with.
-struct Culprit {
-    name: String,
-    wheels: Vec<usize>,
-    thruster: Option<usize>,
+/// A mistake that may have been made.
+struct Mistake {
+    owner: String,
+    what: &'static str,
+    factor: f64,
+    place: Place,
 }
 
-/// The mistake with a wheel, with all of them, or with a thruster that explains nearly all of a very bad fit.
+/// What the mistake is with.
+enum Place {
+    /// Speeds of these wheels.
+    Wheels(Vec<usize>),
+    /// Speeds of two wheels in each other's place.
+    Exchanged(usize, usize),
+    /// Force of a thruster.
+    Thruster(usize),
+}
+
+/// The mistake that explains nearly all of a very bad fit.
 pub(super) fn gross(
     experiment: &Experiment,
     fitted: &Fitted,
     (excess, dof): (f64, f64),
 ) -> Option<Suspect> {
-    let (wheels, thrusters) = (wheels(experiment), thrusters(experiment));
-    if excess < GROSS * dof || wheels.is_empty() && thrusters.is_empty() {
+    let mistakes = mistakes(experiment);
+    if excess < GROSS * dof || mistakes.is_empty() {
         return None;
     }
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
-    let nominal = experiment.cost(&experiment.nominal_point());
+    let record = contradicting(experiment);
+    let problem = Problem {
+        segments: record.as_deref().unwrap_or(experiment.problem.segments),
+        ..*experiment.problem
+    };
+    let short = experiment.with_problem(&problem);
+    let nominal = short.cost(&short.nominal_point());
     let nominal = nominal.unwrap_or(f64::INFINITY);
-    let mistakes = THRUSTERS.map(|m| (m, &thrusters)).into_iter();
-    let mistakes = mistakes.chain(WHEELS.map(|m| (m, &wheels)));
     let mut best: Option<Suspect> = None;
-    // The mistake outside, the culprit inside: large factors make wild motions, which are slow to compute.
-    for ((factor, what), culprits) in mistakes {
-        for (culprit, other) in promising(experiment, culprits, factor, nominal) {
-            let Some(after) = cost(&other, before) else {
+    // The mistake outside, its place inside: large factors make wild motions, which are slow to compute.
+    for alike in mistakes.chunk_by(|a, b| a.what == b.what) {
+        for mistake in promising(&short, alike, nominal) {
+            let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
+            let confirmed = confirmed(experiment, &short, mistake, before);
+            let Some(decrease) = confirmed.filter(|d| *d > least) else {
                 continue;
             };
-            let decrease = before - after;
-            let better = best.as_ref().is_none_or(|b| decrease > b.decrease);
-            if better && decrease > EXPLAINS * excess {
-                best = Some(named(&culprit.name, factor, what, decrease, excess));
-                // Right, not only better: the others need not be tried.
-                if excess - decrease < RIGHT * dof {
-                    return best;
-                }
+            best = Some(named(mistake, decrease, excess));
+            // Right, not only better: the others need not be tried.
+            if excess - decrease < RIGHT * dof {
+                return best;
             }
         }
     }
     best
 }
 
-/// Each wheel, and all of them.
-fn wheels(experiment: &Experiment) -> Vec<Culprit> {
-    let wheels = &experiment.problem.model.wheels;
-    let culprit = |name: &str, wheels| Culprit {
-        name: name.to_owned(),
-        wheels,
-        thruster: None,
-    };
-    let mut list: Vec<Culprit> = wheels
-        .iter()
-        .enumerate()
-        .map(|(k, w)| culprit(&w.name, vec![k]))
-        .collect();
-    if wheels.len() > 1 {
-        list.push(culprit("all wheels", (0..wheels.len()).collect()));
-    }
-    list
+/// The shortest beginning of the record that contradicts the model; `None` where it takes all of it.
+fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
+    BEGINNINGS.into_iter().find_map(|share| {
+        let segments = experiment.problem.segments.iter();
+        let segments: Vec<Segment> = segments.map(|s| beginning(s, share)).collect();
+        let problem = Problem {
+            segments: &segments,
+            ..*experiment.problem
+        };
+        let short = experiment.with_problem(&problem);
+        let contradicts = fit_from(&short, short.nominal_point(), ITERATIONS).is_none_or(|found| {
+            let rows: usize = found.evaluated.iter().map(|e| e.rows).sum();
+            short.cost_of(&found) > GROSS * rows as f64
+        });
+        contradicts.then_some(segments)
+    })
 }
 
-/// Each thruster that fires.
-fn thrusters(experiment: &Experiment) -> Vec<Culprit> {
+/// Every mistake with a wheel, with all of them, with two of them, and with a thruster that fires.
+fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let segments = experiment.problem.segments;
     let fires = |k: usize| {
         let mut firings = segments.iter().flat_map(|s| &s.firings);
         firings.any(|f| f.thruster == k)
     };
-    let all = experiment.thrusters.iter().enumerate();
-    all.filter(|(k, _)| fires(*k))
-        .map(|(k, t)| Culprit {
-            name: t.name.clone(),
-            wheels: Vec::new(),
-            thruster: Some(k),
-        })
-        .collect()
-}
-
-/// The experiment with the speeds or the force of some culprits times the factor, for those with which the nominal numbers
-/// fit better than `nominal`, without it; the best first. A mistake put right does not make them fit worse.
-fn promising<'a>(
-    experiment: &'a Experiment,
-    culprits: &'a [Culprit],
-    factor: f64,
-    nominal: f64,
-) -> Vec<(&'a Culprit, Experiment<'a>)> {
     let mut list = Vec::new();
-    for culprit in culprits {
-        let mut other = experiment.with_parameters(experiment.parameters);
-        for (k, spin) in other.nominal_spin.iter_mut().enumerate() {
-            *spin *= if culprit.wheels.contains(&k) {
-                factor
-            } else {
-                1.0
+    for (factor, what) in THRUSTERS {
+        let all = experiment.thrusters.iter().enumerate();
+        list.extend(all.filter(|(k, _)| fires(*k)).map(|(k, t)| Mistake {
+            owner: t.name.clone(),
+            what,
+            factor,
+            place: Place::Thruster(k),
+        }));
+    }
+    let wheels = &experiment.problem.model.wheels;
+    let exchanged = |i: usize, j: usize| Mistake {
+        owner: format!("{} and {}", wheels[i].name, wheels[j].name),
+        what: "exchanged",
+        factor: 1.0,
+        place: Place::Exchanged(i, j),
+    };
+    for j in 1..wheels.len() {
+        list.extend((0..j).map(|i| exchanged(i, j)));
+    }
+    for (factor, what) in WHEELS {
+        let own = |owner: &str, which| Mistake {
+            owner: owner.to_owned(),
+            what,
+            factor,
+            place: Place::Wheels(which),
+        };
+        let each = wheels.iter().enumerate();
+        list.extend(each.map(|(k, w)| own(&w.name, vec![k])));
+        if wheels.len() > 1 {
+            list.push(own("all wheels", (0..wheels.len()).collect()));
+        }
+    }
+    list
+}
+
+/// The experiment with a mistake put right.
+fn put_right<T>(
+    experiment: &Experiment,
+    mistake: &Mistake,
+    ask: impl FnOnce(&Experiment) -> T,
+) -> T {
+    let mut other = experiment.with_parameters(experiment.parameters);
+    match &mistake.place {
+        Place::Wheels(which) => {
+            for k in which {
+                if let Some(spin) = other.nominal_spin.get_mut(*k) {
+                    *spin *= mistake.factor;
+                }
+            }
+        }
+        Place::Thruster(k) => {
+            if let Some(thruster) = other.thrusters.get_mut(*k) {
+                thruster.direction_B *= mistake.factor;
+            }
+        }
+        Place::Exchanged(i, j) => {
+            let mut segments = experiment.problem.segments.to_vec();
+            let wheels = experiment.problem.model.wheels.len();
+            for segment in &mut segments {
+                let o = &mut segment.observations;
+                let speeds = [
+                    &mut o.wheel_speed,
+                    &mut o.smooth_wheel_speed,
+                    &mut segment.samples.wheel_speed,
+                ];
+                for rows in speeds {
+                    rows.chunks_exact_mut(wheels)
+                        .for_each(|row| row.swap(*i, *j));
+                }
+                if o.wheel_errors.len() > *i.max(j) {
+                    o.wheel_errors.swap(*i, *j);
+                }
+            }
+            let problem = Problem {
+                segments: &segments,
+                ..*experiment.problem
             };
-        }
-        if let Some(thruster) = culprit.thruster.and_then(|k| other.thrusters.get_mut(k)) {
-            thruster.direction_B *= factor;
-        }
-        let start = other.cost(&other.nominal_point());
-        if let Some(start) = start.filter(|start| *start < nominal) {
-            list.push((start, (culprit, other)));
+            return ask(&experiment.with_problem(&problem));
         }
     }
+    ask(&other)
+}
+
+/// Mistakes without which the nominal numbers fit better than `nominal`, with them; the best first. A mistake put right
+/// does not make them fit worse.
+fn promising<'m>(
+    experiment: &Experiment,
+    mistakes: &'m [Mistake],
+    nominal: f64,
+) -> Vec<&'m Mistake> {
+    let cost = |mistake: &'m Mistake| {
+        let cost = put_right(experiment, mistake, |other| {
+            other.cost(&other.nominal_point())
+        });
+        Some((cost.filter(|cost| *cost < nominal)?, mistake))
+    };
+    let mut list: Vec<(f64, &Mistake)> = mistakes.iter().filter_map(cost).collect();
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
-    list.into_iter().map(|(_, one)| one).collect()
+    list.into_iter().map(|(_, mistake)| mistake).collect()
 }
 
-/// Chi-square that a fit from the nominal numbers leaves; given up where half of it has not come below what is to be
-/// explained.
-fn cost(other: &Experiment, before: f64) -> Option<f64> {
-    let half = fit_from(other, other.nominal_point(), ITERATIONS / 2)?;
-    let after = other.chi2(&half.at, &half.evaluated)?;
-    if half.settled || after > before {
-        return Some(after);
-    }
-    let found = fit_from(other, half.at, ITERATIONS / 2)?;
-    other.chi2(&found.at, &found.evaluated)
+/// Fall of chi-square of the whole record with a mistake put right; `None` where the beginning of it does not fit better by
+/// half of the iterations.
+fn confirmed(
+    experiment: &Experiment,
+    short: &Experiment,
+    mistake: &Mistake,
+    before: f64,
+) -> Option<f64> {
+    let x = put_right(short, mistake, |other| {
+        let half = fit_from(other, other.nominal_point(), ITERATIONS / 2)?;
+        let rows: usize = half.evaluated.iter().map(|e| e.rows).sum();
+        let fits = other.cost_of(&half) < GROSS * rows as f64;
+        fits.then_some(half.at)
+    })?;
+    put_right(experiment, mistake, |other| {
+        let found = fit_from(other, x, ITERATIONS)?;
+        Some(before - other.chi2(&found.at, &found.evaluated)?)
+    })
 }
 
-fn named(owner: &str, factor: f64, what: &str, decrease: f64, excess: f64) -> Suspect {
-    let (fault, name) = match what {
+fn named(mistake: &Mistake, decrease: f64, excess: f64) -> Suspect {
+    let owner = &mistake.owner;
+    let (fault, name) = match mistake.what {
         "sign" => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
+        "exchanged" => (
+            FaultKind::WheelExchange,
+            format!("exchanged speeds of {owner}"),
+        ),
         "dead" => (FaultKind::Thrust, format!("no force of {owner}")),
         "direction" => (FaultKind::Thrust, format!("a wrong direction of {owner}")),
-        _ => (
+        what => (
             FaultKind::Units,
             format!("a wrong unit of {owner} ({what})"),
         ),
+    };
+    let values = match mistake.place {
+        Place::Exchanged(..) => Vec::new(),
+        _ => vec![(format!("{owner}.factor"), mistake.factor, "1")],
     };
     Suspect {
         name,
         decrease,
         explains: (decrease / excess).clamp(0.0, 1.0),
-        values: vec![(format!("{owner}.factor"), factor, "1")],
+        values,
         fault,
         tied: false,
     }

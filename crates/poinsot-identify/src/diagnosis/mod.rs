@@ -71,42 +71,13 @@ pub(crate) fn diagnose(
         misfit,
         affordable,
     };
-    let mut candidates = candidates(experiment);
-    let table = Table::new(experiment, fitted, &mut candidates);
-    let about = (candidates.as_slice(), table.as_ref());
-    let mut others = spread::spreads(experiment, fitted, &out.channels, about, misfit);
-    if let Some(table) = &table {
-        let projected = table.projected(experiment, fitted, None);
-        others.extend(onset::onsets(
-            experiment,
-            fitted,
-            &candidates,
-            table,
-            misfit,
-        ));
-        out.suspects = suspects::suspects(experiment, fitted, &candidates, &projected, others, of);
-        out.lags = drift::lags(experiment, &candidates, &projected, per_number);
-        out.drift
-            .extend(drift::drift(None, &candidates, &projected, per_number));
-        let segments = experiment.problem.segments;
-        if (2..=SEGMENTS).contains(&segments.len()) {
-            for (at, segment) in segments.iter().enumerate() {
-                let alone = table.projected(experiment, fitted, Some(at));
-                let label = Some(segment.label.clone());
-                out.drift
-                    .extend(drift::drift(label, &candidates, &alone, per_number));
-            }
-        }
-    }
-    // A suspect that leaves chi-square right needs no gross mistake beside it; trying them all is slow.
-    let settled = |s: &Suspect| !s.fault.is_spread() && excess - s.decrease < dof as f64;
-    if affordable
-        && !out.suspects.first().is_some_and(settled)
-        && let Some(mistake) = gross::gross(experiment, fitted, (excess, dof as f64))
-    {
-        // What was tied was so with the best of the others.
-        out.suspects.iter_mut().for_each(|s| s.tied = false);
-        out.suspects.insert(0, mistake);
+    // A gross mistake that leaves chi-square right needs no other cause beside it; trying them all is slow.
+    let mistake = affordable
+        .then(|| gross::gross(experiment, fitted, (excess, dof as f64)))
+        .flatten();
+    match mistake {
+        Some(mistake) if excess - mistake.decrease < dof as f64 => out.suspects = vec![mistake],
+        mistake => weighed(experiment, fitted, of, per_number, &mut out, mistake),
     }
     if misfit {
         out.lines = line::spectral_lines(experiment, fitted);
@@ -122,6 +93,50 @@ pub(crate) fn diagnose(
         });
     }
     out
+}
+
+/// Weighs every cause against the others; a gross mistake that does not explain all comes first, unless another cause does.
+fn weighed(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    of: Misfit,
+    per_number: f64,
+    out: &mut Diagnostics,
+    mistake: Option<Suspect>,
+) {
+    let mut candidates = candidates(experiment);
+    let table = Table::new(experiment, fitted, &mut candidates);
+    let about = (candidates.as_slice(), table.as_ref());
+    let mut others = spread::spreads(experiment, fitted, &out.channels, about, of.misfit);
+    if let Some(table) = &table {
+        let projected = table.projected(experiment, fitted, None);
+        others.extend(onset::onsets(
+            experiment,
+            fitted,
+            &candidates,
+            table,
+            of.misfit,
+        ));
+        out.suspects = suspects::suspects(experiment, fitted, &candidates, &projected, others, of);
+        out.lags = drift::lags(experiment, &candidates, &projected, per_number);
+        out.drift
+            .extend(drift::drift(None, &candidates, &projected, per_number));
+        let segments = experiment.problem.segments;
+        if (2..=SEGMENTS).contains(&segments.len()) {
+            for (at, segment) in segments.iter().enumerate() {
+                let alone = table.projected(experiment, fitted, Some(at));
+                let label = Some(segment.label.clone());
+                out.drift
+                    .extend(drift::drift(label, &candidates, &alone, per_number));
+            }
+        }
+    }
+    let settled = |s: &Suspect| !s.fault.is_spread() && of.excess - s.decrease < of.dof;
+    if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(settled)) {
+        // What was tied was so with the best of the others.
+        out.suspects.iter_mut().for_each(|s| s.tied = false);
+        out.suspects.insert(0, mistake);
+    }
 }
 
 /// Mean turn between grid times by the gyro, rad.

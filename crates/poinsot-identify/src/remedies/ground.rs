@@ -4,10 +4,12 @@ use super::{Change, Effort, Row, percent};
 use crate::estimate::OpenCombination;
 use crate::information::Experiment;
 use crate::likelihood::{Head, Sight};
-use crate::parameters::{Equations, Parameters, UnknownKind};
+use crate::parameters::{Equations, Parameters, TENSOR, UnknownKind, axis_name, tensor_name};
 use crate::problem::Problem;
 use crate::quantity::TenParameters;
 use crate::solved::{Shared, Solved};
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
 use poinsot_model::EstimateSet;
 use poinsot_solve::{BlockQr, Spectrum};
 
@@ -20,7 +22,7 @@ pub(super) struct Ground<'a> {
     pub parameters: Parameters,
     pub x: Vec<f64>,
     rows: Vec<Row>,
-    mass: usize,
+    coordinates: Coordinates,
     pub head: Head,
     pub sight: Sight,
     pub wheels_smooth: bool,
@@ -40,11 +42,10 @@ impl<'a> Ground<'a> {
             true => crate::maximum_likelihood::lifted_vector(own, &solved.x, &parameters),
             false => solved.x.clone(),
         };
-        let mass = parameters
-            .unknowns
-            .iter()
-            .filter(|u| !u.kind.is_nuisance())
-            .count();
+        let coordinates = match rotation {
+            true => Coordinates::central(&parameters, &x)?,
+            false => Coordinates::own(&parameters),
+        };
         let experiment = Experiment::new(problem, own);
         let head = experiment.point(solved).heads.first().copied()?;
         Some(Self {
@@ -55,23 +56,18 @@ impl<'a> Ground<'a> {
             problem,
             parameters,
             x,
-            mass,
+            coordinates,
             head,
         })
     }
 
     /// An open direction as a unit vector in natural units.
     pub fn direction(&self, open: &OpenCombination) -> Vec<f64> {
-        let mut z = vec![0.0; self.mass];
+        let own = &self.coordinates;
+        let mut z = vec![0.0; own.names.len()];
         for (name, coefficient) in &open.coefficients {
-            let at = |name: &str| {
-                let unknowns = self.parameters.unknowns[..self.mass].iter();
-                unknowns.clone().position(|u| u.name == name)
-            };
-            // About the mass centre and about the origin a tensor changes alike, the mass centre held.
-            let found = at(name).or_else(|| at(&name.replace("I_BBcm", "I_BBo")));
-            if let Some(u) = found {
-                z[u] += coefficient / self.parameters.unknowns[u].natural;
+            if let Some(u) = own.names.iter().position(|own| own == name) {
+                z[u] += coefficient / own.natural[u];
             }
         }
         let length = z.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -83,24 +79,24 @@ impl<'a> Ground<'a> {
     pub fn spectrum(&self, more: &[&Row]) -> Option<Spectrum> {
         let n = self.parameters.len();
         let mut stacked = BlockQr::new(n + 1);
-        let all: Vec<&Row> = self.rows.iter().chain(more.iter().copied()).collect();
+        let all = self.rows.iter().chain(more.iter().copied());
+        let all: Vec<Row> = all.map(|row| self.coordinates.of_row(row)).collect();
         stacked.push(all.len(), |i, j| all[i].get(j).copied().unwrap_or(0.0));
         let triangle = stacked.finish();
-        let natural: Vec<f64> = self.parameters.unknowns[..self.mass]
+        let natural = &self.coordinates.natural;
+        let size = natural
             .iter()
-            .map(|u| u.natural)
-            .collect();
-        let size = (0..self.mass)
-            .map(|j| {
+            .enumerate()
+            .map(|(j, unit)| {
                 let square: f64 = (0..=j).map(|i| triangle.r[(i, j)].powi(2)).sum();
-                square.sqrt() * natural[j]
+                square.sqrt() * unit
             })
             .fold(0.0, f64::max);
         let shared = Shared::new(&self.parameters, &triangle);
         Spectrum::new(
             &shared.block(),
-            &natural,
-            &vec![0.0; self.mass * self.mass],
+            natural,
+            &vec![0.0; natural.len() * natural.len()],
             size,
             self.problem.relative_accuracy,
         )
@@ -126,7 +122,10 @@ impl<'a> Ground<'a> {
         let mut list = Vec::new();
         let mut add = |what: &str, rows: Vec<Row>| {
             list.push(Change {
-                text: format!("give {what} of {name} (sigma {})", percent(GIVEN)),
+                text: format!(
+                    "give {what} of {name} with a sigma of {} of nominal",
+                    percent(GIVEN)
+                ),
                 effort: Effort::Number,
                 rows,
             });
@@ -143,6 +142,67 @@ impl<'a> Ground<'a> {
             add("the inertia", rows.collect());
         }
         list
+    }
+}
+
+/// In which numbers a direction is open: the others are held while one of them changes.
+struct Coordinates {
+    names: Vec<String>,
+    natural: Vec<f64>,
+    /// Change of each unknown mass property per unit of each coordinate; none where they are the same.
+    slopes: Option<Mat<f64>>,
+}
+
+impl Coordinates {
+    /// The unknown mass properties themselves.
+    fn own(parameters: &Parameters) -> Self {
+        let unknowns = &parameters.unknowns[..parameters.mass_unknowns];
+        Self {
+            names: unknowns.iter().map(|u| u.name.clone()).collect(),
+            natural: unknowns.iter().map(|u| u.natural).collect(),
+            slopes: None,
+        }
+    }
+
+    /// Mass, mass centre and inertia about it of the one body of which only the rotation is seen.
+    fn central(parameters: &Parameters, x: &[f64]) -> Option<Self> {
+        let ten = TenParameters::of_body(parameters, 0, x);
+        let (set, (m, l)) = (parameters.estimate[0], parameters.natural[0]);
+        let name = &parameters.body_names[0];
+        let mut all = Vec::new();
+        if set.mass {
+            all.push((format!("{name}.m"), m, ten.parameter(0)));
+        }
+        if set.com {
+            all.extend((0..3).map(|k| {
+                let text = format!("{name}.com_{}", axis_name(k));
+                (text, l, ten.mass_centre(k))
+            }));
+        }
+        if set.inertia {
+            all.extend((0..TENSOR.len()).map(|k| {
+                let text = format!("{name}.I_BBcm_{}", tensor_name(k));
+                (text, m * l * l, ten.central_inertia(k))
+            }));
+        }
+        let n = parameters.mass_unknowns;
+        let square = all.len() == n;
+        let gradients = Mat::from_fn(all.len(), n, |i, j| all[i].2.gradient[j]);
+        square.then(|| Self {
+            slopes: Some(gradients.partial_piv_lu().inverse()),
+            natural: all.iter().map(|a| a.1).collect(),
+            names: all.into_iter().map(|a| a.0).collect(),
+        })
+    }
+
+    /// A row over the unknowns as one over these numbers.
+    fn of_row(&self, row: &Row) -> Row {
+        let Some(slopes) = &self.slopes else {
+            return row.clone();
+        };
+        let n = self.names.len();
+        let own = (0..n).map(|j| (0..n).map(|i| row[i] * slopes[(i, j)]).sum());
+        own.chain(row[n..].iter().copied()).collect()
     }
 }
 

@@ -72,7 +72,7 @@ impl Effect {
     /// The action with its gain for one direction.
     fn words(&self, k: usize) -> String {
         format!(
-            "{} (then sigma {} of nominal; closes {} of {})",
+            "{} (then sigma {} of nominal; resolves {} of {} unobservable directions)",
             self.text,
             percent(self.seen[k].1),
             self.closed(),
@@ -147,13 +147,13 @@ impl<'a> Tried<'a> {
         let count = self.changes.len();
         Some(match first.1.seen[k].0 > NOTHING {
             true => format!(
-                "none of {count} changes and {} pairs closes it; most shows: {} ({:.0} % of it)",
+                "none of {count} changes and {} pairs resolves it; the best is: {} ({:.0} % of it)",
                 pairs.len(),
                 first.1.text,
                 100.0 * first.1.seen[k].0
             ),
             false => format!(
-                "none of {count} changes and {} pairs closes it",
+                "none of {count} changes and {} pairs resolves it",
                 pairs.len()
             ),
         })

@@ -31,6 +31,7 @@ pub enum Planted {
     Nothing,
     GyroScale,
     WheelSign,
+    WheelExchange,
     GyroLag,
     TrackerLag,
     WheelLag,
@@ -47,10 +48,11 @@ pub enum Planted {
 
 impl Planted {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Nothing,
         Self::GyroScale,
         Self::WheelSign,
+        Self::WheelExchange,
         Self::GyroLag,
         Self::TrackerLag,
         Self::WheelLag,
@@ -71,6 +73,7 @@ impl Planted {
             Self::Nothing => "none",
             Self::GyroScale => "gyro scale 1 %",
             Self::WheelSign => "sign of one wheel flipped",
+            Self::WheelExchange => "speeds of two wheels exchanged",
             Self::GyroLag => "gyro 20 ms late",
             Self::TrackerLag => "star tracker 20 ms late",
             Self::WheelLag => "wheel speeds 20 ms late",
@@ -97,6 +100,7 @@ impl Planted {
             Self::Nothing => None,
             Self::GyroScale => Some(FaultKind::GyroScale),
             Self::WheelSign => Some(FaultKind::WheelSign),
+            Self::WheelExchange => Some(FaultKind::WheelExchange),
             Self::GyroLag
             | Self::TrackerLag
             | Self::WheelLag
@@ -114,6 +118,7 @@ impl Planted {
     fn culprit(self) -> &'static str {
         match self {
             Self::WheelSign | Self::WheelsInDegrees => "wheel2",
+            Self::WheelExchange => "wheel1 and wheel2",
             Self::Thruster => "thr2",
             Self::TrackerLag => "tracker",
             Self::WheelLag => "a lag of the wheels",
@@ -227,6 +232,15 @@ fn plant(study: &Study, planted: Planted) -> Study {
     match planted {
         Planted::GyroScale => scale(table, gyro, 1.01),
         Planted::WheelSign => scale(table, |c| c.name == "wheel2_rad_s", -1.0),
+        Planted::WheelExchange => {
+            for channel in &mut table.channels {
+                channel.name = match channel.name.as_str() {
+                    "wheel1_rad_s" => "wheel2_rad_s".to_owned(),
+                    "wheel2_rad_s" => "wheel1_rad_s".to_owned(),
+                    _ => continue,
+                };
+            }
+        }
         Planted::GyroInDegrees => scale(table, gyro, 1.0_f64.to_degrees()),
         Planted::WheelsInDegrees => {
             scale(table, |c| c.name == "wheel2_rad_s", 1.0_f64.to_degrees())

@@ -1,7 +1,7 @@
 //! A comparison in words.
 
 use poinsot_formats::{ComparedNumberFile, ComparisonFile};
-use poinsot_report::{Document, Section, Table, number_with_sigma, significant};
+use poinsot_report::{Document, Section, Table, number_with_sigma, probability, significant};
 
 /// The comparison as a document.
 pub fn comparison_document(c: &ComparisonFile) -> Document {
@@ -32,7 +32,11 @@ fn sentence(c: &ComparisonFile) -> String {
     let count = c.answers.len();
     let p = c.tests.first().map_or(1.0, |t| t.p);
     match c.verdict.as_str() {
-        "agree" => format!("{}: {count} answers agree (p = {p:.2})", c.model),
+        "agree" => format!(
+            "{}: {count} answers agree (p = {})",
+            c.model,
+            probability(p)
+        ),
         "differ" => {
             let changed = c.tests.iter().skip(1).filter(|t| t.p < super::SIGNIFICANT);
             let changed: Vec<&str> = changed.map(|t| t.what.as_str()).collect();
@@ -41,8 +45,9 @@ fn sentence(c: &ComparisonFile) -> String {
                 false => changed.join(", "),
             };
             format!(
-                "{}: {count} answers differ (p = {p:.1e}): {changed}",
-                c.model
+                "{}: {count} answers differ (p = {}): {changed}",
+                c.model,
+                probability(p)
             )
         }
         _ => format!(
@@ -108,11 +113,4 @@ fn tests(c: &ComparisonFile) -> Section {
         ]);
     }
     Section::table("joint tests", table)
-}
-
-fn probability(p: f64) -> String {
-    match p < 0.01 {
-        true => format!("{p:.1e}"),
-        false => format!("{p:.2}"),
-    }
 }

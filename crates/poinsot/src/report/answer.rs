@@ -30,7 +30,7 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         "answer.html",
         include_str!("templates/answer.html"),
         context! {
-            tone, word, bodies,
+            tone => tone.name(), word, bodies,
             sentence => sentence(e).replace("m2", "m\u{b2}"),
             action => action(e),
             lights => lights(answer),

@@ -9,6 +9,7 @@ mod export;
 mod flown;
 mod known;
 mod lights;
+mod morph;
 mod numbers;
 mod open;
 mod picture;

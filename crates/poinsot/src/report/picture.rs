@@ -3,6 +3,7 @@
 //! rolls on it; the pole draws the polhode on the ellipsoid and the herpolhode on the plane.
 
 use super::Answer;
+use super::morph::{ends, morph};
 use super::numbers::{half_width, plus_minus, value};
 use super::poles::Poles;
 use super::tensor::{inertia_ellipsoid, matrix, principal, principal_sigmas};
@@ -25,6 +26,12 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let drawn = chosen(answer).and_then(|(name, body)| {
         let I = tensor_of(body)?;
         scene(answer, name, body, &I)
+    });
+    let drawn = drawn.or_else(|| {
+        let withheld = e.is_withheld();
+        chosen(answer)
+            .filter(|_| !withheld)
+            .and_then(|(name, body)| shapes(answer, name, body))
     });
     let (figure, words) = match drawn {
         Some(scene) => (Some(Figure::scene("poinsot", scene)), None),
@@ -146,16 +153,7 @@ fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Sc
             colour: 3,
         });
     }
-    for (k, label) in ["x", "y", "z"].into_iter().enumerate() {
-        let mut to = [0.0; 3];
-        to[k] = AXIS;
-        scene.arrows.push(Arrow {
-            from: [0.0; 3],
-            to,
-            label: label.to_owned(),
-            colour: 6,
-        });
-    }
+    scene.arrows = body_axes();
     let motion = answer
         .data
         .segments
@@ -168,6 +166,43 @@ fn scene(answer: &Answer, name: &str, body: &BodyFile, I: &Matrix3) -> Option<Sc
         scene.note.push_str(&words);
     }
     Some(scene)
+}
+
+/// The shapes that an undetermined tensor may have.
+fn shapes(answer: &Answer, name: &str, body: &BodyFile) -> Option<Scene> {
+    let morph = morph(&answer.estimate, name, body)?;
+    let mut scene = Scene {
+        title: format!("inertia ellipsoids of {name} that fit equally well"),
+        note: "Every shape predicts the same measurements: chi-square does not change along the way. The data do not \
+               determine which of them the vehicle has."
+            .to_owned(),
+        ..Scene::default()
+    };
+    scene
+        .ellipsoids
+        .push(ellipsoid("one of them", morph.axes[0], false));
+    for (k, axes) in ends(&morph).into_iter().enumerate() {
+        let name = if k == 0 { "others" } else { "" };
+        scene.ellipsoids.push(ellipsoid(name, axes, true));
+    }
+    scene.arrows = body_axes();
+    scene.morph = Some(morph);
+    Some(scene)
+}
+
+fn body_axes() -> Vec<Arrow> {
+    let axes = ["x", "y", "z"].into_iter().enumerate();
+    axes.map(|(k, label)| {
+        let mut to = [0.0; 3];
+        to[k] = AXIS;
+        Arrow {
+            from: [0.0; 3],
+            to,
+            label: label.to_owned(),
+            colour: 6,
+        }
+    })
+    .collect()
 }
 
 fn ellipsoid(name: &str, axes: [[f64; 3]; 3], faint: bool) -> Ellipsoid {

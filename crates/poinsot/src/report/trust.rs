@@ -4,12 +4,14 @@ use super::Answer;
 use super::data::Channel;
 use super::envelope::Envelope;
 use super::numbers::ninety_five;
-use crate::diagnostics_file::{SIGNIFICANT, rows};
+use crate::diagnostics_file::{SIGNIFICANT, checks};
 use crate::trials::normal_quantile;
 use minijinja::{Value, context};
 use poinsot_formats::{SegmentFitFile, SensorFitFile};
 use poinsot_identify::HISTOGRAM_BARS;
-use poinsot_report::{Axis, Figure, Mark, PageError, Part, Plot, Series, render, significant};
+use poinsot_report::{
+    Axis, Figure, Mark, PageError, Part, Plot, Series, probability, render, significant,
+};
 
 /// Half the reach of the histogram, sigmas.
 const REACH: f64 = 4.0;
@@ -24,15 +26,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let tests: Vec<Value> = e
         .diagnostics
         .iter()
-        .flat_map(rows)
-        .map(|[test, found, verdict]| {
-            let tone = match verdict.as_str() {
-                "as declared" | "white" | "none seen" => "good",
-                "smaller than declared" | "" => "fair",
-                _ => "bad",
-            };
-            context! { test, found, verdict, tone }
-        })
+        .flat_map(checks)
+        .map(|c| context! { test => c.test, found => c.found, tone => c.tone().name(), verdict => c.verdict })
         .collect();
     let envelope = Envelope::of(&answer.data);
     let mut figures = Vec::new();
@@ -112,7 +107,7 @@ fn sensor_row(name: &str, s: &SensorFitFile, figures: &Value) -> Value {
         name, tone, word, figures, unit, declared,
         rms => s.rms.map(|x| significant(factor * x, 3)),
         chi2 => s.chi2_per_number.map(|x| significant(x, 3)),
-        p => s.whiteness_p.map(|p| format!("{p:.2}")),
+        p => s.whiteness_p.map(probability),
     }
 }
 

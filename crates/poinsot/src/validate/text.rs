@@ -1,7 +1,7 @@
 //! A validation in words: one sentence first, then the numbers behind it.
 
 use super::{Against, Compared, Completed, Validation, Verdict};
-use poinsot_report::{Document, Section, Table, significant};
+use poinsot_report::{Document, Section, Table, probability, significant};
 
 /// Figures of a difference.
 const FIGURES: i32 = 3;
@@ -91,7 +91,7 @@ fn row(one: &Compared, sigmas: bool) -> Vec<String> {
         row.push(cell(one.sigmas.map(|s| s.rms)));
         row.push(cell(one.sigmas.map(|s| s.largest)));
         let white = one.sigmas.and_then(|s| s.whiteness_p);
-        row.push(white.map_or("-".to_owned(), |p| format!("p = {p:.2}")));
+        row.push(white.map_or("-".to_owned(), |p| format!("p = {}", probability(p))));
     }
     row
 }

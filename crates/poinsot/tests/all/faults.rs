@@ -34,6 +34,11 @@ fn stat_flipped_sign_of_a_wheel_is_named() {
 }
 
 #[test]
+fn stat_exchanged_wheels_are_named() {
+    assert_named(Planted::WheelExchange, 2);
+}
+
+#[test]
 fn stat_lag_of_20_ms_is_named_with_its_sensor() {
     assert_named(Planted::GyroLag, 3);
     assert_named(Planted::TrackerLag, 3);

@@ -101,7 +101,7 @@ pub fn rows() -> Vec<Row> {
             "a chain of 1,000 links, its base to find",
             |b| long_arm(b, "estimate = true", ""),
             1,
-            &["the rigid model contradicts the data; no number is given"],
+            &[": Contradicted. "],
         ),
         row(
             "M9",

@@ -97,20 +97,14 @@ pub fn rows() -> Vec<Row> {
             "mass asked for, and no force acts",
             |b| b.model("estimate = [\"inertia\"]", "estimate = true"),
             1,
-            &[
-                "mass not identifiable",
-                "part of what was asked for is determined",
-            ],
+            &["mass not identifiable", ": Partly determined. "],
         ),
         row(
             "T18",
             "an unknown link whose joint stands still",
             locked_link,
             1,
-            &[
-                "part of what was asked for is determined",
-                "j taken as locked at 0",
-            ],
+            &[": Partly determined. ", "j taken as locked at 0"],
         )
         .run(SIMULATED),
         row(

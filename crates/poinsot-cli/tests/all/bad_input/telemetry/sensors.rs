@@ -64,7 +64,7 @@ pub fn rows() -> Vec<Row> {
             "the gyro is quantised at 1e-4 rad/s",
             |b| b.spoil(|s| s.map("omega", |_, w| (w / 1e-4).round() * 1e-4)),
             0,
-            &["every number asked for is determined"],
+            &[": Determined. "],
         ),
         row(
             "T13",
@@ -139,7 +139,7 @@ pub fn rows() -> Vec<Row> {
             1,
             &["samples"],
         )
-        .never(&["every number asked for is determined"]),
+        .never(&[": Determined. "]),
         row(
             "T14",
             "wheel 2 hangs at a speed",

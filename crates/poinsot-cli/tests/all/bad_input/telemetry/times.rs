@@ -25,7 +25,7 @@ pub fn rows() -> Vec<Row> {
             "a third of the packets lost at random",
             |b| b.spoil(|s| drop_rows(s, |k| noise(k) > -0.33)),
             0,
-            &["every number asked for is determined"],
+            &[": Determined. "],
         ),
         row(
             "T2",

@@ -67,7 +67,7 @@ pub fn rows() -> Vec<Row> {
             &["units: the data contradict the model, and fit it as body rates in deg/s that are read as rad/s"],
         )
         .more(&["--policy", "units=report"])
-        .never(&["every number asked for is determined"]),
+        .never(&[": Determined. "]),
         row(
             "T7",
             "gyro in rpm, no attitude",
@@ -80,7 +80,7 @@ pub fn rows() -> Vec<Row> {
             "gyro mapped as deg/s that is rad/s, no attitude",
             |b| gyro_alone(b, f64::to_radians),
             1,
-            &["part of what was asked for is determined"],
+            &[": Partly determined. "],
         )
         .never(&["every number"]),
         row(
@@ -163,7 +163,7 @@ pub fn rows() -> Vec<Row> {
                 })
             },
             0,
-            &["every number asked for is determined"],
+            &[": Determined. "],
         ),
         row("T7", "an accelerometer in g", accelerometer_in_g, 1, &["contradicts the data; no number is given", "residual of the accelerometer is"]),
         row(
@@ -245,7 +245,7 @@ pub fn rows() -> Vec<Row> {
             1,
             &["not"],
         )
-        .never(&["every number asked for is determined"]),
+        .never(&[": Determined. "]),
         row(
             "T11",
             "axes of the gyro exchanged",
