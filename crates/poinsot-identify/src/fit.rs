@@ -504,7 +504,7 @@ pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
 }
 
 /// How much the linear model says a step lowers chi-square of which the mass properties' part is given.
-fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
+pub(crate) fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
     let shared = &local.shared;
     let n = shared.nuisances + shared.mass;
     let biases: f64 = (0..shared.nuisances)

@@ -197,10 +197,11 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     }
     let problem = experiment.problem;
     let all = unknowns(problem.model);
-    let all = shown(experiment, &fitted.at, all)?;
+    let (all, columns) = shown(experiment, &fitted.at, all)?;
     let parameters = extended(problem, experiment.parameters, &all);
     let mut wide = experiment.with_parameters(&parameters);
-    wide.kept = KeptColumns::default();
+    let nominal = all.iter().map(|u| u.nominal / u.natural).collect();
+    wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
     let found = fit_from(&wide, first.clone(), TRIED)?;
     let done = found.settled || promised(&found) < SETTLED;
@@ -298,13 +299,17 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
     out
 }
 
-/// The numbers that show in the predictions.
-fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<Unknown>> {
+/// The numbers that show in the predictions, with their columns at their nominal values.
+fn shown(
+    experiment: &Experiment,
+    at: &Point,
+    all: Vec<Unknown>,
+) -> Option<(Vec<Unknown>, KnownColumns)> {
     if all.is_empty() {
         return None;
     }
     let whole = extended(experiment.problem, experiment.parameters, &all);
-    let columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
+    let mut columns = slopes(&experiment.with_parameters(&whole), &behind(at, &all))?;
     let shows = |k: usize| {
         let sensors = columns.slopes.iter().flatten();
         let square: f64 = sensors
@@ -315,12 +320,13 @@ fn shown(experiment: &Experiment, at: &Point, all: Vec<Unknown>) -> Option<Vec<U
         square.sqrt() * all[k].natural > SILENT
     };
     let keep: Vec<bool> = (0..all.len()).map(shows).collect();
-    let all: Vec<Unknown> = all
-        .into_iter()
-        .zip(keep)
-        .filter_map(|(u, k)| k.then_some(u))
-        .collect();
-    (!all.is_empty()).then_some(all)
+    for numbers in columns.slopes.iter_mut().flatten() {
+        let mut kept = keep.iter();
+        numbers.retain(|_| kept.next() == Some(&true));
+    }
+    let pairs = all.into_iter().zip(keep);
+    let all: Vec<Unknown> = pairs.filter_map(|(u, k)| k.then_some(u)).collect();
+    (!all.is_empty()).then_some((all, columns))
 }
 
 /// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns. Predictions are

@@ -2,6 +2,7 @@
 
 use crate::quantity::Quantity;
 use poinsot_solve::Spectrum;
+use std::ops::Range;
 
 /// How far a walk leads, natural units: as far as nominal numbers are usually off.
 pub(crate) const REACH: f64 = 0.2;
@@ -18,7 +19,9 @@ const SPREAD: f64 = 1.5;
 pub(crate) struct Walk {
     /// Values of all unknowns, evenly spaced; the answer is in the middle.
     pub points: Vec<Vec<f64>>,
-    /// Spectra at the ends; none where the walk is straight.
+    /// Points at which quantities are compared with their value at the answer.
+    pub tested: Range<usize>,
+    /// Spectra at the ends of these; none where the walk is straight.
     pub ends: Vec<(Vec<f64>, Spectrum)>,
 }
 
@@ -50,7 +53,7 @@ impl OpenSet {
     pub fn points(&self) -> impl Iterator<Item = &Vec<f64>> {
         let stride = |w: &Walk| if w.ends.is_empty() { POINTS / 2 } else { 1 };
         let walks = self.walks.iter();
-        walks.flat_map(move |w| w.points.iter().step_by(stride(w)))
+        walks.flat_map(move |w| w.points[w.tested.clone()].iter().step_by(stride(w)))
     }
 
     /// Whether an unknown stays at its value.
@@ -96,6 +99,7 @@ impl Walk {
         };
         Self {
             points: (-count..=count).map(at).collect(),
+            tested: 0..2 * POINTS + 1,
             ends: Vec::new(),
         }
     }

@@ -8,7 +8,7 @@
 use crate::coarse::thinned;
 use crate::coordinates::Coordinates;
 use crate::estimate::OpenCombination;
-use crate::fit::{Local, moved};
+use crate::fit::{Local, moved, promised_decrease};
 use crate::information::{Experiment, Point};
 use crate::known::Centre;
 use crate::loss::Loss;
@@ -261,6 +261,18 @@ struct Stand {
     at: Point,
     local: Local,
     back: Vec<f64>,
+    /// Whether directions that are hardly excited at the answer predict the same here too.
+    equal: bool,
+}
+
+/// A walk one way.
+#[derive(Default)]
+struct Path {
+    points: Vec<Vec<f64>>,
+    /// How many of them predict the same in every direction that is identified there.
+    tested: usize,
+    /// The last of those.
+    end: Option<End>,
 }
 
 impl Walker<'_> {
@@ -270,14 +282,19 @@ impl Walker<'_> {
             return walk;
         }
         let back: Vec<f64> = tangent.iter().map(|t| -t).collect();
-        let (mut points, first) = self.path(&back);
+        let (first, last) = (self.path(&back), self.path(&tangent));
+        let middle = first.points.len();
+        let tested = middle - first.tested..middle + 1 + last.tested;
+        let mut points = first.points;
         points.reverse();
         points.push(self.at.x.clone());
-        let (further, last) = self.path(&tangent);
-        points.extend(further);
-        let ends = [first, last].into_iter().flatten();
-        let ends: Vec<End> = ends.collect();
-        Walk { points, ends }
+        points.extend(last.points);
+        let ends = [first.end, last.end].into_iter().flatten().collect();
+        Walk {
+            points,
+            tested,
+            ends,
+        }
     }
 
     /// The walk where both far ends of a straight step predict the same.
@@ -302,10 +319,10 @@ impl Walker<'_> {
         Some(Walk::straight(x, middle))
     }
 
-    /// Points one way, and the spectrum at the last.
-    fn path(&self, direction: &[f64]) -> (Vec<Vec<f64>>, Option<End>) {
+    /// Points one way.
+    fn path(&self, direction: &[f64]) -> Path {
         let length = REACH / POINTS as f64;
-        let mut points = Vec::new();
+        let mut path = Path::default();
         let mut stand: Option<Stand> = None;
         let (mut tangent, mut before) = (direction.to_vec(), direction.to_vec());
         for _ in 0..POINTS {
@@ -323,26 +340,42 @@ impl Walker<'_> {
                 break;
             };
             let reached = moved(self.experiment, &next.at, next.local.parts(), &next.back);
-            points.push(reached.x);
+            if next.equal && path.tested == path.points.len() {
+                path.tested += 1;
+                path.end = Some((reached.x.clone(), next.local.spectrum.clone()));
+            }
+            path.points.push(reached.x);
             before = tangent;
             tangent = along(&next.local.spectrum, self.rank, &before);
             stand = Some(next);
         }
-        let end = stand.zip(points.last().cloned());
-        (points, end.map(|(s, x)| (x, s.local.spectrum)))
+        path
+    }
+
+    /// How far the predictions are from equal, in their noise, as far as the identified directions can move them.
+    fn off(&self, local: &Local) -> f64 {
+        let rhs = local.shared.rhs();
+        let identified = (0..self.rank).map(|k| local.spectrum.left_along(&rhs, k).powi(2));
+        promised_decrease(self.experiment, local, identified.sum()).sqrt()
     }
 
     fn back_onto_the_set(&self, mut at: Point) -> Option<Stand> {
         for _ in 0..CORRECTIONS {
             let here = self.experiment.linearise(&at)?;
-            let (off, local) = (here.promised.sqrt(), here.rows);
-            let back = across(&local, self.rank);
+            let (all, local) = (here.promised.sqrt(), here.rows);
+            let (off, back) = (self.off(&local), across(&local, self.rank));
             if off.is_nan() || largest(&back) > REACH {
                 return None;
             }
             // The step back is still taken: what it leaves is of second order.
             if off < CLOSE {
-                return Some(Stand { at, local, back });
+                let equal = all < CLOSE;
+                return Some(Stand {
+                    at,
+                    local,
+                    back,
+                    equal,
+                });
             }
             at = moved(self.experiment, &at, local.parts(), &back);
         }

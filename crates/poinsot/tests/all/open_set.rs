@@ -2,9 +2,11 @@
 //! walks of equal prediction.
 
 use crate::flown::{combinations, flown, functions, system, worst};
-use crate::vehicle::{Dice, tree};
+use crate::remedies::{one_axis, spinning};
+use crate::vehicle::{Dice, ask, fly, rotation_only, tree};
+use poinsot::bind::bind;
 use poinsot_dynamics::Tree;
-use poinsot_identify::{Barycentric, Identifiability, split};
+use poinsot_identify::{Barycentric, Evaluator, Identifiability, Problem, split};
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 use poinsot_testkit::momentum_sum::{
@@ -45,6 +47,68 @@ fn stat_no_number_that_is_printed_is_further_from_the_truth_than_four_sigma() {
             assert!(e.warnings.iter().any(|w| w.contains("are withheld")));
         }
     }
+}
+
+/// What the page shows moving: every point of every walk, the start of the record fitted again.
+#[test]
+fn exact_chi_square_is_the_same_at_every_point_of_a_walk() {
+    let model = one_axis();
+    let record = rotation_only(fly(&model, &spinning(&model, Vector3::new(0.0, 0.0, 0.05))));
+    let answer = ask(&model, vec![record.clone()], "auto");
+    let open = &answer.estimate.identifiability.open;
+    assert!(!open.is_empty());
+    let tree = Tree::new(&model);
+    let bound = bind(&model, &tree, &[record]).unwrap();
+    let problem = Problem {
+        model: &model,
+        tree: &tree,
+        segments: &bound.segments,
+        noise: &bound.noise,
+        relative_accuracy: 1.0,
+    };
+    let evaluator = Evaluator::new(&problem).unwrap();
+    for direction in open {
+        assert_eq!(direction.walk.len(), 6, "{}", direction.text);
+        let held: Vec<usize> = direction
+            .walk
+            .iter()
+            .map(|w| place_of(&evaluator, &w.0))
+            .collect();
+        let deviance = |point: usize| {
+            let mut x = evaluator.nominal();
+            for (at, (_, values)) in held.iter().zip(&direction.walk) {
+                x[*at] = values[point];
+            }
+            -2.0 * fitted_beside(&evaluator, x, &held)
+        };
+        let middle = deviance(10);
+        for point in 0..21 {
+            let change = deviance(point) - middle;
+            assert!(
+                change.abs() < 1.0e-3 * bound.segments[0].observations.time_s.len() as f64,
+                "{}: point {point}, {change}",
+                direction.text
+            );
+        }
+    }
+}
+
+fn place_of(evaluator: &Evaluator, name: &str) -> usize {
+    let mut all = evaluator.unknowns().iter();
+    all.position(|u| u.name == name).unwrap()
+}
+
+/// Log-likelihood with every unknown fitted but those held.
+fn fitted_beside(evaluator: &Evaluator, mut x: Vec<f64>, held: &[usize]) -> f64 {
+    for _ in 0..6 {
+        let here = evaluator.at(&x).unwrap();
+        let free: Vec<usize> = (0..x.len()).filter(|k| !held.contains(k)).collect();
+        let J = here.jacobian.select_columns(&free);
+        let rhs = J.transpose() * &here.residuals;
+        let step = (J.transpose() * &J).cholesky().unwrap().solve(&rhs);
+        free.iter().zip(step.iter()).for_each(|(k, d)| x[*k] -= d);
+    }
+    evaluator.at(&x).unwrap().log_likelihood
 }
 
 const NAMES: [&str; 10] = [

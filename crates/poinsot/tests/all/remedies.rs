@@ -15,7 +15,7 @@ fn say(answer: &Estimate) {
 }
 
 /// A body with one wheel along z, whose inertia is asked.
-fn one_axis() -> Model {
+pub fn one_axis() -> Model {
     let mut model = tree(31, "");
     model.bodies[0].nominal.I_BBcm_B = Matrix3::from_diagonal(&Vector3::new(5.0, 6.0, 7.0));
     model.bodies[0].estimate = EstimateSet {
@@ -31,7 +31,7 @@ fn one_axis() -> Model {
     model
 }
 
-fn spinning(model: &Model, w_NB_B: Vector3) -> Flight {
+pub fn spinning(model: &Model, w_NB_B: Vector3) -> Flight {
     let mut flight = moving(model, 5);
     for wheel in &mut flight.plan.wheels {
         *wheel = WheelMotion::constant(100.0);
