@@ -22,9 +22,7 @@ pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
                 n.value.or_else(printed).unwrap_or(n.nominal)
             };
             let [xx, xy, yy, xz, yz, zz] = std::array::from_fn(|k| {
-                // Kim, Choi and Oh write zx.
-                let name = tensor_name(k).replace("xz", "zx");
-                best(&answer.inertia[k], &format!("inertia_{name}"))
+                best(&answer.inertia[k], &format!("inertia_{}", tensor_name(k)))
             });
             MassProperties {
                 mass: best(&answer.mass, "mass"),

@@ -2,7 +2,7 @@
 //! [`poinsot_identify`].
 //!
 //! [`METHODS`] is the registration of all of them. The command line, `poinsot methods`, help, error codes and tests read
-//! that list; no other crate names a paper. [`study::studies`] are what a paper states, computed again.
+//! that list; no other crate names a paper. [`studies`] are what a paper states, computed again.
 //!
 //! ```
 //! for method in poinsot_papers::METHODS {
@@ -17,15 +17,18 @@
 #![allow(non_snake_case)]
 
 mod answered;
+mod certified;
+mod error;
 pub mod kim2010;
 pub mod ma2008;
 mod method;
+mod registry;
 mod setting;
 pub mod study;
 pub mod xu2017;
 
 pub use answered::answered;
-pub use method::{
-    About, Explained, METHODS, Method, MethodError, Named, VariantText, identify_by, method,
-};
+pub use error::MethodError;
+pub use method::{About, Explained, Method, Named, VariantText};
+pub use registry::{METHODS, identify_by, method, studies};
 pub use setting::{SettingText, Settings};

@@ -1,6 +1,6 @@
 //! Settings of a published method, `key=value`.
 
-use crate::method::MethodError;
+use crate::error::MethodError;
 
 /// A setting in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use crate::{Matrix3, Vector3};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use nalgebra::{Matrix4, SymmetricEigen};
+use nalgebra::{Matrix3x6, Matrix4, SymmetricEigen};
 
 /// Names of the ten barycentric parameters in the order of [`InertialParameters::to_array`]:
 /// mass, first moment and inertia tensor **about the body's frame origin `Bo`**, body axes.
@@ -82,6 +82,26 @@ pub fn pseudo_inertia(parameters: &InertialParameters) -> Matrix4<f64> {
     j
 }
 
+/// Elements of a symmetric tensor in the order of [`PARAMETER_NAMES`].
+pub fn elements(I: &Matrix3) -> [f64; 6] {
+    [I.m11, I.m12, I.m22, I.m13, I.m23, I.m33]
+}
+
+/// The inverse of [`elements`].
+pub fn tensor([xx, xy, yy, xz, yz, zz]: [f64; 6]) -> Matrix3 {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}
+
+/// `K` with `I w = K elements(I)`.
+#[rustfmt::skip]
+pub fn tensor_regressor(w: &Vector3) -> Matrix3x6<f64> {
+    Matrix3x6::new(
+        w.x, w.y, 0.0, w.z, 0.0, 0.0,
+        0.0, w.x, w.y, 0.0, w.z, 0.0,
+        0.0, 0.0, 0.0, w.x, w.y, w.z,
+    )
+}
+
 impl InertialParameters {
     /// Nothing: a body without mass.
     pub const ZERO: Self = Self {
@@ -92,19 +112,9 @@ impl InertialParameters {
 
     /// The parameters in the order of [`PARAMETER_NAMES`].
     pub fn to_array(&self) -> [f64; 10] {
-        let (c, i) = (&self.mc_B, &self.I_BBo_B);
-        [
-            self.mass,
-            c.x,
-            c.y,
-            c.z,
-            i[(0, 0)],
-            i[(0, 1)],
-            i[(1, 1)],
-            i[(0, 2)],
-            i[(1, 2)],
-            i[(2, 2)],
-        ]
+        let c = &self.mc_B;
+        let [xx, xy, yy, xz, yz, zz] = elements(&self.I_BBo_B);
+        [self.mass, c.x, c.y, c.z, xx, xy, yy, xz, yz, zz]
     }
 
     /// The inverse of [`Self::to_array`].
@@ -112,7 +122,7 @@ impl InertialParameters {
         Self {
             mass: p[0],
             mc_B: Vector3::new(p[1], p[2], p[3]),
-            I_BBo_B: Matrix3::new(p[4], p[5], p[7], p[5], p[6], p[8], p[7], p[8], p[9]),
+            I_BBo_B: tensor([p[4], p[5], p[6], p[7], p[8], p[9]]),
         }
     }
 

@@ -10,7 +10,8 @@ mod inertial;
 mod skew;
 
 pub use inertial::{
-    InertialParameters, MassProperties, PARAMETER_NAMES, Unphysical, parallel_axis, pseudo_inertia,
+    InertialParameters, MassProperties, PARAMETER_NAMES, Unphysical, elements, parallel_axis,
+    pseudo_inertia, tensor, tensor_regressor,
 };
 pub use skew::skew;
 

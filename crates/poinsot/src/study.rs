@@ -16,10 +16,9 @@ use poinsot_formats::{
 };
 use poinsot_identify::{Estimate, Noise, Segment};
 use poinsot_model::{Model, ModelError, read_model};
+pub use poinsot_papers::studies;
 use poinsot_papers::study::{CaseText, Difference, Tools};
-pub use poinsot_papers::study::{
-    Cell, Context, Findings, Study, StudyError, Table as FoundTable, studies,
-};
+pub use poinsot_papers::study::{Cell, Context, Findings, Study, StudyError, Table as FoundTable};
 use poinsot_papers::{Method, MethodError};
 use poinsot_report::{Document, FigureFormat, Section, Table as TextTable};
 use poinsot_spatial::InertialParameters;

@@ -26,6 +26,9 @@ fn page(paper: &str) -> PathBuf {
     repository().join(format!("docs/methods/{paper}.md"))
 }
 
+/// What runs each night: of the tables' commands the tests of whole crates, and this file.
+const NIGHTLY: &str = include_str!("../../../../.github/workflows/nightly.yml");
+
 /// Where the last table of every page begins.
 const LAST_TABLE: &str = "Every equation, table, figure";
 
@@ -112,20 +115,26 @@ fn commands(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }
 
-/// Whether a test file of a crate has a test whose name begins so.
-/// Whether a file of a crate's tests, or of a folder of them, has this test.
-fn has_test(package: &str, file: &str, name: &str) -> bool {
-    let tests = repository().join("crates").join(package).join("tests");
-    let folder = tests.join("all").join(file);
-    let mut files = vec![
-        tests.join(format!("{file}.rs")),
-        folder.with_extension("rs"),
-    ];
-    if let Ok(entries) = std::fs::read_dir(&folder) {
-        files.extend(entries.map(|e| e.unwrap().path()));
+/// Every file below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    let paths = entries.map(|e| e.unwrap().path());
+    paths
+        .flat_map(|p| if p.is_dir() { files(&p) } else { vec![p] })
+        .collect()
+}
+
+/// Whether a crate has a test whose name begins so, or a module of tests of this name.
+fn has_test(package: &str, name: &str) -> bool {
+    let folder = repository().join("crates").join(package).join("tests");
+    let mut files = files(&folder).into_iter();
+    match name.strip_suffix("::") {
+        Some(module) => files.any(|f| f.file_stem().is_some_and(|s| s == module)),
+        None => files.any(|f| {
+            let text = std::fs::read_to_string(f).unwrap_or_default();
+            text.contains(&format!("fn {name}"))
+        }),
     }
-    let mut texts = files.iter().filter_map(|f| std::fs::read_to_string(f).ok());
-    texts.any(|t| t.contains(&format!("fn {name}")))
 }
 
 #[test]
@@ -148,12 +157,9 @@ fn cli_every_command_of_the_papers_tables_exists() {
                         }
                     }
                     ["cargo", "test", "-p", package, test] => {
-                        let (file, name) = test.split_once("::").expect(command);
-                        assert!(has_test(package, file, name), "{command}");
-                    }
-                    // A crate with one file of tests.
-                    ["cargo", "test", "-p", package, "--test", file, name] => {
-                        assert!(has_test(package, file, name), "{command}");
+                        assert!(has_test(package, test), "{command}");
+                        let nightly = format!("package({package})");
+                        assert!(NIGHTLY.contains(&nightly), "{command}: not run each night");
                     }
                     _ => panic!("{paper}, {what}: '{command}' is no command of a known kind"),
                 }

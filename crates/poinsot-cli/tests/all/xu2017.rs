@@ -37,7 +37,7 @@ fn cli_xu2017_says_what_is_seen_and_what_is_open() {
         ),
         "{out}"
     );
-    assert!(out.contains("The method claims every number of every body; what the data show is 17 of 70 combinations, and only those are answered."));
+    assert!(out.contains("The method claims every number of every body; the data determine 17 of 70 combinations, and only those are given."));
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub(super) const CODES: &[Explained] = &[
     (
         "E0423",
         "kim2010: the momentum of the wheels never changes.",
-        "The scale of the inertia is then open.",
+        "The scale of the inertia is then undetermined.",
         "Check the wheel columns.",
     ),
     (

@@ -1,28 +1,21 @@
-//! The paper's estimators as answers to a [`Problem`]: certificate first, then their own numbers.
-//!
-//! None of them says how good its numbers are, so the linear method answers that: what it certifies may
-//! stand in the answer, the rest only in the report of the method.
+//! The paper's estimators as answers to a [`Problem`]: the linear method certifies (see [`crate::certified`]); what it
+//! does not certify stands only in the report of the method.
 
+use super::sums::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, wheel_momentum};
 use super::suspicions::suspicions;
-use super::{Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, Variant, wheel_momentum};
-use crate::method::{About, Method, MethodError, Named};
-use crate::setting::Settings;
-use crate::study::Study;
+use super::variant::Variant;
+use crate::certified::put;
+use crate::method::Named;
 use poinsot_identify::{
-    BodyEstimate, Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment,
-    Source, Status, TENSOR, linear,
+    Estimate, MethodReport, NamedNumber, Number, Problem, ProblemError, Segment, Source, Status,
+    TENSOR, linear, tensor_index, tensor_name,
 };
 use poinsot_model::Model;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 
 /// A direction counts as seen where its one sigma is below this share of the nominal value, or below what
 /// was asked for. Stricter than elsewhere: the estimators state no sigma of their own.
 const CERTIFIED: f64 = 0.1;
-/// An element that differs from the certificate's by more than this share of the largest moment, and by more than
-/// [`APART_SIGMAS`], is not to be relied on: the paper's approximations do not hold for the manoeuvre.
-const APART: f64 = 0.01;
-/// Sigmas of the certificate.
-const APART_SIGMAS: f64 = 5.0;
 /// Rates at the first sample below this many sigma of the gyro are rest.
 const REST: f64 = 5.0;
 
@@ -43,66 +36,6 @@ pub enum Kim2010ProblemError {
     },
 }
 
-/// This method in the list of methods.
-pub struct Kim2010;
-
-impl Method for Kim2010 {
-    fn about(&self) -> About {
-        About {
-            name: "kim2010",
-            summary: "inertia of one body from the momentum of its wheels, attitude and rates",
-            citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
-            variants: Variant::texts(),
-            settings: &[],
-            reads_accelerations: false,
-            codes: super::codes::CODES,
-        }
-    }
-
-    fn identify(
-        &self,
-        problem: &Problem,
-        variant: Option<&str>,
-        _: &Settings,
-    ) -> Result<Estimate, MethodError> {
-        let variant = Variant::named(self.about().name, variant)?;
-        Ok(identify(problem, variant)?)
-    }
-
-    fn studies(&self) -> &'static [Study] {
-        super::studies::STUDIES
-    }
-}
-
-impl Named for Variant {
-    const ALL: &'static [(Self, &'static str)] = &[
-        (
-            Self::Suggested,
-            "products of inertia from the moments alone, (14)-(16)",
-        ),
-        (Self::Batch, "nine elements at once, (2)-(4)"),
-        (Self::Conventional, "every element alone, (8)-(10), (14)"),
-        (
-            Self::PreEstimate,
-            "each product with the other one of its row as (15) gives it",
-        ),
-        (
-            Self::Iterated,
-            "(14)-(16) repeated, the paper's future work",
-        ),
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Suggested => "suggested",
-            Self::Batch => "batch",
-            Self::Conventional => "conventional",
-            Self::PreEstimate => "pre-estimate",
-            Self::Iterated => "iterated",
-        }
-    }
-}
-
 /// Identifies the inertia of one body with wheels by one of the paper's estimators.
 ///
 /// # Errors
@@ -115,9 +48,9 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     })?;
     let (sums, at_rest) = sums(problem)?;
     let mut found = run(&sums, variant)?;
-    let nominal = problem.model.bodies[0].nominal.I_BBcm_B;
+    let nominal = problem.model.bodies[0].nominal;
     let mut notes = vec![format!(
-        "Kim, Choi and Oh 2010, {}: the numbers of the published method as they come, without uncertainty. They are no answer where the certificate says not identifiable ({} of {} combinations are seen).",
+        "Kim, Choi and Oh 2010, {}: the numbers as the paper's equations give them. They are no answer where the linear method finds them not identifiable ({} of {} combinations are determined). Sigma above is that of the linear method, widened by the difference to it.",
         variant.name(),
         estimate.identifiability.rank,
         estimate.identifiability.parameters,
@@ -143,11 +76,12 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
             .map(|(name, value)| NamedNumber {
                 name: format!("{prefix}_{name}"),
                 unit: "kg m2",
-                number: plain(*value, nominal_of(&nominal, name)),
+                number: plain(*value, nominal.I_BBcm_B[TENSOR[tensor_index(name)]]),
             })
             .collect()
     };
-    let mut list = numbers(&NAMES, &found.printed, "inertia");
+    let six = NAMES.map(|name| tensor_name(tensor_index(name)));
+    let mut list = numbers(&six, &found.printed, "inertia");
     if variant == Variant::Batch {
         let nine = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
         let values: Vec<f64> = (0..9).map(|k| found.tensor[(k / 3, k % 3)]).collect();
@@ -159,44 +93,19 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Kim2010
     if !found.settled && estimate.status == Status::Converged {
         estimate.status = Status::IterationLimit;
     }
-    let symmetric = (found.tensor + found.tensor.transpose()) * 0.5;
-    let certified = estimate.bodies[0].clone();
-    if let Some(doubt) = apart(&certified, &symmetric).filter(|_| !impossible) {
-        estimate.doubt(doubt);
-    }
-    estimate.bodies[0] = replaced(certified, &symmetric, impossible);
+    let body = MassProperties {
+        I_BBcm_B: (found.tensor + found.tensor.transpose()) * 0.5,
+        ..nominal
+    };
+    put(problem, &mut estimate, &[body.parameters()], impossible);
     if impossible {
         estimate.status = Status::Rejected;
     }
-    estimate.system = None;
-    estimate.nuisance.clear();
-    estimate.covariance_names.clear();
-    estimate.covariance_units.clear();
-    estimate.covariance.clear();
-    estimate.covariance_trustworthy = false;
     estimate.method_report = Some(MethodReport {
         note: notes.join(" "),
         numbers: list,
     });
     Ok(estimate)
-}
-
-/// The element that is furthest from the certificate's, where that is too far.
-fn apart(certified: &BodyEstimate, found: &Matrix3) -> Option<String> {
-    let largest = found.symmetric_eigenvalues().amax();
-    let gaps = certified.inertia.iter().zip(TENSOR).filter_map(|(n, e)| {
-        let (value, sigma) = (n.value?, n.sigma?);
-        let gap = (found[e] - value).abs();
-        (gap > APART * largest && gap > APART_SIGMAS * sigma).then_some((gap, e))
-    });
-    let (gap, (i, j)) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let axis = ["x", "y", "z"];
-    Some(format!(
-        "I_{}{} is {:.1} % of the largest moment away from linear least squares of the same data: the estimator neglects products of inertia that this manoeuvre shows; use --variant batch or --method maximum_likelihood",
-        axis[i.min(j)],
-        axis[i.max(j)],
-        100.0 * gap / largest
-    ))
 }
 
 fn check(problem: &Problem) -> Result<(), Kim2010ProblemError> {
@@ -209,7 +118,7 @@ fn check(problem: &Problem) -> Result<(), Kim2010ProblemError> {
         ));
     }
     if model.wheels.is_empty() {
-        return unsuited("the model has no wheel, so the scale of the inertia is open; use --method maximum_likelihood".into());
+        return unsuited("the model has no wheel, so the scale of the inertia is undetermined; use --method maximum_likelihood".into());
     }
     if let Some(segment) = problem.segments.iter().find(|s| !s.firings.is_empty()) {
         return unsuited(format!(
@@ -336,54 +245,4 @@ fn plain(value: f64, nominal: f64) -> Number {
         nominal,
         source: Source::Data,
     }
-}
-
-fn nominal_of(I: &Matrix3, name: &str) -> f64 {
-    let index = |c: Option<char>| c.and_then(|c| "xyz".find(c)).unwrap_or(0);
-    let mut letters = name.chars();
-    I[(index(letters.next()), index(letters.next()))]
-}
-
-/// The certified body with the method's numbers where the certificate stands, and no sigma; all open where
-/// the data contradict any rigid body.
-fn replaced(mut body: BodyEstimate, I: &Matrix3, impossible: bool) -> BodyEstimate {
-    let seen = |n: &Number| n.source == Source::Data;
-    let shift: [Option<f64>; 6] = std::array::from_fn(|k| {
-        body.barycentric[4 + k]
-            .value
-            .zip(body.inertia[k].value)
-            .map(|(o, cm)| o - cm)
-    });
-    for k in 0..6 {
-        if !seen(&body.inertia[k]) {
-            continue;
-        }
-        if impossible {
-            body.inertia[k] = Number::open(body.inertia[k].nominal);
-            continue;
-        }
-        let value = I[TENSOR[k]];
-        body.inertia[k] = plain(value, body.inertia[k].nominal);
-        body.barycentric[4 + k] = match shift[k] {
-            Some(shift) => plain(value + shift, body.barycentric[4 + k].nominal),
-            None => Number::open(body.barycentric[4 + k].nominal),
-        };
-    }
-    for number in body
-        .com
-        .iter_mut()
-        .chain([&mut body.mass])
-        .chain(&mut body.barycentric)
-    {
-        if seen(number) && number.sigma.is_some() {
-            *number = Number::open(number.nominal);
-        }
-    }
-    BodyEstimate::from_numbers(
-        body.name,
-        body.mass,
-        body.com,
-        body.inertia,
-        body.barycentric,
-    )
 }

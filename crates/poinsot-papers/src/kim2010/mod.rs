@@ -32,472 +32,53 @@
 
 mod codes;
 mod identify;
+mod iteration;
 pub mod studies;
+mod sums;
 mod suspicions;
+mod variant;
 
-pub use identify::{Kim2010, Kim2010ProblemError, identify};
+pub use identify::{Kim2010ProblemError, identify};
+pub use iteration::Iterated;
+pub use sums::{
+    Answer, ELEMENTS, Kim2010Error, Manoeuvre, NAMES, StartRate, Sums, VISITED, symmetric,
+    wheel_momentum,
+};
+pub use variant::Variant;
 
-use faer::Mat;
-use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+use crate::error::MethodError;
+use crate::method::{About, Method, Named};
+use crate::setting::Settings;
+use crate::study::Study;
+use poinsot_identify::{Estimate, Problem};
 
-/// Element order of every list of six numbers here: that of the paper's tables.
-pub const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-/// Names of the six, tensor elements.
-pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
+/// This method in the list of methods.
+pub struct Kim2010;
 
-/// Share of the largest singular value of `G` below which a direction of the rates is round-off.
-const ROUND_OFF: f64 = 1.0e-10;
-/// Sweeps of the iteration.
-const SWEEPS: usize = 100_000;
-/// Change of an element in one sweep, relative to the largest, at which the iteration has settled.
-const SETTLED: f64 = 1.0e-13;
-
-/// What to assume of the rates at the first sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum StartRate {
-    /// Zero, as the paper does after (7): the noise of the first sample does not enter.
-    #[default]
-    Rest,
-    /// As measured: `I w(0)` stays in (7).
-    Measured,
-}
-
-/// One stretch of telemetry at common times.
-#[derive(Debug, Clone, Copy)]
-pub struct Manoeuvre<'a> {
-    /// Attitude of the body.
-    pub R_NB: &'a [UnitQuaternion],
-    /// Angular velocity in B, rad/s.
-    pub w_NB_B: &'a [Vector3],
-    /// Momentum of the wheels relative to the body `C I_rw omega_rw`, in B, N m s.
-    pub h_W_B: &'a [Vector3],
-    /// Rates at the first sample.
-    pub start: StartRate,
-}
-
-/// The five estimators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Variant {
-    /// Nine elements at once, (2)-(4).
-    Batch,
-    /// Every element alone, (8)-(10), (14).
-    Conventional,
-    /// Products from the moments and the other product of the row as (15) gives it.
-    PreEstimate,
-    /// Products from the moments alone, (14)-(16).
-    Suggested,
-    /// (14)-(16) repeated: the paper's announced future work.
-    Iterated,
-}
-
-/// Why there is no answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Kim2010Error {
-    /// Arrays of different lengths.
-    #[error(
-        "E0420 kim2010: attitude, rates and wheel momentum have different numbers of samples; give one of each per time"
-    )]
-    Lengths,
-    /// Fewer than three samples.
-    #[error("E0421 kim2010: fewer than three samples; give a longer record")]
-    TooFew,
-    /// An axis without rotation: (14) divides by zero.
-    #[error(
-        "E0422 kim2010: the body never turns about its {axis} axis, and (14) divides by the rate about it; use a manoeuvre that turns about all three axes"
-    )]
-    NoRotation {
-        /// Axis.
-        axis: char,
-    },
-    /// Wheels that never change their momentum: z = 0 in (2).
-    #[error(
-        "E0423 kim2010: the momentum of the wheels never changes, so Q = 0 (8) and the scale of the inertia is open; check the wheel columns"
-    )]
-    NoWheelMotion,
-    /// Not a number.
-    #[error(
-        "E0424 kim2010: the telemetry holds numbers that are not finite or overflow; check units and magnitudes"
-    )]
-    NotFinite,
-}
-
-/// The answer of one estimator.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answer {
-    /// The nine elements as they were computed, before pairs are averaged (16).
-    pub elements: Matrix3,
-    /// The six numbers that the paper's tables print: pairs averaged, save for the batch fit, where
-    /// they are the elements xy, yz, zx themselves.
-    pub printed: [f64; 6],
-}
-
-/// The iteration, with what it does in the long run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Iterated {
-    /// Where it stands after the last sweep.
-    pub answer: Answer,
-    /// Whether it settled.
-    pub converged: bool,
-    /// Sweeps made.
-    pub sweeps: usize,
-    /// Largest modulus of the eigenvalues of one sweep: below one it converges, from any start.
-    pub spectral_radius: f64,
-    /// Number of independent directions in which any value is a fixed point.
-    pub free_directions: usize,
-    /// The fixed point, where there is exactly one.
-    pub fixed_point: Option<[f64; 6]>,
-}
-
-/// Momentum of wheels relative to their body, `C I_rw omega_rw`, N m s.
-///
-/// `axes` are the columns of C (unit vectors in B), one per wheel; `spin_inertia` in kg m2, `speed` in
-/// rad/s relative to the body.
-pub fn wheel_momentum(axes: &[Vector3], spin_inertia: &[f64], speed: &[f64]) -> Vector3 {
-    let wheels = axes.iter().zip(spin_inertia).zip(speed);
-    wheels.map(|((a, js), speed)| a * (js * speed)).sum()
-}
-
-/// The sums that hold all an estimator needs of any number of manoeuvres.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sums {
-    /// `sum w w^T`.
-    pub G: Matrix3,
-    /// `sum Q w^T`.
-    pub K: Matrix3,
-    /// `sum (M e_i w_0j) w^T` for each element (i, j) of I: the start momentum `M I w_0`.
-    start: [[Matrix3; 3]; 3],
-    /// Samples.
-    pub samples: usize,
-}
-
-impl Sums {
-    /// Adds up manoeuvres.
-    ///
-    /// # Errors
-    /// The estimators could not divide by these sums.
-    pub fn of(manoeuvres: &[Manoeuvre]) -> Result<Self, Kim2010Error> {
-        let mut sums = Self {
-            G: Matrix3::zeros(),
-            K: Matrix3::zeros(),
-            start: [[Matrix3::zeros(); 3]; 3],
-            samples: 0,
-        };
-        for manoeuvre in manoeuvres {
-            sums.add(manoeuvre)?;
+impl Method for Kim2010 {
+    fn about(&self) -> About {
+        About {
+            name: "kim2010",
+            summary: "inertia of one body from the momentum of its wheels, attitude and rates",
+            citation: "Kim, Choi, Oh, J. Astron. Space Sci. 27(4), 2010, doi 10.5140/JASS.2010.27.4.353",
+            variants: Variant::texts(),
+            settings: &[],
+            reads_accelerations: false,
+            codes: codes::CODES,
         }
-        sums.check()?;
-        Ok(sums)
     }
 
-    /// The sums themselves, of a record that starts at rest: `sum w w^T` and `sum Q w^T`.
-    ///
-    /// # Errors
-    /// The estimators could not divide by these sums.
-    pub fn at_rest(G: Matrix3, K: Matrix3, samples: usize) -> Result<Self, Kim2010Error> {
-        let sums = Self {
-            G,
-            K,
-            start: [[Matrix3::zeros(); 3]; 3],
-            samples,
-        };
-        sums.check()?;
-        Ok(sums)
-    }
-
-    fn add(&mut self, m: &Manoeuvre) -> Result<(), Kim2010Error> {
-        let n = m.R_NB.len();
-        if m.w_NB_B.len() != n || m.h_W_B.len() != n {
-            return Err(Kim2010Error::Lengths);
-        }
-        let (Some(R_0), Some(h_0), Some(w_0)) = (m.R_NB.first(), m.h_W_B.first(), m.w_NB_B.first())
-        else {
-            return Ok(());
-        };
-        // With `sum M_k e_i w_k^T` for the three i, the nine sums of `start` follow.
-        let mut turned = [Matrix3::zeros(); 3];
-        for ((R, w), h) in m.R_NB.iter().zip(m.w_NB_B).zip(m.h_W_B) {
-            let M = (R.inverse() * R_0).to_rotation_matrix().into_inner();
-            let Q = M * h_0 - h;
-            self.G += w * w.transpose();
-            self.K += Q * w.transpose();
-            for (i, sum) in turned.iter_mut().enumerate() {
-                *sum += M.column(i) * w.transpose();
-            }
-        }
-        if m.start == StartRate::Measured {
-            for (row, sum) in self.start.iter_mut().zip(&turned) {
-                for (part, w) in row.iter_mut().zip(w_0.iter()) {
-                    *part += sum * *w;
-                }
-            }
-        }
-        self.samples += n;
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), Kim2010Error> {
-        let finite = |m: &Matrix3| m.iter().all(|x| x.is_finite());
-        if self.samples < 3 {
-            return Err(Kim2010Error::TooFew);
-        }
-        if !finite(&self.G) || !finite(&self.K) {
-            return Err(Kim2010Error::NotFinite);
-        }
-        for (k, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
-            if self.G[(k, k)] <= f64::MIN_POSITIVE {
-                return Err(Kim2010Error::NoRotation { axis });
-            }
-        }
-        if self.K == Matrix3::zeros() {
-            return Err(Kim2010Error::NoWheelMotion);
-        }
-        Ok(())
-    }
-
-    /// Correlation of the residual of (11) with the rates, `E(I)` above.
-    pub fn residual(&self, I: &Matrix3) -> Matrix3 {
-        let mut E = self.K - I * self.G;
-        for (i, row) in self.start.iter().enumerate() {
-            for (j, part) in row.iter().enumerate() {
-                E += part * I[(i, j)];
-            }
-        }
-        E
-    }
-
-    /// The elements listed, from as many elements of `E(I) = 0`; the others stay as in `given`. Where the
-    /// equations are dependent the smallest change from `given`. Also returns their rank.
-    fn solve(
+    fn identify(
         &self,
-        elements: &[(usize, usize)],
-        given: &Matrix3,
-    ) -> Result<(Matrix3, usize), Kim2010Error> {
-        let n = elements.len();
-        let at_given = self.residual(given);
-        let mut A = Mat::<f64>::zeros(n, n);
-        for (column, &element) in elements.iter().enumerate() {
-            let mut moved = *given;
-            moved[element] += 1.0;
-            let change = at_given - self.residual(&moved);
-            for (row, &equation) in elements.iter().enumerate() {
-                A[(row, column)] = change[equation];
-            }
-        }
-        let svd = A.svd().map_err(|_| Kim2010Error::NotFinite)?;
-        let (U, S, V) = (svd.U(), svd.S(), svd.V());
-        let mut I = *given;
-        let mut rank = 0;
-        for k in (0..n).take_while(|k| S[*k] > ROUND_OFF * S[0]) {
-            rank += 1;
-            let along: f64 = (0..n).map(|i| U[(i, k)] * at_given[elements[i]]).sum();
-            for (j, &element) in elements.iter().enumerate() {
-                I[element] += V[(j, k)] * along / S[k];
-            }
-        }
-        Ok((I, rank))
+        problem: &Problem,
+        variant: Option<&str>,
+        _: &Settings,
+    ) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        identify(problem, variant).map_err(MethodError::refused)
     }
 
-    /// The nine-element fit (2)-(4), and its rank: nine where the manoeuvre turns about three independent
-    /// axes. Below that `H^T H` in (3) has no inverse and the solution of smallest norm is returned.
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn batch(&self) -> Result<(Answer, usize), Kim2010Error> {
-        let all: Vec<(usize, usize)> = (0..9).map(|k| (k / 3, k % 3)).collect();
-        let (elements, rank) = self.solve(&all, &Matrix3::zeros())?;
-        let printed = ELEMENTS.map(|e| elements[e]);
-        Ok((Answer { elements, printed }, rank))
+    fn studies(&self) -> &'static [Study] {
+        studies::STUDIES
     }
-
-    /// Moments of inertia (14), products neglected. With rates at the start the three share `I w_0`.
-    fn moments(&self, products: &Matrix3) -> Result<Matrix3, Kim2010Error> {
-        let (I, rank) = self.solve(&ELEMENTS[..3], products)?;
-        if rank < 3 {
-            return Err(Kim2010Error::NotFinite);
-        }
-        Ok(I)
-    }
-
-    /// Each element alone (8)-(10): the equations of a one-axis manoeuvre, whatever the manoeuvre was.
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn conventional(&self) -> Result<Answer, Kim2010Error> {
-        let mut I = self.moments(&Matrix3::zeros())?;
-        let start = self.residual(&diagonal(&I)) + diagonal(&I) * self.G;
-        for (i, j) in PRODUCTS {
-            I[(i, j)] = start[(i, j)] / self.G[(j, j)];
-        }
-        Ok(averaged(I))
-    }
-
-    /// Products from the moments alone: (14), (15), (16).
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn suggested(&self) -> Result<Answer, Kim2010Error> {
-        let I = self.moments(&Matrix3::zeros())?;
-        Ok(averaged(self.products(&I)))
-    }
-
-    /// (15) with the elements of `I` on the right-hand side.
-    fn products(&self, I: &Matrix3) -> Matrix3 {
-        let E = self.residual(I);
-        let mut found = *I;
-        for (i, j) in PRODUCTS {
-            found[(i, j)] += E[(i, j)] / self.G[(j, j)];
-        }
-        found
-    }
-
-    /// "Considering pre-estimate": every product with the other product of its row as (15) gives it, all at
-    /// once. `I_xz` stays as (15b) gives it, the paper's own example of a product that uses no other.
-    ///
-    /// The text does not state this reading. It is the one that reproduces the printed column from the sums
-    /// that the other columns of Table 2 fix (`docs/methods/kim2010.md`).
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn pre_estimate(&self) -> Result<Answer, Kim2010Error> {
-        let moments = self.moments(&Matrix3::zeros())?;
-        let first = self.products(&moments);
-        let mut I = first;
-        for (i, j) in PRODUCTS.into_iter().filter(|e| *e != (0, 2)) {
-            let mut given = moments;
-            let other = (i, 3 - i - j);
-            given[other] = first[other];
-            I[(i, j)] = self.residual(&given)[(i, j)] / self.G[(j, j)];
-        }
-        Ok(averaged(I))
-    }
-
-    /// A sequential reading of "considering pre-estimate": products found one after the other in `order`,
-    /// each with the other product of its row where that (or its mirror image) was found before. No order
-    /// reproduces the printed column; kept for comparison.
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn pre_estimate_in_order(
-        &self,
-        order: &[(usize, usize); 6],
-    ) -> Result<Answer, Kim2010Error> {
-        let mut I = self.moments(&Matrix3::zeros())?;
-        let moments = I;
-        // The tensor is symmetric: of a pair the element found first stands for both.
-        let mut found: [Option<f64>; 3] = [None; 3];
-        let pair = |i: usize, j: usize| 3 - i - j;
-        for &(i, j) in order {
-            let other = pair(i, j);
-            let mut given = moments;
-            if let Some(value) = found[pair(i, other)] {
-                given[(i, other)] = value;
-            }
-            let value = self.residual(&given)[(i, j)] / self.G[(j, j)];
-            I[(i, j)] = value;
-            found[pair(i, j)].get_or_insert(value);
-        }
-        Ok(averaged(I))
-    }
-
-    /// One sweep of the iteration: (14), (15), (16), each with the elements of the sweep before on the
-    /// right-hand side. From zero the first sweep is [`Self::suggested`].
-    fn sweep(&self, x: &[f64; 6]) -> Result<[f64; 6], Kim2010Error> {
-        let I = self.moments(&symmetric(x))?;
-        Ok(averaged(self.products(&I)).printed)
-    }
-
-    /// Repeats (14)-(16) from zero until nothing changes.
-    ///
-    /// A sweep is affine, `x <- B x + b`: its fixed points and its rate come from B.
-    ///
-    /// # Errors
-    /// Not finite.
-    pub fn iterated(&self) -> Result<Iterated, Kim2010Error> {
-        let b = self.sweep(&[0.0; 6])?;
-        let mut B = [[0.0; 6]; 6];
-        for j in 0..6 {
-            let mut unit = [0.0; 6];
-            unit[j] = 1.0;
-            for (row, (moved, b)) in B.iter_mut().zip(self.sweep(&unit)?.into_iter().zip(b)) {
-                row[j] = moved - b;
-            }
-        }
-        let (mut x, mut sweeps, mut converged) = (b, 1, false);
-        while sweeps < SWEEPS && !converged {
-            let next: [f64; 6] = std::array::from_fn(|i| {
-                b[i] + B[i].iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()
-            });
-            let largest = next.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            let change = next
-                .iter()
-                .zip(&x)
-                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            if !largest.is_finite() {
-                break;
-            }
-            converged = change <= SETTLED * largest;
-            x = next;
-            sweeps += 1;
-        }
-        let matrix = Mat::from_fn(6, 6, |i, j| B[i][j]);
-        let eigenvalues = matrix.eigenvalues().map_err(|_| Kim2010Error::NotFinite)?;
-        let spectral_radius = eigenvalues
-            .iter()
-            .fold(0.0_f64, |m, z| m.max(z.re.hypot(z.im)));
-        let (fixed_point, free_directions) = fixed_point(&B, &b)?;
-        let elements = symmetric(&x);
-        Ok(Iterated {
-            answer: Answer {
-                elements,
-                printed: x,
-            },
-            converged,
-            sweeps,
-            spectral_radius,
-            free_directions,
-            fixed_point,
-        })
-    }
-}
-
-/// Off-diagonal elements in the order of (15).
-const PRODUCTS: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
-
-/// Column by column: the order in which the one-axis manoeuvres of the conventional method find them.
-pub const VISITED: [(usize, usize); 6] = [(1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2)];
-
-/// The point with `x = B x + b`, and the number of directions along which it may move.
-fn fixed_point(B: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<(Option<[f64; 6]>, usize), Kim2010Error> {
-    let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
-    let svd = A.svd().map_err(|_| Kim2010Error::NotFinite)?;
-    let (U, S, V) = (svd.U(), svd.S(), svd.V());
-    let rank = (0..6).filter(|k| S[*k] > ROUND_OFF * S[0]).count();
-    let point = (rank == 6).then(|| {
-        std::array::from_fn(|i| {
-            (0..6)
-                .map(|k| V[(i, k)] * (0..6).map(|j| U[(j, k)] * b[j]).sum::<f64>() / S[k])
-                .sum()
-        })
-    });
-    Ok((point, 6 - rank))
-}
-
-fn diagonal(I: &Matrix3) -> Matrix3 {
-    Matrix3::from_diagonal(&I.diagonal())
-}
-
-/// Pairs of products averaged (16).
-fn averaged(elements: Matrix3) -> Answer {
-    let printed = ELEMENTS.map(|(i, j)| 0.5 * (elements[(i, j)] + elements[(j, i)]));
-    Answer { elements, printed }
-}
-
-/// The tensor of six numbers in the order of [`ELEMENTS`].
-pub fn symmetric(x: &[f64; 6]) -> Matrix3 {
-    let mut I = Matrix3::zeros();
-    for ((i, j), value) in ELEMENTS.into_iter().zip(x) {
-        I[(i, j)] = *value;
-        I[(j, i)] = *value;
-    }
-    I
 }

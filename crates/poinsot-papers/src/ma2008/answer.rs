@@ -1,90 +1,23 @@
 //! From model and telemetry to the answer: both steps, what they determine, sigma and words.
 
-use super::both::*;
+use super::arm::{Raw, Vehicle};
+use super::both::{Solved, solve_both};
+use super::data::{Variant, check, raws, sources};
+use super::equations::Given;
 use super::error::Ma2008Error;
-use super::influence::Directions;
-use super::words::*;
-use super::{Given, Raw, Vehicle, tensor};
-use crate::method::{About, Method, MethodError, Named};
-use crate::setting::Settings;
-use crate::study::Study;
-use nalgebra::{DMatrix, SMatrix, SVector};
+use super::ten::{MISFIT, Ten, properties, unit};
+use super::words::{identifiability, warnings};
+use crate::method::Named;
+use nalgebra::DMatrix;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
     BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
-    SegmentFit, Source as From, Status, axis_name,
+    SegmentFit, Source as From, Status, axis_name, tensor_name,
 };
-use poinsot_spatial::{InertialParameters, MassProperties, Vector3};
+use poinsot_spatial::{InertialParameters, MassProperties};
 
-/// Which option of both steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Variant {
-    /// Option 1 for the linear, the angular momentum or both, as the model gives them.
-    KnownMomentum,
-    /// Option 2: both are eliminated by increments.
-    UnknownMomentum,
-}
-
-impl Named for Variant {
-    const ALL: &'static [(Self, &'static str)] = &[
-        (
-            Self::UnknownMomentum,
-            "option 2: increments eliminate the momentum",
-        ),
-        (
-            Self::KnownMomentum,
-            "option 1: the model gives linear or angular momentum, or both",
-        ),
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::KnownMomentum => "known-momentum",
-            Self::UnknownMomentum => "unknown-momentum",
-        }
-    }
-}
-
-/// This method in the list of methods.
-pub struct Ma2008;
-
-impl Method for Ma2008 {
-    fn about(&self) -> About {
-        About {
-            name: "ma2008",
-            summary: "mass, mass centre and inertia of the base from the motion of a known arm",
-            citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
-            variants: Variant::texts(),
-            settings: &[],
-            reads_accelerations: false,
-            codes: super::codes::CODES,
-        }
-    }
-
-    fn identify(
-        &self,
-        problem: &Problem,
-        variant: Option<&str>,
-        _: &Settings,
-    ) -> Result<Estimate, MethodError> {
-        let variant = Variant::named(self.about().name, variant)?;
-        Ok(identify(problem, variant)?)
-    }
-
-    fn studies(&self) -> &'static [Study] {
-        super::studies::STUDIES
-    }
-}
-
-/// Chi-square per degree of freedom above which the declared noise cannot be right.
-pub(super) const MISFIT: f64 = 1.5;
 /// Above which a model that explains little, or a given momentum that explains less than none, is refused.
 const REJECT: f64 = 9.0;
-/// A number that leans on open directions by more than this share is not answered.
-const TOUCH: f64 = 1.0e-4;
-/// Elements of the paper's `y` in the order xx, xy, yy, xz, yz, zz of the result.
-const RESULT_ORDER: [usize; 6] = [0, 3, 1, 4, 5, 2];
-pub(super) const PAPER_NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// Identifies the base of a vehicle by its arm.
 ///
@@ -114,101 +47,6 @@ pub fn identify(problem: &Problem, variant: Variant) -> Result<Estimate, Ma2008E
         estimate.assumptions.push("velocity: summed from the first sample over velocity increments or specific force; its unknown constant is eliminated".to_owned());
     }
     Ok(estimate)
-}
-
-/// The ten numbers `u = [m, com, I in the paper's order]` with covariance and what is open of them.
-pub(super) struct Ten {
-    pub(super) value: [f64; 10],
-    pub(super) covariance: SMatrix<f64, 10, 10>,
-    pub(super) bias: SVector<f64, 10>,
-    pub(super) open: [bool; 10],
-    pub(super) inflation: f64,
-}
-
-impl Ten {
-    fn new(solved: &Solved, inflation: f64, rejected: bool) -> Self {
-        let x = &solved.x;
-        let m = solved.arm_mass / x[0];
-        let mut value = [0.0; 10];
-        value[..4].copy_from_slice(&[m, x[1], x[2], x[3]]);
-        // From directions to u: columns of the map.
-        let effect = &solved.influence;
-        let mut map = SMatrix::<f64, 10, 10>::zeros();
-        let d = SVector::<f64, 4>::new(-m / x[0], 1.0, 1.0, 1.0);
-        let bias_x = solved
-            .linear
-            .in_units(&solved.linear.along(&effect.linear.bias));
-        let mut bias = SVector::<f64, 10>::zeros();
-        for i in 0..4 {
-            bias[i] = d[i] * bias_x[i];
-            for j in 0..4 {
-                map[(i, j)] = d[i] * solved.linear.natural[i] * solved.linear.V[(i, j)];
-            }
-        }
-        let mut open = [true; 10];
-        mask(&solved.linear, &mut open[..4]);
-        if let Some((y, directions)) = &solved.angular {
-            mask(directions, &mut open[4..]);
-            let rhs = effect.angular.bias + effect.coupling * bias_x;
-            let bias_y = directions.in_units(&directions.along(&rhs));
-            for i in 0..6 {
-                value[4 + i] = y[i];
-                bias[4 + i] = bias_y[i];
-                for j in 0..6 {
-                    map[(4 + i, 4 + j)] = directions.natural[i] * directions.V[(i, j)];
-                }
-            }
-        }
-        let covariance = map * effect.covariance.fixed_view::<10, 10>(0, 0) * map.transpose();
-        let broken = rejected || x[0] <= 0.0;
-        Self {
-            value,
-            covariance,
-            bias,
-            open: open.map(|o| o || broken),
-            inflation,
-        }
-    }
-
-    /// A function of the ten numbers; open where it changes with an open one.
-    fn number(&self, nominal: f64, f: impl Fn(&[f64; 10]) -> f64) -> Number {
-        let mut gradient = SVector::<f64, 10>::zeros();
-        for k in 0..10 {
-            let h = 1.0e-5 * (self.value[k].abs() + 1.0e-3 * self.value[0].abs().max(1.0));
-            let (mut a, mut b) = (self.value, self.value);
-            a[k] += h;
-            b[k] -= h;
-            gradient[k] = (f(&a) - f(&b)) / (2.0 * h);
-        }
-        let value = f(&self.value);
-        let open = (0..10).any(|k| self.open[k] && gradient[k] != 0.0);
-        if open || !value.is_finite() {
-            return Number::open(nominal);
-        }
-        let variance = (self.covariance * gradient).dot(&gradient).max(0.0);
-        let bias = self.bias.dot(&gradient);
-        let sigma = self.inflation * (variance + bias * bias).sqrt();
-        Number::data(value, sigma, nominal)
-    }
-}
-
-fn mask<const N: usize>(d: &Directions<N>, open: &mut [bool]) {
-    for (i, o) in open.iter_mut().enumerate() {
-        let touch: f64 = (0..N)
-            .filter(|&j| !d.usable[j])
-            .map(|j| d.V[(i, j)] * d.V[(i, j)])
-            .sum();
-        *o = touch.sqrt() > TOUCH;
-    }
-}
-
-fn properties(u: &[f64; 10]) -> MassProperties {
-    let y = [u[4], u[5], u[6], u[7], u[8], u[9]];
-    MassProperties {
-        mass: u[0],
-        p_BoBcm_B: Vector3::new(u[1], u[2], u[3]),
-        I_BBcm_B: tensor(&y),
-    }
 }
 
 fn write(
@@ -369,12 +207,11 @@ fn system(
 type Covariance = (Vec<String>, Vec<&'static str>, Vec<Vec<f64>>);
 
 fn covariance(ten: &Ten, name: &str) -> Covariance {
-    let order = [0, 1, 2, 3].into_iter().chain(RESULT_ORDER.map(|k| 4 + k));
-    let kept: Vec<usize> = order.filter(|&k| !ten.open[k]).collect();
+    let kept: Vec<usize> = (0..10).filter(|&k| !ten.open[k]).collect();
     let label = |k: usize| match k {
         0 => format!("{name}.mass"),
         1..=3 => format!("{name}.com_{}", axis_name(k - 1)),
-        _ => format!("{name}.inertia_{}", PAPER_NAMES[k - 4]),
+        _ => format!("{name}.inertia_{}", tensor_name(k - 4)),
     };
     let scale = ten.inflation * ten.inflation;
     (
@@ -388,14 +225,6 @@ fn covariance(ten: &Ten, name: &str) -> Covariance {
             })
             .collect(),
     )
-}
-
-pub(super) fn unit(k: usize) -> &'static str {
-    match k {
-        0 => "kg",
-        1..=3 => "m",
-        _ => "kg m2",
-    }
 }
 
 fn momentum(given: Given, solved: &Solved, ten: &Ten) -> Vec<MomentumEstimate> {

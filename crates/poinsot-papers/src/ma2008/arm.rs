@@ -4,7 +4,6 @@
 //! branching, revolute and (beyond the paper) prismatic joints, are `Kinematics::place` and
 //! `Kinematics::set_velocities`.
 
-use super::Reading;
 use poinsot_dynamics::{Kinematics, Tree, wheel_momentum};
 use poinsot_model::Model;
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, parallel_axis};
@@ -23,6 +22,19 @@ pub struct Arm {
     /// Angular momentum of the motion relative to the base about the arm's mass centre, wheels of the
     /// whole vehicle included, N m s.
     pub h_R: Vector3,
+}
+
+/// One sample: base motion and the arm as it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Rotation from base axes to N.
+    pub R_NB: Matrix3,
+    /// Velocity of the base origin, in **base** axes, m/s.
+    pub v_NBo_B: Vector3,
+    /// Angular velocity of the base, in base axes, rad/s.
+    pub w_NB_B: Vector3,
+    /// The arm.
+    pub arm: Arm,
 }
 
 /// One sample as the sensors give it.

@@ -3,9 +3,16 @@
 //! Misprint in the paper: row 2 of (39) is `dv(2) + dw(3) rho(1) - dw(1) rho(3)`. Step 2 as printed takes
 //! mass and mass centre as exact: (45) has no term for the error of step 1.
 
-use super::{AngularRows, LinearRows, Reading, Step, tensor_regressor};
-use nalgebra::{DMatrix, SMatrix};
-use poinsot_spatial::{Vector3, skew};
+use super::arm::Reading;
+use super::equations::{AngularRows, LinearRows};
+use super::influence::Influence;
+use super::solve::Step;
+use nalgebra::SMatrix;
+use poinsot_spatial::{Vector3, skew, tensor_regressor};
+
+/// Size of an error that its root mean square exceeds times this with a probability below 0.1 %: a sum of squares of
+/// normal numbers with mean m stays below `m (1 + sqrt(2 t))^2` but for `exp(-t)` (Laurent and Massart 2000).
+const LIMIT: f64 = 4.717;
 
 /// The bound for one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +23,7 @@ pub struct Bound {
     pub inverse_norm: f64,
     /// Condition number, (37).
     pub condition: f64,
-    /// `||dA||`.
+    /// `||dA||`, Frobenius.
     pub epsilon_A: f64,
     /// `||db||`.
     pub epsilon_b: f64,
@@ -75,16 +82,30 @@ pub fn angular_error(s: &Reading, m_S: f64, rho_S: &Vector3, dw: &Vector3) -> An
     rows
 }
 
-/// Spectral norm of the first N columns and length of the last, over all rows: `(||dA||, ||db||)`.
+/// The bound of step 1 for errors of a size that the declared noise exceeds with a probability below 0.1 %.
+pub fn stated_linear(step: &Step<4>, effect: &Influence) -> Bound {
+    let noise = &effect.linear;
+    bound(step, limit(noise.epsilon_A), limit(noise.epsilon_b))
+}
+
+/// The same of step 2, whose right-hand side moves with the error of step 1, too.
+pub fn stated_angular(step: &Step<6>, effect: &Influence) -> Bound {
+    let noise = &effect.angular;
+    let right = limit(noise.epsilon_b) + limit(effect.passed_on);
+    bound(step, limit(noise.epsilon_A), right)
+}
+
+/// The limit of a size with this mean square.
+fn limit(mean_square: f64) -> f64 {
+    LIMIT * mean_square.sqrt()
+}
+
+/// Frobenius norm of the first N columns and length of the last, over all rows: `(||dA||, ||db||)`. The norm is never
+/// below the spectral one, so (35) remains an upper bound.
 pub fn sizes<const N: usize, const W: usize>(rows: &[SMatrix<f64, 3, W>]) -> (f64, f64) {
     const { assert!(W == N + 1) }
-    let mut gram = DMatrix::<f64>::zeros(N, N);
-    let mut b = 0.0;
-    for r in rows {
-        let A = r.fixed_columns::<N>(0);
-        gram += A.transpose() * A;
-        b += r.column(N).norm_squared();
-    }
-    let largest = gram.symmetric_eigenvalues().max();
-    (largest.max(0.0).sqrt(), b.sqrt())
+    let square = |r: &SMatrix<f64, 3, W>| r.fixed_columns::<N>(0).norm_squared();
+    let matrix = rows.iter().map(square).sum::<f64>();
+    let right = rows.iter().map(|r| r.column(N).norm_squared()).sum::<f64>();
+    (matrix.sqrt(), right.sqrt())
 }

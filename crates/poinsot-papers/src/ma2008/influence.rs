@@ -6,8 +6,11 @@
 //! the error of step 1 through `C = d(B y + g)/dx`. `dT_kj` is half the difference of the rows at plus
 //! and minus one sigma.
 
+use super::arm::{Raw, Reading, Vehicle};
+use super::equations::{
+    AngularRows, Given, LinearRows, angular_known, angular_rows, linear_known, linear_rows,
+};
 use super::solve::{Step, decompose};
-use super::{Given, Raw, Vehicle, angular_known, angular_rows, linear_known, linear_rows};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
@@ -198,165 +201,267 @@ const FOLLOWED: usize = 400;
 
 /// Follows every noise source through both steps.
 pub fn influence(vehicle: &mut Vehicle, setting: &Setting, solution: &Solution) -> Influence {
-    let arm_mass = vehicle.arm_mass();
-    let x1 = SVector::<f64, 5>::from_iterator(solution.x.iter().copied().chain([1.0]));
-    let y = solution.angular.map_or_else(SVector::zeros, |(y, _)| y);
-    let y1 = SVector::<f64, 7>::from_iterator(y.iter().copied().chain([1.0]));
-    let m_S = arm_mass / solution.x[0];
-    let steps = AtSolution {
-        arm_mass,
-        x: solution.x,
-        y1,
-    };
-    let known = setting.known;
-    let reference1 = known.p_C_N.map(|p| linear_known(&p, arm_mass));
-    let reference2 = known.h_C_N.map(|h| angular_known(&h));
-    let two = solution.angular.is_some();
-
+    let both = Both::new(vehicle.arm_mass(), setting.known, solution);
     // First pass: sums over samples that the first sample and the momentum need.
-    let mut K = SMatrix::<f64, 6, 4>::zeros();
+    let mut coupling = SMatrix::<f64, 6, 4>::zeros();
     let mut inherited = SMatrix::<f64, 4, 4>::zeros();
-    let mut per_segment = Vec::with_capacity(setting.segments.len());
-    for segment in setting.segments {
-        let mut sum = SegmentSums::default();
-        let mut first = None;
-        for raw in segment {
-            let reading = vehicle.reading(raw);
-            let t1 = linear_rows(&reading);
-            let (t2, c) = if two {
-                (steps.angular(&reading), steps.slope(&reading))
+    let sums: Vec<SegmentSums> = setting
+        .segments
+        .iter()
+        .map(|segment| both.sums(vehicle, segment, &mut coupling, &mut inherited))
+        .collect();
+    let momentum = sums.iter().map(|s| both.momentum(s)).collect();
+    let mut out = Influence::new(6 * sums.len(), coupling, momentum);
+    // Second pass: every source of every followed sample.
+    for (at, (segment, own)) in setting.segments.iter().zip(&sums).enumerate() {
+        let stride = segment.len().div_ceil(FOLLOWED).max(1);
+        let followed = (segment.len().saturating_sub(1)).div_ceil(stride).max(1) as f64;
+        for (k, raw) in segment.iter().enumerate() {
+            if k > 0 && (k - 1) % stride != 0 {
+                continue;
+            }
+            let weight = if k == 0 {
+                1.0
             } else {
-                (SMatrix::zeros(), SMatrix::zeros())
+                (own.count - 1.0) / followed
             };
-            let (r1, r2, rc) = *first.get_or_insert((
-                reference1.unwrap_or(t1),
-                reference2.unwrap_or(t2),
-                if known.h_C_N.is_some() {
-                    SMatrix::zeros()
-                } else {
-                    c
-                },
-            ));
-            let (a, b) = (
-                (t1 - r1).fixed_columns::<4>(0).into_owned(),
-                (t2 - r2).fixed_columns::<6>(0).into_owned(),
+            let Some(rows) = both.sample(vehicle, own, raw, (k, weight)) else {
+                continue;
+            };
+            for (source, seen) in setting.sources {
+                if let Some(error) = both.error(vehicle, raw, source, &rows) {
+                    both.follow(&mut out, (&sums, at), &rows, &error, (*seen, &inherited));
+                }
+            }
+        }
+    }
+    out
+}
+
+impl Influence {
+    fn new(
+        momenta: usize,
+        coupling: SMatrix<f64, 6, 4>,
+        momentum: Vec<(Vector3, Vector3)>,
+    ) -> Self {
+        Self {
+            covariance: DMatrix::zeros(10 + momenta, 10 + momenta),
+            linear: StepNoise::new(),
+            angular: StepNoise::new(),
+            momentum,
+            coupling,
+            inherited: 0.0,
+            passed_on: 0.0,
+        }
+    }
+}
+
+/// Both steps at their solution.
+struct Both<'a> {
+    solution: &'a Solution<'a>,
+    known: Given,
+    reference: (Option<LinearRows>, Option<AngularRows>),
+    steps: AtSolution,
+    x1: SVector<f64, 5>,
+    m_S: f64,
+}
+
+/// What an error of one sample meets: the rows in which it stands.
+struct SampleRows {
+    A: SMatrix<f64, 3, 4>,
+    B: SMatrix<f64, 3, 6>,
+    C: SMatrix<f64, 3, 4>,
+    /// Rows of step 1 of all later samples, and how many these are.
+    later: (SMatrix<f64, 3, 4>, f64),
+    /// In how many rows of each step the error stands, followed samples standing for others.
+    in_rows: [f64; 2],
+    weight: f64,
+    first: bool,
+}
+
+/// One sigma of one source of one sample, as it enters the rows of both steps.
+struct RowError {
+    d1: LinearRows,
+    d2: AngularRows,
+    /// It stays in the rows of all later samples.
+    stays: bool,
+}
+
+impl<'a> Both<'a> {
+    fn new(arm_mass: f64, known: Given, solution: &'a Solution<'a>) -> Self {
+        let y: SVector<f64, 6> = solution.angular.map_or_else(SVector::zeros, |(y, _)| y);
+        Self {
+            known,
+            reference: (
+                known.p_C_N.map(|p| linear_known(&p, arm_mass)),
+                known.h_C_N.map(|h| angular_known(&h)),
+            ),
+            steps: AtSolution {
+                arm_mass,
+                x: solution.x,
+                y1: SVector::from_iterator(y.iter().copied().chain([1.0])),
+            },
+            x1: SVector::from_iterator(solution.x.iter().copied().chain([1.0])),
+            m_S: arm_mass / solution.x[0],
+            solution,
+        }
+    }
+
+    /// Rows of both steps of a sample, and the slope of step 2 over the answer of step 1; zero where step 2 is not solved.
+    fn rows(&self, reading: &Reading) -> (LinearRows, AngularRows, SMatrix<f64, 3, 4>) {
+        let linear = linear_rows(reading);
+        match self.solution.angular {
+            Some(_) => (
+                linear,
+                self.steps.angular(reading),
+                self.steps.slope(reading),
+            ),
+            None => (linear, SMatrix::zeros(), SMatrix::zeros()),
+        }
+    }
+
+    fn sums(
+        &self,
+        vehicle: &mut Vehicle,
+        segment: &[Raw],
+        coupling: &mut SMatrix<f64, 6, 4>,
+        inherited: &mut SMatrix<f64, 4, 4>,
+    ) -> SegmentSums {
+        let mut sum = SegmentSums::default();
+        for raw in segment {
+            let (t1, t2, c) = self.rows(&vehicle.reading(raw));
+            let slope = if self.known.h_C_N.is_some() {
+                SMatrix::zeros()
+            } else {
+                c
+            };
+            let first = (
+                self.reference.0.unwrap_or(t1),
+                self.reference.1.unwrap_or(t2),
+                slope,
             );
-            K += b.transpose() * (c - rc);
-            inherited += (c - rc).transpose() * (c - rc);
+            let (r1, r2, rc) = *sum.first.get_or_insert(first);
+            let a = (t1 - r1).fixed_columns::<4>(0).into_owned();
+            let b = (t2 - r2).fixed_columns::<6>(0).into_owned();
+            *coupling += b.transpose() * (c - rc);
+            *inherited += (c - rc).transpose() * (c - rc);
+            sum.before.push(sum.A);
             sum.A += a;
-            sum.before.push(sum.A - a);
             sum.B += b;
             sum.t1 += t1;
             sum.t2 += t2;
             sum.C += c;
             sum.own_C += c - rc;
         }
-        sum.first = first;
         sum.count = segment.len() as f64;
-        per_segment.push(sum);
+        sum
     }
 
-    // Second pass: every source of every followed sample.
-    let size = 10 + 6 * setting.segments.len();
-    let mut out = Influence {
-        covariance: DMatrix::zeros(size, size),
-        linear: StepNoise::new(),
-        angular: StepNoise::new(),
-        momentum: per_segment
-            .iter()
-            .map(|s| (s.t1 * x1 * (m_S / s.count), s.t2 * y1 / s.count))
-            .collect(),
-        coupling: K,
-        inherited: 0.0,
-        passed_on: 0.0,
-    };
-    let mut effect = DVector::<f64>::zeros(size);
-    for (at, (segment, sums)) in setting.segments.iter().zip(&per_segment).enumerate() {
-        let Some((r1, r2, rc)) = sums.first else {
-            continue;
-        };
-        let stride = segment.len().div_ceil(FOLLOWED).max(1);
-        let followed = (segment.len().saturating_sub(1)).div_ceil(stride).max(1) as f64;
-        for (k, raw) in segment.iter().enumerate() {
-            let opens = k == 0;
-            if !opens && (k - 1) % stride != 0 {
-                continue;
-            }
-            let weight = if opens {
-                1.0
-            } else {
-                (sums.count - 1.0) / followed
-            };
-            let reading = vehicle.reading(raw);
-            // In option 2 the first sample stands in all rows of its segment.
-            let in_all = [known.p_C_N, known.h_C_N].map(|k| opens && k.is_none());
-            let A = match in_all[0] {
-                true => -sums.A,
-                false => (linear_rows(&reading) - r1)
-                    .fixed_columns::<4>(0)
-                    .into_owned(),
-            };
-            let (B, C) = match (in_all[1], two) {
-                (true, _) => (-sums.B, -sums.own_C),
-                (false, true) => (
-                    (steps.angular(&reading) - r2)
-                        .fixed_columns::<6>(0)
-                        .into_owned(),
-                    steps.slope(&reading) - rc,
-                ),
-                (false, false) => (SMatrix::zeros(), SMatrix::zeros()),
-            };
-            let in_rows = in_all.map(|all| if all { sums.count - 1.0 } else { weight });
-            // An error of the change of velocity stands in the rows of all later samples.
-            let later = sums.A - sums.before[k];
-            let rows_later = sums.count - k as f64;
-            for (source, seen) in setting.sources {
-                let stays = matches!(source, Source::VelocityStep(_));
-                if stays && opens {
-                    continue;
-                }
-                let (A, in_linear, samples) = match stays {
-                    true => (later, weight * rows_later, rows_later),
-                    false => (A, in_rows[0], 1.0),
-                };
-                let plus = vehicle.reading(&source.moved(raw, 1.0));
-                let minus = vehicle.reading(&source.moved(raw, -1.0));
-                let d1 = (linear_rows(&plus) - linear_rows(&minus)) * 0.5;
-                let e1 = d1 * x1;
-                out.linear.add(&d1, &e1, in_linear, *seen);
-                let c1 = solution.linear.along(&(A.transpose() * e1));
-                let dx = solution.linear.in_units(&c1);
-                effect.fill(0.0);
-                effect.fixed_rows_mut::<4>(0).copy_from(&c1);
-                let dm = -m_S / solution.x[0] * dx[0];
-                let mut dy = SVector::<f64, 6>::zeros();
-                let mut own_h = Vector3::zeros();
-                if let Some((_, angular)) = solution.angular {
-                    let d2 = (steps.angular(&plus) - steps.angular(&minus)) * 0.5;
-                    let e2 = d2 * y1;
-                    out.angular.add(&d2, &e2, in_rows[1], *seen);
-                    let c2 = angular.along(&(B.transpose() * e2 + K * dx));
-                    effect.fixed_rows_mut::<6>(4).copy_from(&c2);
-                    dy = angular.in_units(&c2);
-                    let passed_on = dx.dot(&(inherited * dx));
-                    out.passed_on += weight * passed_on;
-                    out.inherited += weight * (2.0 * e2.dot(&(C * dx)) + passed_on);
-                    own_h = e2;
-                }
-                for (other, s) in per_segment.iter().enumerate() {
-                    let own = f64::from(u8::from(other == at)) * samples / s.count;
-                    let P = out.momentum[other].0;
-                    let dP = (s.t1.fixed_columns::<4>(0) * dx / s.count + e1 * own) * m_S
-                        + P * (dm / m_S);
-                    let dH = (s.C * dx + s.t2.fixed_columns::<6>(0) * dy) / s.count + own_h * own;
-                    effect.fixed_rows_mut::<3>(10 + 6 * other).copy_from(&dP);
-                    effect.fixed_rows_mut::<3>(13 + 6 * other).copy_from(&dH);
-                }
-                out.covariance.ger(weight, &effect, &effect, 1.0);
-            }
-        }
+    fn momentum(&self, sums: &SegmentSums) -> (Vector3, Vector3) {
+        (
+            sums.t1 * self.x1 * (self.m_S / sums.count),
+            sums.t2 * self.steps.y1 / sums.count,
+        )
     }
-    out
+
+    fn sample(
+        &self,
+        vehicle: &mut Vehicle,
+        sums: &SegmentSums,
+        raw: &Raw,
+        (k, weight): (usize, f64),
+    ) -> Option<SampleRows> {
+        let (r1, r2, rc) = sums.first?;
+        let (t1, t2, c) = self.rows(&vehicle.reading(raw));
+        // In option 2 the first sample stands in all rows of its segment.
+        let in_all = [self.known.p_C_N, self.known.h_C_N].map(|known| k == 0 && known.is_none());
+        let A = match in_all[0] {
+            true => -sums.A,
+            false => (t1 - r1).fixed_columns::<4>(0).into_owned(),
+        };
+        let (B, C) = match in_all[1] {
+            true => (-sums.B, -sums.own_C),
+            false => ((t2 - r2).fixed_columns::<6>(0).into_owned(), c - rc),
+        };
+        Some(SampleRows {
+            A,
+            B,
+            C,
+            later: (sums.A - sums.before[k], sums.count - k as f64),
+            in_rows: in_all.map(|all| if all { sums.count - 1.0 } else { weight }),
+            weight,
+            first: k == 0,
+        })
+    }
+
+    fn error(
+        &self,
+        vehicle: &mut Vehicle,
+        raw: &Raw,
+        source: &Source,
+        rows: &SampleRows,
+    ) -> Option<RowError> {
+        let stays = matches!(source, Source::VelocityStep(_));
+        if stays && rows.first {
+            return None;
+        }
+        let plus = vehicle.reading(&source.moved(raw, 1.0));
+        let minus = vehicle.reading(&source.moved(raw, -1.0));
+        let angular = self.solution.angular.is_some();
+        Some(RowError {
+            d1: (linear_rows(&plus) - linear_rows(&minus)) * 0.5,
+            d2: match angular {
+                true => (self.steps.angular(&plus) - self.steps.angular(&minus)) * 0.5,
+                false => SMatrix::zeros(),
+            },
+            stays,
+        })
+    }
+
+    /// Adds what one error does to the answers of both steps and to the momentum of each segment.
+    fn follow(
+        &self,
+        out: &mut Influence,
+        (sums, at): (&[SegmentSums], usize),
+        rows: &SampleRows,
+        error: &RowError,
+        (seen, inherited): (f64, &SMatrix<f64, 4, 4>),
+    ) {
+        let (A, in_linear, samples) = match error.stays {
+            true => (&rows.later.0, rows.weight * rows.later.1, rows.later.1),
+            false => (&rows.A, rows.in_rows[0], 1.0),
+        };
+        let e1 = error.d1 * self.x1;
+        out.linear.add(&error.d1, &e1, in_linear, seen);
+        let c1 = self.solution.linear.along(&(A.transpose() * e1));
+        let dx = self.solution.linear.in_units(&c1);
+        let mut effect = DVector::<f64>::zeros(out.covariance.nrows());
+        effect.fixed_rows_mut::<4>(0).copy_from(&c1);
+        let dm = -self.m_S / self.solution.x[0] * dx[0];
+        let mut dy = SVector::<f64, 6>::zeros();
+        let mut own_h = Vector3::zeros();
+        if let Some((_, angular)) = self.solution.angular {
+            let e2 = error.d2 * self.steps.y1;
+            out.angular.add(&error.d2, &e2, rows.in_rows[1], seen);
+            let c2 = angular.along(&(rows.B.transpose() * e2 + out.coupling * dx));
+            effect.fixed_rows_mut::<6>(4).copy_from(&c2);
+            dy = angular.in_units(&c2);
+            let passed_on = dx.dot(&(inherited * dx));
+            out.passed_on += rows.weight * passed_on;
+            out.inherited += rows.weight * (2.0 * e2.dot(&(rows.C * dx)) + passed_on);
+            own_h = e2;
+        }
+        for (other, s) in sums.iter().enumerate() {
+            let own = f64::from(u8::from(other == at)) * samples / s.count;
+            let P = out.momentum[other].0;
+            let dP = (s.t1.fixed_columns::<4>(0) * dx / s.count + e1 * own) * self.m_S
+                + P * (dm / self.m_S);
+            let dH = (s.C * dx + s.t2.fixed_columns::<6>(0) * dy) / s.count + own_h * own;
+            effect.fixed_rows_mut::<3>(10 + 6 * other).copy_from(&dP);
+            effect.fixed_rows_mut::<3>(13 + 6 * other).copy_from(&dH);
+        }
+        out.covariance.ger(rows.weight, &effect, &effect, 1.0);
+    }
 }
 
 #[derive(Default)]
@@ -381,11 +486,11 @@ struct AtSolution {
 }
 
 impl AtSolution {
-    fn angular(&self, reading: &super::Reading) -> super::AngularRows {
+    fn angular(&self, reading: &Reading) -> AngularRows {
         self.angular_at(reading, &self.x)
     }
 
-    fn angular_at(&self, reading: &super::Reading, x: &SVector<f64, 4>) -> super::AngularRows {
+    fn angular_at(&self, reading: &Reading, x: &SVector<f64, 4>) -> AngularRows {
         angular_rows(
             reading,
             self.arm_mass / x[0],
@@ -394,7 +499,7 @@ impl AtSolution {
     }
 
     /// `C = d(B y + g)/dx` by central differences; exact but for the last digits, `g` is nearly quadratic.
-    fn slope(&self, reading: &super::Reading) -> SMatrix<f64, 3, 4> {
+    fn slope(&self, reading: &Reading) -> SMatrix<f64, 3, 4> {
         let mut C = SMatrix::<f64, 3, 4>::zeros();
         for j in 0..4 {
             let h = if j == 0 { 1.0e-4 * self.x[0] } else { 1.0e-4 };

@@ -13,7 +13,7 @@
 //! | `m_S`, `rho_S`, `I_S` | [`TwoStep`] | mass, mass centre from `Bo`, central inertia of the base |
 //! | `p_C(0)`, `h_C(0)` | [`Known`] | momentum, angular about the system mass centre, **in N** |
 //! | `mu` | `mu` | reduced mass `m_S m_R / (m_S + m_R)` |
-//! | `x`, `y` | `x`, `y` | `[m_R/m_S, rho_S]`, `[I_S xx, yy, zz, xy, xz, yz]` |
+//! | `x`, `y` | `x`, `y` | `[m_R/m_S, rho_S]`, [`poinsot_spatial::elements`] of `I_S` |
 //!
 //! **Assumptions.** No external force or torque; base velocities and attitude and the arm's joints are
 //! measured; the arm is known; the base is wholly unknown.
@@ -40,6 +40,8 @@ mod arm;
 mod both;
 pub mod bounds;
 mod codes;
+mod data;
+mod equations;
 mod error;
 mod increments;
 mod influence;
@@ -47,203 +49,55 @@ mod lanes;
 pub mod printed;
 mod solve;
 pub mod studies;
+mod ten;
 mod trials;
 mod words;
 
-pub use answer::{Ma2008, Variant, identify};
-pub use arm::{Arm, Raw, Vehicle};
+pub use answer::identify;
+pub use arm::{Arm, Raw, Reading, Vehicle};
+pub use data::Variant;
+pub use equations::{
+    AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
+    linear_known, linear_rows, two_step, two_step_given,
+};
 pub use error::Ma2008Error;
-pub use influence::{Influence, Source as NoiseSource, influence};
+pub use influence::{Directions, Influence, Setting, Solution, Source as NoiseSource, influence};
 pub use solve::{Step, solve};
 pub use trials::{Results, Trials};
 
-use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, Vector3, skew};
+use crate::error::MethodError;
+use crate::method::{About, Method, Named};
+use crate::setting::Settings;
+use crate::study::Study;
+use poinsot_identify::{Estimate, Problem};
 
-/// Step 1 of one sample in N: columns `[a, Omega | v]` of (13), so that momentum is
-/// `m_S (a m_R/m_S + Omega rho_S + v)`.
-pub type LinearRows = SMatrix<f64, 3, 5>;
-/// Step 2 of one sample in N: columns `[B | g]` of (20), so that angular momentum is `B y + g`.
-pub type AngularRows = SMatrix<f64, 3, 7>;
+/// This method in the list of methods.
+pub struct Ma2008;
 
-/// One sample: base motion and the arm as it stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading {
-    /// Rotation from base axes to N.
-    pub R_NB: Matrix3,
-    /// Velocity of the base origin, in **base** axes, m/s.
-    pub v_NBo_B: Vector3,
-    /// Angular velocity of the base, in base axes, rad/s.
-    pub w_NB_B: Vector3,
-    /// The arm.
-    pub arm: Arm,
-}
-
-/// Momentum of the system where it is known, in N.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Known {
-    /// Linear, N s.
-    pub p_C_N: Vector3,
-    /// Angular about the system's mass centre, N m s.
-    pub h_C_N: Vector3,
-}
-
-/// Momentum as far as it is known, in N: option 1 of a step takes its part, option 2 does without.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Given {
-    /// Linear, N s.
-    pub p_C_N: Option<Vector3>,
-    /// Angular about the system's mass centre, N m s.
-    pub h_C_N: Option<Vector3>,
-}
-
-impl From<Option<Known>> for Given {
-    fn from(known: Option<Known>) -> Self {
-        Self {
-            p_C_N: known.map(|k| k.p_C_N),
-            h_C_N: known.map(|k| k.h_C_N),
+impl Method for Ma2008 {
+    fn about(&self) -> About {
+        About {
+            name: "ma2008",
+            summary: "mass, mass centre and inertia of the base from the motion of a known arm",
+            citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+            variants: Variant::texts(),
+            settings: &[],
+            reads_accelerations: false,
+            codes: codes::CODES,
         }
     }
-}
 
-/// Both steps solved.
-#[derive(Debug, Clone)]
-pub struct TwoStep {
-    /// Step 1 in `x = [m_R/m_S, rho_S]`.
-    pub linear: Step<4>,
-    /// Step 2 in `y`, the tensor in the order of the paper; `None` where step 1 is rank-deficient.
-    pub angular: Option<Step<6>>,
-    /// Mass of the arm, kg.
-    pub arm_mass: f64,
-}
-
-impl TwoStep {
-    /// Mass of the base, kg.
-    pub fn mass(&self) -> f64 {
-        self.arm_mass / self.linear.x[0]
+    fn identify(
+        &self,
+        problem: &Problem,
+        variant: Option<&str>,
+        _: &Settings,
+    ) -> Result<Estimate, MethodError> {
+        let variant = Variant::named(self.about().name, variant)?;
+        identify(problem, variant).map_err(MethodError::refused)
     }
 
-    /// Mass centre of the base from its origin, in B, m.
-    pub fn rho_S(&self) -> Vector3 {
-        self.linear.x.fixed_rows::<3>(1).into_owned()
+    fn studies(&self) -> &'static [Study] {
+        studies::STUDIES
     }
-
-    /// Central inertia of the base, kg m2, once step 2 is solved.
-    pub fn I_S(&self) -> Option<Matrix3> {
-        self.angular.as_ref().map(|step| tensor(&step.x.into()))
-    }
-}
-
-/// Both steps on segments that share the base; each has its own momentum, known or not.
-///
-/// With known momentum (options 1) the rows are those of (13) and (20), else (options 2) the difference
-/// of every sample to the first of its segment.
-pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
-    two_step_given(segments, known.into())
-}
-
-/// The same with each part of the momentum known or not.
-pub fn two_step_given(segments: &[Vec<Reading>], given: Given) -> TwoStep {
-    let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
-    // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is not known yet: equal columns.
-    let rows = differences(
-        segments,
-        linear_rows,
-        given.p_C_N.map(|p| linear_known(&p, arm_mass)),
-    );
-    let linear: Step<4> = solve::<4, 5>(&rows);
-    let mut answer = TwoStep {
-        linear,
-        angular: None,
-        arm_mass,
-    };
-    if answer.linear.structural_rank < 4 {
-        return answer;
-    }
-    // Step 2: B y = c, (18)-(20) or (22)-(24), with mass and mass centre of step 1.
-    let (m_S, rho_S) = (answer.mass(), answer.rho_S());
-    let of = |s: &Reading| angular_rows(s, m_S, &rho_S);
-    let rows = differences(segments, of, given.h_C_N.map(|h| angular_known(&h)));
-    answer.angular = Some(solve::<6, 7>(&rows));
-    answer
-}
-
-/// Rows of step 1, (10) and (13), with the arm's own motion: `a = v + w x rho_R + u`.
-#[inline]
-pub fn linear_rows(s: &Reading) -> LinearRows {
-    let (w, arm) = (&s.w_NB_B, &s.arm);
-    let a = s.v_NBo_B + w.cross(&arm.rho_R) + arm.u;
-    let mut rows = LinearRows::zeros();
-    rows.set_column(0, &(s.R_NB * a));
-    rows.fixed_columns_mut::<3>(1)
-        .copy_from(&(s.R_NB * skew(w)));
-    rows.set_column(4, &(s.R_NB * s.v_NBo_B));
-    rows
-}
-
-/// Rows of step 2, (20), with the arm's own motion:
-/// `g = I_R w + h_R + mu d x (w x d + u)`, `d = rho_R - rho_S`.
-#[inline]
-pub fn angular_rows(s: &Reading, m_S: f64, rho_S: &Vector3) -> AngularRows {
-    let (w, arm) = (&s.w_NB_B, &s.arm);
-    let mu = arm.mass * m_S / (m_S + arm.mass);
-    let d = arm.rho_R - rho_S;
-    let g = arm.I_R * w + arm.h_R + d.cross(&(w.cross(&d) + arm.u)) * mu;
-    let mut rows = AngularRows::zeros();
-    rows.fixed_columns_mut::<6>(0)
-        .copy_from(&(s.R_NB * tensor_regressor(w)));
-    rows.set_column(6, &(s.R_NB * g));
-    rows
-}
-
-/// `B` of (20): `I w = B y`, y = [xx, yy, zz, xy, xz, yz].
-#[inline]
-pub fn tensor_regressor(w: &Vector3) -> SMatrix<f64, 3, 6> {
-    #[rustfmt::skip]
-    let b = SMatrix::<f64, 3, 6>::new(
-        w.x, 0.0, 0.0, w.y, w.z, 0.0,
-        0.0, w.y, 0.0, w.x, 0.0, w.z,
-        0.0, 0.0, w.z, 0.0, w.x, w.y,
-    );
-    b
-}
-
-/// The tensor of `y`.
-pub fn tensor(y: &[f64; 6]) -> Matrix3 {
-    Matrix3::new(y[0], y[3], y[4], y[3], y[1], y[5], y[4], y[5], y[2])
-}
-
-/// What known linear momentum takes off the rows of step 1: `p_C(0)/m_R` off `a`, (13).
-pub fn linear_known(p_C_N: &Vector3, arm_mass: f64) -> LinearRows {
-    let mut rows = LinearRows::zeros();
-    rows.set_column(0, &(p_C_N / arm_mass));
-    rows
-}
-
-/// What known angular momentum takes off the rows of step 2, (20).
-pub fn angular_known(h_C_N: &Vector3) -> AngularRows {
-    let mut rows = AngularRows::zeros();
-    rows.set_column(6, h_C_N);
-    rows
-}
-
-/// The rows of all samples less the known momentum (option 1), or less the first of the segment
-/// (option 2, whose own difference is left out).
-pub fn differences<const W: usize>(
-    segments: &[Vec<Reading>],
-    rows: impl Fn(&Reading) -> SMatrix<f64, 3, W>,
-    known: Option<SMatrix<f64, 3, W>>,
-) -> Vec<SMatrix<f64, 3, W>> {
-    let mut out = Vec::new();
-    for segment in segments {
-        let Some(first) = segment.first() else {
-            continue;
-        };
-        let (reference, skip) = match known {
-            Some(known) => (known, 0),
-            None => (rows(first), 1),
-        };
-        out.extend(segment.iter().skip(skip).map(|s| rows(s) - reference));
-    }
-    out
 }

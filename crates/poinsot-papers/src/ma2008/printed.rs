@@ -4,9 +4,11 @@
 //! while the base does not turn, or where `rho_S = 0` and `I_S` is a multiple of the unit tensor. They
 //! also take the joints as stopped.
 
-use super::{Reading, Step, TwoStep, solve, tensor_regressor};
+use super::arm::Reading;
+use super::equations::TwoStep;
+use super::solve::{Step, solve};
 use nalgebra::SMatrix;
-use poinsot_spatial::{Matrix3, Vector3, parallel_axis, skew};
+use poinsot_spatial::{Matrix3, Vector3, parallel_axis, skew, tensor_regressor};
 
 /// In which axes the printed vectors are read; the paper does not say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,13 +6,14 @@
 //! does not depend on how many others run.
 #![allow(clippy::needless_range_loop)]
 
+use super::arm::Reading;
+use super::equations::Known;
 use super::lanes::{LANES, PAIR, V, normals, solve};
-use super::{Known, Reading};
 use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The ten numbers of eight trials: mass kg, mass centre m, tensor `y` of the paper kg m2.
+/// The ten numbers of eight trials: mass kg, mass centre m, elements of the tensor kg m2.
 pub type Results = [[f64; LANES]; 10];
 
 /// Fixed samples and the noise of the velocities in base axes.
@@ -159,13 +160,14 @@ impl Trials {
             }
             add_outer(&mut W, &w);
         }
-        let trace = W[0] + W[1] + W[2];
+        let [xx, xy, yy, xz, yz, zz] = W;
+        let trace = xx + yy + zz;
         // Columns [a, Omega]; b = -v.
         let N = [
             [aa, V::ZERO, V::ZERO, V::ZERO],
-            [Oa[0], trace - W[0], V::ZERO, V::ZERO],
-            [Oa[1], V::ZERO - W[3], trace - W[1], V::ZERO],
-            [Oa[2], V::ZERO - W[4], V::ZERO - W[5], trace - W[2]],
+            [Oa[0], trace - xx, V::ZERO, V::ZERO],
+            [Oa[1], V::ZERO - xy, trace - yy, V::ZERO],
+            [Oa[2], V::ZERO - xz, V::ZERO - yz, trace - zz],
         ];
         let zero = V::ZERO;
         let x = solve(N, [zero - ab, zero - Ob[0], zero - Ob[1], zero - Ob[2]]);
@@ -237,11 +239,11 @@ impl Trials {
             let z = V::ZERO;
             let mut T = [
                 turn(s, &[w[0], z, z]),
-                turn(s, &[z, w[1], z]),
-                turn(s, &[z, z, w[2]]),
                 turn(s, &[w[1], w[0], z]),
+                turn(s, &[z, w[1], z]),
                 turn(s, &[w[2], z, w[0]]),
                 turn(s, &[z, w[2], w[1]]),
+                turn(s, &[z, z, w[2]]),
                 turn(s, &g),
             ];
             if k == 0 {
@@ -286,29 +288,29 @@ fn all(a: &[f64; 3]) -> [V; 3] {
     [V::all(a[0]), V::all(a[1]), V::all(a[2])]
 }
 
-/// Adds `[xx, yy, zz, xy, xz, yz]` of `w w^T`.
+/// Adds the elements of `w w^T`.
 #[inline(always)]
 fn add_outer(W: &mut [V; 6], w: &[V; 3]) {
     W[0] = W[0].plus(w[0], w[0]);
-    W[1] = W[1].plus(w[1], w[1]);
-    W[2] = W[2].plus(w[2], w[2]);
-    W[3] = W[3].plus(w[0], w[1]);
-    W[4] = W[4].plus(w[0], w[2]);
-    W[5] = W[5].plus(w[1], w[2]);
+    W[1] = W[1].plus(w[0], w[1]);
+    W[2] = W[2].plus(w[1], w[1]);
+    W[3] = W[3].plus(w[0], w[2]);
+    W[4] = W[4].plus(w[1], w[2]);
+    W[5] = W[5].plus(w[2], w[2]);
 }
 
 /// `B^T B` from the sums of `w w^T`, lower triangle.
 #[inline(always)]
 fn tensor_normal(W: &[V; 6]) -> [[V; 6]; 6] {
     let z = V::ZERO;
-    let [xx, yy, zz, xy, xz, yz] = *W;
+    let [xx, xy, yy, xz, yz, zz] = *W;
     [
         [xx, z, z, z, z, z],
-        [z, yy, z, z, z, z],
-        [z, z, zz, z, z, z],
-        [xy, xy, z, xx + yy, z, z],
-        [xz, z, xz, yz, xx + zz, z],
-        [z, yz, yz, xz, xy, yy + zz],
+        [xy, xx + yy, z, z, z, z],
+        [z, xy, yy, z, z, z],
+        [xz, yz, z, xx + zz, z, z],
+        [z, xz, yz, xy, yy + zz, z],
+        [z, z, z, xz, yz, zz],
     ]
 }
 
@@ -316,11 +318,11 @@ fn tensor_normal(W: &[V; 6]) -> [[V; 6]; 6] {
 #[inline(always)]
 fn add_tensor_rhs(r: &mut [V; 6], w: &[V; 3], y: &[V; 3]) {
     r[0] = r[0].plus(w[0], y[0]);
-    r[1] = r[1].plus(w[1], y[1]);
-    r[2] = r[2].plus(w[2], y[2]);
-    r[3] = r[3].plus(w[1], y[0]).plus(w[0], y[1]);
-    r[4] = r[4].plus(w[2], y[0]).plus(w[0], y[2]);
-    r[5] = r[5].plus(w[2], y[1]).plus(w[1], y[2]);
+    r[1] = r[1].plus(w[1], y[0]).plus(w[0], y[1]);
+    r[2] = r[2].plus(w[1], y[1]);
+    r[3] = r[3].plus(w[2], y[0]).plus(w[0], y[2]);
+    r[4] = r[4].plus(w[2], y[1]).plus(w[1], y[2]);
+    r[5] = r[5].plus(w[2], y[2]);
 }
 
 #[inline(always)]

@@ -1,10 +1,10 @@
 //! What is determined and what is open, and the warnings, in words.
 
-use super::answer::{MISFIT, PAPER_NAMES, Ten, unit};
-use super::both::*;
+use super::both::Solved;
 use super::influence::Directions;
+use super::ten::{MISFIT, Ten, unit};
 use poinsot_identify::{
-    DeterminedCombination, Identifiability, OpenCombination, Problem, axis_name,
+    DeterminedCombination, Identifiability, OpenCombination, Problem, axis_name, tensor_name,
 };
 use poinsot_model::{Nuisance, SensorKind};
 
@@ -20,7 +20,7 @@ pub(super) fn identifiability(
     let names: [String; 10] = std::array::from_fn(|k| match k {
         0 => format!("{name}.mass"),
         1..=3 => format!("{name}.com_{}", axis_name(k - 1)),
-        _ => format!("{name}.I_BBcm_{}", PAPER_NAMES[k - 4]),
+        _ => format!("{name}.I_BBcm_{}", tensor_name(k - 4)),
     });
     let mut found = Identifiability {
         parameters: 10,
@@ -30,7 +30,7 @@ pub(super) fn identifiability(
         || !ten.open[0] && ten.open[1..4].contains(&true);
     let (why, remedy) = if lone {
         (
-            "the base hardly turns: the mass centre shows only in w x rho_S",
+            "the base hardly turns: the mass centre enters only in w x rho_S",
             "give the vehicle a spin, or move the arm about two axes",
         )
     } else {
@@ -67,7 +67,7 @@ pub(super) fn identifiability(
                 found.open.push(OpenCombination {
                     text: name.clone(),
                     coefficients: vec![(name.clone(), 1.0)],
-                    reason: "step 2 needs mass and mass centre, which step 1 leaves open"
+                    reason: "step 2 needs mass and mass centre, which step 1 does not determine"
                         .to_owned(),
                     remedy: remedy.to_owned(),
                     walk: Vec::new(),

@@ -1,6 +1,6 @@
 //! Studies of the papers: what a paper states, computed again, as tables, figures and the numbers of its page.
 //!
-//! A study is one function of a [`Context`]. Its paper lists it in `Method::studies`; the command line, the tests
+//! A study is one function of a [`Context`]. Its paper lists it in [`crate::Method::studies`]; the command line, the tests
 //! and the pages read that list. Simulation and identification belong to the crate above, so a study calls them
 //! through [`Tools`], which the verb hands in.
 
@@ -10,8 +10,6 @@ pub mod statistics;
 
 pub use context::{CaseText, Context, Difference, StudyError, Tools};
 pub use findings::{Cell, Digits, Findings, Table, decimals, figures, percent, word};
-
-use crate::method::{METHODS, Method};
 
 /// What a study does with its context.
 pub type Run = fn(&Context) -> Result<Findings, StudyError>;
@@ -47,17 +45,4 @@ impl Study {
             ..Self::quick(name, summary, run)
         }
     }
-}
-
-/// Every study with its paper, in the order of [`METHODS`].
-///
-/// ```
-/// let all: Vec<String> = poinsot_papers::study::studies()
-///     .map(|(paper, study)| format!("poinsot study {paper} {}", study.name))
-///     .collect();
-/// assert!(all.iter().any(|s| s == "poinsot study kim2010 table2"));
-/// ```
-pub fn studies() -> impl Iterator<Item = (&'static str, &'static Study)> {
-    let of = |m: &'static dyn Method| m.studies().iter().map(move |s| (m.about().name, s));
-    METHODS.into_iter().flat_map(of)
 }

@@ -1,24 +1,18 @@
 //! The paper's sequence as an answer to a [`Problem`]: certificate first, then its own numbers.
 //!
-//! The paper says nothing of what the data leave open and nothing of uncertainty. The linear method of the
-//! ladder, which sees all segments at once and weighs them by their noise, says both: what it certifies may stand
-//! in the answer. Sigma of a number is `sqrt(sigma^2 + difference^2)` with the ladder's sigma and the difference
-//! of both answers: the error of an estimator is that of an efficient one plus an independent difference
-//! (Hausman 1978), which holds what the swarm misses, too.
+//! The linear method of the ladder, which sees all segments at once and weighs them by their noise, certifies the numbers
+//! (see [`crate::certified`]).
 
 use super::error::Xu2017Error;
 use super::sequence::{Found, Searched, Solver, StepReport, sequence};
 use super::words::{notes, warnings};
 use super::{Kind, Variant};
+use crate::certified::put;
 use crate::method::Named;
-use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{
-    BodyEstimate, Estimate, FitOptions, MethodReport, NamedNumber, Number, ParametersError,
-    Problem, ProblemError, Source, Status, TENSOR, axis_name, linear, maximum_likelihood_with,
-    tensor_name,
+    Estimate, FitOptions, MethodReport, NamedNumber, Number, ParametersError, Problem,
+    ProblemError, Source, Status, linear, maximum_likelihood_with,
 };
-use poinsot_spatial::{InertialParameters, PARAMETER_NAMES};
-use std::collections::HashMap;
 
 /// Identifies the bodies of a robot by the paper's sequence.
 ///
@@ -48,8 +42,7 @@ pub fn identify_with(
     estimate.variant = Some(variant.name().to_owned());
     estimate.assumptions.extend(found.notes.iter().cloned());
     let withheld = !found.steps.iter().all(StepReport::arrived);
-    let values = values(problem, &found);
-    replace(problem, &mut estimate, &found, &values, withheld);
+    put(problem, &mut estimate, &found.bodies, withheld);
     estimate
         .warnings
         .extend(warnings(problem, &found, solver.share));
@@ -85,129 +78,6 @@ fn iterations(found: &Found) -> usize {
     flown.max(1)
 }
 
-/// Every number of every body by the names of the unknowns and of the covariance.
-fn values(problem: &Problem, found: &Found) -> HashMap<String, f64> {
-    let mut all = HashMap::new();
-    for (body, pi) in problem.model.bodies.iter().zip(&found.bodies) {
-        let name = &body.name;
-        let array = pi.to_array();
-        all.insert(format!("{name}.m"), array[0]);
-        all.insert(format!("{name}.mass"), array[0]);
-        for k in 0..3 {
-            all.insert(format!("{name}.{}", PARAMETER_NAMES[1 + k]), array[1 + k]);
-        }
-        for k in 0..6 {
-            all.insert(format!("{name}.I_BBo_{}", tensor_name(k)), array[4 + k]);
-        }
-        if let Some(p) = pi.mass_properties() {
-            for k in 0..3 {
-                all.insert(format!("{name}.com_{}", axis_name(k)), p.p_BoBcm_B[k]);
-            }
-            for (k, e) in TENSOR.into_iter().enumerate() {
-                all.insert(format!("{name}.I_BBcm_{}", tensor_name(k)), p.I_BBcm_B[e]);
-                all.insert(format!("{name}.inertia_{}", tensor_name(k)), p.I_BBcm_B[e]);
-            }
-        }
-    }
-    all
-}
-
-/// The method's numbers where the certificate stands; none where a swarm did not arrive.
-fn replace(
-    problem: &Problem,
-    estimate: &mut Estimate,
-    found: &Found,
-    values: &HashMap<String, f64>,
-    withheld: bool,
-) {
-    let differences: Vec<f64> = estimate
-        .covariance_names
-        .iter()
-        .map(|name| difference(estimate, values, name))
-        .collect();
-    for (i, row) in estimate.covariance.iter_mut().enumerate() {
-        for (j, c) in row.iter_mut().enumerate() {
-            *c += differences[i] * differences[j];
-        }
-    }
-    for (body, pi) in estimate.bodies.iter_mut().zip(&found.bodies) {
-        *body = replaced(body, pi, withheld);
-    }
-    if let Some((system, q)) = &mut estimate.system {
-        let mut kinematics = Kinematics::new(problem.tree);
-        kinematics.place(problem.tree, q);
-        let c = composite(&found.bodies, &kinematics);
-        let whole = InertialParameters {
-            mass: c.mass,
-            mc_B: c.mc,
-            I_BBo_B: c.I_SBo_B,
-        };
-        *system = replaced(system, &whole, withheld);
-    }
-    for combination in &mut estimate.identifiability.determined {
-        let terms = combination.coefficients.iter();
-        let value: f64 = terms
-            .map(|(name, c)| c * values.get(name).copied().unwrap_or(f64::NAN))
-            .sum();
-        if value.is_finite() {
-            combination.sigma = combination.sigma.hypot(value - combination.value);
-            combination.value = value;
-        }
-    }
-    if withheld {
-        estimate.identifiability.determined.clear();
-        estimate.covariance_names.clear();
-        estimate.covariance_units.clear();
-        estimate.covariance.clear();
-        estimate.covariance_trustworthy = false;
-    }
-}
-
-/// How far the method's number lies from the ladder's.
-fn difference(estimate: &Estimate, values: &HashMap<String, f64>, name: &str) -> f64 {
-    let Some(value) = values.get(name) else {
-        return 0.0;
-    };
-    let Some((body, what)) = name.rsplit_once('.') else {
-        return 0.0;
-    };
-    let Some(body) = estimate.bodies.iter().find(|b| b.name == body) else {
-        return 0.0;
-    };
-    let axis = (0..3).find(|&k| what == format!("com_{}", axis_name(k)));
-    let element = (0..6).find(|&k| what == format!("inertia_{}", tensor_name(k)));
-    let number = match (axis, element) {
-        (Some(k), _) => &body.com[k],
-        (_, Some(k)) => &body.inertia[k],
-        _ => &body.mass,
-    };
-    number.value.map_or(0.0, |ladder| value - ladder)
-}
-
-fn replaced(body: &BodyEstimate, pi: &InertialParameters, withheld: bool) -> BodyEstimate {
-    let p = pi.mass_properties().filter(|_| !withheld);
-    let of = |number: &Number, value: Option<f64>| match (number.source, value) {
-        (Source::Known | Source::Open, _) => *number,
-        (_, None) => Number::open(number.nominal),
-        (_, Some(value)) => {
-            let apart = value - number.value.unwrap_or(value);
-            let sigma = number.sigma.unwrap_or(0.0).hypot(apart);
-            Number::data(value, sigma, number.nominal)
-        }
-    };
-    let array = pi.to_array();
-    let raw = |k: usize| (!withheld).then_some(array[k]);
-    let mut out = BodyEstimate::from_numbers(
-        body.name.clone(),
-        of(&body.mass, raw(0)),
-        [0, 1, 2].map(|k| of(&body.com[k], p.map(|p| p.p_BoBcm_B[k]))),
-        [0, 1, 2, 3, 4, 5].map(|k| of(&body.inertia[k], p.map(|p| p.I_BBcm_B[TENSOR[k]]))),
-        std::array::from_fn(|k| of(&body.barycentric[k], raw(k))),
-    );
-    out.asked = body.asked;
-    out
-}
-
 /// What one step found, in the method's own terms.
 fn numbers(step: &StepReport) -> Vec<NamedNumber> {
     let plain = |name: &str, unit: &'static str, value: f64| NamedNumber {
@@ -231,7 +101,7 @@ fn numbers(step: &StepReport) -> Vec<NamedNumber> {
             step.cost_linear,
         ),
         plain(
-            "directions of ten that this step shows",
+            "directions of ten that this step determines",
             "1",
             step.rank as f64,
         ),

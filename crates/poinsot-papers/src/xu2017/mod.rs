@@ -54,7 +54,8 @@ pub use single_body::{
 use swarm::Particle;
 pub use two_body::{MomentumRow, Side, TwoBodyObjective, TwoBodyReading, rows, transported};
 
-use crate::method::{About, Method, MethodError, Named};
+use crate::error::MethodError;
+use crate::method::{About, Method, Named};
 use crate::setting::Settings;
 use crate::study::Study;
 use nalgebra::SMatrix;
@@ -139,7 +140,7 @@ impl Method for Xu2017 {
     ) -> Result<Estimate, MethodError> {
         let variant = Variant::named(self.about().name, variant)?;
         let solver = settings::solver(variant.solver, settings)?;
-        Ok(identify_with(problem, variant, &solver)?)
+        identify_with(problem, variant, &solver).map_err(MethodError::refused)
     }
 
     fn studies(&self) -> &'static [Study] {

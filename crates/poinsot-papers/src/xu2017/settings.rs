@@ -3,7 +3,7 @@
 use super::Kind;
 use super::sequence::Solver;
 use super::swarm::Swarm;
-use crate::method::MethodError;
+use crate::error::MethodError;
 use crate::setting::{SettingText, Settings};
 
 /// Most particles and iterations: a cost that no computer pays is a slip of the pen.

@@ -1,12 +1,11 @@
 //! The equivalent single body: all joints locked, thrusters fire, (27)-(37).
 
 use super::least_squares::{Answer, Rows, answer};
-use super::swarm::{Objective, Particle};
+use super::swarm::{Mean, Particle};
 use super::{particle, properties, tensor_regressor};
 use nalgebra::SMatrix;
 use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, skew};
-use pulp::{Arch, Simd, WithSimd};
 
 /// The locked robot: mass, mass centre from the base origin and central inertia, base axes.
 pub type Single = MassProperties;
@@ -223,45 +222,26 @@ impl SingleObjective {
     }
 }
 
-impl Objective for SingleObjective {
-    fn costs(&self, particles: &[Particle], out: &mut [f64]) {
-        Arch::new().dispatch(Costs {
-            objective: self,
-            particles,
-            out,
-        });
+impl Mean for SingleObjective {
+    type Chunk = [V; 45];
+    type Body = Particle;
+
+    fn chunks(&self) -> &[[V; 45]] {
+        &self.chunks
     }
 
-    fn samples(&self) -> usize {
+    fn count(&self) -> usize {
         self.samples
     }
-}
-
-/// The costs of a block of particles, compiled for the instructions that the machine has.
-struct Costs<'a> {
-    objective: &'a SingleObjective,
-    particles: &'a [Particle],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Costs<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let mut sums = [V::ZERO; 64];
-        for (particles, out) in self.particles.chunks(64).zip(self.out.chunks_mut(64)) {
-            sums[..particles.len()].fill(V::ZERO);
-            // One chunk of samples stays in the nearest cache while all particles pass.
-            for chunk in &self.objective.chunks {
-                for (x, total) in particles.iter().zip(sums.iter_mut()) {
-                    *total = *total + cost(chunk, x);
-                }
-            }
-            for (out, total) in out.iter_mut().zip(&sums) {
-                *out = total.0.iter().sum::<f64>() / self.objective.samples.max(1) as f64;
-            }
-        }
+    fn body(&self, x: &Particle) -> Particle {
+        *x
+    }
+
+    #[inline(always)]
+    fn cost(chunk: &[V; 45], x: &Particle) -> V {
+        cost(chunk, x)
     }
 }
 

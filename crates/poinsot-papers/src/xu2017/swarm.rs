@@ -4,6 +4,8 @@
 //! random numbers of its own (ChaCha8, stream = particle) and all particles of an iteration see the best of the
 //! one before, so that the answer has the same bits on any number of threads.
 
+use poinsot_solve::lanes::V;
+use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -24,6 +26,72 @@ pub trait Objective: Sync {
     fn costs(&self, particles: &[Particle], out: &mut [f64]);
     /// Samples behind one cost.
     fn samples(&self) -> usize;
+}
+
+/// An objective that is a mean over samples, several of them side by side.
+pub trait Mean: Sync {
+    /// Samples side by side.
+    type Chunk;
+    /// A particle as its cost reads it.
+    type Body: Copy;
+    /// All samples.
+    fn chunks(&self) -> &[Self::Chunk];
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// What the cost reads of a particle.
+    fn body(&self, x: &Particle) -> Self::Body;
+    /// Cost of one particle in the samples of a chunk.
+    fn cost(chunk: &Self::Chunk, body: &Self::Body) -> V;
+}
+
+impl<M: Mean> Objective for M {
+    fn costs(&self, particles: &[Particle], out: &mut [f64]) {
+        Arch::new().dispatch(Costs {
+            objective: self,
+            particles,
+            out,
+        });
+    }
+
+    fn samples(&self) -> usize {
+        self.count()
+    }
+}
+
+/// The costs of a block of particles, compiled for the instructions that the machine has.
+struct Costs<'a, M> {
+    objective: &'a M,
+    particles: &'a [Particle],
+    out: &'a mut [f64],
+}
+
+/// Particles whose sums stay in the nearest cache.
+const NEAR: usize = 64;
+
+impl<M: Mean> WithSimd for Costs<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let of = self.objective;
+        let none = of.body(&[0.0; 10]);
+        for (particles, out) in self.particles.chunks(NEAR).zip(self.out.chunks_mut(NEAR)) {
+            let mut sums = [V::ZERO; NEAR];
+            let mut bodies = [none; NEAR];
+            for (x, body) in particles.iter().zip(bodies.iter_mut()) {
+                *body = of.body(x);
+            }
+            // One chunk of samples stays in the nearest cache while all particles pass.
+            for chunk in of.chunks() {
+                for (body, total) in bodies.iter().zip(sums.iter_mut()).take(particles.len()) {
+                    *total = *total + M::cost(chunk, body);
+                }
+            }
+            for (out, total) in out.iter_mut().zip(&sums) {
+                *out = total.0.iter().sum::<f64>() / of.count().max(1) as f64;
+            }
+        }
+    }
 }
 
 /// How the swarm flies.

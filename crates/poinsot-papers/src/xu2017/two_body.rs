@@ -4,12 +4,11 @@
 //! searched by (43), (44), (46). So every sample becomes rows in ten numbers: [`rows`].
 
 use super::properties;
-use super::swarm::{Objective, Particle};
+use super::swarm::{Mean, Particle};
 use nalgebra::{SMatrix, SVector};
 use poinsot_dynamics::body_momentum;
 use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
-use pulp::{Arch, Simd, WithSimd};
 
 /// Where a side's frame is and how it moves, (38), in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,51 +163,29 @@ impl TwoBodyObjective {
     }
 }
 
-impl Objective for TwoBodyObjective {
-    fn costs(&self, particles: &[Particle], out: &mut [f64]) {
-        Arch::new().dispatch(Costs {
-            objective: self,
-            particles,
-            out,
-        });
+impl Mean for TwoBodyObjective {
+    type Chunk = [V; L + SLOPES];
+    /// Ten parameters, one over the mass of the whole.
+    type Body = ([V; 10], V);
+
+    fn chunks(&self) -> &[[V; L + SLOPES]] {
+        &self.chunks
     }
 
-    fn samples(&self) -> usize {
+    fn count(&self) -> usize {
         self.samples
     }
-}
-
-/// The costs of a block of particles, compiled for the instructions that the machine has.
-struct Costs<'a> {
-    objective: &'a TwoBodyObjective,
-    particles: &'a [Particle],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Costs<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let objective = self.objective;
-        for (particles, out) in self.particles.chunks(64).zip(self.out.chunks_mut(64)) {
-            let mut sums = [V::ZERO; 64];
-            let mut bodies = [([V::ZERO; 10], V::ZERO); 64];
-            for (x, body) in particles.iter().zip(bodies.iter_mut()) {
-                let mass = objective.whole.constant + objective.whole.slope * x[0];
-                let ten = properties(x).parameters().to_array();
-                *body = (ten.map(V::all), V::all(1.0 / mass));
-            }
-            // One chunk of samples stays in the nearest cache while all particles pass.
-            for chunk in &objective.chunks {
-                for (body, total) in bodies.iter().zip(sums.iter_mut()).take(particles.len()) {
-                    *total = *total + cost(chunk, &body.0, body.1);
-                }
-            }
-            for (out, total) in out.iter_mut().zip(&sums) {
-                *out = total.0.iter().sum::<f64>() / objective.samples.max(1) as f64;
-            }
-        }
+    fn body(&self, x: &Particle) -> ([V; 10], V) {
+        let mass = self.whole.constant + self.whole.slope * x[0];
+        let ten = properties(x).parameters().to_array();
+        (ten.map(V::all), V::all(1.0 / mass))
+    }
+
+    #[inline(always)]
+    fn cost(chunk: &[V; L + SLOPES], (ten, inverse_mass): &([V; 10], V)) -> V {
+        cost(chunk, ten, *inverse_mass)
     }
 }
 

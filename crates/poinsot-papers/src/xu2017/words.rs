@@ -37,7 +37,7 @@ pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> Str
         None => "",
     };
     format!(
-        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; what the data show is {} of {} combinations, and only those are answered. Sigma is that of the linear method (of maximum likelihood where thrust shows attitude alone) on all segments at once, widened by the difference to it.",
+        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; the data determine {} of {} combinations, and only those are given. Sigma is that of the linear method (of maximum likelihood where thrust shows attitude alone) on all segments at once, widened by the difference to it.",
         variant.solver.words(),
         estimate.identifiability.rank,
         estimate.identifiability.parameters,
@@ -83,7 +83,7 @@ fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
         .collect();
     if !idle.is_empty() {
         list.push(format!(
-            "{} never fires while the joints are locked: what only {} thrust would show stays open",
+            "{} never fires while the joints are locked: what only {} thrust would show is undetermined",
             idle.join(", "),
             if idle.len() == 1 { "its" } else { "their" }
         ));
@@ -107,7 +107,7 @@ fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
     });
     if lever <= NO_LEVER * length || !turns {
         list.push(format!(
-            "the thrust makes no torque about the mass centre (largest lever {lever:.1e} m), so nothing turns: the inertia tensor does not enter (30) and stays open; fire thrusters beside the mass centre"
+            "the thrust makes no torque about the mass centre (largest lever {lever:.1e} m), so nothing turns: the inertia tensor does not enter (30) and is undetermined; fire thrusters beside the mass centre"
         ));
     }
     list
@@ -198,7 +198,7 @@ fn search(step: &StepReport, share: f64) -> Option<String> {
     }
     (!touched.is_empty()).then(|| {
         format!(
-            "{}: the swarm's solution lies on the bound of its search range ({}) and fits as well as the linear one: the data do not show these numbers",
+            "{}: the swarm's solution lies on the bound of its search range ({}) and fits as well as the linear one: the data do not determine these numbers",
             step.name,
             touched.join("; ")
         )

@@ -8,7 +8,6 @@
 
 mod accelerometer_noise;
 mod answers;
-mod any_vehicle;
 mod bad_questions;
 mod book;
 mod campaign;
@@ -32,10 +31,8 @@ mod gate;
 mod gravity_gradient;
 mod identify_examples;
 mod input_faults;
-mod kim2010;
 mod known_numbers;
 mod late_inputs;
-mod ma2008;
 mod many_nuisances;
 mod many_sensors;
 mod methods;
@@ -43,7 +40,6 @@ mod mixed_up;
 mod noisy_files;
 mod nutation;
 mod open_set;
-mod papers_outside;
 mod physical;
 #[allow(
     dead_code,
@@ -76,4 +72,3 @@ mod trust;
 mod uncertainty;
 mod validate;
 mod vehicle;
-mod xu2017;

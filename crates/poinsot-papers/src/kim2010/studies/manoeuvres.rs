@@ -5,7 +5,7 @@ use crate::kim2010::{ELEMENTS, Kim2010, NAMES};
 use crate::method::Method;
 use crate::study::statistics::{largest, rms};
 use crate::study::{Cell, Context, Findings, StudyError, Table, decimals, figures};
-use poinsot_identify::{Estimate, tensor_index};
+use poinsot_identify::{Estimate, tensor_index, tensor_name};
 use poinsot_report::{Axis, Mark, Plot, Series};
 
 /// Trials with other noise.
@@ -159,11 +159,10 @@ fn answer(
 fn numbers(estimate: &Estimate) -> [(f64, f64); 6] {
     std::array::from_fn(|k| {
         let printed = estimate.method_report.iter().flat_map(|r| &r.numbers);
-        let name = format!("inertia_{}", NAMES[k]);
+        let element = tensor_index(NAMES[k]);
+        let name = format!("inertia_{}", tensor_name(element));
         let number = printed.into_iter().find(|n| n.name == name);
-        let number = number.map_or(estimate.bodies[0].inertia[tensor_index(NAMES[k])], |n| {
-            n.number
-        });
+        let number = number.map_or(estimate.bodies[0].inertia[element], |n| n.number);
         (
             number.value.unwrap_or(f64::NAN),
             number.sigma.unwrap_or(f64::NAN),

@@ -4,7 +4,8 @@ use super::experiment::{Experiment, Run, readings};
 use super::noise::Sigma;
 use crate::ma2008::{Reading, angular_rows, linear_rows};
 use nalgebra::DMatrix;
-use poinsot_spatial::{Matrix6, Vector3, Vector6};
+use poinsot_identify::TENSOR;
+use poinsot_spatial::{Matrix6, Vector3, Vector6, elements};
 
 /// Steps of the differences, in units of the unknowns.
 const STEP: f64 = 1.0e-5;
@@ -32,7 +33,7 @@ impl Unknowns {
         let arm_mass: f64 = e.model.bodies[1..].iter().map(|b| b.nominal.mass).sum();
         let ratio = arm_mass / truth.mass;
         let mut theta = vec![ratio, c.x, c.y, c.z];
-        theta.extend([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| I[at]));
+        theta.extend(elements(I));
         let mut unit = vec![ratio, 1.0, 1.0, 1.0];
         unit.extend([I.norm(); 6]);
         if !known {
@@ -143,9 +144,10 @@ pub fn cramer_rao(e: &Experiment, run: &Run, sigma: Sigma, known: bool) -> [f64;
         }
         (0..n).map(share).sum::<f64>() / (size[i] * size[i])
     };
-    let tensor: f64 = (4..10)
-        .map(|i| variance(i) * if i < 7 { 1.0 } else { 2.0 })
-        .sum();
+    // A product stands in the tensor twice.
+    let times = |(i, j)| if i == j { 1.0 } else { 2.0 };
+    let elements = TENSOR.into_iter().enumerate();
+    let tensor: f64 = elements.map(|(k, e)| times(e) * variance(4 + k)).sum();
     [
         variance(0).sqrt(),
         (1..4).map(variance).sum::<f64>().sqrt(),

@@ -3,7 +3,8 @@
 use super::super::least_squares::{shown_and_hidden, smallest};
 use super::super::sum;
 use super::super::two_body::{rows, transported};
-use super::{Work, equations, natural};
+use super::steps::equations;
+use super::{Work, natural};
 use faer::Mat;
 use poinsot_spatial::InertialParameters;
 

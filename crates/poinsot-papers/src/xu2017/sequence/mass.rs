@@ -7,7 +7,8 @@ use super::super::error::Xu2017Error;
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::sum;
 use super::super::two_body::{TwoBodyReading, rows, transported_back};
-use super::{Work, equations, natural, properties_of, push};
+use super::steps::{equations, push};
+use super::{Work, natural, properties_of};
 use nalgebra::SVector;
 use poinsot_spatial::{InertialParameters, MassProperties};
 

@@ -83,7 +83,7 @@ pub fn rows() -> Vec<Row> {
             1,
             &[
                 "outlier (report): omega_x: 1 readings lie up to",
-                "contradicts the data; no number is given",
+                ": Contradicted. ",
             ],
         )
         .more(&["--policy", "outlier=report"]),
@@ -121,7 +121,7 @@ pub fn rows() -> Vec<Row> {
             },
             1,
             &[
-                "contradicts the data; no number is given",
+                ": Contradicted. ",
                 "samples of the gyro (3.6 %)",
             ],
         ),
@@ -198,7 +198,7 @@ pub fn rows() -> Vec<Row> {
             1,
             &[
                 "no force of thr would explain 100 % of the misfit: thr.factor = 0",
-                "contradicts the data; no number is given",
+                ": Contradicted. ",
                 "rigid model rejected",
             ],
         ),

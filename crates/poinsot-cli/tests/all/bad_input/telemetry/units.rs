@@ -165,7 +165,7 @@ pub fn rows() -> Vec<Row> {
             0,
             &[": Determined. "],
         ),
-        row("T7", "an accelerometer in g", accelerometer_in_g, 1, &["contradicts the data; no number is given", "residual of the accelerometer is"]),
+        row("T7", "an accelerometer in g", accelerometer_in_g, 1, &[": Contradicted. ", "residual of the accelerometer is"]),
         row(
             "T8",
             "signs of the quaternion flip",

@@ -72,16 +72,8 @@ fn exact_rows_are_momentum_by_definition() {
         let base = model.bodies[0].nominal;
         let c = base.p_BoBcm_B;
         let x1 = SVector::<f64, 5>::from([reading.arm.mass / base.mass, c.x, c.y, c.z, 1.0]);
-        let I = base.I_BBcm_B;
-        let y1 = SVector::<f64, 7>::from([
-            I[(0, 0)],
-            I[(1, 1)],
-            I[(2, 2)],
-            I[(0, 1)],
-            I[(0, 2)],
-            I[(1, 2)],
-            1.0,
-        ]);
+        let y = elements(&base.I_BBcm_B);
+        let y1 = SVector::<f64, 7>::from_iterator(y.into_iter().chain([1.0]));
         let ours = linear_rows(&reading) * x1 * base.mass;
         assert!((ours - P).norm() < 1.0e-12 * P.norm());
         let ours = angular_rows(&reading, base.mass, &c) * y1;

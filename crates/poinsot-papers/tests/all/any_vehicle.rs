@@ -88,6 +88,7 @@ fn stat_methods_on_a_pyramid_of_four_wheels() {
     let methods = [
         "auto",
         "kim2010/batch",
+        "kim2010/conventional",
         "kim2010/suggested",
         "ma2008",
         "xu2017/linear",
@@ -97,19 +98,18 @@ fn stat_methods_on_a_pyramid_of_four_wheels() {
     refused(&result, "xu2017 linear", "E053");
     let (share, count) = held(&result, "auto");
     assert!(count > 0 && share > 0.85, "auto: {share} of {count}");
-    // The paper's estimators state no sigma. The nine-element one is near the bound, the suggested one far off, and says so.
+    // Sigma holds the difference to the certified answer. The nine-element estimator is near the bound; the conventional and
+    // the suggested one are far off, and say so.
     for (m, cell) in of(&result, "kim2010 batch").into_iter().zip(&result.cells) {
         for (name, n) in &m.numbers {
             let ratio = n.rmse_over_bound.value.unwrap();
             assert!(ratio < 20.0, "{:?} {name}: {ratio}", cell.at);
-            assert_eq!(
-                (n.trials, n.stated, n.coverage_all.value),
-                (TRIALS, None, None)
-            );
+            assert!(n.coverage_all.value.unwrap() > 0.8, "{:?} {name}", cell.at);
         }
         assert_eq!(m.doubted.value, Some(0.0));
     }
-    for m in of(&result, "kim2010 suggested") {
+    let approximate = ["kim2010 conventional", "kim2010 suggested"];
+    for m in approximate.into_iter().flat_map(|name| of(&result, name)) {
         let worst = m
             .numbers
             .values()

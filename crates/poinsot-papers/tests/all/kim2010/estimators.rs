@@ -1,5 +1,4 @@
-//! Kim, Choi, Oh 2010 against closed forms and the printed tables.
-#![allow(non_snake_case, clippy::unwrap_used)]
+//! The estimators against closed forms and the printed tables.
 
 use poinsot_papers::kim2010::*;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};

@@ -21,7 +21,7 @@ use poinsot_papers::ma2008::studies::experiment::{Experiment, Run, readings, uns
 use poinsot_papers::ma2008::{
     self, Known, Reading, TwoStep, Variant, Vehicle, angular_rows, linear_rows, two_step,
 };
-use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3};
+use poinsot_spatial::{MassProperties, Matrix3, UnitQuaternion, Vector3, elements};
 use poinsot_telemetry::read;
 use poinsot_testkit::momentum_sum::*;
 use rand::SeedableRng;

@@ -13,19 +13,8 @@ fn exact_kernel_of_trials_agrees_with_two_step() {
         let quiet = ma2008::Trials::new(&samples, known, [0.0; 3], [0.0; 3]);
         quiet.run(1, 0..1, |r| {
             let t = e.truth();
-            let (c, I) = (t.p_BoBcm_B, t.I_BBcm_B);
-            let truth = [
-                t.mass,
-                c.x,
-                c.y,
-                c.z,
-                I[(0, 0)],
-                I[(1, 1)],
-                I[(2, 2)],
-                I[(0, 1)],
-                I[(0, 2)],
-                I[(1, 2)],
-            ];
+            let head = [t.mass, t.p_BoBcm_B.x, t.p_BoBcm_B.y, t.p_BoBcm_B.z];
+            let truth = head.into_iter().chain(elements(&t.I_BBcm_B));
             for (row, t) in r.iter().zip(truth) {
                 assert!(
                     row.iter().all(|x| (x - t).abs() < 1.0e-7 * (1.0 + t.abs())),

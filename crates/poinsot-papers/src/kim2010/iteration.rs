@@ -1,0 +1,104 @@
+//! The announced iteration of (14)-(16).
+
+use super::sums::{Answer, Kim2010Error, ROUND_OFF, Sums, averaged, symmetric};
+use faer::Mat;
+
+/// Sweeps of the iteration.
+const SWEEPS: usize = 100_000;
+/// Change of an element in one sweep, relative to the largest, at which the iteration has settled.
+const SETTLED: f64 = 1.0e-13;
+
+/// The iteration, with what it does in the long run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Iterated {
+    /// Where it stands after the last sweep.
+    pub answer: Answer,
+    /// Whether it settled.
+    pub converged: bool,
+    /// Sweeps made.
+    pub sweeps: usize,
+    /// Largest modulus of the eigenvalues of one sweep: below one it converges, from any start.
+    pub spectral_radius: f64,
+    /// Number of independent directions in which any value is a fixed point.
+    pub free_directions: usize,
+    /// The fixed point, where there is exactly one.
+    pub fixed_point: Option<[f64; 6]>,
+}
+
+impl Sums {
+    /// One sweep of the iteration: (14), (15), (16), each with the elements of the sweep before on the
+    /// right-hand side. From zero the first sweep is [`Self::suggested`].
+    fn sweep(&self, x: &[f64; 6]) -> Result<[f64; 6], Kim2010Error> {
+        let I = self.moments(&symmetric(x))?;
+        Ok(averaged(self.products(&I)).printed)
+    }
+
+    /// Repeats (14)-(16) from zero until nothing changes.
+    ///
+    /// A sweep is affine, `x <- B x + b`: its fixed points and its rate come from B.
+    ///
+    /// # Errors
+    /// Not finite.
+    pub fn iterated(&self) -> Result<Iterated, Kim2010Error> {
+        let b = self.sweep(&[0.0; 6])?;
+        let mut B = [[0.0; 6]; 6];
+        for j in 0..6 {
+            let mut unit = [0.0; 6];
+            unit[j] = 1.0;
+            for (row, (moved, b)) in B.iter_mut().zip(self.sweep(&unit)?.into_iter().zip(b)) {
+                row[j] = moved - b;
+            }
+        }
+        let (mut x, mut sweeps, mut converged) = (b, 1, false);
+        while sweeps < SWEEPS && !converged {
+            let next: [f64; 6] = std::array::from_fn(|i| {
+                b[i] + B[i].iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()
+            });
+            let largest = next.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let change = next
+                .iter()
+                .zip(&x)
+                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            if !largest.is_finite() {
+                break;
+            }
+            converged = change <= SETTLED * largest;
+            x = next;
+            sweeps += 1;
+        }
+        let matrix = Mat::from_fn(6, 6, |i, j| B[i][j]);
+        let eigenvalues = matrix.eigenvalues().map_err(|_| Kim2010Error::NotFinite)?;
+        let spectral_radius = eigenvalues
+            .iter()
+            .fold(0.0_f64, |m, z| m.max(z.re.hypot(z.im)));
+        let (fixed_point, free_directions) = fixed_point(&B, &b)?;
+        let elements = symmetric(&x);
+        Ok(Iterated {
+            answer: Answer {
+                elements,
+                printed: x,
+            },
+            converged,
+            sweeps,
+            spectral_radius,
+            free_directions,
+            fixed_point,
+        })
+    }
+}
+
+/// The point with `x = B x + b`, and the number of directions along which it may move.
+fn fixed_point(B: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<(Option<[f64; 6]>, usize), Kim2010Error> {
+    let A = Mat::from_fn(6, 6, |i, j| f64::from(u8::from(i == j)) - B[i][j]);
+    let svd = A.svd().map_err(|_| Kim2010Error::NotFinite)?;
+    let (U, S, V) = (svd.U(), svd.S(), svd.V());
+    let rank = (0..6).filter(|k| S[*k] > ROUND_OFF * S[0]).count();
+    let point = (rank == 6).then(|| {
+        std::array::from_fn(|i| {
+            (0..6)
+                .map(|k| V[(i, k)] * (0..6).map(|j| U[(j, k)] * b[j]).sum::<f64>() / S[k])
+                .sum()
+        })
+    });
+    Ok((point, 6 - rank))
+}

@@ -1,0 +1,47 @@
+//! The names of the estimators.
+
+use crate::method::Named;
+
+/// The five estimators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variant {
+    /// Nine elements at once, (2)-(4).
+    Batch,
+    /// Every element alone, (8)-(10), (14).
+    Conventional,
+    /// Products from the moments and the other product of the row as (15) gives it.
+    PreEstimate,
+    /// Products from the moments alone, (14)-(16).
+    Suggested,
+    /// (14)-(16) repeated: the paper's announced future work.
+    Iterated,
+}
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::Suggested,
+            "products of inertia from the moments alone, (14)-(16)",
+        ),
+        (Self::Batch, "nine elements at once, (2)-(4)"),
+        (Self::Conventional, "every element alone, (8)-(10), (14)"),
+        (
+            Self::PreEstimate,
+            "each product with the other one of its row as (15) gives it",
+        ),
+        (
+            Self::Iterated,
+            "(14)-(16) repeated, the paper's future work",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Suggested => "suggested",
+            Self::Batch => "batch",
+            Self::Conventional => "conventional",
+            Self::PreEstimate => "pre-estimate",
+            Self::Iterated => "iterated",
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! What the method reads of a problem: what it needs, samples, noise sources.
+
+use super::arm::Raw;
+use super::equations::Given;
+use super::error::Ma2008Error;
+use super::increments::relative;
+use super::influence::Source;
+use crate::method::Named;
+use nalgebra::SymmetricEigen;
+use poinsot_identify::{Noise, Problem, Segment};
+use poinsot_model::{EstimateSet, MomentumKnowledge};
+use poinsot_spatial::{Matrix3, Vector3};
+
+/// Which option of both steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variant {
+    /// Option 1 for the linear, the angular momentum or both, as the model gives them.
+    KnownMomentum,
+    /// Option 2: both are eliminated by increments.
+    UnknownMomentum,
+}
+
+impl Named for Variant {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (
+            Self::UnknownMomentum,
+            "option 2: increments eliminate the momentum",
+        ),
+        (
+            Self::KnownMomentum,
+            "option 1: the model gives linear or angular momentum, or both",
+        ),
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::KnownMomentum => "known-momentum",
+            Self::UnknownMomentum => "unknown-momentum",
+        }
+    }
+}
+
+/// The momentum that the variant takes as known, or why the method cannot be used.
+pub(super) fn check(problem: &Problem, variant: Variant) -> Result<Given, Ma2008Error> {
+    let model = problem.model;
+    if let Some(body) = model.bodies.iter().skip(1).find(|b| b.estimate.any()) {
+        let body = body.name.clone();
+        return Err(Ma2008Error::UnknownArm { body });
+    }
+    let base = model.bodies.first().map(|b| (b.name.clone(), b.estimate));
+    let (base, asked) = base.unwrap_or_default();
+    if asked != EstimateSet::ALL {
+        return Err(Ma2008Error::BasePartlyKnown { body: base });
+    }
+    let arm: f64 = model.bodies.iter().skip(1).map(|b| b.nominal.mass).sum();
+    if arm.is_nan() || arm <= 0.0 {
+        return Err(Ma2008Error::NoArm { base });
+    }
+    if let Some(wheel) = model.wheels.iter().find(|w| w.estimate) {
+        let wheel = wheel.name.clone();
+        return Err(Ma2008Error::UnknownWheel { wheel });
+    }
+    let needed = match variant {
+        Variant::KnownMomentum => 2,
+        Variant::UnknownMomentum => 3,
+    };
+    for segment in problem.segments {
+        let label = segment.label.clone();
+        let samples = segment.samples.time_s.len();
+        if !segment.firings.is_empty() {
+            return Err(Ma2008Error::Thrust { label });
+        }
+        if samples < needed {
+            return Err(Ma2008Error::TooFewSamples {
+                label,
+                samples,
+                needed,
+                variant: variant.name(),
+            });
+        }
+    }
+    if variant == Variant::UnknownMomentum {
+        return Ok(Given::default());
+    }
+    let pick = |k: MomentumKnowledge| match k {
+        MomentumKnowledge::Known(value) => Some(value),
+        MomentumKnowledge::Estimate => None,
+    };
+    let given = Given {
+        p_C_N: pick(model.momentum.linear),
+        h_C_N: pick(model.momentum.angular),
+    };
+    match given == Given::default() {
+        true => Err(Ma2008Error::MomentumUnknown),
+        false => Ok(given),
+    }
+}
+
+/// Samples of a segment, and the covariance that one interval adds where the velocity is summed from increments.
+pub(super) fn raws(
+    problem: &Problem,
+    segment: &Segment,
+    given: &Given,
+) -> Result<(Vec<Raw>, Option<Matrix3>), Ma2008Error> {
+    let s = &segment.samples;
+    let summed = match (&s.translation, given.p_C_N) {
+        (None, None) => relative(segment),
+        _ => None,
+    };
+    let velocity = |k: usize| match (&s.translation, &summed) {
+        (Some(t), _) => Some(t.v_NBo_N[k]),
+        (None, Some(relative)) => relative.velocity[k],
+        (None, None) => None,
+    };
+    let (dof, wheels) = (problem.tree.dof(), problem.tree.rotors.len());
+    let row = |list: &[f64], k: usize, n: usize| list[k * n..(k + 1) * n].to_vec();
+    let raws: Vec<Raw> = (0..s.time_s.len())
+        .filter_map(|k| {
+            Some(Raw {
+                R_NB: s.R_NB[k],
+                v_NBo_N: velocity(k)?,
+                w_NB_B: s.w_NB_B[k],
+                q: row(&s.joint_position, k, dof),
+                rates: row(&s.joint_rate, k, dof),
+                wheel_speed: row(&s.wheel_speed, k, wheels),
+            })
+        })
+        .collect();
+    if raws.len() < 2 {
+        let label = segment.label.clone();
+        return Err(Ma2008Error::NoVelocity { label });
+    }
+    Ok((raws, summed.map(|r| r.step)))
+}
+
+/// Independent one-sigma errors of one sample, with the share of their variance that the data show.
+///
+/// `velocity` tells whether a segment measures it; `step` is the covariance of velocity increments, whose noise is taken
+/// as really there.
+pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
+    let axes = |covariance: &Matrix3| -> Vec<Vector3> {
+        let e = SymmetricEigen::new(*covariance);
+        (0..3)
+            .filter(|&k| e.eigenvalues[k] > 0.0)
+            .map(|k| e.eigenvectors.column(k) * e.eigenvalues[k].sqrt())
+            .collect()
+    };
+    let scalars = |list: &[f64]| -> Vec<(usize, f64)> {
+        list.iter()
+            .enumerate()
+            .filter(|(_, v)| **v > 0.0)
+            .map(|(k, v)| (k, v.sqrt()))
+            .collect()
+    };
+    let mut out = Vec::new();
+    let rate = noise.seen_gyro;
+    out.extend(
+        axes(&noise.gyro)
+            .into_iter()
+            .map(|s| (Source::Rate(s), rate)),
+    );
+    let v = noise.seen_velocity;
+    out.extend(
+        axes(&noise.velocity)
+            .into_iter()
+            .filter(|_| velocity)
+            .map(|s| (Source::Velocity(s), v)),
+    );
+    out.extend(
+        axes(&noise.attitude)
+            .into_iter()
+            .map(|s| (Source::Attitude(s), v)),
+    );
+    out.extend(
+        axes(&step.unwrap_or_default())
+            .into_iter()
+            .map(|s| (Source::VelocityStep(s), 1.0)),
+    );
+    let joint = noise.seen_joint_rate;
+    for (k, s) in scalars(&noise.joint_position) {
+        out.push((Source::JointPosition(k, s), joint));
+    }
+    for (k, s) in scalars(&noise.joint_rate) {
+        out.push((Source::JointRate(k, s), joint));
+    }
+    for (k, s) in scalars(&noise.wheel_speed) {
+        out.push((Source::WheelSpeed(k, s), joint));
+    }
+    out
+}

@@ -1,0 +1,82 @@
+//! The registration of all published methods: no other file of the program names one.
+
+use crate::error::MethodError;
+use crate::kim2010::Kim2010;
+use crate::ma2008::Ma2008;
+use crate::method::Method;
+use crate::setting::Settings;
+use crate::study::Study;
+use crate::xu2017::Xu2017;
+use poinsot_identify::{Estimate, Problem};
+
+/// Every published method, by name.
+pub static METHODS: [&dyn Method; 3] = [&Kim2010, &Ma2008, &Xu2017];
+
+/// The published method of this name.
+pub fn method(name: &str) -> Option<&'static dyn Method> {
+    METHODS.into_iter().find(|m| m.about().name == name)
+}
+
+/// Identifies by a published method with settings `key=value`.
+///
+/// # Errors
+/// As [`Method::identify`], or the method has no such setting.
+pub fn identify_by(
+    method: &dyn Method,
+    problem: &Problem,
+    variant: Option<&str>,
+    settings: &[String],
+) -> Result<Estimate, MethodError> {
+    let about = method.about();
+    let settings = Settings::parse(settings)?;
+    settings.check(about.name, about.settings)?;
+    method.identify(problem, variant, &settings)
+}
+
+/// Every study with its paper, in the order of [`METHODS`].
+///
+/// ```
+/// let all: Vec<String> = poinsot_papers::studies()
+///     .map(|(paper, study)| format!("poinsot study {paper} {}", study.name))
+///     .collect();
+/// assert!(all.iter().any(|s| s == "poinsot study kim2010 table2"));
+/// ```
+pub fn studies() -> impl Iterator<Item = (&'static str, &'static Study)> {
+    let of = |m: &'static dyn Method| m.studies().iter().map(move |s| (m.about().name, s));
+    METHODS.into_iter().flat_map(of)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::Named;
+    use std::collections::HashSet;
+
+    fn exact<V: Named + PartialEq + std::fmt::Debug>() {
+        for (variant, summary) in V::ALL {
+            assert_eq!(V::named("", Some(variant.name())), Ok(*variant));
+            assert!(!summary.is_empty());
+        }
+        assert_eq!(V::named("", None), Ok(V::ALL[0].0));
+        assert!(V::named("", Some("none of them")).is_err());
+    }
+
+    #[test]
+    fn exact_every_variant_has_a_name_of_its_own_and_the_first_is_the_default() {
+        exact::<crate::kim2010::Variant>();
+        exact::<crate::ma2008::Variant>();
+        exact::<crate::xu2017::Variant>();
+    }
+
+    #[test]
+    fn exact_every_method_has_a_name_and_codes_of_its_own() {
+        let mut names = HashSet::new();
+        let mut codes = HashSet::new();
+        for about in METHODS.map(|m| m.about()) {
+            assert!(names.insert(about.name) && method(about.name).is_some());
+            assert!(about.citation.contains(&about.name[about.name.len() - 4..]));
+            assert!(!about.variants.is_empty() && !about.summary.is_empty());
+            assert!(about.codes.iter().all(|c| codes.insert(c.0)));
+        }
+    }
+}
