@@ -16,20 +16,6 @@ type Sources = BTreeMap<Name, String>;
 /// In each folder: which child imports which, and where it does.
 type Imports = BTreeMap<Name, BTreeMap<String, BTreeMap<String, BTreeSet<String>>>>;
 
-/// Crate, folder, members and imports of a circle.
-type Circle = (String, String, Vec<String>, Vec<String>);
-
-/// Crate, folder and members of the circles that are still there; a circle that is cut leaves this list.
-const ALLOWED: [(&str, &str, &str); 3] = [
-    (
-        "poinsot-papers",
-        "",
-        "kim2010 ma2008 method setting study xu2017",
-    ),
-    ("poinsot-papers", "kim2010", "identify studies"),
-    ("poinsot-papers", "ma2008", "answer both words"),
-];
-
 /// How often a name may be passed on before the search ends.
 const PASSED_ON: usize = 16;
 
@@ -52,25 +38,9 @@ fn unit_imports_run_in_no_circle() {
         }
     }
     assert!(read > 400, "only {read} modules found");
-    let allows = |entry: &(&str, &str, &str), circle: &Circle| {
-        let members: Vec<_> = entry.2.split(' ').collect();
-        (entry.0, entry.1) == (&circle.0, &circle.1)
-            && circle
-                .2
-                .iter()
-                .all(|member| members.contains(&member.as_str()))
-    };
     let mut message = String::new();
-    for circle in &found {
-        if !ALLOWED.iter().any(|entry| allows(entry, circle)) {
-            let (name, folder, members, lines) = circle;
-            message += &format!("{name} {folder}: {members:?}\n{}\n", lines.join("\n"));
-        }
-    }
-    for entry in &ALLOWED {
-        if !found.iter().any(|circle| allows(entry, circle)) {
-            message += &format!("no longer a circle, delete it from ALLOWED: {entry:?}\n");
-        }
+    for (name, folder, members, lines) in &found {
+        message += &format!("{name} {folder}: {members:?}\n{}\n", lines.join("\n"));
     }
     assert!(
         message.is_empty(),
