@@ -43,7 +43,7 @@ pub struct Verdict {
 }
 
 /// Every verdict; of those of a status the first whose condition holds.
-pub const VERDICTS: [Verdict; 9] = [
+pub static VERDICTS: [Verdict; 9] = [
     verdict(
         "converged",
         DOUBTED,
