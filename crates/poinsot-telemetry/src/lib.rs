@@ -70,7 +70,7 @@ pub use map::{
     TimeMap,
 };
 pub use map_faults::{MapFault, map_faults};
-pub use memory::{MemoryColumns, Part, Values};
+pub use memory::{MemoryColumns, Part, Spooled, Values};
 pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
 pub use read::{Encoding, MEMORY_MIB, ReadOptions, read, read_parts};
