@@ -6,6 +6,7 @@ mod acceleration;
 mod channels;
 mod cut;
 mod faults;
+mod free_fall;
 mod input_errors;
 mod motion;
 mod mounting;
@@ -65,7 +66,7 @@ pub enum BindError {
     },
     /// Absolute orbital coordinates.
     #[error(
-        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; give positions relative to a reference orbit",
+        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; write [environment] gravity = \"point_mass\" with gm_m3_s2, then they are taken relative to free fall",
         rounded(*distance, 4)
     )]
     OrbitalPosition {
@@ -132,6 +133,8 @@ pub struct Bound {
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
     faults::check_faults(model)?;
     let mut repairs = Vec::new();
+    let tables = free_fall::relative(model, tables, &mut repairs)?;
+    let tables = tables.as_ref();
     let leading = Leading::new(model, tables);
     sensors::check_sensors(model, tables, &leading, &mut repairs)?;
     let mut segments = Vec::with_capacity(tables.len());
