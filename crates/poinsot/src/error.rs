@@ -24,9 +24,9 @@ pub enum Error {
     /// A simulation.
     #[error(transparent)]
     Simulate(#[from] crate::simulate::SimulateError),
-    /// The plan of a campaign.
+    /// The plan of a campaign, or a result file that contradicts itself.
     #[error("{0}")]
-    Plan(crate::case::CaseError),
+    File(crate::case::CaseError),
     /// The shards of a campaign.
     #[error("{code} {}: {why}", path.display())]
     Shards {
@@ -141,7 +141,7 @@ impl Error {
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),
-            Self::Plan(error) => error.environment,
+            Self::File(error) => error.environment,
             _ => false,
         };
         if environment { 3 } else { 2 }

@@ -120,10 +120,7 @@ pub fn rows() -> Vec<Row> {
                 })
             },
             1,
-            &[
-                ": Contradicted. ",
-                "samples of the gyro (3.6 %)",
-            ],
+            &[": Contradicted. ", "samples of the gyro (3.6 %)"],
         ),
         row(
             "T13",
