@@ -78,6 +78,8 @@ class Record:
     @staticmethod
     def of_columns(name: str, columns: Sequence[tuple[str, NDArray[Any]]]) -> Record: ...
     @staticmethod
+    def of_bytes(name: str, bytes: bytes) -> Record: ...
+    @staticmethod
     def join(records: Sequence[Record]) -> Record: ...
     @property
     def names(self) -> list[str]: ...
@@ -114,6 +116,7 @@ class Problem:
 def identify(model: Model, records: Sequence[Record], options: dict[str, Any], progress: _Progress = None) -> Answer: ...
 def inspect(
     paths: Sequence[_Path],
+    model: _Path | None = None,
     map: _Path | None = None,
     recover: bool = False,
     time_s: tuple[float, float] | None = None,

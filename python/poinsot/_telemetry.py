@@ -133,6 +133,19 @@ class Telemetry:
         return cls(CoreRecord.of_files([os.fspath(p) for p in paths]))
 
     @classmethod
+    def from_bytes(cls, content: bytes, *, name: str = "<bytes>") -> Telemetry:
+        """Read the bytes of one file (CSV, packed or not, or Parquet), with the same result as from the file.
+
+        Parameters
+        ----------
+        content
+            Bytes of the file.
+        name
+            What messages call them; a ``[[telemetry.file]]`` of the map chooses by it.
+        """
+        return cls(CoreRecord.of_bytes(name, content))
+
+    @classmethod
     def from_arrays(
         cls,
         *,

@@ -219,6 +219,7 @@ def check(vehicle: Model | PathLike) -> Document:
 
 def inspect(
     *paths: PathLike,
+    model: PathLike | None = None,
     map: PathLike | None = None,
     recover: bool = False,
     time_s: tuple[float, float] | None = None,
@@ -232,6 +233,8 @@ def inspect(
     ----------
     *paths
         Files of one segment.
+    model
+        Model file whose map of telemetry and mountings of sensors are used.
     map, recover, time_s, every, memory_mib, encoding
         As of :func:`identify`.
 
@@ -246,7 +249,7 @@ def inspect(
     if not files:
         raise InputError("E0001 paths: no file; give at least one")
     span = None if time_s is None else (float(time_s[0]), float(time_s[1]))
-    return Document(*_core.inspect(files, map, recover, span, every, memory_mib, encoding))
+    return Document(*_core.inspect(files, model, map, recover, span, every, memory_mib, encoding))
 
 
 def simulate(case: PathLike, *, out: PathLike | None = None, progress: Progress = None) -> Simulation:
@@ -255,7 +258,7 @@ def simulate(case: PathLike, *, out: PathLike | None = None, progress: Progress 
     Parameters
     ----------
     case
-        Case file (TOML, ``poinsot.case/1``).
+        Case file (TOML, ``poinsot.case/2``).
     out
         Folder for telemetry and ``truth.json``, written as the command does; in memory without.
     progress

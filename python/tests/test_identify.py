@@ -56,6 +56,8 @@ def test_exact_bits_of_the_command(path, command, tmp_path):
     written = (tmp_path / "estimate.json").read_text()
     assert of_file.to_json() == written
     assert of_file.exit_code == done.returncode
+    of_bytes = pn.identify(model, pn.Telemetry.from_bytes(path.read_bytes(), name=str(path)))
+    assert of_bytes.to_json() == written
     record = pn.Telemetry.from_arrays(time_s=_table(path)["time_s"], columns=_table(path) | {"time_s": _table(path)["time_s"]})
     of_arrays, wanted = pn.identify(model, record).to_dict(), json.loads(written)
     for document in (of_arrays, wanted):

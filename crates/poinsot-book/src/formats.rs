@@ -1,4 +1,4 @@
-//! The page of formats: keys of the model file and of the results, from their schemas.
+//! Pages of formats: keys of the model file, the case file and the results, from their schemas.
 
 use crate::commands::{GENERATED, cell};
 use serde_json::{Map, Value};
@@ -10,12 +10,52 @@ pub fn page() -> String {
     out.push_str(GENERATED);
     out.push_str(
         "Everything is SI, and every key that holds a quantity ends in its unit. Axes, points and signs are those of \
-         [Notation](notation.md). Telemetry and case files are described in [Borders](CONTRACT.md), with examples in \
-         [the cases](../examples/cases/README.md).\n\n",
+         [Notation](notation.md). Case files have [a page of their own](case.md).\n\n",
     );
     model(&mut out);
     out
 }
+
+/// The page `case.md`.
+pub fn case_page() -> String {
+    let mut out = "# Case files\n\n".to_owned();
+    out.push_str(GENERATED);
+    out.push_str(CASES);
+    schema_tables("case", "Keys", &mut out);
+    out
+}
+
+const CASES: &str = "\
+A case file (TOML, `poinsot.case/2`) says what a vehicle does: `simulate` makes telemetry of it, `predict` its accuracy, \
+`design` a better manoeuvre, `validate` and `campaign` compare with it. An unknown key is an error, with the nearest known \
+key. Files of `poinsot.case/1` are read alike. [The cases](../examples/cases/README.md) are examples.
+
+1. Write the case beside its model:
+
+       schema = \"poinsot.case/2\"
+       model = \"tug_truth.toml\"
+       duration_s = 120.0
+
+       [initial]
+       omega_rad_s = [0.01, -0.015, 0.02]
+
+       [[firing]]
+       thruster = \"thr1\"
+       on_s = 2.0
+       off_s = 8.0
+       force_N = 10.0
+
+       [output]
+       rate_hz = 10
+
+2. Check it: `poinsot check case.toml` prints it in words, or every fault with its line.
+3. Simulate it: `poinsot simulate case.toml --out sim` writes `telemetry.csv` and `truth.json`.
+4. Predict it: `poinsot predict case.toml` prints the accuracy that the manoeuvre gives.
+
+Gravity of the model, thrusters and attitude feedback act together. Joints move by `joint_motion`, or by `joint_torque` and \
+springs without `control` and without gravity. Motions of wheels and torques of joints come from tables or from telemetry \
+files. `poinsot schema case` prints the JSON Schema from which the tables below are made.
+";
 
 /// The page `results.md`.
 pub fn results_page() -> String {
@@ -30,8 +70,11 @@ pub fn results_page() -> String {
          Plans, `--vary` and `[[want]]` use the same addresses.\n",
     );
     let mut parts = std::collections::BTreeMap::new();
-    for name in poinsot_formats::names() {
-        let Some(schema) = poinsot_formats::schema(name) else {
+    for name in poinsot::schema_names() {
+        let Some(schema) = poinsot::schema(name)
+            .ok()
+            .filter(|_| !OTHER_PAGES.contains(&name))
+        else {
             continue;
         };
         table(&format!("The {name} format"), &schema, &mut out);
@@ -48,14 +91,22 @@ pub fn results_page() -> String {
     out
 }
 
+/// Formats that stand on other pages.
+const OTHER_PAGES: [&str; 3] = ["model", "map", "case"];
+
 fn model(out: &mut String) {
-    let schema = poinsot_model::model_schema();
     out.push_str(
         "## The model file: poinsot.model/1\n\n\
          TOML. An unknown key is an error, with the nearest known key. `poinsot schema` prints the JSON Schema from which \
          these tables are made and by which a file is checked.\n",
     );
-    table("top level", &schema, out);
+    schema_tables("model", "top level", out);
+}
+
+/// The tables of one format and its parts.
+fn schema_tables(name: &str, heading: &str, out: &mut String) {
+    let schema = poinsot::schema(name).unwrap_or_default();
+    table(heading, &schema, out);
     let empty = Map::new();
     let parts = schema
         .get("$defs")
@@ -143,6 +194,15 @@ fn kind(value: &Value) -> String {
             let words: Vec<String> = choices.iter().map(kind).collect();
             return words.join(" or ");
         }
+    }
+    if let Some(types) = value.get("type").and_then(Value::as_array) {
+        let alone = |kind: &Value| {
+            let mut one = value.clone();
+            one["type"] = kind.clone();
+            self::kind(&one)
+        };
+        let words: Vec<String> = types.iter().map(alone).collect();
+        return words.join(" or ");
     }
     match value.get("type").and_then(Value::as_str) {
         Some("array") => {

@@ -14,6 +14,7 @@ pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
     let mut pages = vec![
         (docs.join("commands.md"), commands::page()),
         (docs.join("formats.md"), formats::page()),
+        (docs.join("case.md"), formats::case_page()),
         (docs.join("results.md"), formats::results_page()),
         (docs.join("validation.md"), validation::page()?),
         (docs.join("verdicts.md"), verdicts::page()),

@@ -76,7 +76,7 @@ pub enum Verb {
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
     Inspect(Inspect),
-    /// Check a model file and say what it describes.
+    /// Check a model, map, case, plan or answer, and say what it holds.
     Check(Check),
     /// Make a model file (poinsot.model/1) of a URDF file.
     Import(Import),
@@ -317,7 +317,7 @@ pub struct Study {
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
 pub struct Simulate {
-    /// Case (TOML, poinsot.case/1).
+    /// Case (TOML, poinsot.case/2).
     pub case: PathBuf,
     /// Folder for telemetry and truth.json; made if it is not there.
     #[arg(long, value_name = "DIR")]
@@ -333,7 +333,7 @@ pub struct Simulate {
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
 pub struct Predict {
-    /// Case (TOML, poinsot.case/1); the numbers of its model are taken as the truth.
+    /// Case (TOML, poinsot.case/2); the numbers of its model are taken as the truth.
     pub case: PathBuf,
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
@@ -349,7 +349,7 @@ pub struct Predict {
 /// Arguments of `design`.
 #[derive(Debug, Args)]
 pub struct Design {
-    /// Case (TOML, poinsot.case/1) with the tables want, limits and design.
+    /// Case (TOML, poinsot.case/2) with the tables want, limits and design.
     pub case: PathBuf,
     /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
     #[arg(long, value_name = "DIR")]
@@ -371,7 +371,7 @@ pub struct Design {
 /// Arguments of `validate`.
 #[derive(Debug, Args)]
 pub struct Validate {
-    /// Case (TOML, poinsot.case/1) that says what drives the vehicle; not needed for held-back telemetry.
+    /// Case (TOML, poinsot.case/2) that says what drives the vehicle; not needed for held-back telemetry.
     pub case: Option<PathBuf>,
     /// Model of the vehicle (TOML, poinsot.model/1); that of the case where it is not given.
     #[arg(long, value_name = "MODEL.toml")]
@@ -489,7 +489,7 @@ fn until(text: &str) -> Result<f64, String> {
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct Sweep {
-    /// Case (TOML, poinsot.case/1); the numbers of its model are the truth.
+    /// Case (TOML, poinsot.case/2); the numbers of its model are the truth.
     pub case: PathBuf,
     /// Model as the identification knows it; that of the case where it is not given.
     #[arg(long, value_name = "MODEL.toml")]
@@ -541,8 +541,8 @@ pub struct Compare {
 /// Arguments of `schema`.
 #[derive(Debug, Args)]
 pub struct Schema {
-    /// Format: model, plan, estimate, truth, prediction, validation, comparison, design, campaign, onboard; an unknown name
-    /// lists all.
+    /// Format: model, map, case, plan, estimate, truth, prediction, validation, comparison, design, campaign, onboard; an
+    /// unknown name lists all.
     #[arg(value_name = "NAME", default_value = "model")]
     pub name: String,
 }
@@ -553,6 +553,9 @@ pub struct Report {
     /// Folder with estimate.json and report_data.json, as `identify --out` writes them.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// Earlier answer of the same vehicle to compare with, in a section of its own; may be given several times.
+    #[arg(long, value_name = "DIR")]
+    pub compare: Vec<PathBuf>,
     /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
     pub figures: Vec<FigureFile>,
@@ -569,7 +572,10 @@ pub struct Report {
 pub struct Inspect {
     /// Telemetry (CSV or Parquet); files of one segment joined by commas.
     pub telemetry: String,
-    /// File with a `[telemetry]` table: columns that are not standard names, rows to keep.
+    /// Model whose `[telemetry]` table and mountings of sensors are used.
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// File with a `[telemetry]` table: columns that are not standard names, rows to keep. It replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
     /// Print as JSON.
@@ -589,8 +595,9 @@ pub struct Inspect {
 /// Arguments of `check`.
 #[derive(Debug, Args)]
 pub struct Check {
-    /// Model of the vehicle (TOML, poinsot.model/1).
-    pub model: PathBuf,
+    /// Model (TOML or URDF), map of telemetry, case, plan, or answer of `identify`.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,

@@ -44,12 +44,14 @@ pub(crate) fn manoeuvre_text(case: &Case, space: &Space, commands: &[(String, Co
 /// Files that the case names are found from anywhere.
 fn absolute_files(table: &mut Table, case: &Path) {
     let folder = case.parent().unwrap_or(Path::new(""));
-    let torques = table.get_mut("joint_torque").and_then(Value::as_array_mut);
-    for one in torques.into_iter().flatten() {
-        if let Some(Value::String(file)) = one.get_mut("file")
-            && let Ok(path) = folder.join(&*file).canonicalize()
-        {
-            *file = path.display().to_string();
+    for list in ["joint_torque", "wheel_motion"] {
+        let all = table.get_mut(list).and_then(Value::as_array_mut);
+        for one in all.into_iter().flatten() {
+            if let Some(Value::String(file)) = one.get_mut("file")
+                && let Ok(path) = folder.join(&*file).canonicalize()
+            {
+                *file = path.display().to_string();
+            }
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Closed loop: quaternion feedback turns a vehicle with reaction wheels. Joints are locked, no force acts.
+//! Closed loop: quaternion feedback turns a vehicle with reaction wheels. Joints are locked.
 //!
-//! State (pose and momentum, as in `prescribed`; the momentum itself is constant):
+//! State (pose and momentum, as in `prescribed`); without thrust and gravity gradient the momentum is constant and is left out:
 //!
 //! ```text
-//! y = [ q_NB (xyzw), z of each wheel ]          h_SScm_N = const, p_NoScm' = l_S / m = const
+//! y = [ q_NB (xyzw), z of each wheel, p_NoScm, l_S, h_SScm ]      p_NoScm' = l_S / m
 //! (I - sum Js a a^T) w = R^T h - sum a z         z = Js (Omega + a . w),  z' = motor + friction
 //! I w = R^T h - sum a z                          z = Js Omega,            z' = command     (acceleration drive)
 //! R' = R [w]x
@@ -14,13 +14,16 @@
 //! with the smallest sum of squares, `-C^T (C C^T)^-1 u`.
 
 use crate::acceleration::Accelerations;
+use crate::gravity_gradient::gravity_gradient_torque;
 use crate::integrate::{DormandPrince, Flow, Halt, Tolerance};
 use crate::kinematics::Kinematics;
 use crate::momentum::composite;
-use crate::plan::{Start, StartVelocity};
-use crate::prescribed::MotionError;
+use crate::orbit::{Orbit, orbit_state};
+use crate::plan::{Start, StartVelocity, Stretches};
+use crate::prescribed::{MotionError, gravity_gradient};
 use crate::reaction_wheel::WheelLimits;
 use crate::stage::MotionSample;
+use crate::thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 use crate::tree::Tree;
 use crate::vehicle::Vehicle;
 use nalgebra::Quaternion;
@@ -130,6 +133,10 @@ pub struct ControlledVehicle<'c> {
     inertia: Matrix3,
     locked: Vec<f64>,
     kinematics: Kinematics,
+    nozzles: Vec<Nozzle>,
+    firings: Vec<Firing>,
+    /// Gravitational parameter and orbit of the gravity gradient.
+    orbit: Option<(f64, Orbit)>,
     tolerance: Tolerance,
 }
 
@@ -146,12 +153,7 @@ impl<'c> ControlledVehicle<'c> {
         tolerance: Tolerance,
     ) -> Result<Self, ControlError> {
         let vehicle: Vehicle = vehicle.into();
-        if vehicle.gravity.acts() {
-            return Err(MotionError::Gravity(
-                "gravity under attitude control is not simulated; prescribe the wheels with [[wheel_motion]], or take gravity out of [environment]",
-            )
-            .into());
-        }
+        let orbit = gravity_gradient(&vehicle.gravity)?;
         let wheels = vehicle.spin_inertia.len();
         check(control, limits, wheels)?;
         let (tree, spin_inertia, locked) = (vehicle.tree, vehicle.spin_inertia, vehicle.locked_at);
@@ -184,9 +186,24 @@ impl<'c> ControlledVehicle<'c> {
             inertia: whole.I_SScm_B(),
             locked,
             kinematics,
+            nozzles: vehicle.nozzles,
+            firings: Vec::new(),
+            orbit,
             tree,
             tolerance,
         })
+    }
+
+    /// The same with thrusters that fire.
+    #[must_use]
+    pub fn firing(mut self, firings: &[Firing]) -> Self {
+        self.firings = firings.to_vec();
+        self
+    }
+
+    /// Whether anything changes the momentum.
+    fn is_forced(&self) -> bool {
+        !self.firings.is_empty() || self.orbit.is_some()
     }
 
     /// The kinematic constants.
@@ -214,12 +231,17 @@ impl<'c> ControlledVehicle<'c> {
         let Some(&first) = times.first().filter(|t| t.is_finite()) else {
             return Err(MotionError::Times(0).into());
         };
+        let mut breaks: Vec<f64> = self.firings.iter().flat_map(|f| [f.on, f.off]).collect();
+        breaks.sort_by(f64::total_cmp);
+        let stretches = Stretches::new(breaks);
         let mut flight = Flight::new(self, start, wheel_speed)?;
         let mut y = flight.start(start, wheel_speed);
         let mut integrator = DormandPrince::new(flight.scale(), self.tolerance);
         let (mut t, mut instants) = (first, 0_u64);
         for &time in times {
             loop {
+                let (within, end) = stretches.of(t);
+                flight.within = within;
                 let next = match self.control.period {
                     Some(period) => {
                         let due = |n: u64| first + n as f64 * period;
@@ -233,13 +255,18 @@ impl<'c> ControlledVehicle<'c> {
                     }
                     None => time.min(self.next_target(t)),
                 };
+                let next = next.min(end);
                 if t >= time {
                     break;
                 }
                 flight.target = self.target(t);
                 integrator.advance(&mut flight, t, next, &mut y)?;
                 t = next;
+                if t == end {
+                    integrator.restart();
+                }
             }
+            flight.within = stretches.of(t).0;
             flight.target = self.target(t);
             sink(flight.sample(t, first, &y)?);
         }
@@ -340,6 +367,8 @@ struct Flight<'v> {
     vehicle: &'v ControlledVehicle<'v>,
     moving_inertia: Matrix3,
     h_SScm_N: Vector3,
+    /// A time inside the present smooth stretch.
+    within: f64,
     target: UnitQuaternion,
     held: Vec<f64>,
     command: Vec<f64>,
@@ -376,6 +405,7 @@ impl<'v> Flight<'v> {
             vehicle,
             moving_inertia,
             h_SScm_N,
+            within: 0.0,
             target: UnitQuaternion::identity(),
             held: vec![0.0; wheels],
             command: vec![0.0; wheels],
@@ -395,7 +425,7 @@ impl<'v> Flight<'v> {
                 accelerations: vec![0.0; dof],
                 wheel_speed: wheel_speed.to_vec(),
                 wheel_torque: vec![0.0; wheels],
-                thrust: Vec::new(),
+                thrust: vec![0.0; vehicle.nozzles.len()],
                 p_orbit_N: Vector3::zeros(),
                 kinematics: vehicle.kinematics.clone(),
                 body: Accelerations::new(&vehicle.tree),
@@ -418,17 +448,53 @@ impl<'v> Flight<'v> {
             WheelDrive::Torque => js * (speed + a.dot(&w)),
             WheelDrive::Acceleration => js * speed,
         }));
+        if v.is_forced() {
+            let momenta = [self.p_start_N, self.sample.l_S_N, self.h_SScm_N];
+            y.extend(momenta.iter().flat_map(|x| x.iter()));
+        }
         y
+    }
+
+    /// Takes position and momenta from the state where they change.
+    fn set_momenta(&mut self, y: &[f64]) {
+        let (_, forced) = y.split_at(WHEELS + self.vehicle.axes.len());
+        if let [p, l, h] = forced.as_chunks::<3>().0 {
+            let vector = |x: &[f64; 3]| Vector3::from(*x);
+            self.sample.p_NoScm_N = vector(p);
+            (self.sample.l_S_N, self.h_SScm_N) = (vector(l), vector(h));
+        }
+    }
+
+    /// Force of thrust, and torque of thrust and gravity gradient about the system's mass centre, in base axes.
+    fn loads(&mut self, t: f64, R: &UnitQuaternion) -> (Vector3, Vector3) {
+        let v = self.vehicle;
+        thrust_levels(&v.firings, self.within, &mut self.sample.thrust);
+        let (force, torque) = thrust_wrench(&v.nozzles, &v.kinematics, &self.sample.thrust);
+        let mut torque = torque - v.c.cross(&force);
+        if let Some((gm, orbit)) = &v.orbit {
+            self.sample.p_orbit_N = orbit_state(*gm, orbit, t).0;
+            let r_B = R.inverse() * self.sample.p_orbit_N;
+            torque += gravity_gradient_torque(*gm, &r_B, &v.inertia);
+        }
+        (force, torque)
     }
 
     fn scale(&self) -> Vec<f64> {
         let mut scale = vec![1.0; WHEELS];
-        scale.extend(&self.vehicle.spin_inertia);
+        let v = self.vehicle;
+        scale.extend(&v.spin_inertia);
+        if v.is_forced() {
+            // As in `stage.rs`: 1 m, 1 cm/s, 0.01 rad/s.
+            scale.extend([1.0; 3]);
+            scale.extend([0.01 * v.mass; 3]);
+            scale.extend([0.01 * v.inertia.trace() / 3.0; 3]);
+        }
         scale
     }
 
     /// Attitude and rates of a state; wheel speeds go into the sample.
     fn rates(&mut self, t: f64, y: &[f64]) -> Result<(UnitQuaternion, Vector3), Halt> {
+        self.set_momenta(y);
         let v = self.vehicle;
         let R = UnitQuaternion::new_normalize(Quaternion::new(y[3], y[0], y[1], y[2]));
         let h = v.axes.iter().zip(&y[WHEELS..]);
@@ -490,16 +556,20 @@ impl<'v> Flight<'v> {
         let v = self.vehicle;
         let (R, w) = self.rates(t, y)?;
         self.wheel_rates(&R, &w);
+        let (force, torque) = self.loads(t, &R);
         let h_B = R.inverse() * self.h_SScm_N;
         let factor = self.moving_inertia.cholesky();
         let rotors = v.axes.iter().zip(&self.command);
-        let moment = rotors.fold(-w.cross(&h_B), |m, (a, rate)| m - a * *rate);
+        let moment = rotors.fold(torque - w.cross(&h_B), |m, (a, rate)| m - a * *rate);
         let alpha = factor.ok_or(Halt::Singular { time: t })?.solve(&moment);
         let sample = &mut self.sample;
         sample.time = t;
         sample.R_NB = R;
         sample.w_NB_B = w;
-        sample.p_NoScm_N = self.p_start_N + sample.l_S_N * ((t - first) / v.mass);
+        sample.h_SScm_N = self.h_SScm_N;
+        if !v.is_forced() {
+            sample.p_NoScm_N = self.p_start_N + sample.l_S_N * ((t - first) / v.mass);
+        }
         sample.p_NoBo_N = sample.p_NoScm_N - R * v.c;
         let v_B = R.inverse() * sample.l_S_N / v.mass - w.cross(&v.c);
         sample.v_NBo_N = R * v_B;
@@ -509,7 +579,7 @@ impl<'v> Flight<'v> {
         sample
             .body
             .set_without_base(&v.tree, kinematics, &sample.rates, still);
-        let a = -(alpha.cross(&v.c) + w.cross(&w.cross(&v.c)));
+        let a = force / v.mass - (alpha.cross(&v.c) + w.cross(&w.cross(&v.c)));
         sample.body.add_base(kinematics, &a, &alpha);
         for (i, axis) in v.axes.iter().enumerate() {
             let friction = v.limits[i].friction(sample.wheel_speed[i]);
@@ -536,7 +606,13 @@ impl Flow for Flight<'_> {
         let q = R.quaternion() * Quaternion::from_imag(w * 0.5);
         dy[..WHEELS].copy_from_slice(q.coords.as_slice());
         self.wheel_rates(&R, &w);
-        dy[WHEELS..].copy_from_slice(&self.command);
+        let (wheels, forced) = dy[WHEELS..].split_at_mut(self.command.len());
+        wheels.copy_from_slice(&self.command);
+        if let [p, l, h] = forced.as_chunks_mut::<3>().0 {
+            let (force, torque) = self.loads(t, &R);
+            *p = (self.sample.l_S_N / self.vehicle.mass).into();
+            (*l, *h) = ((R * force).into(), (R * torque).into());
+        }
         Ok(())
     }
 

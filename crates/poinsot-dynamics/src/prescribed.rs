@@ -122,7 +122,7 @@ impl<'p> Prescribed<'p> {
 }
 
 /// What the gravity gradient of a simulation needs; `None` in free fall.
-fn gravity_gradient(around: &Gravity) -> Result<Option<(f64, Orbit)>, MotionError> {
+pub(crate) fn gravity_gradient(around: &Gravity) -> Result<Option<(f64, Orbit)>, MotionError> {
     match (around.gm, around.gradient, around.orbit) {
         (None, _, _) => Ok(None),
         (Some(gm), true, Some(orbit)) => Ok(Some((gm, orbit))),

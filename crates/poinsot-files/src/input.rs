@@ -139,12 +139,21 @@ pub fn standard_input() -> std::io::Result<File> {
     let mut file = match SPOOLED.get() {
         Some(file) => file.try_clone()?,
         None => {
-            let mut file = tempfile::tempfile()?;
-            std::io::copy(&mut std::io::stdin().lock(), &mut file)?;
+            let file = spooled(&mut std::io::stdin().lock())?;
             SPOOLED.get_or_init(|| file).try_clone()?
         }
     };
     std::io::Seek::rewind(&mut file)?;
+    Ok(file)
+}
+
+/// All of a stream in a file without a name.
+///
+/// # Errors
+/// The stream cannot be read, or the disk is full.
+pub fn spooled(stream: &mut dyn Read) -> std::io::Result<File> {
+    let mut file = tempfile::tempfile()?;
+    std::io::copy(stream, &mut file)?;
     Ok(file)
 }
 

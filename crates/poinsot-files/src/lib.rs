@@ -5,7 +5,7 @@ mod input;
 mod plain;
 mod stage;
 
-pub use input::{InputError, open, read, read_text, standard_input};
+pub use input::{InputError, open, read, read_text, spooled, standard_input};
 pub use plain::{
     LONGEST_LINE, error_line, escaped, escaped_lines, excerpt, is_unprintable, json_escaped,
 };

@@ -48,15 +48,44 @@ pub fn address(name: &str, unit: &str) -> String {
     out
 }
 
+/// An address in its parts: the one parser of addresses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Address<'a> {
+    /// Name of a body, joint, wheel, thruster or sensor, which may hold dots; empty without one.
+    pub owner: &'a str,
+    /// Quantity with its unit, as in files.
+    pub quantity: &'a str,
+    /// Component; `None` of a scalar, or of all components.
+    pub component: Option<&'a str>,
+}
+
+impl<'a> Address<'a> {
+    /// Takes an address apart.
+    pub fn parse(text: &'a str) -> Self {
+        let (rest, component) = match text.rsplit_once('.') {
+            Some((rest, last)) if COMPONENTS.contains(&last) => (rest, Some(last)),
+            _ => (text, None),
+        };
+        let (owner, quantity) = rest.rsplit_once('.').unwrap_or(("", rest));
+        Self {
+            owner,
+            quantity,
+            component,
+        }
+    }
+}
+
 /// The estimator's name of an unknown mass property, from its address; the inverse of [`address`].
 pub fn unknown_name(address: &str) -> String {
-    let (rest, component) = match address.rsplit_once('.') {
-        Some((rest, last)) if COMPONENTS.contains(&last) => (rest, format!("_{last}")),
-        _ => (address, String::new()),
-    };
-    let (owner, key) = rest.rsplit_once('.').unwrap_or(("", rest));
-    let known = MASS_PROPERTIES.iter().find(|(_, k)| *k == key);
-    format!("{owner}.{}{component}", known.map_or(key, |(word, _)| word))
+    let Address {
+        owner,
+        quantity,
+        component,
+    } = Address::parse(address);
+    let component = component.map_or(String::new(), |c| format!("_{c}"));
+    let known = MASS_PROPERTIES.iter().find(|(_, k)| *k == quantity);
+    let word = known.map_or(quantity, |(word, _)| word);
+    format!("{owner}.{word}{component}")
 }
 
 #[cfg(test)]

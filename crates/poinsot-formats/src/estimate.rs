@@ -49,7 +49,7 @@ pub struct EstimateFile {
     pub bodies: IndexMap<String, BodyFile>,
     /// Names, units and matrix of all determined mass properties and nuisances.
     pub covariance: CovarianceFile,
-    /// The whole vehicle at the first sample; empty where only rotation is measured.
+    /// The whole vehicle at the first sample; empty without samples.
     #[serde(default)]
     pub system: Vec<SystemFile>,
     /// Momentum at the first sample, one entry per segment.

@@ -1,4 +1,4 @@
-//! Result files as types: every file has one type, which writes it, reads it and gives its JSON Schema.
+//! Files as types: every file has one type, which writes it, reads it and gives its JSON Schema.
 //!
 //! ```
 //! use poinsot_formats::{Elements, NumberFile};
@@ -14,6 +14,8 @@
 mod address;
 mod body;
 mod campaign;
+pub mod case;
+mod check;
 mod comparison;
 mod design;
 mod diagnostics;
@@ -28,12 +30,13 @@ mod truth;
 mod upgrade;
 mod validation;
 
-pub use address::{address, unknown_name};
+pub use address::{Address, address, unknown_name};
 pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
     BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
     PairNumberFile,
 };
+pub use check::{Contradiction, contradictions};
 pub use comparison::{
     COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, JointTestFile,
 };
@@ -88,7 +91,7 @@ fn of<T: JsonSchema>() -> Value {
 }
 
 /// Every format of a result.
-const FORMATS: [Format; 16] = [
+const FORMATS: [Format; 17] = [
     ("estimate", of::<EstimateFile>),
     ("truth", of::<TruthFile>),
     ("prediction", of::<PredictionFile>),
@@ -96,6 +99,7 @@ const FORMATS: [Format; 16] = [
     ("comparison", of::<ComparisonFile>),
     ("design", of::<DesignFile>),
     ("onboard", of::<OnboardFile>),
+    ("case", of::<case::CaseFile>),
     ("plan", of::<PlanFile>),
     ("campaign", of::<CampaignFile>),
     ("methods", of::<MethodsFile>),

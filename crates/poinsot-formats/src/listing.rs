@@ -23,7 +23,7 @@ pub const DESCRIPTION: &str = "poinsot.description/1";
 pub const INSPECTION: &str = "poinsot.inspection/1";
 
 /// An answer of another floor with the name of its format.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct StatedFile<T> {
     /// Name and version of the format.
     pub schema: &'static str,

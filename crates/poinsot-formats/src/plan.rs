@@ -53,7 +53,7 @@ pub struct ExperimentFile {
     /// Name. Default: that of the case or record.
     #[serde(default)]
     pub name: String,
-    /// Case (poinsot.case/1), relative to the plan.
+    /// Case (poinsot.case/2), relative to the plan.
     pub case: Option<String>,
     /// Noise-free telemetry, relative to the plan, instead of a case; needs model and truth.
     pub record: Option<String>,

@@ -173,6 +173,8 @@ fn checked(
             Some(OrbitMap {
                 position: orbit.position.clone()?,
                 unit: orbit.unit.clone(),
+                velocity: orbit.velocity.clone(),
+                velocity_unit: orbit.velocity_unit.clone(),
                 earth_fixed: orbit.frame == Some(FrameFile::EarthFixed),
             })
         }),

@@ -3,11 +3,12 @@
 use crate::number::{list, short};
 use crate::vehicle::{JointKind, Model, MomentumKnowledge, Nuisance, SensorKind};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
 
 /// A summary of a [`Model`], for people (`Display`) and programs (`Serialize`).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Description {
     /// Name of the vehicle.
     pub name: String,
@@ -38,7 +39,7 @@ pub struct Description {
 }
 
 /// Mass centre and inertia of the whole vehicle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SystemDescription {
     /// Mass centre from the base frame's origin, in base axes, m.
     pub com_m: [f64; 3],
@@ -47,7 +48,7 @@ pub struct SystemDescription {
 }
 
 /// One body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BodyDescription {
     /// Name.
     pub name: String,
@@ -62,7 +63,7 @@ pub struct BodyDescription {
 }
 
 /// One joint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct JointDescription {
     /// Name.
     pub name: String,
@@ -82,7 +83,7 @@ pub struct JointDescription {
 }
 
 /// One wheel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct WheelDescription {
     /// Name.
     pub name: String,
@@ -95,7 +96,7 @@ pub struct WheelDescription {
 }
 
 /// One thruster.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ThrusterDescription {
     /// Name.
     pub name: String,
@@ -108,7 +109,7 @@ pub struct ThrusterDescription {
 }
 
 /// One sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SensorDescription {
     /// Name.
     pub name: String,

@@ -47,7 +47,7 @@ fn orbit_words(orbit: &Orbit, gm: f64) -> String {
 }
 
 /// One line for each thing that the map says.
-pub(crate) fn telemetry(map: &TelemetryMap) -> Vec<String> {
+pub fn telemetry(map: &TelemetryMap) -> Vec<String> {
     let mut lines = file("", &map.all);
     for (name, own) in &map.files {
         lines.extend(file(&format!("{name}: "), own));
@@ -92,6 +92,14 @@ fn file(head: &str, map: &FileMap) -> Vec<String> {
             "orbit: position from {}, {unit}, in {frame}",
             orbit.position.join(" ")
         ));
+        if let Some(velocity) = &orbit.velocity {
+            let unit = orbit.velocity_unit.as_deref();
+            let unit = unit.unwrap_or("as the units row says");
+            say(format!(
+                "orbit: velocity from {}, {unit}",
+                velocity.join(" ")
+            ));
+        }
     }
     for (column, text) in &map.row_filter {
         say(format!("rows: those with '{text}' in '{column}'"));
@@ -129,10 +137,11 @@ fn time_words(time: &TimeMap) -> String {
 fn column(map: &ColumnMap) -> String {
     let (channel, column) = (&map.channel, &map.column);
     if let Some(force) = map.nominal_N {
-        return format!(
-            "{channel}: flag '{column}', {} N where it is on",
-            short(force)
-        );
+        let force = short(force);
+        return match &map.unit {
+            None => format!("{channel}: flag '{column}', {force} N where it is on"),
+            Some(unit) => format!("{channel}: pulses of {force} N, as long as '{column}', {unit}"),
+        };
     }
     let mut value = match map.scale {
         Some(scale) => format!("{} '{column}'", short(scale)),

@@ -2,7 +2,7 @@
 
 use crate::knowledge::{KnownNumber, Origin, Uncertain, across};
 use crate::vehicle::{Model, Nuisance, SensorKind};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{Matrix3, TENSOR, Vector3, tensor_name};
 
 impl KnownNumber {
     /// Name of a component, as results write it.
@@ -17,10 +17,7 @@ impl KnownNumber {
         match self {
             Self::Mass(k) => of(body(k), "mass"),
             Self::MassCentre(k) => of(body(k), &format!("com_{axis}")),
-            Self::Inertia(k) => of(
-                body(k),
-                &format!("inertia_{}", ELEMENT_NAMES[component % 6]),
-            ),
+            Self::Inertia(k) => of(body(k), &format!("inertia_{}", tensor_name(component))),
             Self::SpinInertia(k) => of(wheel(k), "spin_inertia"),
             Self::WheelAxis(k) => of(wheel(k), &format!("axis_{across}")),
             Self::JointOrigin(k) => of(joint(k), &format!("origin_{axis}")),
@@ -51,9 +48,7 @@ impl KnownNumber {
         let value = || match self {
             Self::Mass(k) => Some(model.bodies.get(k)?.nominal.mass),
             Self::MassCentre(k) => Some(model.bodies.get(k)?.nominal.p_BoBcm_B[component % 3]),
-            Self::Inertia(k) => {
-                Some(model.bodies.get(k)?.nominal.I_BBcm_B[ELEMENTS[component % 6]])
-            }
+            Self::Inertia(k) => Some(model.bodies.get(k)?.nominal.I_BBcm_B[TENSOR[component % 6]]),
             Self::SpinInertia(k) => Some(model.wheels.get(k)?.spin_inertia),
             Self::JointOrigin(k) => Some(model.joints.get(k)?.p_PoCo_P[component % 3]),
             Self::ForcePosition(k) => Some(model.thrusters.get(k)?.p_BoT_B[component % 3]),
@@ -68,7 +63,7 @@ impl KnownNumber {
         match self {
             Self::Mass(_) | Self::SpinInertia(_) => sigma * self.value(model, 0).abs(),
             Self::Inertia(k) => {
-                let (i, j) = ELEMENTS[component % 6];
+                let (i, j) = TENSOR[component % 6];
                 let I = model
                     .bodies
                     .get(k)
@@ -132,7 +127,7 @@ impl KnownNumber {
             }
             Self::Inertia(k) => {
                 if let Some(b) = model.bodies.get_mut(k) {
-                    let (i, j) = ELEMENTS[component % 6];
+                    let (i, j) = TENSOR[component % 6];
                     b.nominal.I_BBcm_B[(i, j)] += change;
                     if i != j {
                         b.nominal.I_BBcm_B[(j, i)] += change;
@@ -174,10 +169,6 @@ impl KnownNumber {
         }
     }
 }
-
-/// Elements of a tensor, and their names, in the order of results.
-const ELEMENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
-const ELEMENT_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 
 /// A unit vector after a small turn about one of the directions across the nominal one.
 fn turned(a: &Vector3, nominal: &Vector3, component: usize, angle: f64) -> Vector3 {

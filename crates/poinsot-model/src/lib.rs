@@ -37,6 +37,7 @@ mod write;
 mod write_telemetry;
 
 pub use describe::*;
+pub use describe_telemetry::telemetry as describe_map;
 pub use finding::{Finding, ModelError};
 pub use knowledge::{
     Knowledge, KnownNumber, LIKE_WHEELS, NOMINAL_WITHIN, Origin, Uncertain, across,
@@ -46,7 +47,7 @@ pub use number::rounded;
 pub use patch::{BodyProperties, Patch, Patched, patch_mjcf, patch_model, patch_sdf, patch_urdf};
 pub use poinsot_telemetry::TelemetryMap;
 pub use read::{MODEL_SCHEMA, parse_model, parse_telemetry_map, read_model, read_telemetry_map};
-pub use schema::model_schema;
+pub use schema::{model_schema, telemetry_map_schema, without_null};
 pub use urdf::{Urdf, UrdfDefect, parse_urdf, read_urdf};
 pub use vehicle::*;
 pub use write::write_model;

@@ -15,13 +15,18 @@ pub(crate) fn model_schema_ref() -> &'static Value {
     SCHEMA.get_or_init(|| without_null(schemars::schema_for!(ModelFile).to_value()))
 }
 
+/// The schema of a file that holds the `[telemetry]` table alone.
+pub fn telemetry_map_schema() -> Value {
+    telemetry_map_schema_ref().clone()
+}
+
 pub(crate) fn telemetry_map_schema_ref() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(|| without_null(schemars::schema_for!(TelemetryMapFile).to_value()))
 }
 
 /// TOML has no null: an optional key is a key that may be missing.
-fn without_null(value: Value) -> Value {
+pub fn without_null(value: Value) -> Value {
     match value {
         Value::Array(items) => Value::Array(items.into_iter().map(without_null).collect()),
         Value::Object(map) => {

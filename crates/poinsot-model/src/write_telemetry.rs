@@ -43,6 +43,9 @@ fn write_file(out: &mut String, map: &FileMap) {
         map.orbit.as_ref().map(|orbit| {
             let mut keys = vec![("position", names(&orbit.position))];
             keys.extend(orbit.unit.iter().map(|u| ("unit", quoted(u))));
+            keys.extend(orbit.velocity.iter().map(|v| ("velocity", names(v))));
+            let unit = orbit.velocity_unit.iter();
+            keys.extend(unit.map(|u| ("velocity_unit", quoted(u))));
             keys.extend(orbit.earth_fixed.then(|| ("frame", quoted("earth_fixed"))));
             table(&keys)
         }),

@@ -45,6 +45,14 @@ impl CoreRecord {
         })
     }
 
+    /// A record of the bytes of a file: CSV, packed or not, or Parquet.
+    #[staticmethod]
+    fn of_bytes(name: &str, bytes: &[u8]) -> PyResult<Self> {
+        Ok(Self {
+            parts: vec![Part::bytes(name, bytes)?],
+        })
+    }
+
     /// The parts of all records as one.
     #[staticmethod]
     fn join(records: Vec<Bound<'_, CoreRecord>>) -> Self {

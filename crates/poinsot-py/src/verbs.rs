@@ -12,7 +12,7 @@ use poinsot::simulate::{SimulateError, simulate_case};
 use poinsot::validate::{ValidateRequest, validation_document, validation_file, write_validation};
 use poinsot::{estimate_file, inspection_file};
 use poinsot_formats::{EstimateFile, read_estimate};
-use poinsot_model::{read_model, read_telemetry_map};
+use poinsot_model::read_model;
 use poinsot_report::{Document, TextStyle};
 use poinsot_telemetry::{MEMORY_MIB, Mounting, ReadOptions, mount};
 use pyo3::prelude::*;
@@ -45,11 +45,12 @@ pub fn version() -> &'static str {
 
 /// `poinsot inspect`: JSON and text.
 #[pyfunction]
-#[pyo3(signature = (paths, map=None, recover=false, time_s=None, every=1, memory_mib=None, encoded="utf8"))]
+#[pyo3(signature = (paths, model=None, map=None, recover=false, time_s=None, every=1, memory_mib=None, encoded="utf8"))]
 #[allow(clippy::too_many_arguments)]
 pub fn inspect(
     py: Python<'_>,
     paths: Vec<PathBuf>,
+    model: Option<PathBuf>,
     map: Option<PathBuf>,
     recover: bool,
     time_s: Option<[f64; 2]>,
@@ -57,7 +58,7 @@ pub fn inspect(
     memory_mib: Option<usize>,
     encoded: &str,
 ) -> PyResult<(String, String)> {
-    let mut options = ReadOptions {
+    let options = ReadOptions {
         encoding: encoding(encoded)?,
         recover,
         time_s,
@@ -66,12 +67,9 @@ pub fn inspect(
         ..ReadOptions::default()
     };
     run(py, None, move || {
-        if let Some(path) = &map {
-            options.map = read_telemetry_map(path)?;
-        }
-        let (inspection, proposal) = poinsot::inspect(&paths, &options, map.is_some())?;
-        let printed = inspection.to_string();
-        Ok((json(&inspection_file(inspection, proposal))?, printed))
+        let found = poinsot::inspect(&paths, &options, model.as_deref(), map.as_deref())?;
+        let printed = found.to_string();
+        Ok((json(&inspection_file(found))?, printed))
     })
 }
 

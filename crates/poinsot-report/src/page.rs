@@ -1,6 +1,7 @@
 //! One self-contained page: no network, and a content security policy that names its own style and
 //! scripts by hash.
 
+use crate::document::{Content, Document, Section};
 use crate::error::PageError;
 use crate::figure::Figure;
 use crate::markup::{Html, render};
@@ -10,6 +11,7 @@ use minijinja::context;
 use sha2::{Digest, Sha256};
 
 const TEMPLATE: &str = include_str!("../templates/page.html");
+const TABLES: &str = include_str!("../templates/tables.html");
 const STYLE: &str = concat!(
     include_str!("../assets/uplot/uPlot.min.css"),
     "\n",
@@ -35,6 +37,37 @@ pub struct Part {
     pub body: Html,
     /// The pictures in it, for files of their own.
     pub figures: Vec<Figure>,
+}
+
+impl Part {
+    /// The sections of a document as tables.
+    ///
+    /// # Errors
+    /// The template is faulty.
+    pub fn of_document(
+        id: &'static str,
+        title: &'static str,
+        about: &str,
+        document: &Document,
+    ) -> Result<Self, PageError> {
+        let section = |s: &Section| {
+            let (head, rows) = match &s.content {
+                Content::Table(t) => (t.head.clone(), t.rows.clone()),
+                Content::List(lines) => {
+                    let rows = lines.iter().map(|line| vec![line.clone()]);
+                    (Vec::new(), rows.collect())
+                }
+            };
+            context! { title => s.title, head, rows, note => s.note }
+        };
+        let sections: Vec<_> = document.sections.iter().map(section).collect();
+        Ok(Self {
+            id,
+            title,
+            body: render("tables", TABLES, context! { sections, about })?,
+            figures: Vec::new(),
+        })
+    }
 }
 
 /// A page.

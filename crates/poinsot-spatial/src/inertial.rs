@@ -11,6 +11,21 @@ pub const PARAMETER_NAMES: [&str; 10] = [
     "m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz",
 ];
 
+/// The six entries of a symmetric tensor in the order of the barycentric parameters.
+pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
+const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
+
+/// Name of an element in the order of [`TENSOR`].
+pub fn tensor_name(k: usize) -> &'static str {
+    TENSOR_NAMES.get(k % 6).copied().unwrap_or_default()
+}
+
+/// Place of an element in the order of [`TENSOR`] by its name, in whichever order its letters stand.
+pub fn tensor_index(name: &str) -> usize {
+    let same = |n: &&str| n.bytes().eq(name.bytes()) || n.bytes().rev().eq(name.bytes());
+    TENSOR_NAMES.iter().position(same).unwrap_or_default()
+}
+
 /// The ten barycentric parameters of body B about its own frame origin `Bo`, in B.
 ///
 /// Momentum is linear in them (DESIGN, "state = pose and momentum").

@@ -10,8 +10,8 @@ mod inertial;
 mod skew;
 
 pub use inertial::{
-    InertialParameters, MassProperties, PARAMETER_NAMES, Unphysical, elements, parallel_axis,
-    pseudo_inertia, tensor, tensor_regressor,
+    InertialParameters, MassProperties, PARAMETER_NAMES, TENSOR, Unphysical, elements,
+    parallel_axis, pseudo_inertia, tensor, tensor_index, tensor_name, tensor_regressor,
 };
 pub use skew::skew;
 

@@ -1,6 +1,7 @@
 //! From the columns of one file to channels of the table.
 
 use crate::columns::Columns;
+use crate::conversion::Conversion;
 use crate::derive::derive;
 use crate::error::Place;
 use crate::plan::{Plan, PlannedChannel};
@@ -36,7 +37,13 @@ pub(crate) fn add(
                 second: Box::new(place),
             });
         }
-        let (time_s, values) = without_gaps(&whole, values, &mut bases);
+        let (time_s, values) = match channel.conversion {
+            Conversion::Pulse(_, force) => {
+                let (times, levels) = pulses(&place, &columns.rows, &whole, &values, force)?;
+                (times.into(), levels)
+            }
+            _ => without_gaps(&whole, values, &mut bases),
+        };
         if values.is_empty() {
             table.repairs.push(format!("{place}: no samples; left out"));
             continue;
@@ -146,6 +153,46 @@ fn position(channels: &[PlannedChannel], sensor: &str, component: usize) -> Opti
     channels
         .iter()
         .position(|c| c.name.sensor == sensor && c.name.quantity == Quantity::Attitude(component))
+}
+
+/// Pulses as thrust that holds from a sample to the next: each begins at the time of its row and lasts as long as its cell
+/// says, s. One that begins before the one before has ended prolongs it.
+fn pulses(
+    place: &Place,
+    rows: &[u64],
+    begins: &[f64],
+    lasts: &[f64],
+    force: f64,
+) -> Result<(Vec<f64>, Vec<f64>), TelemetryError> {
+    let (mut times, mut levels) = (Vec::new(), Vec::new());
+    let mut end = f64::NEG_INFINITY;
+    for ((begin, duration), row) in begins.iter().zip(lasts).zip(rows) {
+        if *duration < 0.0 {
+            return Err(TelemetryError::Number {
+                place: place.at(*row),
+                value: duration.to_string(),
+                why: "is a negative duration; correct it, or leave the cell empty where there is no pulse".into(),
+            });
+        }
+        if duration.is_nan() || *duration == 0.0 {
+            continue;
+        }
+        if *begin > end {
+            if end.is_finite() {
+                times.push(end);
+                levels.push(0.0);
+            }
+            times.push(*begin);
+            levels.push(force);
+        }
+        end = end.max(begin + duration);
+    }
+    match (end.is_finite(), begins.first()) {
+        (true, _) => times.push(end),
+        (false, first) => times.extend(first),
+    }
+    levels.resize(times.len(), 0.0);
+    Ok((times, levels))
 }
 
 /// The samples that are there, with a time base shared among columns with the same gaps.

@@ -6,7 +6,7 @@ use crate::packing::is_standard_input;
 use poinsot_files::{InputError, standard_input};
 use sha2::{Digest, Sha256};
 use std::fs::{File, Metadata};
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 use std::path::Path;
 
 /// Longest line that is read; a file without line ends would otherwise fill the memory.
@@ -23,33 +23,67 @@ pub(crate) enum ByteFault {
     Line(u64),
 }
 
-/// Opens a regular file.
-pub(crate) fn open(path: &Path) -> Result<(File, Metadata), TelemetryError> {
+/// The bytes of a source that were opened.
+pub(crate) struct Opened {
+    pub file: File,
+    pub len: u64,
+    /// What the file was like; `None` of a stream.
+    before: Option<Metadata>,
+}
+
+impl Opened {
+    /// A stream that was taken in.
+    pub(crate) fn stream(mut file: File) -> io::Result<Self> {
+        file.rewind()?;
+        Ok(Self {
+            len: file.metadata()?.len(),
+            file,
+            before: None,
+        })
+    }
+
+    /// Whether its first bytes are those of Parquet.
+    pub(crate) fn is_parquet(&mut self) -> io::Result<bool> {
+        let mut first = Vec::new();
+        self.file.by_ref().take(4).read_to_end(&mut first)?;
+        self.file.rewind()?;
+        Ok(first == b"PAR1")
+    }
+}
+
+/// Opens a regular file, or standard input.
+pub(crate) fn open(path: &Path) -> Result<Opened, TelemetryError> {
     let io = |source| TelemetryError::Io {
         path: path.to_owned(),
         what: "cannot be read",
         source,
     };
     if is_standard_input(path) {
-        let spooled = standard_input().and_then(|file| Ok((file.metadata()?, file)));
-        let (metadata, file) = spooled.map_err(io)?;
-        return Ok((file, metadata));
+        return standard_input().and_then(Opened::stream).map_err(io);
     }
-    poinsot_files::open(path).map_err(|error| match error {
+    let opened = poinsot_files::open(path).map_err(|error| match error {
         InputError::System(source) | InputError::Missing(source) => io(source),
         _ => TelemetryError::Format {
             place: Place::file(path),
             why: "not a regular file; give a .csv or .parquet file".into(),
         },
+    });
+    let (file, before) = opened?;
+    Ok(Opened {
+        file,
+        len: before.len(),
+        before: Some(before),
     })
 }
 
 /// The file is still the one that was opened.
-pub(crate) fn check_unchanged(path: &Path, before: &Metadata) -> Result<(), TelemetryError> {
-    let same = is_standard_input(path)
-        || std::fs::metadata(path).is_ok_and(|now| {
+pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), TelemetryError> {
+    let same = opened.before.as_ref().is_none_or(|before| {
+        let same = |now: Metadata| {
             now.len() == before.len() && now.modified().ok() == before.modified().ok()
-        });
+        };
+        std::fs::metadata(path).is_ok_and(same)
+    });
     if same {
         return Ok(());
     }

@@ -115,6 +115,18 @@ impl Clock {
         }
     }
 
+    /// The clock of a column of instants that a file stores as such, read as seconds since 1970 UTC.
+    pub(crate) fn instants(self) -> Self {
+        let Ok(mut unix) = check_time(&TimeMap {
+            epoch: Some("unix".to_owned()),
+            ..TimeMap::default()
+        }) else {
+            return self;
+        };
+        unix.origin = self.origin;
+        unix
+    }
+
     /// Time of the row, s since the origin; the first row of a run sets the origin.
     pub(crate) fn seconds(&mut self, cell: &[u8], week: Option<&[u8]>) -> Result<Cell, NoNumber> {
         let cell = cell.trim_ascii();

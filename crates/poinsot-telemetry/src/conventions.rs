@@ -4,10 +4,11 @@
 use crate::hypothesis::{Axes, DECLARED, GyroUnit, Hypothesis, Order, Sense};
 use crate::rate_pairs::Pairs;
 use crate::{Channel, Table, TelemetryError, full_name};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What the comparison says about the declared reading.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case", tag = "verdict")]
 pub enum Verdict {
     /// No other reading fits clearly better.
@@ -22,7 +23,7 @@ pub enum Verdict {
 }
 
 /// The comparison of one attitude with one gyro.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ConventionTest {
     /// The attitude channels, for example `q_x..q_w`.
     pub attitude: String,

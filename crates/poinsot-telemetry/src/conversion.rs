@@ -13,13 +13,15 @@ pub(crate) enum Conversion {
     Linear(f64, f64),
     /// A flag, and its value where it is on.
     Flag(f64),
+    /// How long a pulse of this force lasts, in a unit.
+    Pulse(Unit, f64),
 }
 
 impl Conversion {
     /// What a map of a column in a unit says.
     pub(crate) fn of(map: &ColumnMap, unit: Option<Unit>) -> Self {
         if let Some(force) = map.nominal_N {
-            return Self::Flag(force);
+            return unit.map_or(Self::Flag(force), |unit| Self::Pulse(unit, force));
         }
         let sign = map.sign.unwrap_or(1.0);
         let scale = map.scale.unwrap_or(1.0);
@@ -49,7 +51,7 @@ impl Conversion {
     pub(crate) fn number(&self, cell: Cell) -> Cell {
         let Cell::Number(x) = cell else { return cell };
         Cell::Number(match self {
-            Self::Unit(unit) => unit.to_si(x),
+            Self::Unit(unit) | Self::Pulse(unit, _) => unit.to_si(x),
             Self::Linear(factor, offset) => factor * x + offset,
             Self::Flag(force) => force * x,
         })

@@ -1,6 +1,6 @@
 //! CSV with one header row, and what exports put around it.
 
-use crate::bytes::{ByteFault, TextBytes, check_unchanged, open, sha256_of};
+use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
@@ -17,20 +17,21 @@ use std::path::Path;
 /// Reads a CSV file row by row; columns that nobody asked for are not parsed.
 pub(crate) fn read(
     path: &Path,
+    opened: &Opened,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     mut full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let (mut file, before) = open(path)?;
-    refuse_utf16(path, &mut file)?;
     let io = |source| TelemetryError::Io {
         path: path.to_owned(),
         what: "cannot be read",
         source,
     };
+    let mut file = opened.file.try_clone().map_err(io)?;
+    refuse_utf16(path, &mut file)?;
     let packing = Packing::of(&mut file).map_err(io)?;
     let rows = match packing {
-        Packing::None => Rows::of_text(&mut file, before.len()).map_err(io)?,
+        Packing::None => Rows::of_text(&mut file, opened.len).map_err(io)?,
         _ => {
             let unpacked = packing.reader(file.try_clone().map_err(io)?);
             let lines = unpacked.and_then(Rows::of_lines);
@@ -136,7 +137,7 @@ pub(crate) fn read(
         }
     }
     selection.check(path, &plan, &mut columns, rows, full)?;
-    check_unchanged(path, &before)?;
+    check_unchanged(path, opened)?;
     let sha256 = packed_sha256.unwrap_or_else(|| reader.get_ref().sha256());
     Ok((plan, columns, sha256))
 }

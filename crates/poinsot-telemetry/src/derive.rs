@@ -4,6 +4,7 @@
 use crate::columns::Columns;
 use crate::conversion::Conversion;
 use crate::error::Place;
+use crate::instant::EARTH_RATE;
 use crate::plan::{Group, Plan, PlannedChannel};
 use crate::{AttitudeForm, Sense, TelemetryError, classify, full_name, rounded};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -66,10 +67,9 @@ pub(crate) fn derive(
             }
             Group::EarthFixed => {
                 let made = inertial(path, plan, columns, &parts)?;
-                (
-                    ["orbit_x", "orbit_y", "orbit_z"].map(str::to_owned).into(),
-                    made,
-                )
+                let names = ["orbit_x", "orbit_y", "orbit_z", "v_x", "v_y", "v_z"];
+                let names = names.iter().take(made.len());
+                (names.map(|n| (*n).to_owned()).collect(), made)
             }
         };
         for (name, value) in names.iter().zip(made) {
@@ -170,7 +170,7 @@ fn mrp(sigma: [f64; 3]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_normalize(Quaternion::new((1.0 - s2) / (1.0 + s2), v.x, v.y, v.z))
 }
 
-/// Positions turned by the Earth rotation angle.
+/// Positions, and velocities, turned by the Earth rotation angle.
 fn inertial(
     path: &Path,
     plan: &Plan,
@@ -187,13 +187,20 @@ fn inertial(
             plan.time_column
         ),
     })?;
-    let mut out = vec![Vec::new(); 3];
+    let (position, velocity) = parts.split_at(parts.len().min(3));
+    let mut out = vec![Vec::new(); parts.len()];
     for (k, time) in columns.time_s.iter().enumerate() {
-        let cells = row::<3>(parts, k).map_or([f64::NAN; 3], |[x, y, z]| {
-            let (sin, cos) = origin.earth_rotation(*time).sin_cos();
-            [cos * x - sin * y, sin * x + cos * y, z]
-        });
-        out.iter_mut().zip(cells).for_each(|(list, x)| list.push(x));
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), origin.earth_rotation(*time));
+        let turned = |parts: &[Vec<f64>]| row::<3>(parts, k).map(|x| turn * Vector3::from(x));
+        let nan = Vector3::repeat(f64::NAN);
+        let r = turned(position).unwrap_or(nan);
+        // The axes carry with them what stands still in them.
+        let carried = Vector3::z() * EARTH_RATE;
+        let v = turned(velocity).map_or(nan, |v| v + carried.cross(&r));
+        let cells = r.iter().chain(v.iter());
+        out.iter_mut()
+            .zip(cells)
+            .for_each(|(list, x)| list.push(*x));
     }
     Ok(out)
 }

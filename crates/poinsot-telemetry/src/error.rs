@@ -25,6 +25,14 @@ impl Place {
         }
     }
 
+    /// The same in a row.
+    pub(crate) fn at(&self, row: u64) -> Self {
+        Self {
+            row,
+            ..self.clone()
+        }
+    }
+
     pub(crate) fn row(path: &Path, row: u64) -> Self {
         Self {
             path: path.to_owned(),

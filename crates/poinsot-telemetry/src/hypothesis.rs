@@ -1,11 +1,12 @@
 //! One reading of attitude and gyro: order, sense, unit and axes.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
 /// Order of the four numbers in the columns `q_x q_y q_z q_w`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {
     /// Scalar last, as declared.
@@ -16,7 +17,7 @@ pub enum Order {
 
 /// What the quaternion rotates. A JPL quaternion has the numbers of the Hamilton quaternion of the inverse sense,
 /// so the eight conventions make only four different readings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sense {
     /// Body to inertial, Hamilton, as declared; the same numbers as inertial to body, JPL.
@@ -26,7 +27,7 @@ pub enum Sense {
 }
 
 /// What a gyro number of the table has to be multiplied by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GyroUnit {
     /// As declared.
@@ -71,7 +72,7 @@ impl GyroUnit {
 }
 
 /// Signed permutation of the gyro's axes: body axis `i` is `sign[i]` times gyro axis `axis[i]`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Axes {
     /// Gyro axis of each body axis, 0..=2.
     pub axis: [usize; 3],
@@ -117,7 +118,7 @@ impl fmt::Display for Axes {
 }
 
 /// One reading of attitude and gyro together.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Hypothesis {
     /// Order of the quaternion's numbers.
     pub order: Order,

@@ -4,10 +4,11 @@ use crate::conventions::{ConventionTest, convention_tests};
 use crate::median::median_step;
 use crate::noise::noise_level;
 use crate::{Channel, Suggestion, Table, full_name, suggest};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Everything that can be said about a table without a vehicle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Inspection {
     /// The files.
     pub sources: Vec<FileSummary>,
@@ -30,7 +31,7 @@ pub struct Inspection {
 }
 
 /// A file of the table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FileSummary {
     /// As named.
     pub path: String,
@@ -43,7 +44,7 @@ pub struct FileSummary {
 }
 
 /// One channel in numbers, SI.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelSummary {
     /// `<sensor>.<name>`, or the name.
     pub name: String,
@@ -59,7 +60,9 @@ pub struct ChannelSummary {
     pub rate_hz: Option<f64>,
     /// Steps longer than three median steps.
     pub gaps: usize,
-    /// The longest of them, s; zero if none.
+    /// Samples that are missing between others, scattered ones and those of gaps, at the median step.
+    pub lost: usize,
+    /// The longest gap, s; zero if none.
     pub longest_gap_s: f64,
     /// Smallest value.
     pub min: f64,
@@ -109,6 +112,7 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
         .iter()
         .zip(channel.time_s.iter().skip(1))
         .map(|(a, b)| b - a);
+    let lost = steps.clone().filter_map(|d| Some(missing(d, step?)));
     let gaps: Vec<f64> = steps
         .filter(|d| step.is_some_and(|s| *d > 3.0 * s))
         .collect();
@@ -121,6 +125,7 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
         time_s: [*channel.time_s.first()?, *channel.time_s.last()?],
         rate_hz: step.map(|s| 1.0 / s),
         gaps: gaps.len(),
+        lost: lost.sum(),
         longest_gap_s: gaps.iter().copied().fold(0.0, f64::max),
         min: channel.values.iter().copied().fold(f64::INFINITY, f64::min),
         max: channel
@@ -136,6 +141,17 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
         },
         noise: noise.filter(|n| n.sigma > 0.0).map(|n| n.sigma),
     })
+}
+
+/// Samples that a step leaves out where they follow each other by `usual`, s.
+pub(crate) fn missing(step: f64, usual: f64) -> usize {
+    let whole = (step / usual).round() - 1.0;
+    // Thrust and other events have no usual step.
+    if whole.is_finite() && whole > 0.0 {
+        whole as usize
+    } else {
+        0
+    }
 }
 
 /// Fastest wheel that needs no question, rad/s (9550 rpm).
@@ -154,7 +170,7 @@ pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {
     }
     if name.starts_with("r_") && largest > 1e5 {
         notes.push(format!(
-            "{name} reaches {} m: give positions relative to a reference orbit to identify",
+            "{name} reaches {} m: with [environment] gravity in the model they are taken relative to free fall",
             crate::rounded(largest, 4)
         ));
     }

@@ -190,6 +190,8 @@ fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
     let between = next.time_s[0] - before.time_s[1];
     let gap = before.rate_hz.is_some_and(|hz| between > 3.0 / hz);
     before.gaps += next.gaps + usize::from(gap);
+    let usual = before.rate_hz.map_or(f64::INFINITY, |hz| 1.0 / hz);
+    before.lost += next.lost + crate::inspect::missing(between, usual);
     let longest = before.longest_gap_s.max(next.longest_gap_s);
     before.longest_gap_s = if gap { longest.max(between) } else { longest };
     before.time_s[1] = next.time_s[1];

@@ -21,19 +21,20 @@ impl fmt::Display for Inspection {
             .max(7);
         writeln!(
             f,
-            "\n{:width$}  unit    axes      samples   rate Hz  gaps  longest s         min         max     quantum       noise",
+            "\n{:width$}  unit    axes      samples   rate Hz  lost  gaps  longest s         min         max     quantum       noise",
             "channel"
         )?;
         for c in &self.channels {
             let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4e}"));
             writeln!(
                 f,
-                "{:width$}  {:6}  {:8} {:8} {:>9} {:5} {:10.4} {:11.4e} {:11.4e} {:>11} {:>11}{}",
+                "{:width$}  {:6}  {:8} {:8} {:>9} {:5} {:5} {:10.4} {:11.4e} {:11.4e} {:>11} {:>11}{}",
                 c.name,
                 c.unit,
                 c.frame,
                 c.samples,
                 c.rate_hz.map_or("-".to_owned(), |r| format!("{r:.4}")),
+                c.lost,
                 c.gaps,
                 c.longest_gap_s,
                 c.min,

@@ -50,6 +50,11 @@ impl Scale {
     }
 }
 
+/// Turns of the Earth at 2000 January 1.5, and per day.
+const TURNS: [f64; 2] = [0.779_057_273_264_0, 1.002_737_811_911_354_5];
+/// Rate of the Earth rotation angle, rad/s.
+pub(crate) const EARTH_RATE: f64 = TURNS[1] * TAU / DAY as f64;
+
 /// What the times of a table count from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Origin {
@@ -62,6 +67,19 @@ pub struct Origin {
 impl Origin {
     /// The zero of the files' own count.
     pub(crate) const OWN: Self = Self { at: 0, scale: None };
+
+    /// The instant of a date and time of day in a scale by its name, as [`Self::date`] writes them.
+    pub fn of_date(date: &str, scale: &str) -> Option<Self> {
+        let (_, scale) = Scale::ALL.into_iter().find(|(name, _)| *name == scale)?;
+        let at = Calendar::new(scale).instant(date.as_bytes(), false).ok()?;
+        let scale = Some(scale);
+        Some(Self { at, scale })
+    }
+
+    /// Seconds from this instant to another.
+    pub fn until(&self, other: &Self) -> f64 {
+        self.seconds_to(other.at)
+    }
 
     /// Seconds from the origin to an instant, correctly rounded.
     pub(crate) fn seconds_to(&self, at: i128) -> f64 {
@@ -88,8 +106,6 @@ impl Origin {
 
     /// The Earth rotation angle, rad, so many seconds later (IERS Conventions 2010, eq. 5.15). UTC stands for UT1.
     pub(crate) fn earth_rotation(&self, later_s: f64) -> f64 {
-        /// Turns at 2000 January 1.5, and per day.
-        const TURNS: [f64; 2] = [0.779_057_273_264_0, 1.002_737_811_911_354_5];
         let days = epoch(self.at).to_jde_utc_days() - 2_451_545.0 + later_s / DAY as f64;
         // Whole days are whole turns of the first part of the rate.
         let turns = TURNS[0] + days.fract() + (TURNS[1] - 1.0) * days;

@@ -75,7 +75,7 @@ pub use map::{
 };
 pub use map_faults::{MapFault, map_faults};
 pub use median::median_step;
-pub use memory::{MemoryColumns, Part, Values};
+pub use memory::{MemoryColumns, Part, Spooled, Values};
 pub use mounting::{Mounting, mount};
 pub use noise::{NoiseLevel, noise_level};
 pub use options::{Encoding, MEMORY_MIB, ReadOptions};

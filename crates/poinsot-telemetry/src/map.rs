@@ -60,7 +60,8 @@ pub struct ColumnMap {
     pub sign: Option<f64>,
     /// Values are counts (or counts per second), so many to one revolution; there is no unit then.
     pub counts_per_revolution: Option<f64>,
-    /// The column is a flag, on or off; on stands for this force. There is no unit then.
+    /// The column is a flag, on or off; on stands for this force. With a unit of time the column says for how long the
+    /// thruster is on from the time of the row.
     pub nominal_N: Option<f64>,
 }
 
@@ -153,6 +154,10 @@ pub struct OrbitMap {
     pub position: [String; 3],
     /// Unit; `None`: that of the units row.
     pub unit: Option<String>,
+    /// Columns of the velocity in the same axes.
+    pub velocity: Option<[String; 3]>,
+    /// Its unit; `None`: that of the units row.
+    pub velocity_unit: Option<String>,
     /// Whether the axes turn with the Earth.
     pub earth_fixed: bool,
 }
@@ -212,7 +217,8 @@ impl FileMap {
             let name = crate::full_name(&attitude.sensor, "attitude");
             all.extend(attitude.columns.iter().map(|c| (name.clone(), c.clone())));
         }
-        let orbit = self.orbit.iter().flat_map(|o| &o.position);
+        let orbit = self.orbit.iter();
+        let orbit = orbit.flat_map(|o| o.position.iter().chain(o.velocity.iter().flatten()));
         all.extend(orbit.map(|c| ("orbit".to_owned(), c.clone())));
         all
     }

@@ -76,11 +76,15 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
                 add(&["attitude"], Some(k), &name, wrong);
             }
         }
-        if let Some(orbit) = &map.orbit
-            && let Some(unit) = &orbit.unit
-            && let Err(wrong) = unit_of(unit, Dimension::Length)
-        {
-            add(&["orbit", "unit"], None, "orbit", wrong);
+        if let Some(orbit) = &map.orbit {
+            for (key, unit, dimension) in [
+                ("unit", &orbit.unit, Dimension::Length),
+                ("velocity_unit", &orbit.velocity_unit, Dimension::Velocity),
+            ] {
+                if let Some(Err(wrong)) = unit.as_ref().map(|u| unit_of(u, dimension)) {
+                    add(&["orbit", key], None, "orbit", wrong);
+                }
+            }
         }
         if let Some((keys, channel, wrong)) = column_twice(map) {
             let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
@@ -188,14 +192,18 @@ pub(crate) fn resolve(
                 "map the column with its unit",
             );
         }
-        if changed || map.unit.is_some() || map.counts_per_revolution.is_some() {
+        if changed || map.counts_per_revolution.is_some() {
             return fault(
                 "nominal_N",
-                "a flag has no unit, sign, scale or offset".to_owned(),
+                "a flag has no sign, scale or offset".to_owned(),
                 "remove them, or nominal_N",
             );
         }
-        return Ok((name, None));
+        let duration = map.unit.as_ref().map(|u| unit_of(u, Dimension::Time));
+        return match duration.transpose() {
+            Ok(unit) => Ok((name, unit)),
+            Err(wrong) => Err(("unit", wrong)),
+        };
     }
     if map.counts_per_revolution.is_some() {
         if !matches!(

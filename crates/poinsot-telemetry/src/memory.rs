@@ -1,6 +1,6 @@
 //! Columns that are in memory already: they take the way of a file, with its names, units, checks and limits.
 
-use crate::bytes::hex;
+use crate::bytes::{Opened, hex};
 use crate::columns::Columns;
 use crate::error::{Place, shown};
 use crate::number::Cell;
@@ -8,6 +8,8 @@ use crate::plan::{self, Plan};
 use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
 use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -59,21 +61,67 @@ pub struct MemoryColumns {
     pub columns: Vec<(String, Values)>,
 }
 
+/// A stream that was taken in whole.
+#[derive(Debug)]
+pub struct Spooled {
+    name: PathBuf,
+    file: File,
+}
+
+impl Spooled {
+    pub(crate) fn open(&self) -> io::Result<Opened> {
+        self.file.try_clone().and_then(Opened::stream)
+    }
+}
+
 /// One source of the telemetry of a segment.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Part {
     /// A file.
     File(PathBuf),
     /// Columns in memory.
     Memory(Arc<MemoryColumns>),
+    /// Bytes of a file that is not on the disk, or a stream.
+    Stream(Arc<Spooled>),
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::File(a), Self::File(b)) => a == b,
+            (Self::Memory(a), Self::Memory(b)) => a == b,
+            (Self::Stream(a), Self::Stream(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
 }
 
 impl Part {
+    /// A stream of CSV, packed or not, or of Parquet, read to its end; messages call it `name`, by which a map chooses.
+    ///
+    /// # Errors
+    /// The stream cannot be read, or the disk is full.
+    pub fn stream(name: &str, stream: &mut dyn io::Read) -> io::Result<Self> {
+        Ok(Self::Stream(Arc::new(Spooled {
+            name: name.into(),
+            file: poinsot_files::spooled(stream)?,
+        })))
+    }
+
+    /// The same of bytes.
+    ///
+    /// # Errors
+    /// The disk is full.
+    pub fn bytes(name: &str, mut bytes: &[u8]) -> io::Result<Self> {
+        Self::stream(name, &mut bytes)
+    }
+
     /// The path, or the name in messages.
     pub fn path(&self) -> &Path {
         match self {
             Self::File(path) => path,
             Self::Memory(columns) => Path::new(&columns.name),
+            Self::Stream(stream) => &stream.name,
         }
     }
 }

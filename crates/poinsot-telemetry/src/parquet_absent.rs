@@ -1,5 +1,6 @@
 //! Parquet in a build without the feature `parquet`: refused.
 
+use crate::bytes::Opened;
 use crate::columns::Columns;
 use crate::error::Place;
 use crate::plan::Plan;
@@ -14,6 +15,7 @@ const ABSENT: &str = "this program was built without Parquet (feature `parquet`)
 /// Refuses the file.
 pub(crate) fn read(
     path: &Path,
+    _: &Opened,
     _: &ReadOptions,
     _: &mut Vec<String>,
     _: Option<&mut WhenFull>,

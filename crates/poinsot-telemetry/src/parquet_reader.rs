@@ -2,7 +2,7 @@
 //!
 //! The decoder is third-party code that panics on some damaged files: a panic becomes an error here.
 
-use crate::bytes::{check_unchanged, open, sha256_of};
+use crate::bytes::{Opened, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
@@ -16,11 +16,12 @@ use crate::size::Rows;
 use crate::{ReadOptions, TelemetryError};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
-    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, TimestampMicrosecondType,
+    TimestampMillisecondType, TimestampNanosecondType, TimestampSecondType, UInt8Type, UInt16Type,
     UInt32Type, UInt64Type,
 };
 use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
-use arrow_schema::DataType;
+use arrow_schema::{DataType, TimeUnit};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use parquet::file::metadata::ParquetMetaData;
@@ -35,17 +36,23 @@ const BATCH: usize = 8192;
 /// Reads the planned columns of a Parquet file batch by batch.
 pub(crate) fn read(
     path: &Path,
+    opened: &Opened,
     options: &ReadOptions,
     repairs: &mut Vec<String>,
     full: Option<&mut WhenFull>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
-    let (file, before) = open(path)?;
+    let file = opened.file.try_clone();
+    let file = file.map_err(|source| TelemetryError::Io {
+        path: path.to_owned(),
+        what: "cannot be read",
+        source,
+    })?;
     let decoded = catch_unwind(AssertUnwindSafe(|| {
-        decode(path, file, before.len(), options, repairs, full)
+        decode(path, file, opened.len, options, repairs, full)
     }));
     let (plan, columns, sha256) = decoded
         .unwrap_or_else(|_| Err(refused(path, "the file is damaged (the decoder stopped)")))?;
-    check_unchanged(path, &before)?;
+    check_unchanged(path, opened)?;
     Ok((plan, columns, sha256))
 }
 
@@ -83,6 +90,11 @@ fn decode(
         .collect();
     let plan = plan::build(path, &header, None, options)?;
     let mut clock = plan.clock.clone();
+    let fields = builder.schema().fields();
+    let time = fields.get(plan.time_index).map(|f| f.data_type());
+    if matches!(time, Some(DataType::Timestamp(..))) {
+        clock = clock.instants();
+    }
     let rows = Rows::Declared(declared);
     if full.is_none() {
         options.limit().check_ahead(path, &plan, options, rows)?;
@@ -290,7 +302,7 @@ fn unsupported(path: &Path, name: &str, array: &dyn Array) -> TelemetryError {
     TelemetryError::Parquet {
         place: Place::cell(path, 0, name),
         why: format!(
-            "type {} is not read; store numbers as float64 and times as seconds",
+            "type {} is not read; store numbers as float64, times as seconds or timestamps",
             array.data_type()
         ),
     }
@@ -333,13 +345,43 @@ fn primitive<T: ArrowPrimitiveType>(
     Some(array.as_primitive_opt::<T>()?.iter().map(cell).collect())
 }
 
-/// A filter column as texts: strings as they are, numbers as they print.
+/// Counts of a column of timestamps, and how many make a second.
+fn timestamps(array: &dyn Array, unit: TimeUnit) -> Option<(Vec<Option<i64>>, i64)> {
+    fn counts<T: ArrowPrimitiveType<Native = i64>>(array: &dyn Array) -> Option<Vec<Option<i64>>> {
+        Some(array.as_primitive_opt::<T>()?.iter().collect())
+    }
+    Some(match unit {
+        TimeUnit::Second => (counts::<TimestampSecondType>(array)?, 1),
+        TimeUnit::Millisecond => (counts::<TimestampMillisecondType>(array)?, 1_000),
+        TimeUnit::Microsecond => (counts::<TimestampMicrosecondType>(array)?, 1_000_000),
+        TimeUnit::Nanosecond => (counts::<TimestampNanosecondType>(array)?, 1_000_000_000),
+    })
+}
+
+/// A count of parts of a second as decimal seconds, without loss.
+fn decimal_seconds(count: i64, per_second: i64) -> String {
+    let sign = if count < 0 { "-" } else { "" };
+    let (count, per_second) = (count.unsigned_abs(), per_second.unsigned_abs());
+    let digits = per_second.ilog10() as usize;
+    let (whole, part) = (count / per_second, count % per_second);
+    match digits {
+        0 => format!("{sign}{whole}"),
+        _ => format!("{sign}{whole}.{part:0digits$}"),
+    }
+}
+
+/// A filter column as texts: strings as they are, numbers as they print, instants as seconds since 1970.
 fn texts(array: &dyn Array) -> Option<Vec<Option<String>>> {
     let owned = |s: Option<&str>| s.map(str::to_owned);
     match array.data_type() {
         DataType::Utf8 => Some(array.as_string_opt::<i32>()?.iter().map(owned).collect()),
         DataType::LargeUtf8 => Some(array.as_string_opt::<i64>()?.iter().map(owned).collect()),
         DataType::Utf8View => Some(array.as_string_view_opt()?.iter().map(owned).collect()),
+        DataType::Timestamp(unit, _) => {
+            let (counts, per_second) = timestamps(array, *unit)?;
+            let text = |count: Option<i64>| count.map(|n| decimal_seconds(n, per_second));
+            Some(counts.into_iter().map(text).collect())
+        }
         // A double does not hold every integer of 64 bits.
         DataType::Int64 => {
             let cells = array.as_primitive_opt::<Int64Type>()?.iter();

@@ -32,7 +32,7 @@ pub(crate) enum Group {
         form: AttitudeForm,
         sense: Sense,
     },
-    /// A position in axes that turn with the Earth.
+    /// A position, and a velocity, in axes that turn with the Earth.
     EarthFixed,
 }
 
@@ -289,20 +289,30 @@ impl Planner<'_> {
         let Some(orbit) = &map.orbit else {
             return Ok(());
         };
-        let Some(found) = self.columns("orbit", &orbit.position)? else {
-            return Ok(());
-        };
+        let none = String::new;
+        let velocity = orbit
+            .velocity
+            .clone()
+            .unwrap_or_else(|| [none(), none(), none()]);
+        let all = [
+            ("orbit", &orbit.position, &orbit.unit),
+            ("v", &velocity, &orbit.velocity_unit),
+        ];
+        let count = 1 + usize::from(orbit.velocity.is_some());
         let group = self.groups.len();
-        for (place, index) in found.into_iter().enumerate() {
-            let axis = ["orbit_x", "orbit_y", "orbit_z"]
-                .get(place)
-                .copied()
-                .unwrap_or_default();
-            let Some(name) = classify(axis) else { continue };
-            let conversion = Conversion::Unit(self.unit(orbit.unit.as_deref(), index, &name)?);
-            match orbit.earth_fixed {
-                true => self.part(index, name, conversion, (group, place)),
-                false => self.add(index, name, conversion)?,
+        for (k, (prefix, columns, unit)) in all.into_iter().take(count).enumerate() {
+            let Some(found) = self.columns("orbit", columns)? else {
+                return Ok(());
+            };
+            for ((place, index), axis) in found.into_iter().enumerate().zip(["x", "y", "z"]) {
+                let Some(name) = classify(&format!("{prefix}_{axis}")) else {
+                    continue;
+                };
+                let conversion = Conversion::Unit(self.unit(unit.as_deref(), index, &name)?);
+                match orbit.earth_fixed {
+                    true => self.part(index, name, conversion, (group, 3 * k + place)),
+                    false => self.add(index, name, conversion)?,
+                }
             }
         }
         if orbit.earth_fixed {

@@ -1,7 +1,9 @@
 //! From files to a table: the flow of reading.
 
+use crate::bytes::open;
 use crate::columns::Columns;
 use crate::error::Place;
+use crate::memory::Spooled;
 use crate::options::MEMORY_MIB;
 use crate::packing::{is_standard_input, unpacked_name};
 use crate::plan::Plan;
@@ -10,8 +12,6 @@ use crate::{
     Part, ReadOptions, Source, Table, TelemetryError, as_read, assemble, check_conventions,
     csv_reader, memory, mount, parquet_reader, plan, time_base,
 };
-use poinsot_files::standard_input;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Reads the files of one segment into one table.
@@ -110,7 +110,7 @@ pub(crate) fn read_file_in_parts(
         memory_mib: (mib / share).max(1),
         ..options.clone()
     };
-    decode(path, &options, repairs, Some(take))
+    decode(path, None, &options, repairs, Some(take))
 }
 
 fn read_part(
@@ -120,7 +120,8 @@ fn read_part(
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let path = part.path();
     let (plan, columns, sha256) = match part {
-        Part::File(path) => decode(path, options, repairs, None)?,
+        Part::File(path) => decode(path, None, options, repairs, None)?,
+        Part::Stream(stream) => decode(path, Some(stream), options, repairs, None)?,
         Part::Memory(columns) => memory::read(columns, options)?,
     };
     if columns.time_s.is_empty()
@@ -156,43 +157,44 @@ fn read_part(
     Ok((plan, columns, sha256))
 }
 
-/// The ending that says what kind of file it is; standard input says so by its first bytes.
-fn kind_of(path: &Path) -> Result<Option<String>, TelemetryError> {
-    if !is_standard_input(path) {
-        let ending = unpacked_name(path).extension().and_then(|e| e.to_str());
-        return Ok(ending.map(str::to_lowercase));
-    }
+/// By the ending of its name; what has no name says so by its first bytes.
+fn decode(
+    path: &Path,
+    stream: Option<&Spooled>,
+    options: &ReadOptions,
+    repairs: &mut Vec<String>,
+    full: Option<&mut WhenFull>,
+) -> Result<(Plan, Columns, String), TelemetryError> {
     let io = |source| TelemetryError::Io {
         path: path.to_owned(),
         what: "cannot be read",
         source,
     };
-    let mut first = Vec::new();
-    let file = standard_input().map_err(io)?;
-    file.take(4).read_to_end(&mut first).map_err(io)?;
-    Ok(Some(
-        if first == b"PAR1" { "parquet" } else { "csv" }.to_owned(),
-    ))
-}
-
-/// By the kind of file that its name says.
-fn decode(
-    path: &Path,
-    options: &ReadOptions,
-    repairs: &mut Vec<String>,
-    full: Option<&mut WhenFull>,
-) -> Result<(Plan, Columns, String), TelemetryError> {
-    let kind = kind_of(path)?;
-    let (plan, columns, sha256) = match kind.as_deref() {
-        Some("parquet" | "pq") => parquet_reader::read(path, options, repairs, full)?,
-        Some("csv" | "txt" | "dat") => csv_reader::read(path, options, repairs, full)?,
-        _ => {
-            return Err(TelemetryError::Format {
-                place: Place::file(path),
-                why: "the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
-                    .into(),
-            });
-        }
+    let ending = unpacked_name(path).extension().and_then(|e| e.to_str());
+    let named = match ending.map(str::to_lowercase).as_deref() {
+        Some("parquet" | "pq") => Some(true),
+        Some("csv" | "txt" | "dat") => Some(false),
+        _ => None,
+    };
+    let by_bytes = stream.is_some() || is_standard_input(path);
+    if named.is_none() && !by_bytes {
+        return Err(TelemetryError::Format {
+            place: Place::file(path),
+            why: "the kind of file is not known from its name; give a .csv, .csv.gz, .csv.zst or .parquet file"
+                .into(),
+        });
+    }
+    let mut opened = match stream {
+        Some(stream) => stream.open().map_err(io)?,
+        None => open(path)?,
+    };
+    let is_parquet = match by_bytes {
+        true => opened.is_parquet().map_err(io)?,
+        false => named == Some(true),
+    };
+    let (plan, columns, sha256) = match is_parquet {
+        true => parquet_reader::read(path, &opened, options, repairs, full)?,
+        false => csv_reader::read(path, &opened, options, repairs, full)?,
     };
     if columns.rows_read == 0 {
         return Err(TelemetryError::Empty {

@@ -1,10 +1,11 @@
 //! What an unknown column probably is: a proposal for the map, never applied.
 
 use crate::{classify, parse_unit};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A proposed line of `[telemetry.columns]`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Suggestion {
     /// The column as the file writes it.
     pub column: String,

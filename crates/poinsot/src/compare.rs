@@ -11,15 +11,20 @@ pub use text::comparison_document;
 
 use crate::error::Error;
 use poinsot_formats::{
-    COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, EstimateFile, FormatError,
-    JointTestFile, read_estimate,
+    Address, COMPARISON, ComparedAnswerFile, ComparedNumberFile, ComparisonFile, EstimateFile,
+    FormatError, JointTestFile, read_estimate,
 };
+use poinsot_report::significant;
+use poinsot_telemetry::Origin;
 use statistics::{Answers, pooled, test};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
 /// Probability, over all numbers compared, below which the answers differ.
 const SIGNIFICANT: f64 = 0.01;
+
+/// Figures of a time in words.
+const DIGITS: i32 = 4;
 
 /// The question.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -169,16 +174,14 @@ fn tests(common: &Answers) -> Vec<JointTestFile> {
 
 /// `bus.inertia_kg_m2.xy` belongs to the inertia of bus.
 fn group(address: &str) -> String {
-    const GROUPS: [(&str, &str); 3] = [
-        (".com_m.", "mass centre"),
-        (".inertia_kg_m2.", "inertia"),
-        (".mass_kg", "mass"),
-    ];
-    let found = GROUPS.iter().find_map(|(key, what)| {
-        let (owner, _) = address.rsplit_once(key)?;
-        Some(format!("{what} of {owner}"))
-    });
-    found.unwrap_or_else(|| address.to_owned())
+    let parts = Address::parse(address);
+    let what = match parts.quantity {
+        "mass_kg" => "mass",
+        "com_m" => "mass centre",
+        "inertia_kg_m2" => "inertia",
+        _ => return address.to_owned(),
+    };
+    format!("{what} of {}", parts.owner)
 }
 
 /// Numbers that some answer asked for and not all determine, and numbers that were known with different values.
@@ -230,6 +233,26 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
     out
 }
 
+/// The longest time that a record of one answer shares with a record of the other, of another content, where both have
+/// dates.
+fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<f64> {
+    let origin = |file: &EstimateFile| {
+        let epoch = file.epoch.as_ref()?;
+        Origin::of_date(epoch.at.as_deref()?, epoch.scale.as_deref()?)
+    };
+    let shift = origin(one)?.until(&origin(other)?);
+    let pairs = one.inputs.iter();
+    let pairs = pairs.flat_map(|a| other.inputs.iter().map(move |b| (a, b)));
+    let shared = pairs
+        .filter(|(a, b)| a.sha256 != b.sha256)
+        .map(|(a, b)| {
+            let (from, to) = (b.time_s[0] + shift, b.time_s[1] + shift);
+            a.time_s[1].min(to) - a.time_s[0].max(from)
+        })
+        .fold(0.0, f64::max);
+    (shared > 0.0).then_some(shared)
+}
+
 /// Why the answers are not independent, or not to be relied on.
 fn doubts(files: &[&EstimateFile]) -> Vec<String> {
     let mut out = Vec::new();
@@ -247,6 +270,14 @@ fn doubts(files: &[&EstimateFile]) -> Vec<String> {
             out.push(format!("answer {i} uses telemetry of an earlier answer: they are not independent, and the differences are smaller than the stated sigma"));
         }
         seen.extend(hashes);
+    }
+    for (j, file) in files.iter().enumerate() {
+        for (i, earlier) in files[..j].iter().enumerate() {
+            if let Some(seconds) = overlap(earlier, file) {
+                let (i, j, seconds) = (i + 1, j + 1, significant(seconds, DIGITS));
+                out.push(format!("the telemetry of answers {i} and {j} overlaps by {seconds} s: they are not independent, and the differences are smaller than the stated sigma"));
+            }
+        }
     }
     let uses_prior = |f: &&EstimateFile| {
         let mut numbers = f.bodies.values().flat_map(|b| b.numbers());

@@ -33,9 +33,9 @@ pub enum Error {
     /// A simulation.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// The plan of a campaign.
+    /// The plan of a campaign, or a result file that contradicts itself.
     #[error("{0}")]
-    Plan(CaseError),
+    File(CaseError),
     /// The shards of a campaign.
     #[error("{code} {}: {why}", path.display())]
     Shards {
@@ -150,7 +150,7 @@ impl Error {
             Self::Telemetry(error) => error.is_environment(),
             Self::Model(error) => error.environment,
             Self::Simulate(error) => error.is_environment(),
-            Self::Plan(error) => error.environment,
+            Self::File(error) => error.environment,
             _ => false,
         };
         if environment { 3 } else { 2 }

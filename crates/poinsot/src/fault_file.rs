@@ -19,7 +19,7 @@ impl Error {
     fn faults(&self) -> Vec<FaultFile> {
         match self {
             Self::Model(error) | Self::Simulate(SimulateError::Model(error)) => of_model(error),
-            Self::Plan(error) | Self::Simulate(SimulateError::Case(error)) => of_case(error),
+            Self::File(error) | Self::Simulate(SimulateError::Case(error)) => of_case(error),
             Self::Usage { option, value, why } => {
                 let line = FaultFile::of_line(&format!("E0001 {option}: {why}"));
                 vec![FaultFile {

@@ -1,11 +1,14 @@
 //! A `[telemetry]` table for a CSV file that nobody has described: what its first lines suggest, and what they leave open.
 
+use crate::bind::mountings;
 use crate::error::Error;
+use crate::propose_sensors::proposed_sensors;
 use poinsot_formats::{INSPECTION, StatedFile};
-use poinsot_model::parse_telemetry_map;
+use poinsot_model::{TelemetryMap, parse_telemetry_map, read_model, read_telemetry_map};
 use poinsot_telemetry::{
     Dimension, Inspection, ReadOptions, classify, inspect_files, parse_unit, suggest,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
 use std::io::Read;
@@ -28,36 +31,47 @@ struct Head {
     first: Vec<String>,
 }
 
-/// What the files of one segment hold, and a `[telemetry]` table for them where nobody has described them. Files that
-/// cannot be read as they are are read as proposed.
+/// What the files of one segment hold. The map is that of `map`, else of `model`; where neither describes a column, a
+/// `[telemetry]` table is proposed, and files that cannot be read as they are are read by it.
 ///
 /// # Errors
-/// The files cannot be read either way.
+/// Model or map are refused, or the files cannot be read either way.
 pub fn inspect(
     files: &[PathBuf],
     options: &ReadOptions,
-    described: bool,
-) -> Result<(Inspection, Option<String>), Error> {
-    let proposal = (!described).then(|| proposed_map(files)).flatten();
-    let inspection = match (inspect_files(files, options), &proposal) {
+    model: Option<&Path>,
+    map: Option<&Path>,
+) -> Result<InspectionAnswer, Error> {
+    let mut options = options.clone();
+    if let Some(model) = model.map(read_model).transpose()? {
+        options.mountings = mountings(&model);
+        options.map = model.telemetry;
+    }
+    if let Some(map) = map {
+        options.map = read_telemetry_map(map)?;
+    }
+    let described = map.is_some() || options.map != TelemetryMap::default();
+    let proposed_map = (!described).then(|| proposed_map(files)).flatten();
+    let inspection = match (inspect_files(files, &options), &proposed_map) {
         (Ok(inspection), _) => inspection,
         (Err(error), Some(map)) => {
             let Ok(map) = parse_telemetry_map(map, "the proposed map") else {
                 return Err(error.into());
             };
-            let proposed = ReadOptions {
-                map,
-                ..options.clone()
-            };
+            let proposed = ReadOptions { map, ..options };
             inspect_files(files, &proposed).map_err(|_| error)?
         }
         (Err(error), None) => return Err(error.into()),
     };
-    Ok((inspection, proposal))
+    Ok(InspectionAnswer {
+        proposed_sensors: proposed_sensors(&inspection),
+        inspection,
+        proposed_map,
+    })
 }
 
-/// An inspection with the map that it proposes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// An inspection with what it proposes.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct InspectionAnswer {
     /// What was found.
     #[serde(flatten)]
@@ -65,19 +79,32 @@ pub struct InspectionAnswer {
     /// The `[telemetry]` table to paste.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proposed_map: Option<String>,
+    /// `[[sensor]]` tables with the noise that the data show.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proposed_sensors: Option<String>,
+}
+
+impl std::fmt::Display for InspectionAnswer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.inspection)?;
+        if let Some(map) = &self.proposed_map {
+            write!(
+                f,
+                "\n\nProposed map, to paste into the model file or into a file for --map; check what is unsure:\n\n{map}"
+            )?;
+        }
+        match &self.proposed_sensors {
+            Some(sensors) => write!(f, "\n\nProposed noise of the sensors:\n\n{sensors}"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// The same as a file.
-pub fn inspection_file(
-    inspection: Inspection,
-    proposed_map: Option<String>,
-) -> StatedFile<InspectionAnswer> {
+pub fn inspection_file(content: InspectionAnswer) -> StatedFile<InspectionAnswer> {
     StatedFile {
         schema: INSPECTION,
-        content: InspectionAnswer {
-            inspection,
-            proposed_map,
-        },
+        content,
     }
 }
 

@@ -1,25 +1,54 @@
 //! JSON Schemas of the file formats by name.
 
+use crate::check::Described;
 use crate::error::Error;
+use crate::propose::InspectionAnswer;
+use poinsot_formats::StatedFile;
+use schemars::{JsonSchema, schema_for};
 use serde_json::Value;
 
-/// Name of the model file's format.
-const MODEL: &str = "model";
+/// Name of a format, and its JSON Schema.
+type Format = (&'static str, fn() -> Value);
+
+/// Formats of the model file and of a file with its `[telemetry]` table alone, and of answers of other floors.
+const OTHERS: [Format; 4] = [
+    ("model", poinsot_model::model_schema),
+    ("map", poinsot_model::telemetry_map_schema),
+    ("description", of::<Described>),
+    ("inspection", of::<InspectionAnswer>),
+];
+
+fn of<T: JsonSchema>() -> Value {
+    schema_for!(StatedFile<T>).to_value()
+}
+
+/// Formats that are written in TOML.
+const TOML: [&str; 2] = ["case", "plan"];
+
+/// Names of all formats.
+pub fn schema_names() -> impl Iterator<Item = &'static str> {
+    let others = OTHERS.into_iter().map(|(name, _)| name);
+    others.chain(poinsot_formats::names())
+}
 
 /// JSON Schema (2020-12) of a file format.
 ///
 /// # Errors
 /// There is no format of this name.
 pub fn schema(name: &str) -> Result<Value, Error> {
-    if name == MODEL {
-        return Ok(poinsot_model::model_schema());
+    if let Some((_, schema)) = OTHERS.into_iter().find(|(n, _)| *n == name) {
+        return Ok(schema());
     }
-    poinsot_formats::schema(name).ok_or_else(|| Error::Usage {
+    let found = poinsot_formats::schema(name).map(|schema| match TOML.contains(&name) {
+        true => poinsot_model::without_null(schema),
+        false => schema,
+    });
+    found.ok_or_else(|| Error::Usage {
         option: "NAME",
         value: name.to_owned(),
         why: format!(
-            "there is no such format; use one of {MODEL}, {}",
-            poinsot_formats::names().collect::<Vec<_>>().join(", ")
+            "there is no such format; use one of {}",
+            schema_names().collect::<Vec<_>>().join(", ")
         ),
     })
 }

@@ -300,6 +300,7 @@ pub fn run(
         }
         (Some(c), _) => {
             return ControlledVehicle::new(model, &c.law, &c.limits, case.tolerance)
+                .map(|vehicle| vehicle.firing(&scenario.plan.firings))
                 .and_then(|vehicle| vehicle.run(start, &c.wheel_speed, times, |s| take(s, &[])))
                 .map_err(motion);
         }

@@ -1,20 +1,15 @@
 //! `poinsot check`
 
-use super::{Failure, Outcome, print, print_json};
+use super::{Outcome, print, print_json};
 use crate::arguments::Check;
-use poinsot_formats::{DESCRIPTION, StatedFile};
-use poinsot_model::{describe, read_model};
+use poinsot::check::check;
 
 pub fn run(arguments: &Check) -> Outcome {
-    let model = read_model(&arguments.model).map_err(Failure::from)?;
-    let description = describe(&model);
+    let found = check(&arguments.file)?;
     if arguments.json {
-        print_json(&StatedFile {
-            schema: DESCRIPTION,
-            content: description,
-        });
+        print_json(&found);
     } else if !arguments.quiet {
-        print(&format!("{description}\n"));
+        print(&format!("{}\n", found.content));
     }
     Ok(0)
 }

@@ -5,7 +5,11 @@ use crate::arguments::Report;
 use poinsot::write_report;
 
 pub fn run(arguments: &Report) -> Outcome {
-    let paths = write_report(&arguments.folder, &formats(&arguments.figures))?;
+    let paths = write_report(
+        &arguments.folder,
+        &arguments.compare,
+        &formats(&arguments.figures),
+    )?;
     written(&paths, arguments.json, arguments.quiet);
     Ok(0)
 }

@@ -3,7 +3,7 @@
 use crate::setup;
 
 use poinsot_dynamics::*;
-use poinsot_model::Model;
+use poinsot_model::{Model, Thruster};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use poinsot_testkit::compare::attitude_apart;
 use poinsot_testkit::momentum_sum::{KitBody, KitJoint, KitWheel};
@@ -248,6 +248,98 @@ fn prop_limited_pyramid_with_friction_conserves_momentum_and_arrives() {
         assert!(used.iter().any(|u| u.limited));
         assert!(last < 0.02, "{last}");
     }
+}
+
+/// A controller that asks for nothing leaves the vehicle to thrust and gravity gradient, as a plan without motor torque
+/// does: two programs for one motion.
+#[test]
+fn exact_thrust_and_gravity_act_under_a_controller() {
+    let mut model = stsat3();
+    model.thrusters = vec![Thruster {
+        name: "thr1".to_owned(),
+        body: 0,
+        p_BoT_B: Vector3::new(0.4, 0.3, -0.2),
+        direction_B: Vector3::new(0.0, 0.6, 0.8),
+        scale: Nuisance::Known,
+    }];
+    model.environment.point_mass_gm = Some(3.986004418e14);
+    model.environment.gravity_gradient = true;
+    model.environment.orbit = Some(Orbit {
+        semi_major_axis: 7.0e6,
+        eccentricity: 0.01,
+        inclination: 1.1,
+        raan: 0.2,
+        argument_of_periapsis: 0.4,
+        true_anomaly: -0.3,
+        epoch: 0.0,
+    });
+    let firings = [(10.0, 25.0, 0.5), (40.5, 41.25, 2.0)].map(|(on, off, force)| Firing {
+        thruster: 0,
+        on,
+        off,
+        force,
+    });
+    let control = AttitudeControl {
+        proportional: Matrix3::zeros(),
+        derivative: Matrix3::zeros(),
+        targets: Vec::new(),
+        period: None,
+        drive: WheelDrive::Torque,
+    };
+    let start = Start {
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::new(0.1, -0.2, 0.05),
+            w_NB_B: Vector3::new(0.02, -0.01, 0.03),
+        },
+        ..ten_degrees()
+    };
+    let (speeds, times) = ([20.0, -30.0, 10.0], seconds(60));
+    let plan = Plan {
+        joints: Vec::new(),
+        wheels: speeds
+            .map(|initial_speed| WheelMotion::Torque {
+                initial_speed,
+                torque: PiecewisePolynomial::constant(0.0),
+            })
+            .to_vec(),
+        firings: firings.to_vec(),
+    };
+    let mut wanted = Vec::new();
+    Prescribed::new(&model, &plan, Tolerance::default())
+        .unwrap()
+        .run(&start, &times, |s| wanted.push(s.clone()))
+        .unwrap();
+    let mut found = wanted.iter();
+    ControlledVehicle::new(&model, &control, &[], Tolerance::default())
+        .unwrap()
+        .firing(&firings)
+        .run(&start, &speeds, &times, |s| {
+            let w = found.next().unwrap();
+            assert!(s.R_NB.angle_to(&w.R_NB) < 1e-10);
+            for (ours, theirs) in [
+                (s.w_NB_B, w.w_NB_B),
+                (s.p_NoBo_N, w.p_NoBo_N),
+                (s.v_NBo_N, w.v_NBo_N),
+                (s.h_SScm_N, w.h_SScm_N),
+                (s.body.alpha[0], w.body.alpha[0]),
+                (s.body.a[0], w.body.a[0]),
+            ] {
+                assert!(
+                    (ours - theirs).norm() < 1e-9,
+                    "{} s: {ours} {theirs}",
+                    s.time
+                );
+            }
+            assert_eq!(s.thrust, w.thrust);
+            assert_eq!(s.p_orbit_N, w.p_orbit_N);
+            for (ours, theirs) in s.wheel_speed.iter().zip(&w.wheel_speed) {
+                assert!((ours - theirs).abs() < 1e-8);
+            }
+        })
+        .unwrap();
+    // Both act: without them the momentum would not change.
+    let (first, last) = (&wanted[0], &wanted[60]);
+    assert!((first.h_SScm_N - last.h_SScm_N).norm() > 1.0);
 }
 
 #[test]

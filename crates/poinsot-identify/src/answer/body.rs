@@ -225,21 +225,22 @@ fn rotation_body(
         )
     });
     let nominal_pi = nominal.parameters().to_array();
-    let shift = nominal.parameters().I_BBo_B - nominal.I_BBcm_B;
-    let held = !asked.mass && !asked.com;
-    let barycentric = std::array::from_fn(|k| match (held, k) {
-        (true, 0..=3) => Number::known(nominal_pi[k]),
-        (true, _) => {
-            let mut number = inertia[k - 4];
-            number.nominal = nominal_pi[k];
-            number.value = number.value.map(|v| v + shift[TENSOR[k - 4]]);
-            number
-        }
-        (false, 0) => Number {
-            nominal: nominal_pi[0],
-            ..mass
-        },
-        (false, _) => Number::open(nominal_pi[k]),
+    let ten = |x: &[f64]| TenParameters::of_body(parameters, 0, x);
+    // What an unknown mass moves, and an unknown mass centre that these data cannot show.
+    let by_mass = MassProperties {
+        mass: 1.0,
+        I_BBcm_B: Matrix3::zeros(),
+        ..answer
+    };
+    let by_mass = by_mass.parameters().to_array();
+    let centre = |u: &UnknownKind| matches!(u, UnknownKind::MassCentre(_));
+    let centre_is_open = asked.com && !parameters.unknowns.iter().any(|u| centre(&u.kind));
+    let barycentric = std::array::from_fn(|k| match k {
+        0 => mass,
+        _ if centre_is_open || (asked.mass && by_mass[k] != 0.0) => Number::open(nominal_pi[k]),
+        _ => judge.number(&ten(&solved.x).parameter(k), nominal_pi[k], |x| {
+            ten(x).parameter(k)
+        }),
     });
     BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }

@@ -86,9 +86,20 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     all.extend(determined::withheld(&identifiability));
     let rows = covariance_rows(solved, &bodies, &nuisance);
     let momentum = solved.starts.iter().map(|s| momentum(&judge, s)).collect();
-    let system = (solved.parameters.equations == Equations::Momentum)
-        .then(|| whole(problem, solved, &judge))
-        .flatten();
+    let system = match solved.parameters.equations {
+        Equations::Momentum => whole(problem, solved, &judge),
+        // One body: the vehicle is that body.
+        Equations::Rotation => bodies.first().map(|body| {
+            let name = "system".to_owned();
+            (
+                BodyEstimate {
+                    name,
+                    ..body.clone()
+                },
+                Vec::new(),
+            )
+        }),
+    };
     Estimate {
         method: solved.method.to_owned(),
         variant: None,

@@ -15,6 +15,7 @@ use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{
     InertialParameters, MassProperties, PARAMETER_NAMES, Vector3, parallel_axis,
 };
+pub use poinsot_spatial::{TENSOR, tensor_index, tensor_name};
 
 /// One unknown number.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,9 +68,6 @@ pub struct Parameters {
     pub gm: Option<f64>,
 }
 
-/// Elements of a tensor in the order of the parameters.
-pub const TENSOR: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
-const TENSOR_NAMES: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Why the question cannot be asked of the linear method.
@@ -292,7 +290,7 @@ impl Parameters {
             for (k, &e) in TENSOR.iter().enumerate() {
                 self.push(
                     UnknownKind::Barycentric(vec![(at + 4 + k, 1.0)]),
-                    format!("{name}.I_{point}_{}", TENSOR_NAMES[k]),
+                    format!("{name}.I_{point}_{}", tensor_name(k)),
                     "kg m2",
                     value[e],
                     m * l * l,
@@ -332,7 +330,7 @@ impl Parameters {
             for (k, &e) in TENSOR.iter().enumerate() {
                 self.push(
                     UnknownKind::CentralInertia(k),
-                    format!("{name}.I_BBcm_{}", TENSOR_NAMES[k]),
+                    format!("{name}.I_BBcm_{}", tensor_name(k)),
                     "kg m2",
                     given.I_BBcm_B[e],
                     m * l * l,
@@ -470,18 +468,6 @@ fn natural_units(
 /// Component names of a vector.
 pub fn axis_name(k: usize) -> &'static str {
     AXES[k % 3]
-}
-
-/// Element names of a tensor in the order of [`TENSOR`].
-pub fn tensor_name(k: usize) -> &'static str {
-    TENSOR_NAMES[k % 6]
-}
-
-/// Place of an element in the order of [`TENSOR`] by its name; zx is xz.
-pub fn tensor_index(name: &str) -> usize {
-    let turned: String = name.chars().rev().collect();
-    let found = TENSOR_NAMES.iter().position(|n| *n == name || *n == turned);
-    found.unwrap_or_default()
 }
 
 /// Values of the unknowns of the rotation of one body as those of barycentric unknowns; mass and whatever else it does not

@@ -1,6 +1,6 @@
 //! Mass, mass centre and central inertia as functions of the unknowns, with their gradients.
 
-use crate::problem::parameters::{Parameters, TENSOR};
+use crate::problem::parameters::{Equations, Parameters, TENSOR};
 use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
@@ -27,13 +27,21 @@ impl TenParameters {
     /// Of one body.
     pub fn of_body(parameters: &Parameters, body: usize, x: &[f64]) -> Self {
         let value = parameters.bodies(x)[body].to_array();
-        let gradient = (0..10)
+        let mut gradient: Vec<Vec<f64>> = (0..10)
             .map(|k| {
                 let mut unit = [0.0; 10];
                 unit[k] = 1.0;
                 parameters.chain(body, &unit)
             })
             .collect();
+        // Unknowns of rotation are no barycentric parameters: their slopes depend on the answer.
+        if parameters.equations == Equations::Rotation {
+            for (unknown, slopes) in parameters.slopes(x).iter().enumerate() {
+                for (k, slope) in slopes {
+                    gradient[*k][unknown] += slope;
+                }
+            }
+        }
         Self { value, gradient }
     }
 

@@ -318,7 +318,7 @@ pub struct Estimate {
     /// Bodies in the order of the model.
     pub bodies: Vec<BodyEstimate>,
     /// The whole vehicle at the first sample of the first segment, with the joint positions it holds
-    /// for; `None` where only rotation is seen.
+    /// for; `None` without samples.
     pub system: Option<(BodyEstimate, Vec<f64>)>,
     /// Momentum, one per segment.
     pub momentum: Vec<MomentumEstimate>,

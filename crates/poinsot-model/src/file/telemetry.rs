@@ -76,7 +76,8 @@ pub(crate) struct ColumnFile {
     pub offset: Option<f64>,
     /// Values are counts of an encoder (of a rate: counts per second), so many to one revolution. In place of a unit.
     pub counts_per_revolution: Option<f64>,
-    /// The column is the on/off flag of a thruster, and on stands for this force, N. In place of a unit.
+    /// The column is the on/off flag of a thruster, and on stands for this force, N. With a unit of time (`unit = "ms"`) the
+    /// column is the duration of a pulse that begins at the time of the row; zero or empty: no pulse.
     pub nominal_N: Option<f64>,
 }
 
@@ -176,11 +177,16 @@ pub(crate) enum SenseFile {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct OrbitColumnsFile {
-    /// Columns of x, y and z.
+    /// Columns of x, y and z. With a position sensor in the model and gravity in [environment], the positions are taken
+    /// relative to free fall.
     #[schemars(required)]
     pub position: Option<[String; 3]>,
     /// Unit. Default: that of the units row.
     pub unit: Option<String>,
+    /// Columns of the velocity in the same axes.
+    pub velocity: Option<[String; 3]>,
+    /// Unit of the velocity. Default: that of the units row.
+    pub velocity_unit: Option<String>,
     /// "inertial" (default), or "earth_fixed": turned to inertial axes by the Earth rotation angle.
     pub frame: Option<FrameFile>,
 }

@@ -9,14 +9,15 @@ mod runs;
 mod saturation;
 mod stuck;
 
-use crate::{Channel, Table, TelemetryError, full_name, median_step};
+use crate::{Channel, Dimension, Table, TelemetryError, full_name, median_step};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Places shown of one finding; the rest is counted.
 pub const SHOWN: usize = 20;
 
 /// A check of telemetry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
     /// Steps longer than three median steps.
@@ -38,7 +39,7 @@ pub enum Check {
 }
 
 /// What is done about a finding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Policy {
     /// It is listed; the samples stay.
@@ -159,7 +160,7 @@ impl Policies {
 }
 
 /// What a check found in one channel or sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
     /// The check.
     pub check: Check,
@@ -338,6 +339,10 @@ fn exclude(table: &mut Table, found: &Found) {
 }
 
 fn gaps(channel: &Channel) -> Option<Found> {
+    // Thrust holds from a sample to the next, whenever that comes.
+    if channel.unit == Dimension::Force.si() {
+        return None;
+    }
     let step = median_step(&channel.time_s)?;
     let pairs = channel.time_s.iter().zip(channel.time_s.iter().skip(1));
     let long: Vec<(f64, f64)> = pairs

@@ -6,6 +6,7 @@ mod acceleration;
 mod channels;
 mod cut;
 mod faults;
+mod free_fall;
 mod input_errors;
 mod motion;
 mod mounting;
@@ -49,6 +50,8 @@ pub struct Bound {
 pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindError> {
     faults::check_faults(model)?;
     let mut repairs = Vec::new();
+    let tables = free_fall::relative(model, tables, &mut repairs)?;
+    let tables = tables.as_ref();
     let leading = Leading::new(model, tables);
     sensors::check_sensors(model, tables, &leading, &mut repairs)?;
     let mut segments = Vec::with_capacity(tables.len());

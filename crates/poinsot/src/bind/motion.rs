@@ -2,14 +2,13 @@
 
 use super::BindError;
 use super::channels::{Channels, VectorChannels, joint_columns};
+use super::free_fall::ORBITAL;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Samples, Translation};
 use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{Channel, differentiate, resample, resample_attitude, resample_hermite};
 
-/// Distance beyond which positions are not relative to a reference orbit, m.
-const ORBITAL: f64 = 1.0e5;
 /// Samples each side of the polynomial that differentiates a channel without a rate.
 const HALF_WIDTH: usize = 2;
 

@@ -4,7 +4,7 @@ use super::BindError;
 use super::channels::Channels;
 use nalgebra::Vector3;
 use poinsot_dynamics::orbit_state;
-use poinsot_model::Model;
+use poinsot_model::{Model, SensorKind};
 use poinsot_telemetry::{differentiate, resample, resample_hermite};
 
 /// Position and velocity in N, m and m/s, at one time; `None` where telemetry has none there.
@@ -55,7 +55,8 @@ pub(super) fn check_orbit(
     repairs: &mut Vec<String>,
 ) -> Result<(), BindError> {
     let around = &model.environment;
-    if around.point_mass_gm.is_some() && !around.gravity_gradient {
+    let positions = model.sensors_of(SensorKind::Position).next().is_some();
+    if around.point_mass_gm.is_some() && !around.gravity_gradient && !positions {
         return Err(BindError::Unsupported {
             what: "[environment] gravity = \"point_mass\" alone changes nothing: N falls freely with the vehicle; add gravity_gradient = true, or take it out".to_owned(),
         });

@@ -3,7 +3,8 @@
 //!
 //! The steps of an address are keys. In a list of tables a step is the name of an element (its `name`, `joint`, `wheel`
 //! or `thruster`) or its number from zero; in a list of numbers it is a number from zero, or x, y, z, w. An address may
-//! begin with the name of a body, joint, wheel, thruster or sensor where only one part of the model has that name.
+//! begin with the name of a body, joint, wheel, thruster or sensor, as addresses of results do (`bus.com_m.x`,
+//! `gyro.bias_rad_s.x`): where several parts have that name, the one with the key.
 
 use crate::case::did_you_mean;
 use toml::{Table, Value};
@@ -51,15 +52,15 @@ pub(crate) fn edit(
     change: Edit<'_>,
 ) -> Result<(), (String, String)> {
     let steps: Vec<&str> = address.split('.').collect();
-    let in_case = |c: &Table| c.contains_key(steps[0]) && !matches!(steps[0], "schema" | "model");
-    if let Some(case) = documents.case.as_mut().filter(|c| in_case(c)) {
+    if let Some(case) = documents.case.as_mut()
+        && let Some(way) = way_in_case(case, &steps)
+    {
         if !of.truth {
             let what =
                 "a case has no nominal side: the identification reads telemetry, not the case";
             return Err((what.to_owned(), "write of = \"both\"".to_owned()));
         }
-        let value = walk_table(case, &steps)?;
-        return change_leaves(value, change);
+        return change_leaves(walk_table(case, &way)?, change);
     }
     let sides = [
         (of.truth, &mut documents.truth),
@@ -81,30 +82,68 @@ pub(crate) fn edit(
     Ok(())
 }
 
+/// The keys that lead to an address in the case: its own, or those of what it says of a sensor, `gyro.bias_rad_s.x`.
+fn way_in_case(case: &Table, steps: &[&str]) -> Option<Vec<String>> {
+    let own = |steps: &[&str]| steps.iter().map(|s| (*s).to_owned()).collect();
+    if case.contains_key(steps[0]) && !matches!(steps[0], "schema" | "model") {
+        return Some(own(steps));
+    }
+    let sensors = case.get("output").and_then(|o| o.get("sensor"));
+    let (at, rest) = owned(sensors, steps)?;
+    let sensor = sensors?.as_array()?.get(at)?;
+    sensor.get(*rest.first()?)?;
+    let mut way = vec!["output".to_owned(), "sensor".to_owned(), at.to_string()];
+    way.extend(own(rest));
+    Some(way)
+}
+
+/// The element of a list that an address begins with, and the keys below it. Names may hold dots.
+fn owned<'s>(list: Option<&Value>, steps: &'s [&'s str]) -> Option<(usize, &'s [&'s str])> {
+    let ends = (1..steps.len()).rev();
+    ends.into_iter().find_map(|end| {
+        let (name, rest) = steps.split_at(end);
+        Some((element(list, &name.join("."))?, rest))
+    })
+}
+
 fn edit_model(
     model: &mut Table,
     steps: &[&str],
     case: Option<&Table>,
     change: Edit<'_>,
 ) -> Result<(), (String, String)> {
+    let own = |steps: &[&str]| -> Vec<String> { steps.iter().map(|s| (*s).to_owned()).collect() };
     match steps {
         [NOISE] => return scale_noise(model, None, change),
-        [sensor, NOISE] | ["sensor", sensor, NOISE] => {
-            return scale_noise(model, Some(sensor), change);
+        ["sensor", sensor @ .., NOISE] | [sensor @ .., NOISE] => {
+            return scale_noise(model, Some(&sensor.join(".")), change);
         }
         _ => {}
     }
     if model.contains_key(steps[0]) {
-        return change_leaves(walk_table(model, steps)?, change);
+        return change_leaves(walk_table(model, &own(steps))?, change);
     }
-    let owners: Vec<&str> = NAMED
+    let mut owners: Vec<(&str, usize, &[&str])> = NAMED
         .into_iter()
-        .filter(|list| element(model.get(*list), steps[0]).is_some())
+        .filter_map(|list| {
+            let (at, rest) = owned(model.get(list), steps)?;
+            Some((list, at, rest))
+        })
         .collect();
+    // A body and its joint may share a name: the key tells which is meant.
+    let has = |(list, at, rest): &(&str, usize, &[&str])| {
+        let item = model.get(*list).and_then(|l| l.get(*at));
+        item.zip(rest.first())
+            .is_some_and(|(i, key)| i.get(*key).is_some())
+    };
+    if owners.iter().filter(|o| has(o)).count() == 1 {
+        owners.retain(has);
+    }
     match owners.as_slice() {
-        [one] => {
-            let whole: Vec<&str> = std::iter::once(*one).chain(steps.iter().copied()).collect();
-            change_leaves(walk_table(model, &whole)?, change)
+        [(list, at, rest)] => {
+            let mut way = vec![(*list).to_owned(), at.to_string()];
+            way.extend(own(rest));
+            change_leaves(walk_table(model, &way)?, change)
         }
         [] => {
             let known = known_at_top(model, case);
@@ -116,18 +155,21 @@ fn edit_model(
                 did_you_mean(steps[0], known.iter().map(String::as_str)),
             ))
         }
-        several => Err((
-            format!(
-                "\"{}\" is the name of a {}",
-                steps[0],
-                several.join(" and a ")
-            ),
-            format!(
-                "begin the address with one of them: {}.{}",
-                several[0],
-                steps.join(".")
-            ),
-        )),
+        several => {
+            let lists: Vec<&str> = several.iter().map(|o| o.0).collect();
+            Err((
+                format!(
+                    "\"{}\" is the name of a {}",
+                    steps[0],
+                    lists.join(" and a ")
+                ),
+                format!(
+                    "begin the address with one of them: {}.{}",
+                    lists[0],
+                    steps.join(".")
+                ),
+            ))
+        }
     }
 }
 
@@ -162,10 +204,16 @@ fn element(list: Option<&Value>, step: &str) -> Option<usize> {
     found.next().is_none().then_some(first)
 }
 
-fn walk_table<'t>(table: &'t mut Table, steps: &[&str]) -> Result<&'t mut Value, (String, String)> {
-    let (first, rest) = steps.split_first().unwrap_or((&"", &[]));
+fn walk_table<'t>(
+    table: &'t mut Table,
+    steps: &[String],
+) -> Result<&'t mut Value, (String, String)> {
+    let (first, rest) = match steps.split_first() {
+        Some((first, rest)) => (first.as_str(), rest),
+        None => ("", steps),
+    };
     let keys: Vec<String> = table.keys().cloned().collect();
-    let Some(mut value) = table.get_mut(*first) else {
+    let Some(mut value) = table.get_mut(first) else {
         return Err(absent(first, &keys));
     };
     for step in rest {
@@ -361,6 +409,11 @@ on_s = 2.0
 [[joint_motion]]
 joint = "arm"
 sine_rad = [0.1, 0.2]
+[output]
+rate_hz = 10
+[[output.sensor]]
+name = "gyro"
+bias_rad_s = [0.0, 0.0, 0.0]
 "#,
         )
         .unwrap();
@@ -397,6 +450,14 @@ sine_rad = [0.1, 0.2]
             Some(7.5)
         );
         assert_eq!(
+            model("arm.mass_kg")["body"][1]["mass_kg"].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
+            model("arm.origin_m.z")["joint"][0]["origin_m"][2].as_float(),
+            Some(7.5)
+        );
+        assert_eq!(
             model("body.1.mass_kg")["body"][1]["mass_kg"].as_float(),
             Some(7.5)
         );
@@ -418,6 +479,8 @@ sine_rad = [0.1, 0.2]
             case("joint_motion.arm.sine_rad.1")["joint_motion"][0]["sine_rad"][1].as_float(),
             Some(7.5)
         );
+        let bias = &case("gyro.bias_rad_s.y")["output"]["sensor"][0]["bias_rad_s"];
+        assert_eq!(bias[1].as_float(), Some(7.5));
         assert_eq!(count(&documents(), "bus.com_m", BOTH), Ok(3));
     }
 
@@ -425,7 +488,7 @@ sine_rad = [0.1, 0.2]
     fn unit_an_address_without_a_number_says_what_to_do() {
         for (address, what, remedy) in [
             ("bas.mass_kg", "no key, body", "did you mean \"bus\"?"),
-            ("arm.mass_kg", "a body and a joint", "body.arm.mass_kg"),
+            ("arm.about_kg", "a body and a joint", "body.arm.about_kg"),
             ("bus.mas_kg", "no \"mas_kg\"", "did you mean \"mass_kg\"?"),
             ("firing.t.on_s", "several elements", "written there first"),
             ("bus.name", "no number here but string", "end at a number"),

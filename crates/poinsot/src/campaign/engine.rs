@@ -171,7 +171,7 @@ fn run_one(plan: &Plan, active: &Active, trial: u64) -> Result<Option<ShardResul
         // The first lines of an error name file and remedy themselves.
         let text = PlanText::new(Path::new(&plan.name), String::new());
         let what = format!("cell {} cannot be simulated: {why}", shard.cell);
-        Error::Plan(crate::case::CaseError {
+        Error::File(crate::case::CaseError {
             faults: vec![text.fault("E0541", &[], what, "correct case or model")],
             environment: false,
         })

@@ -162,7 +162,7 @@ impl Experiment {
         .map_err(|(what, remedy)| {
             let text = PlanText::new(Path::new(&self.name), String::new());
             let fault = text.fault("E0542", &[], what, &remedy);
-            Error::Plan(crate::case::CaseError {
+            Error::File(crate::case::CaseError {
                 faults: vec![fault],
                 environment: false,
             })

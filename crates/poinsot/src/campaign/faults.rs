@@ -42,7 +42,7 @@ impl PlanText {
             let span = e.span().unwrap_or(0..0);
             let mut fault = self.text.fault("E0541", "", span, problem, remedy);
             fault.value.clear();
-            Error::Plan(CaseError {
+            Error::File(CaseError {
                 faults: vec![fault],
                 environment: false,
             })
@@ -87,7 +87,7 @@ impl PlanText {
     pub fn finish(&mut self) -> Result<(), Error> {
         match std::mem::take(&mut self.faults) {
             faults if faults.is_empty() => Ok(()),
-            faults => Err(Error::Plan(CaseError {
+            faults => Err(Error::File(CaseError {
                 faults,
                 environment: false,
             })),

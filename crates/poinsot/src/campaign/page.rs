@@ -1,9 +1,8 @@
 //! The result of a campaign as a page.
 
 use super::text::{headline, short, table_document};
-use minijinja::{Value, context};
 use poinsot_formats::{BandedFile, CampaignFile, NumberResultFile};
-use poinsot_report::{Axis, Content, Figure, Mark, Page, PageError, Part, Plot, Series, render};
+use poinsot_report::{Axis, Figure, Mark, Page, PageError, Part, Plot, Series};
 
 /// Most numbers that have a figure of their own.
 const FIGURES: usize = 12;
@@ -23,35 +22,12 @@ pub(super) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
         body: Figure::page(&figures)?,
         figures,
     };
+    let tables = Part::of_document("tables", "Tables", &result.about, &table_document(result))?;
     Ok(Page {
         title: format!("Campaign {}", result.name),
         subtitle: format!("{}; plan {}; poinsot {}", headline(result), &result.digest.get(..12).unwrap_or(""), result.poinsot),
         footer: "Intervals hold in 95 of 100 campaigns: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file is complete in itself and loads nothing.".to_owned(),
-        parts: vec![drawn, tables(result)?],
-    })
-}
-
-fn tables(result: &CampaignFile) -> Result<Part, PageError> {
-    let document = table_document(result);
-    let section = |s: &poinsot_report::Section| match &s.content {
-        Content::Table(t) => context! {
-            title => s.title, head => t.head, rows => t.rows, note => s.note,
-        },
-        Content::List(lines) => {
-            let rows: Vec<Vec<String>> = lines.iter().map(|l| vec![l.clone()]).collect();
-            context! { title => s.title, head => Vec::<String>::new(), rows, note => s.note }
-        }
-    };
-    let sections: Vec<Value> = document.sections.iter().map(section).collect();
-    Ok(Part {
-        id: "tables",
-        title: "Tables",
-        body: render(
-            "campaign.html",
-            include_str!("campaign.html"),
-            context! { sections, about => result.about },
-        )?,
-        figures: Vec::new(),
+        parts: vec![drawn, tables],
     })
 }
 

@@ -98,7 +98,7 @@ pub fn read_plan(path: &Path) -> Result<Plan, Error> {
         let text = PlanText::new(path, String::new());
         let mut fault = text.fault("E0541", &[], e.to_string(), e.remedy());
         fault.line = 0;
-        Error::Plan(CaseError {
+        Error::File(CaseError {
             environment: e.is_environment(),
             faults: vec![fault],
         })

@@ -1,10 +1,14 @@
 //! `[[wheel_motion]]` and `[[firing]]` as motion of wheels and firings of thrusters.
 
 use super::fault::did_you_mean;
-use super::file::{FiringFile, WheelMotionFile};
 use super::planner::Planner;
+use super::torques::Build;
 use poinsot_dynamics::{Firing, PiecewisePolynomial, WheelMotion};
-use toml::Spanned;
+use poinsot_formats::case::{FiringFile, Placed, WheelMotionFile};
+
+/// Ends of the names of columns of wheels.
+const SPEED: &str = "_rad_s";
+const TORQUE: &str = "_Nm";
 
 impl Planner<'_> {
     pub(super) fn wheel_motion(
@@ -12,46 +16,36 @@ impl Planner<'_> {
         table: &WheelMotionFile,
         key: &str,
     ) -> Option<WheelMotion> {
-        let word = table.interpolation.as_ref().map(|w| w.get_ref().as_str());
-        let (values, torque) = match (&table.speed_rad_s, &table.torque_N_m) {
-            (Some(speed), None) => (speed, false),
-            (None, Some(torque)) => (torque, true),
+        let wrong = |planner: &mut Self, problem: &str, remedy: &str| {
+            planner.refuse("E0507", key, table.wheel.span(), problem, remedy);
+            None
+        };
+        let column = match &table.column {
+            Some(column) => column.get_ref().clone(),
+            None => format!("{}{SPEED}", table.wheel.get_ref()),
+        };
+        let (torque, nodes) = match (&table.speed_rad_s, &table.torque_N_m, &table.file) {
+            (Some(speed), None, None) => (false, Some(speed)),
+            (None, Some(torque), None) => (true, Some(torque)),
+            (None, None, Some(_)) => (column.ends_with(TORQUE), None),
             _ => {
-                let problem = "a wheel needs either speed_rad_s or torque_N_m";
-                self.refuse(
-                    "E0507",
-                    key,
-                    table.wheel.span(),
-                    problem,
-                    "give one of the two",
-                );
-                return None;
+                let problem = "a wheel needs exactly one of speed_rad_s, torque_N_m and file";
+                return wrong(self, problem, "give one of them");
             }
         };
-        let build = match (word, torque) {
-            (None | Some("linear"), false) | (Some("linear"), true) => PiecewisePolynomial::linear,
-            (None | Some("constant"), true) => PiecewisePolynomial::steps,
-            (Some("cubic_clamped"), false) => PiecewisePolynomial::cubic_clamped,
-            (Some(_), _) => {
-                let span = table.interpolation.as_ref().map_or(0..0, Spanned::span);
-                let problem = "no such interpolation here";
-                let remedy = if torque {
-                    "use \"constant\" or \"linear\""
-                } else {
-                    "use \"linear\" or \"cubic_clamped\""
-                };
-                self.refuse(
-                    "E0507",
-                    &format!("{key}.interpolation"),
-                    span,
-                    problem,
-                    remedy,
-                );
-                return None;
+        let build = self.wheel_interpolation(table, torque, key)?;
+        let profile = match (nodes, &table.time_s, &table.file) {
+            (None, None, Some(file)) => self.column(file, &column, &[SPEED, TORQUE], build, key)?,
+            (Some(values), Some(time), _) if table.column.is_none() => {
+                let profile = build(time.get_ref(), values.get_ref());
+                self.checked(profile, (time, values), key)?
+            }
+            (Some(_), None, _) => return wrong(self, "a table needs time_s", "add time_s = [...]"),
+            _ => {
+                let problem = "time_s belongs to a table, column to a file";
+                return wrong(self, problem, "leave it out");
             }
         };
-        let profile = build(table.time_s.get_ref(), values.get_ref());
-        let profile = self.checked(profile, (&table.time_s, values), key)?;
         let initial = table.initial_speed_rad_s.as_ref();
         if torque {
             let initial_speed = initial.map_or(0.0, |x| *x.get_ref());
@@ -76,6 +70,31 @@ impl Planner<'_> {
             self.refuse("E0507", &key, x.span(), problem, "leave it out");
         }
         Some(WheelMotion::Speed(profile))
+    }
+
+    fn wheel_interpolation(
+        &mut self,
+        table: &WheelMotionFile,
+        torque: bool,
+        key: &str,
+    ) -> Option<Build> {
+        let given = table.interpolation.as_ref();
+        Some(match (given.map(|w| w.get_ref().as_str()), torque) {
+            (None | Some("linear"), false) | (Some("linear"), true) => PiecewisePolynomial::linear,
+            (None | Some("constant"), true) => PiecewisePolynomial::steps,
+            (Some("cubic_clamped"), false) => PiecewisePolynomial::cubic_clamped,
+            (Some(_), _) => {
+                let problem = "no such interpolation here";
+                let remedy = match torque {
+                    true => "use \"constant\" or \"linear\"",
+                    false => "use \"linear\" or \"cubic_clamped\"",
+                };
+                let key = format!("{key}.interpolation");
+                let span = given.map_or(0..0, Placed::span);
+                self.refuse("E0507", &key, span, problem, remedy);
+                return None;
+            }
+        })
     }
 
     pub(super) fn firings(&mut self, tables: &[FiringFile]) -> Vec<Firing> {

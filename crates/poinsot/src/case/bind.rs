@@ -1,16 +1,15 @@
 //! A case with a model: names become indices, and the first instant a start.
 
 use super::control::Control;
-use super::file::InitialFile;
 use super::planner::Planner;
 use super::sensor_output::{SensorOutput, sensor_outputs};
 use super::{Case, CaseError, refuse};
 use nalgebra::Quaternion;
 use poinsot_dynamics::{DrivenPlan, Plan, Start, StartVelocity};
+use poinsot_formats::case::{InitialFile, Placed};
 use poinsot_model::Model;
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::rounded;
-use toml::Spanned;
 
 /// A case bound to a model: everything a simulation needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +81,7 @@ impl Case {
 }
 
 fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
-    let mut vector = |key: &str, x: &Option<Spanned<[f64; 3]>>| {
+    let mut vector = |key: &str, x: &Option<Placed<[f64; 3]>>| {
         let Some(x) = x else {
             return Vector3::zeros();
         };
@@ -106,10 +105,10 @@ fn start(planner: &mut Planner, initial: &InitialFile) -> Start {
 
     let twist = [&initial.v_m_s, &initial.omega_rad_s];
     let momentum = [&initial.linear_N_s, &initial.angular_N_m_s];
-    let twist = twist.into_iter().flatten().next().map(Spanned::span);
-    let momentum = momentum.into_iter().flatten().next().map(Spanned::span);
+    let twist = twist.into_iter().flatten().next().map(Placed::span);
+    let momentum = momentum.into_iter().flatten().next().map(Placed::span);
     let zero = initial.momentum_zero.as_ref();
-    let zero = zero.filter(|z| *z.get_ref()).map(Spanned::span);
+    let zero = zero.filter(|z| *z.get_ref()).map(Placed::span);
     let mut given = [&twist, &momentum, &zero].into_iter().flatten();
     if let Some(second) = given.nth(1).cloned() {
         let problem = "the initial motion is given twice";

@@ -1,15 +1,14 @@
 //! `[control]`: attitude feedback by the wheels of the base.
 
 use super::fault::did_you_mean;
-use super::file::{CaseFile, ControlFile, ControlWheelFile};
 use super::planner::Planner;
 use nalgebra::Quaternion;
 use poinsot_dynamics::{AttitudeControl, Plan, Target, Tree, WheelDrive, WheelLimits, composite};
 use poinsot_dynamics::{Kinematics, WheelMotion};
+use poinsot_formats::case::{CaseFile, ControlFile, ControlWheelFile, Placed};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion};
 use poinsot_telemetry::rounded;
 use std::ops::Range;
-use toml::Spanned;
 
 /// A controller with the wheels that serve it.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +29,6 @@ impl Planner<'_> {
             ("joint_motion", !file.joint_motion.is_empty(), "E0508"),
             ("joint_torque", !file.joint_torque.is_empty(), "E0508"),
             ("initial.joint", !file.initial.joint.is_empty(), "E0508"),
-            ("firing", !file.firing.is_empty(), "E0508"),
             ("wheel_motion", !file.wheel_motion.is_empty(), "E0507"),
         ];
         for (key, _, code) in also.into_iter().filter(|(_, is_there, _)| *is_there) {
@@ -40,7 +38,7 @@ impl Planner<'_> {
                     "take either [control] or the [[wheel_motion]] tables out",
                 ),
                 _ => (
-                    "the simulation does not do this yet beside [control]: joints are locked and thrusters off",
+                    "the simulation does not do this yet beside [control]: joints are locked",
                     "take it out, or prescribe wheel speeds with [[wheel_motion]]",
                 ),
             };
@@ -60,6 +58,7 @@ impl Planner<'_> {
         for (motion, speed) in plan.wheels.iter_mut().zip(&control.wheel_speed) {
             *motion = WheelMotion::constant(*speed);
         }
+        plan.firings = self.firings(&file.firing);
         Some((control, plan))
     }
 
@@ -180,7 +179,7 @@ impl Planner<'_> {
     /// inertia of the model.
     fn gains(&mut self, file: &ControlFile, span: Range<usize>) -> (Matrix3, Matrix3) {
         let finite =
-            |x: &Option<Spanned<f64>>| x.as_ref().map(|x| *x.get_ref()).filter(|x| *x > 0.0);
+            |x: &Option<Placed<f64>>| x.as_ref().map(|x| *x.get_ref()).filter(|x| *x > 0.0);
         let matrix = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
         match (
             &file.proportional_N_m,

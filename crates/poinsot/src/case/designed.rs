@@ -1,12 +1,11 @@
 //! `[design]`: what may move and how, and what a design is after.
 
-use super::file::{DesignFile, DesignJointFile, DesignWheelFile, Objective};
 use super::planner::Planner;
 use super::{Case, CaseError, refuse};
 use poinsot_dynamics::Tree;
+use poinsot_formats::case::{DesignFile, DesignJointFile, DesignWheelFile, Objective, Placed};
 use poinsot_model::{JointKind, Model};
 use std::ops::Range;
-use toml::Spanned;
 
 /// Evaluations of a manoeuvre unless the case says otherwise.
 const EVALUATIONS: usize = 5000;
@@ -169,7 +168,7 @@ impl Planner<'_> {
         list.push(one);
     }
 
-    fn count(&mut self, given: Option<&Spanned<usize>>, default: usize, key: &str) -> usize {
+    fn count(&mut self, given: Option<&Placed<usize>>, default: usize, key: &str) -> usize {
         match given {
             Some(x) if *x.get_ref() == 0 => {
                 self.refuse(
@@ -196,13 +195,13 @@ impl Planner<'_> {
         let word = table.form.get_ref().as_str();
         let extra = |fourier: bool, nodes: bool, slews: bool| {
             let of_fourier = [
-                table.harmonics.as_ref().map(Spanned::span),
-                table.base_frequency_hz.as_ref().map(Spanned::span),
-                table.at_rest.as_ref().map(Spanned::span),
+                table.harmonics.as_ref().map(Placed::span),
+                table.base_frequency_hz.as_ref().map(Placed::span),
+                table.at_rest.as_ref().map(Placed::span),
             ];
-            let of_nodes = table.nodes.as_ref().map(Spanned::span);
-            let of_slews = table.slews.as_ref().map(Spanned::span);
-            let of_ends = table.returns.as_ref().map(Spanned::span);
+            let of_nodes = table.nodes.as_ref().map(Placed::span);
+            let of_slews = table.slews.as_ref().map(Placed::span);
+            let of_ends = table.returns.as_ref().map(Placed::span);
             let mut wrong = of_fourier.into_iter().flatten().filter(|_| !fourier);
             let others = [(of_nodes, nodes), (of_slews, slews), (of_ends, !fourier)];
             let mut others = others.into_iter().filter(|(_, own)| !own);
@@ -265,7 +264,7 @@ impl Planner<'_> {
 
     fn needed(
         &mut self,
-        given: Option<&Spanned<usize>>,
+        given: Option<&Placed<usize>>,
         name: &str,
         least: usize,
         span: Range<usize>,

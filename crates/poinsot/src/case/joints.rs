@@ -1,18 +1,17 @@
 //! `[[joint_motion]]` as motion of a joint.
 
 use super::fault::did_you_mean;
-use super::file::JointMotionFile;
 use super::planner::{Nodes, Planner};
 use poinsot_dynamics::{Fourier, JointMotion, Tree};
+use poinsot_formats::case::{JointMotionFile, Placed};
 use poinsot_model::JointKind;
-use toml::Spanned;
 
 impl Planner<'_> {
     /// The joint coordinate that a table moves.
     pub(super) fn joint(
         &mut self,
         tree: &Tree,
-        given: &Spanned<String>,
+        given: &Placed<String>,
         key: &str,
     ) -> Option<usize> {
         let (name, key) = (given.get_ref(), format!("{key}.joint"));
@@ -46,8 +45,8 @@ impl Planner<'_> {
         } else {
             &table.offset_m
         };
-        let spans = wrong.into_iter().flatten().map(Spanned::span);
-        if let Some(span) = spans.chain(offset.iter().map(Spanned::span)).next() {
+        let spans = wrong.into_iter().flatten().map(Placed::span);
+        if let Some(span) = spans.chain(offset.iter().map(Placed::span)).next() {
             let (problem, remedy) = if slides {
                 (
                     "a prismatic joint moves in metres",
@@ -93,7 +92,7 @@ impl Planner<'_> {
     fn nodes<'f>(
         &mut self,
         table: &'f JointMotionFile,
-        position: Option<&'f Spanned<Vec<f64>>>,
+        position: Option<&'f Placed<Vec<f64>>>,
         key: &str,
     ) -> Option<Nodes<'f>> {
         let harmonics = [
@@ -139,7 +138,7 @@ impl Planner<'_> {
             return None;
         };
         let list =
-            |x: &Option<Spanned<Vec<f64>>>| x.as_ref().map_or(Vec::new(), |x| x.get_ref().clone());
+            |x: &Option<Placed<Vec<f64>>>| x.as_ref().map_or(Vec::new(), |x| x.get_ref().clone());
         let fourier = Fourier {
             offset: offset.as_ref().map_or(0.0, |x| *x.get_ref()),
             base_frequency_hz: *frequency.get_ref(),

@@ -1,14 +1,13 @@
 //! `[limits]`: what no designed manoeuvre may exceed.
 
 use super::fault::did_you_mean;
-use super::file::{CapsuleFile, ConeFile, JointLimitFile, WheelLimitFile};
 use super::planner::Planner;
 use super::{Case, CaseError, refuse};
 use poinsot_dynamics::Tree;
+use poinsot_formats::case::{CapsuleFile, ConeFile, JointLimitFile, Placed, WheelLimitFile};
 use poinsot_model::{JointKind, Model};
 use poinsot_spatial::Vector3;
 use std::ops::Range;
-use toml::Spanned;
 
 /// Limits of one joint coordinate, rad or m and their derivatives; infinite where there is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +90,7 @@ impl Case {
 }
 
 impl Planner<'_> {
-    fn limits(&mut self, file: &super::file::LimitsFile) -> Limits {
+    fn limits(&mut self, file: &poinsot_formats::case::LimitsFile) -> Limits {
         let tree = Tree::new(self.model);
         let free = JointLimit {
             position: (f64::NEG_INFINITY, f64::INFINITY),
@@ -145,7 +144,7 @@ impl Planner<'_> {
     }
 
     /// A positive limit; infinite where none is given.
-    fn limit(&mut self, key: &str, given: Option<&Spanned<f64>>) -> f64 {
+    fn limit(&mut self, key: &str, given: Option<&Placed<f64>>) -> f64 {
         let Some(x) = given else {
             return f64::INFINITY;
         };
@@ -165,7 +164,7 @@ impl Planner<'_> {
     pub(super) fn joints_of(
         &mut self,
         tree: &Tree,
-        names: Option<&[Spanned<String>]>,
+        names: Option<&[Placed<String>]>,
         key: &str,
     ) -> Vec<usize> {
         match names {
@@ -177,7 +176,7 @@ impl Planner<'_> {
         }
     }
 
-    pub(super) fn wheels_of(&mut self, names: Option<&[Spanned<String>]>, key: &str) -> Vec<usize> {
+    pub(super) fn wheels_of(&mut self, names: Option<&[Placed<String>]>, key: &str) -> Vec<usize> {
         let Some(names) = names else {
             return (0..self.model.wheels.len()).collect();
         };
@@ -262,7 +261,7 @@ impl Planner<'_> {
     }
 
     fn cone(&mut self, table: &ConeFile, key: &str) -> Option<Cone> {
-        let mut unit = |name: &str, x: &Spanned<[f64; 3]>| {
+        let mut unit = |name: &str, x: &Placed<[f64; 3]>| {
             let v = Vector3::from(*x.get_ref());
             if !(v.norm().is_finite() && v.norm() > 0.0) {
                 let key = format!("{key}.{name}");

@@ -1,4 +1,4 @@
-//! The case file `poinsot.case/1`: what a vehicle does, for how long, and what is written of it.
+//! The case file `poinsot.case/2`: what a vehicle does, for how long, and what is written of it.
 //!
 //! Reading checks what needs no vehicle; [`Case::bind`] resolves names against a model, so that one case
 //! can be run with several models.
@@ -6,9 +6,9 @@
 mod actuators;
 mod bind;
 mod control;
+mod describe;
 mod designed;
 mod fault;
-mod file;
 mod joints;
 mod limits;
 mod planner;
@@ -19,24 +19,21 @@ mod wanted;
 pub use bind::Scenario;
 pub use control::Control;
 pub use designed::{Design, Form, Moved};
-pub use file::{Format, Objective};
 pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
+pub use poinsot_formats::case::{Format, Objective};
 pub use sensor_output::SensorOutput;
 pub(crate) use sensor_output::unit_suffix;
 pub use wanted::Want;
 
 pub use crate::error::{CaseError, CaseFault};
+pub(crate) use describe::describe_case;
 pub(crate) use fault::{CaseText, did_you_mean};
-use file::CaseFile;
 use planner::Planner;
 use poinsot_dynamics::Tolerance;
+use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile, Placed};
 use poinsot_model::Model;
 use poinsot_telemetry::rounded;
 use std::path::{Path, PathBuf};
-use toml::Spanned;
-
-/// The name of the format.
-pub const CASE_SCHEMA: &str = "poinsot.case/1";
 
 const LARGEST_FILE: u64 = 16 << 20;
 /// Largest file of torques, bytes.
@@ -93,13 +90,13 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
     };
     let file: CaseFile = toml::from_str(&text.text).map_err(|e| refuse(vec![syntax(&text, &e)]))?;
     let mut faults = Vec::new();
-    if file.schema.get_ref() != CASE_SCHEMA {
+    if ![CASE, CASE_BEFORE].contains(&file.schema.get_ref().as_str()) {
         faults.push(text.fault(
             "E0503",
             "schema",
             file.schema.span(),
             "this is not the format of a case",
-            format!("write schema = \"{CASE_SCHEMA}\""),
+            format!("write schema = \"{CASE}\""),
         ));
     }
     let output = file.output.get_ref();
@@ -167,11 +164,7 @@ impl Case {
     /// A file cannot be read.
     pub fn inputs_sha256(&self) -> Result<Vec<String>, crate::error::Error> {
         let folder = self.text.path.parent().unwrap_or(Path::new(""));
-        let files = self
-            .file
-            .joint_torque
-            .iter()
-            .filter_map(|t| t.file.as_ref());
+        let files = self.file.files();
         files
             .map(|file| {
                 let path = folder.join(file.get_ref());
@@ -207,7 +200,7 @@ fn refuse(faults: Vec<CaseFault>) -> CaseError {
     }
 }
 
-fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Spanned<f64>) {
+fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Placed<f64>) {
     let value = *x.get_ref();
     if !value.is_finite() || value <= 0.0 {
         let problem = "must be a positive number";

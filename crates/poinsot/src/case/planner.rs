@@ -1,15 +1,14 @@
 //! The plan of a case for a model, and what is wrong with it.
 
 use super::fault::{CaseText, did_you_mean};
-use super::file::{FiringFile, JointMotionFile, WheelMotionFile};
 use crate::error::CaseFault;
 use poinsot_dynamics::{NodeError, Plan, Tree};
+use poinsot_formats::case::{FiringFile, JointMotionFile, Placed, WheelMotionFile};
 use poinsot_model::Model;
 use std::ops::Range;
-use toml::Spanned;
 
 /// Times and values.
-pub(super) type Nodes<'f> = (&'f Spanned<Vec<f64>>, &'f Spanned<Vec<f64>>);
+pub(super) type Nodes<'f> = (&'f Placed<Vec<f64>>, &'f Placed<Vec<f64>>);
 
 /// Collects the plan and what is wrong with it.
 pub(super) struct Planner<'c> {
@@ -92,18 +91,12 @@ impl Planner<'_> {
         (plan, moved)
     }
 
-    pub(super) fn unknown(
-        &mut self,
-        what: &str,
-        key: &str,
-        name: &Spanned<String>,
-        remedy: String,
-    ) {
+    pub(super) fn unknown(&mut self, what: &str, key: &str, name: &Placed<String>, remedy: String) {
         let problem = format!("the model has no {what} of this name");
         self.refuse("E0504", key, name.span(), problem, remedy);
     }
 
-    pub(super) fn twice(&mut self, key: &str, name: &Spanned<String>) {
+    pub(super) fn twice(&mut self, key: &str, name: &Placed<String>) {
         let problem = "a second motion for the same thing";
         self.refuse("E0504", key, name.span(), problem, "keep one of the two");
     }

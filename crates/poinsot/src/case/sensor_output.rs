@@ -1,12 +1,11 @@
 //! Own rate and errors of the sensors in a case.
 
 use super::fault::did_you_mean;
-use super::file::{OutputFile, SensorOutputFile};
 use super::planner::Planner;
 use poinsot_dynamics::SensorError;
+use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{JointKind, Model, Sensor, SensorKind};
-use toml::Spanned;
 
 /// What one sensor of the model does.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +86,7 @@ fn errors(
     sensor: &Sensor,
     key: &str,
 ) -> Vec<(SensorError, f64)> {
-    let three = |value: &Option<Spanned<[f64; 3]>>| {
+    let three = |value: &Option<Placed<[f64; 3]>>| {
         let value = value.as_ref();
         value.map(|v| (v.span(), v.get_ref().to_vec()))
     };
@@ -140,7 +139,7 @@ fn bias(
     key: &str,
 ) -> Option<Vec<f64>> {
     let wanted = unit_suffix(planner.model, sensor);
-    let all: [(&str, &Option<Spanned<Vec<f64>>>); 6] = [
+    let all: [(&str, &Option<Placed<Vec<f64>>>); 6] = [
         ("rad", &table.bias_rad),
         ("rad_s", &table.bias_rad_s),
         ("m", &table.bias_m),

@@ -1,16 +1,15 @@
 //! `[[joint_torque]]`, `[[initial.joint]]` and the springs of the model as what drives the joints.
 
 use super::fault::did_you_mean;
-use super::file::{InitialJointFile, JointTorqueFile};
 use super::planner::{Planner, node_remedy};
 use poinsot_dynamics::{
     ForceProfile, JointDrive, NodeError, PiecewisePolynomial, Plan, SpringDamper, Tree,
 };
+use poinsot_formats::case::{InitialJointFile, JointTorqueFile, Placed};
 use poinsot_model::{Joint, JointKind};
 use poinsot_telemetry::{ReadOptions, TelemetryError, read};
 use std::ops::Range;
 use std::path::Path;
-use toml::Spanned;
 
 /// What each joint coordinate has of its own: a motor, and where it starts.
 struct Own {
@@ -21,23 +20,23 @@ struct Own {
 
 /// The forms of a motor in the units of one type of joint, with their keys.
 struct Forms<'f> {
-    constant: (&'static str, Option<&'f Spanned<f64>>),
-    amplitude: (&'static str, Option<&'f Spanned<f64>>),
-    values: (&'static str, Option<&'f Spanned<Vec<f64>>>),
+    constant: (&'static str, Option<&'f Placed<f64>>),
+    amplitude: (&'static str, Option<&'f Placed<f64>>),
+    values: (&'static str, Option<&'f Placed<Vec<f64>>>),
 }
 
 impl Forms<'_> {
     fn spans(&self) -> [(&'static str, Option<Range<usize>>); 3] {
         [
-            (self.constant.0, self.constant.1.map(Spanned::span)),
-            (self.amplitude.0, self.amplitude.1.map(Spanned::span)),
-            (self.values.0, self.values.1.map(Spanned::span)),
+            (self.constant.0, self.constant.1.map(Placed::span)),
+            (self.amplitude.0, self.amplitude.1.map(Placed::span)),
+            (self.values.0, self.values.1.map(Placed::span)),
         ]
     }
 }
 
 /// From times and values to a profile.
-type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
+pub(super) type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
 
 impl Planner<'_> {
     /// What drives every joint coordinate; `None` where all motion is prescribed. A joint with a motor, or
@@ -231,19 +230,19 @@ impl Planner<'_> {
         let keys: [(&str, Option<Range<usize>>, &str); 5] = [
             (
                 "frequency_rad_s",
-                table.frequency_rad_s.as_ref().map(Spanned::span),
+                table.frequency_rad_s.as_ref().map(Placed::span),
                 "sinusoid",
             ),
             (
                 "phase_rad",
-                table.phase_rad.as_ref().map(Spanned::span),
+                table.phase_rad.as_ref().map(Placed::span),
                 "sinusoid",
             ),
-            ("time_s", table.time_s.as_ref().map(Spanned::span), "table"),
-            ("column", table.column.as_ref().map(Spanned::span), "file"),
+            ("time_s", table.time_s.as_ref().map(Placed::span), "table"),
+            ("column", table.column.as_ref().map(Placed::span), "file"),
             (
                 "interpolation",
-                table.interpolation.as_ref().map(Spanned::span),
+                table.interpolation.as_ref().map(Placed::span),
                 "interpolation",
             ),
         ];
@@ -309,17 +308,15 @@ impl Planner<'_> {
         }
     }
 
-    /// A column of a telemetry file beside the case.
+    /// The torque of a joint in a file.
     fn torque_file(
         &mut self,
         table: &JointTorqueFile,
-        file: &Spanned<String>,
+        file: &Placed<String>,
         joint: &Joint,
         key: &str,
     ) -> Option<ForceProfile> {
         let build = self.interpolation(table, key)?;
-        let folder = self.text.path.parent().unwrap_or(Path::new(""));
-        let path = folder.join(file.get_ref());
         let unit = match joint.kind {
             JointKind::Prismatic => "N",
             _ => "Nm",
@@ -328,6 +325,21 @@ impl Planner<'_> {
             Some(column) => column.get_ref().clone(),
             None => format!("{}_{unit}", joint.name),
         };
+        let profile = self.column(file, &column, &[&format!("_{unit}")], build, key)?;
+        Some(ForceProfile::Nodes(profile.starting_from(0.0)))
+    }
+
+    /// A column of a telemetry file beside the case; its name ends in one of `units`.
+    pub(super) fn column(
+        &mut self,
+        file: &Placed<String>,
+        column: &str,
+        units: &[&str],
+        build: Build,
+        key: &str,
+    ) -> Option<PiecewisePolynomial> {
+        let folder = self.text.path.parent().unwrap_or(Path::new(""));
+        let path = folder.join(file.get_ref());
         let key = format!("{key}.file");
         let found = match read(&[&path], &ReadOptions::default()) {
             Ok(found) => found,
@@ -343,21 +355,21 @@ impl Planner<'_> {
                 return None;
             }
         };
-        let Some(channel) = found.channel(&column) else {
+        let Some(channel) = found.channel(column) else {
             let names = found.channels.iter().map(|c| c.name.as_str());
-            let remedy = did_you_mean(&column, names);
+            let remedy = did_you_mean(column, names);
             let problem = format!("the file has no column \"{column}\"");
             self.refuse("E0511", &key, file.span(), problem, remedy);
             return None;
         };
-        if !column.ends_with(&format!("_{unit}")) {
-            let problem = format!("column \"{column}\" is no torque of this joint in {unit}");
-            let remedy = format!("name a column that ends in _{unit}");
+        if !units.iter().any(|unit| column.ends_with(unit)) {
+            let problem = format!("column \"{column}\" is of another quantity");
+            let remedy = format!("name a column that ends in {}", units.join(" or "));
             self.refuse("E0511", &key, file.span(), problem, remedy);
             return None;
         }
         match build(&channel.time_s, &channel.values) {
-            Ok(profile) => Some(ForceProfile::Nodes(profile.starting_from(0.0))),
+            Ok(profile) => Some(profile),
             Err(e) => {
                 let problem = format!("column \"{column}\": {e}");
                 self.refuse("E0511", &key, file.span(), problem, node_remedy(&e));
@@ -366,7 +378,7 @@ impl Planner<'_> {
         }
     }
 
-    fn finite(&mut self, key: &str, x: &Spanned<f64>) -> Option<()> {
+    fn finite(&mut self, key: &str, x: &Placed<f64>) -> Option<()> {
         if x.get_ref().is_finite() {
             return Some(());
         }

@@ -1,13 +1,13 @@
 //! `[[want]]`: numbers or combinations of the bodies with the sigma that is wanted of each.
 
 use super::fault::did_you_mean;
-use super::file::WantFile;
 use super::planner::Planner;
 use super::{Case, CaseError, refuse};
+use poinsot_formats::Address;
+use poinsot_formats::case::{Placed, WantFile};
 use poinsot_identify::{TENSOR, WantedNumber, WantedTerm, axis_name, tensor_name};
 use poinsot_model::Model;
 use std::ops::Range;
-use toml::Spanned;
 
 /// A number, or a combination of numbers, with its wanted sigma.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,7 +124,7 @@ impl Planner<'_> {
 
     fn combination(
         &mut self,
-        sum: &Spanned<std::collections::BTreeMap<String, f64>>,
+        sum: &Placed<std::collections::BTreeMap<String, f64>>,
         key: &str,
     ) -> Vec<(String, &'static str, Vec<WantedTerm>)> {
         let key = format!("{key}.combination");
@@ -215,9 +215,8 @@ impl Planner<'_> {
 }
 
 fn is_group(address: &str) -> bool {
-    GROUPS
-        .iter()
-        .any(|(end, _)| address.ends_with(&format!(".{end}")))
+    let parts = Address::parse(address);
+    parts.component.is_none() && GROUPS.iter().any(|(key, _)| *key == parts.quantity)
 }
 
 /// Every number of every body with its address and unit.

@@ -25,7 +25,7 @@ pub(super) const CODES: &[Entry] = &[
         "E0304",
         "Positions are absolute orbital coordinates.",
         "r is measured from the Earth's centre.",
-        "Give positions relative to a reference orbit.",
+        "Write [environment] gravity = \"point_mass\" with gm_m3_s2: positions are then taken relative to free fall.",
     ),
     (
         "E0305",
@@ -107,9 +107,9 @@ pub(super) const CODES: &[Entry] = &[
     ),
     (
         "E0503",
-        "The file names another format than poinsot.case/1.",
+        "The file names another format than poinsot.case/2.",
         "A model was given as the case.",
-        "Write schema = \"poinsot.case/1\".",
+        "Write schema = \"poinsot.case/2\".",
     ),
     (
         "E0504",
@@ -182,6 +182,12 @@ pub(super) const CODES: &[Entry] = &[
         "Shards of a campaign cannot be merged.",
         "Some are missing, damaged, or there twice with different sums.",
         "Run the campaign with --resume, or merge with --partial.",
+    ),
+    (
+        "E0604",
+        "An answer contradicts itself.",
+        "estimate.json was changed by hand or by another program.",
+        "Write it anew with `poinsot identify --out DIR`.",
     ),
     (
         "E0701",

@@ -22,12 +22,12 @@ mod vehicle;
 
 pub use data::{REPORT_SCHEMA, ReportData, TrueNumbers, report_data};
 
-use crate::compare::format_error;
+use crate::compare::{CompareRequest, compare, comparison_document, format_error};
 use crate::error::{Error, no_page, unreadable};
 use crate::written::{OutputFile, write_files};
 use poinsot_files::read;
 use poinsot_formats::{EstimateFile, LARGEST_RESULT, parse_estimate};
-use poinsot_report::{FigureFormat, Page, PageError};
+use poinsot_report::{FigureFormat, Page, PageError, Part};
 use std::path::{Path, PathBuf};
 use truth::Truth;
 
@@ -38,25 +38,39 @@ pub(crate) struct Answer {
     pub truth: Truth,
 }
 
-/// Writes `report.html` from the files of `identify` in a folder, and every figure of the page as a file of its own
+/// Writes `report.html` from the files of `identify` in a folder, compared with `earlier` answers, and every figure of the page as a file of its own
 /// into `figures` below it, in each format given. All of them or none. Returns their paths.
 ///
 /// # Errors
 /// A file is missing, of another format, or of another run.
-pub fn write_report(folder: &Path, figures: &[FigureFormat]) -> Result<Vec<PathBuf>, Error> {
+pub fn write_report(
+    folder: &Path,
+    earlier: &[PathBuf],
+    figures: &[FigureFormat],
+) -> Result<Vec<PathBuf>, Error> {
     let bytes = |name: &str| {
         let path = folder.join(name);
         read(&path, LARGEST_RESULT).map_err(|e| unreadable(&path, e))
     };
-    let page = page_of(
+    let mut page = page_of(
         folder,
         &bytes("estimate.json")?,
         &bytes("report_data.json")?,
     )?;
-    let html = page.html().map_err(|e| Error::Report {
+    let fault = |e: PageError| Error::Report {
         path: folder.to_owned(),
         why: no_page(&e),
-    })?;
+    };
+    if !earlier.is_empty() {
+        let this = std::iter::once(folder.to_owned());
+        let answers = earlier.iter().cloned().chain(this).collect();
+        let found = compare(&CompareRequest { answers })?;
+        let document = comparison_document(&found);
+        let about = document.verdict.as_str();
+        page.parts
+            .push(Part::of_document("comparison", "Comparison", about, &document).map_err(fault)?);
+    }
+    let html = page.html().map_err(fault)?;
     let mut files = vec![("report.html".into(), html.into_bytes())];
     files.extend(figure_files(folder, &page, figures)?);
     write_files(folder, &files)

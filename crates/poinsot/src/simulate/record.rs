@@ -4,7 +4,8 @@ use super::{every, stream};
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, wheels};
 use poinsot_dynamics::{
-    ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, vector_reading,
+    ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, WheelDrive, WheelMotion,
+    vector_reading,
 };
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -37,6 +38,8 @@ struct Group {
 /// Collects telemetry row by row.
 pub(super) struct Recorder {
     groups: Vec<Group>,
+    /// Exact channels that are written; `None`: all.
+    commanded: Option<HashSet<String>>,
     row: usize,
     reading: Vec<f64>,
 }
@@ -63,18 +66,25 @@ impl Recorder {
             ));
         }
         let measured: HashSet<String> = groups.iter().flat_map(|g| g.names.clone()).collect();
+        let only = scenario.sensors_only;
+        let commanded = only.then(|| commanded(model, scenario, tree, &measured));
+        let written = |name: &String| {
+            let wanted = commanded.as_ref().is_none_or(|c| c.contains(name));
+            wanted && !measured.contains(name)
+        };
         for (names, read) in exact_channels(model, tree) {
-            if !scenario.sensors_only && !names.iter().all(|name| measured.contains(name)) {
+            if names.iter().any(written) {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
         }
         let (motors, names) = motor_channels(model, scenario, tree);
-        if !scenario.sensors_only && !motors.is_empty() {
+        if names.iter().any(written) {
             groups.push(Group::new(None, names, 1, Reader::Motor(motors)));
         }
         // A scalar that some sensor reads is dropped from its exact group afterwards.
         Self {
             groups,
+            commanded,
             row: 0,
             reading: Vec::new(),
         }
@@ -154,7 +164,8 @@ impl Recorder {
             for (name, values) in group.names.into_iter().zip(group.values) {
                 let count = readers.get(&name).copied().unwrap_or(0);
                 let exact = group.sensor.is_none();
-                if (exact && count > 0) || values.is_empty() {
+                let wanted = self.commanded.as_ref().is_none_or(|c| c.contains(&name));
+                if (exact && (count > 0 || !wanted)) || values.is_empty() {
                     continue;
                 }
                 let sensor = group.sensor.as_ref().filter(|_| count > 1);
@@ -228,6 +239,43 @@ fn motor_channels(model: &Model, scenario: &Scenario, tree: &Tree) -> (Vec<usize
     joints
         .filter_map(|(k, joint)| Some((k, joint_channels(joint).pop()?)))
         .unzip()
+}
+
+/// Channels of what is commanded: thrust, torques of motors, and prescribed motions that no sensor reads.
+fn commanded(
+    model: &Model,
+    scenario: &Scenario,
+    tree: &Tree,
+    measured: &HashSet<String>,
+) -> HashSet<String> {
+    let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
+    let mut all: HashSet<String> = names(model, SensorKind::Thrust, &thrusters)
+        .into_iter()
+        .collect();
+    let control = scenario.control.as_ref().map(|c| c.law.drive);
+    for (k, motion) in scenario.plan.wheels.iter().enumerate() {
+        let suffix = match (control, motion) {
+            (Some(WheelDrive::Acceleration), _) => continue,
+            (Some(WheelDrive::Torque), _) | (None, WheelMotion::Torque { .. }) => "Nm",
+            (None, WheelMotion::Speed(_)) => "rad_s",
+        };
+        all.extend(wheels(model, &[k], suffix));
+    }
+    let drives = scenario.driven.as_ref().map(|plan| &plan.joints);
+    for (k, at) in tree.coordinates.iter().enumerate() {
+        let Some(joint) = model.joints.get(*at) else {
+            continue;
+        };
+        let channels = joint_channels(joint);
+        match (drives.and_then(|d| d.get(k)), channels.as_slice()) {
+            (Some(JointDrive::Force { .. }), [.., effort]) => all.extend([effort.clone()]),
+            (_, [position, rate, ..]) if !measured.contains(position) => {
+                all.extend([position.clone(), rate.clone()]);
+            }
+            _ => {}
+        }
+    }
+    all
 }
 
 type Exact = (Vec<String>, fn(&MotionSample, &mut Vec<f64>));

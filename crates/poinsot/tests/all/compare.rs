@@ -90,3 +90,43 @@ fn cli_answers_of_different_vehicles_are_refused() {
     let error = compare(&alone).unwrap_err().to_string();
     assert!(error.contains("at least two answers"), "{error}");
 }
+
+/// The same hours in another export have another hash; their dates tell.
+#[test]
+fn regress_overlapping_records_of_other_hashes_are_named() {
+    let dated = |at: &str, sha256: &str| {
+        let mut file = night([0.0, 240.0]);
+        file.inputs[0].sha256 = sha256.to_owned();
+        let epoch = file.epoch.as_mut().unwrap();
+        (epoch.at, epoch.scale) = (Some(at.to_owned()), Some("UTC".to_owned()));
+        file
+    };
+    let first = dated("2026-03-14T18:00:00", "a");
+    let overlaps = ask(&[&first, &dated("2026-03-14T18:03:00.5", "b")]);
+    let said = &overlaps.doubts;
+    assert!(
+        said.iter()
+            .any(|d| d.contains("answers 1 and 2 overlaps by 59.50 s")),
+        "{said:?}"
+    );
+    let apart = ask(&[&first, &dated("2026-03-14T18:04:01", "b")]);
+    assert!(apart.doubts.is_empty(), "{:?}", apart.doubts);
+}
+
+#[test]
+fn cli_the_page_compares_with_earlier_answers() {
+    let folder = tempfile::tempdir().unwrap();
+    let telemetry = stsat3().join("multiaxis/telemetry_noisy.csv");
+    let mut answers = Vec::new();
+    for (name, half) in [("before", [0.0, 240.0]), ("after", [240.0, 480.0])] {
+        let mut request = IdentifyRequest::new(stsat3().join("model.toml"), [&telemetry]);
+        request.reading.time_s = Some(half);
+        let out = folder.path().join(name);
+        poinsot::write_result(&out, &identify(&request).unwrap(), &[], false, &[]).unwrap();
+        answers.push(out);
+    }
+    let [before, after] = [&answers[0], &answers[1]];
+    poinsot::write_report(after, std::slice::from_ref(before), &[]).unwrap();
+    let page = std::fs::read_to_string(after.join("report.html")).unwrap();
+    assert!(page.contains("id=\"comparison\"") && page.contains("spacecraft.inertia_kg_m2.xy"));
+}

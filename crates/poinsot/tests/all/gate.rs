@@ -2,9 +2,13 @@
 
 use crate::shared::stsat3;
 use poinsot::identify::read_options;
-use poinsot::{IdentifyRequest, Question, estimate_file, identify, identify_tables};
+use poinsot::{
+    IdentifyRequest, Question, Reading, estimate_file, identify, identify_records, identify_tables,
+};
 use poinsot_model::read_model;
-use poinsot_telemetry::{Table, read, write};
+use poinsot_telemetry::{MemoryColumns, Part, Table, Values, read, write};
+
+use std::sync::Arc;
 
 /// The first slews of the shipped record.
 fn record() -> Table {
@@ -102,4 +106,46 @@ fn regress_one_record_twice_in_memory_is_refused() {
         error.contains("its content is that of segment 1"),
         "{error}"
     );
+}
+
+/// One record through every door: file, bytes, stream, columns in memory.
+#[test]
+fn exact_every_door_gives_the_same_bits() {
+    let path = stsat3().join("multiaxis/telemetry_noisy.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let head: Vec<&str> = text.lines().take(1501).collect();
+    let text = head.join("\n") + "\n";
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("telemetry.csv");
+    std::fs::write(&file, &text).unwrap();
+    let names: Vec<&str> = head[0].split(',').collect();
+    let cell = |line: &str, k: usize| line.split(',').nth(k).unwrap().parse().unwrap_or(f64::NAN);
+    let columns = names.iter().enumerate().map(|(k, name)| {
+        let values = head[1..].iter().map(|line| cell(line, k)).collect();
+        ((*name).to_owned(), Values::Numbers(values))
+    });
+    let memory = MemoryColumns {
+        name: "<arrays>".to_owned(),
+        columns: columns.collect(),
+    };
+    let doors = [
+        Part::File(file),
+        Part::bytes("telemetry.csv", text.as_bytes()).unwrap(),
+        Part::stream("<stream>", &mut text.as_bytes()).unwrap(),
+        Part::Memory(Arc::new(memory)),
+    ];
+    let answers = doors.map(|part| {
+        let model = read_model(stsat3().join("model.toml")).unwrap();
+        let question = Question::default();
+        let answer = identify_records(model, &[vec![part]], &Reading::default(), &question);
+        let file = estimate_file(&answer.unwrap());
+        let numbers = (
+            &file.bodies,
+            &file.covariance,
+            &file.nuisance,
+            &file.momentum,
+        );
+        serde_json::to_string(&numbers).unwrap()
+    });
+    assert!(answers.iter().all(|a| *a == answers[0]));
 }

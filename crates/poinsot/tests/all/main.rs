@@ -33,6 +33,7 @@ mod identify_examples;
 mod input_faults;
 mod known_numbers;
 mod late_inputs;
+mod low_orbit;
 mod many_nuisances;
 mod many_sensors;
 mod methods;

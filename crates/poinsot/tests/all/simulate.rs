@@ -619,7 +619,7 @@ fn unit_faults_name_line_key_and_remedy() {
     }
     assert!(
         fault(
-            "schema = \"poinsot.case/2\"\nmodel = \"m\"\nduration_s = 1\n",
+            "schema = \"poinsot.case/9\"\nmodel = \"m\"\nduration_s = 1\n",
             "",
             TAIL
         )
@@ -656,4 +656,113 @@ fn unit_failure_leaves_nothing() {
     std::fs::write(&out, "").unwrap();
     let blocked = simulate(&examples().join("cases/stsat3_spin.toml"), &out).unwrap_err();
     assert_eq!(blocked.exit_code(), 3, "{blocked}");
+}
+
+/// `sensors_only` leaves out what an experiment does not know: the motion. What is commanded is known.
+#[test]
+fn regress_commands_are_written_beside_sensors() {
+    let text = std::fs::read_to_string(examples().join("cases/tug_thrusters.toml")).unwrap();
+    let text = text.replace("[output]\n", "[output]\nsensors_only = true\n");
+    let case = parse_case(&examples().join("cases/x.toml"), text).unwrap();
+    let model = read_model(&case.model).unwrap();
+    let table = simulate_case(&case, &model).unwrap().table;
+    assert!(table.channel("thr12_N").is_some() && table.channel("acc_x").is_none());
+    let whole = poinsot::predict::predict(&examples().join("cases/tug_thrusters.toml"), 1.0);
+    let only = poinsot::predict::predict_case(&case, model, 1.0).unwrap();
+    let whole = whole.unwrap();
+    assert_eq!(only.bound.identifiability.rank, 10);
+    assert_eq!(only.bound.covariance, whole.bound.covariance);
+    // Torques of motors are commands, motions that they cause are not.
+    for (name, there, absent) in [
+        (
+            "hinged_panel.toml",
+            vec!["wheel1_Nm"],
+            vec!["hinge_rad", "domega_x"],
+        ),
+        ("stsat3_kim2010.toml", vec![], vec!["wheel1_Nm", "acc_x"]),
+    ] {
+        let (case, model) = load(name);
+        let table = simulate_case(&case, &model).unwrap().table;
+        assert!(there.iter().all(|c| table.channel(c).is_some()), "{name}");
+        assert!(absent.iter().all(|c| table.channel(c).is_none()), "{name}");
+    }
+}
+
+/// Speeds and torques of wheels from a file move the vehicle as the same table in the case does.
+#[test]
+fn exact_wheel_profiles_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("wheels.csv"),
+        "time_s,wheel1_rad_s,spin_Nm\n0,10,0.002\n4,40,-0.001\n9,-20,0.0\n",
+    )
+    .unwrap();
+    let model = examples()
+        .join("cases/stsat3_truth.toml")
+        .canonicalize()
+        .unwrap();
+    let case = |first: &str, second: &str| {
+        let text = format!(
+            "schema = \"poinsot.case/2\"\nmodel = {model:?}\nduration_s = 10.0\n\
+             [initial]\nomega_rad_s = [0.01, 0.0, -0.02]\n\
+             [[wheel_motion]]\nwheel = \"wheel1\"\n{first}\n\
+             [[wheel_motion]]\nwheel = \"wheel2\"\n{second}\n\
+             [[wheel_motion]]\nwheel = \"wheel3\"\ntime_s = [0.0]\nspeed_rad_s = [0.0]\n\
+             [output]\nrate_hz = 10\n"
+        );
+        parse_case(&folder.path().join("case.toml"), text).unwrap()
+    };
+    let table = |case: &Case| {
+        let model = exact(read_model(&case.model).unwrap());
+        simulate_case(case, &model).unwrap().table
+    };
+    let from_file = case(
+        "file = \"wheels.csv\"",
+        "file = \"wheels.csv\"\ncolumn = \"spin_Nm\"\ninitial_speed_rad_s = 5.0",
+    );
+    let written = case(
+        "time_s = [0.0, 4.0, 9.0]\nspeed_rad_s = [10.0, 40.0, -20.0]",
+        "time_s = [0.0, 4.0, 9.0]\ntorque_N_m = [0.002, -0.001, 0.0]\ninitial_speed_rad_s = 5.0",
+    );
+    assert_eq!(table(&from_file).channels, table(&written).channels);
+    assert_eq!(from_file.inputs_sha256().unwrap().len(), 2);
+    let wrong = case(
+        "file = \"wheels.csv\"\ncolumn = \"wheel9_rad_s\"",
+        "file = \"none.csv\"",
+    );
+    let text = wrong
+        .bind(&read_model(&model).unwrap())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        text.contains("E0511") && text.contains("did you mean \"wheel1_rad_s\"?"),
+        "{text}"
+    );
+}
+
+/// Feedback by the wheels holds the attitude while thrusters fire in a gravity field.
+#[test]
+fn prop_control_holds_against_thrust_and_gravity() {
+    let (case, _) = load("stsat3_kim2010.toml");
+    let firing = "[[firing]]\nthruster = \"thr1\"\non_s = 100.0\noff_s = 110.0\nforce_N = 0.01\n";
+    let text = case
+        .text()
+        .replace("[output]", &format!("{firing}\n[output]"));
+    let text = text.replace("drive = \"acceleration\"", "drive = \"torque\"");
+    let text = text.replace("sensors_only = true", "");
+    let case = parse_case(case.path(), text).unwrap();
+    let source = std::fs::read_to_string(&case.model).unwrap();
+    let source = format!(
+        "{source}\n[[thruster]]\nname = \"thr1\"\nbody = \"spacecraft\"\nposition_m = [0.5, 0.0, 0.0]\n\
+         force_direction = [0.0, 1.0, 0.0]\n[environment]\ngravity = \"point_mass\"\ngm_m3_s2 = 3.986004418e14\n\
+         gravity_gradient = true\norbit = {{ semi_major_axis_m = 7e6 }}\n"
+    );
+    let model = poinsot_model::parse_model(&source, "m.toml").unwrap();
+    let table = simulate_case(&case, &model).unwrap().table;
+    let thrust = table.channel("thr1_N").unwrap();
+    assert_eq!(thrust.values.iter().filter(|f| **f > 0.0).count(), 100);
+    let whole = simulate_case(&case, &exact(model)).unwrap().table;
+    let last = *rows(&whole, ["q_x", "q_y", "q_z"]).last().unwrap();
+    assert!(last.iter().all(|q| q.abs() < 0.02), "{last:?}");
+    assert!(whole.channel("orbit_x").is_some());
 }

@@ -451,7 +451,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nfile = \"elbow.csv\"\ncolumn = \"elbow_rad\"",
-        "E0511 case.toml:6: joint_torque[0].file = \"elbow.csv\": column \"elbow_rad\" is no torque of this joint in Nm; name a column that ends in _Nm",
+        "E0511 case.toml:6: joint_torque[0].file = \"elbow.csv\": column \"elbow_rad\" is of another quantity; name a column that ends in _Nm",
     ),
 ];
 

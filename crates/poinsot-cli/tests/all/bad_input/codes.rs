@@ -281,7 +281,7 @@ fn cases() -> Vec<Row> {
             |b| case(b, "poinsot.case/1", "poinsot.model/1"),
             2,
             &[
-                "E0503 case.toml:1: schema = \"poinsot.model/1\": this is not the format of a case; write schema = \"poinsot.case/1\"",
+                "E0503 case.toml:1: schema = \"poinsot.model/1\": this is not the format of a case; write schema = \"poinsot.case/2\"",
             ],
         ),
         simulate(

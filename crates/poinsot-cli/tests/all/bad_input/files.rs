@@ -206,7 +206,7 @@ fn parquet_rows() -> Vec<Row> {
             2,
             &[
                 "E0216 t.parquet column 'v_x': type List(",
-                "is not read; store numbers as float64 and times as seconds",
+                "is not read; store numbers as float64, times as seconds",
             ],
         )
         .run(INSPECT_PARQUET),

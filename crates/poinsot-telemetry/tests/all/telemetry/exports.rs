@@ -122,6 +122,8 @@ fn exact_positions_in_axes_of_the_earth() {
     let options = of(FileMap {
         time: iso("UTC"),
         orbit: Some(OrbitMap {
+            velocity: None,
+            velocity_unit: None,
             position: ["x", "y", "z"].map(str::to_owned),
             unit: Some("km".into()),
             earth_fixed: true,
@@ -163,4 +165,73 @@ fn exact_packed_files_hold_what_the_plain_file_holds() {
             .starts_with("E0202 cut.csv.gz: the packed data are damaged"),
         "{error}"
     );
+}
+
+#[test]
+fn exact_pulse_tables_hold_the_nominal_force_for_their_duration() {
+    let text = "time_s,ON1,ON2\n0,0,\n1,250,\n2,,\n3,1500,\n4,1000,\n";
+    let pulse = |channel: &str, column: &str| ColumnMap {
+        nominal_N: Some(0.9),
+        ..ColumnMap::new(channel, column, "ms")
+    };
+    let options = of(FileMap {
+        columns: vec![pulse("thr1_N", "ON1"), pulse("thr2_N", "ON2")],
+        ..FileMap::default()
+    });
+    let table = read_text(text, &options).unwrap();
+    let thrust = table.channel("thr1_N").unwrap();
+    // The pulse of 4 s begins before that of 3 s has ended.
+    assert_eq!(thrust.time_s.as_ref(), [1.0, 1.25, 3.0, 5.0]);
+    assert_eq!(thrust.values, [0.9, 0.0, 0.9, 0.0]);
+    let off = table.channel("thr2_N").unwrap();
+    assert_eq!(
+        (off.time_s.as_ref(), off.values.as_slice()),
+        (&[0.0][..], &[0.0][..])
+    );
+    let negative = read_text("time_s,ON1,ON2\n0,-1,\n1,0,\n", &options).unwrap_err();
+    let said = negative.to_string();
+    assert!(
+        said.contains(":2 column 'ON1'") && said.contains("a negative duration"),
+        "{said}"
+    );
+}
+
+#[test]
+fn exact_bytes_and_streams_are_the_table_of_the_same_file() {
+    let folder = Folder::new();
+    let text = "time_s,omega_x,omega_y\n0.1,0.3,1\n0.2,,2\n0.3,0.1,3\n";
+    let path = folder.file("rates.csv", text);
+    let options = ReadOptions::default();
+    let file = read(&[&path], &options).unwrap();
+    let part = poinsot_telemetry::Part::bytes("rates.csv", text.as_bytes()).unwrap();
+    // A stream can be looked at several times.
+    for _ in 0..2 {
+        let table = poinsot_telemetry::read_parts(std::slice::from_ref(&part), &options).unwrap();
+        assert_eq!(table.channels, file.channels);
+        assert_eq!(table.sources[0].sha256, file.sources[0].sha256);
+    }
+    let mut packed = Vec::new();
+    let mut gz = flate2::write::GzEncoder::new(&mut packed, flate2::Compression::default());
+    gz.write_all(text.as_bytes()).unwrap();
+    gz.finish().unwrap();
+    let part = poinsot_telemetry::Part::stream("downlink", &mut packed.as_slice()).unwrap();
+    let table = poinsot_telemetry::read_parts(&[part], &options).unwrap();
+    assert_eq!(table.channels, file.channels);
+}
+
+#[test]
+fn unit_scattered_losses_are_counted_and_noise_is_proposed() {
+    let mut text = "time_s,omega_x\n".to_owned();
+    // Every tenth row is lost, and five rows in a row once.
+    for k in (0..200).filter(|k| k % 10 != 9 && !(100..105).contains(k)) {
+        text.push_str(&format!(
+            "{},{}\n",
+            f64::from(k) * 0.5,
+            (f64::from(k) * 7.7).sin()
+        ));
+    }
+    let table = read_text(&text, &ReadOptions::default()).unwrap();
+    let found = poinsot_telemetry::inspect(&table);
+    // The last row is lost at the end: nothing shows it.
+    assert_eq!((found.channels[0].lost, found.channels[0].gaps), (24, 1));
 }

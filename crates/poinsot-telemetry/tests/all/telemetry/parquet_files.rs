@@ -4,6 +4,7 @@ use crate::telemetry::Folder;
 use arrow_array::types::Int8Type;
 use arrow_array::{
     ArrayRef, DictionaryArray, Float32Array, Int64Array, LargeStringArray, RecordBatch,
+    TimestampMicrosecondArray, TimestampNanosecondArray,
 };
 use arrow_array::{BooleanArray, Float64Array, StringArray};
 use parquet::arrow::ArrowWriter;
@@ -119,7 +120,7 @@ fn unit_faults_name_file_row_and_column() {
     let error = read(&[&path], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0216 text.parquet column 'omega_x': type Utf8 is not read; store numbers as float64 and times as seconds; write the file again, or convert it to CSV"
+        "E0216 text.parquet column 'omega_x': type Utf8 is not read; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
     );
     let path = folder.path("inf.parquet");
     let inf: ArrayRef = Arc::new(Float64Array::from(vec![0.0, f64::NEG_INFINITY]));
@@ -249,5 +250,32 @@ fn regress_a_changed_page_is_refused_and_the_rows_before_it_are_kept() {
             refused > 150 && recovered > 100,
             "{version}: {refused} refused, {recovered} recovered"
         );
+    }
+}
+
+/// What pandas and Spark write as times: instants since 1970, with and without a zone.
+#[test]
+fn exact_columns_of_timestamps_are_times_with_a_date() {
+    let folder = Folder::new();
+    let start = 1_773_512_340_100_000_000_i64;
+    let nanoseconds = TimestampNanosecondArray::from(vec![start, start + 200_000_001]);
+    let microseconds = [start / 1000, start / 1000 + 200_000];
+    let zoned = TimestampMicrosecondArray::from(microseconds.to_vec()).with_timezone("UTC");
+    let times: [(&str, ArrayRef, f64); 2] = [
+        ("ns.parquet", Arc::new(nanoseconds), 0.200_000_001),
+        ("us.parquet", Arc::new(zoned), 0.2),
+    ];
+    for (name, time, second) in times {
+        let path = folder.path(name);
+        let rates: ArrayRef = Arc::new(Float64Array::from(vec![0.1, 0.2]));
+        store(
+            &path,
+            vec![("time_s", time), ("omega_x", rates)],
+            Compression::UNCOMPRESSED,
+        );
+        let table = read(&[&path], &ReadOptions::default()).unwrap();
+        assert_eq!(table.channels[0].time_s.as_ref(), [0.0, second], "{name}");
+        let date = table.origin.and_then(|o| o.date());
+        assert_eq!(date.as_deref(), Some("2026-03-14T18:19:00.1 UTC"));
     }
 }

@@ -1,6 +1,6 @@
 //! Exports of ground stations, and maps that do not describe them.
 
-use crate::bad_input::bench::{Bench, MODEL};
+use crate::bad_input::bench::{Bench, CASE, MODEL};
 use crate::bad_input::row::{Row, row};
 
 /// The model with a map.
@@ -54,6 +54,17 @@ pub fn rows() -> Vec<Row> {
         row("X2", "check: a delimiter of two characters", |b| map(b, "delimiter = \";;\""), 2, &["E0107 m.toml:", "one character that no number and no name holds is needed"]).run(CHECK),
         row("X2", "check: an inclination in degrees", |b| b.write("m.toml", format!("{MODEL}\n[environment]\ngravity = \"point_mass\"\ngm_m3_s2 = 3.986e14\ngravity_gradient = true\norbit = {{ semi_major_axis_m = 7e6, inclination_rad = 97.8 }}\n")), 2, &["E0108 m.toml:", "environment.orbit.inclination_rad = 97.8: the angle is beyond 3.14159 rad; write radians; 97.8 deg are 1.70693 rad"]).run(CHECK),
         row("X2", "check: a mass of 1e-308 kg", |b| b.model("mass_kg = 150.0", "mass_kg = 1e-308"), 2, &["E0108 m.toml:", "the mass is below 1e-12 kg"]).run(CHECK),
+        row("X2", "check: a map with an unknown unit", |b| b.write("map.toml", "[telemetry.columns]\nomega_x = { column = \"w\", unit = \"furlong\" }\n"), 2, &["E0211 map.toml:2:", "unit 'furlong' is not known"]).run(&["check", "map.toml"]),
+        row("X2", "check: a pulse as long as an angle", |b| b.write("map.toml", "[telemetry.columns]\nthr1_N = { column = \"ON\", unit = \"deg\", nominal_N = 0.9 }\n"), 2, &["E0212 map.toml:2:", "telemetry.columns.thr1_N.unit = \"deg\": unit 'deg' does not measure it; give a unit that converts to s"]).run(&["check", "map.toml"]),
+        row("X2", "check: a velocity in km", |b| map(b, "orbit = { position = [\"x\", \"y\", \"z\"], unit = \"km\", velocity = [\"u\", \"v\", \"w\"], velocity_unit = \"km\" }"), 2, &["E0212 m.toml:", "telemetry.orbit.velocity_unit = \"km\": unit 'km' does not measure it"]).run(CHECK),
+        row("X2", "check: a case with an unknown key", |b| b.write("case.toml", CASE.replace("duration_s", "duration")), 2, &["E0502 case.toml:3: unknown field `duration`; did you mean \"duration_s\"?"]).run(&["check", "case.toml"]),
+        row("X2", "check: a case for a wheel that is not there", |b| { b.write("truth.toml", crate::bad_input::bench::truth()); b.write("case.toml", CASE.replace("\"wheel1\"", "\"weel1\"")); }, 2, &["E0504 case.toml:12: wheel_motion[0].wheel = \"weel1\"", "did you mean \"wheel1\"?"]).run(&["check", "case.toml"]),
+        row("X2", "check: a case without its model", |b| b.write("case.toml", CASE), 2, &["E0101 truth.toml: there is no such file; check the path"]).run(&["check", "case.toml"]),
+        row("X2", "check: a plan without an experiment", |b| b.write("plan.toml", "schema = \"poinsot.plan/1\"\nexperiment = []\n"), 2, &["E0541 plan.toml:2: experiment", "there is no experiment; add [[experiment]] with a case"]).run(&["check", "plan.toml"]),
+        row("X2", "check: a plan with an unknown address", |b| { b.write("truth.toml", crate::bad_input::bench::truth()); b.write("case.toml", CASE); b.write("plan.toml", "schema = \"poinsot.plan/1\"\ntrials = 2\n[[experiment]]\ncase = \"case.toml\"\n[[vary]]\nnumber = \"bus.mas_kg\"\nvalues = [1.0]\n"); }, 2, &["E0542 plan.toml:6: vary[0].number", "did you mean \"mass_kg\"?"]).run(&["check", "plan.toml"]),
+        row("X2", "check: an answer of another format", |b| b.write("estimate.json", "{\"schema\": \"poinsot.truth/2\"}"), 2, &["E0601 estimate.json:", "its schema is \"poinsot.truth/2\", not poinsot.estimate/2"]).run(&["check", "estimate.json"]),
+        row("X2", "check: an answer with an impossible status", |b| { let done = b.run(crate::bad_input::row::IDENTIFY); assert_eq!(done.exit, 0); let t = std::fs::read_to_string(b.path("out/estimate.json")).unwrap(); b.write("estimate.json", t.replace("\"converged\"", "\"fine\"")); }, 2, &["E0604 estimate.json: status = \"fine\": the status is none of converged, partial"]).run(&["check", "estimate.json"]),
+        row("X3", "a pulse of negative duration", |b| { b.spoil(|s| { s.header.push("ON".into()); s.rows.iter_mut().for_each(|r| r.push("-3".into())); }); b.write("m.toml", format!("{MODEL}\n[[thruster]]\nname = \"thr1\"\nbody = \"bus\"\nposition_m = [0.0, 0.0, 0.0]\nforce_direction = [1.0, 0.0, 0.0]\n\n[telemetry]\ncolumns.thr1_N = {{ column = \"ON\", unit = \"ms\", nominal_N = 0.9 }}\n")); }, 2, &["E0203 t.csv:2 column 'ON': '-0.003' is a negative duration"]),
         row("X3", "a comment above the header", |b| { let t = std::fs::read_to_string(b.path("t.csv")).unwrap(); b.write("t.csv", format!("# export\n{t}")); }, 2, &["E0205 t.csv:1: the first row begins with '#'; write [telemetry] comment = \"#\""]),
         row("X3", "the same, mapped", |b| { let t = std::fs::read_to_string(b.path("t.csv")).unwrap(); b.write("t.csv", format!("# export\n{t}")); map(b, "comment = \"#\""); }, 0, &[": Determined. "]),
         row("X3", "a row of units that is not declared", |b| b.spoil(|s| { let units = "s,rad/s,rad/s,rad/s,-,-,-,-,rad/s,rad/s,rad/s"; s.rows.insert(0, units.split(',').map(str::to_owned).collect()); }), 2, &["E0203 t.csv:2 column 'time_s': 's' is not a number"]),

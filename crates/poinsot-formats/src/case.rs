@@ -1,0 +1,541 @@
+//! The case file (`poinsot.case/2`, TOML) as written: shape only, nothing checked.
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Deserialize;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+
+/// Name and version of the format.
+pub const CASE: &str = "poinsot.case/2";
+/// The version before it, without motions of wheels from files; it is read alike.
+pub const CASE_BEFORE: &str = "poinsot.case/1";
+
+/// A value with its place in the file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(transparent)]
+pub struct Placed<T>(Spanned<T>);
+
+impl<T> Placed<T> {
+    /// The value.
+    pub fn get_ref(&self) -> &T {
+        self.0.get_ref()
+    }
+
+    /// Its bytes in the file.
+    pub fn span(&self) -> Range<usize> {
+        self.0.span()
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Placed<T> {
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+
+    fn schema_id() -> Cow<'static, str> {
+        T::schema_id()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
+
+/// What a vehicle does, for how long, and what is written of it. SI; every key that holds a quantity ends in its unit. Frames are
+/// those of the model: N is inertial and falls with the vehicle, B is the frame of the base.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CaseFile {
+    /// "poinsot.case/2"; "poinsot.case/1" is read alike.
+    pub schema: Placed<String>,
+    /// Model file, relative to the case. Its nominal numbers are the truth.
+    pub model: Placed<String>,
+    /// Duration, s. The case begins at time 0.
+    pub duration_s: Placed<f64>,
+    /// Pose and velocity of the base, or momentum of the vehicle, at time 0. Default: at rest at the origin of N.
+    #[serde(default)]
+    pub initial: InitialFile,
+    /// Prescribed motions of joints. A joint without motion, torque or spring stays where the model locks it.
+    #[serde(default)]
+    pub joint_motion: Vec<JointMotionFile>,
+    /// Speeds or motor torques of wheels; one for each wheel unless `control` drives them.
+    #[serde(default)]
+    pub wheel_motion: Vec<WheelMotionFile>,
+    /// Firings of thrusters.
+    #[serde(default)]
+    pub firing: Vec<FiringFile>,
+    /// Torques of joint motors; such a joint moves by itself.
+    #[serde(default)]
+    pub joint_torque: Vec<JointTorqueFile>,
+    /// Attitude feedback by the wheels.
+    pub control: Option<Placed<ControlFile>>,
+    /// How accurate the integration is.
+    pub integration: Option<IntegrationFile>,
+    /// What is written.
+    pub output: Placed<OutputFile>,
+    /// Numbers with the accuracy that `predict` and `design` judge a manoeuvre by.
+    #[serde(default)]
+    pub want: Vec<Placed<WantFile>>,
+    /// Limits that no manoeuvre of `design` exceeds.
+    #[serde(default)]
+    pub limits: LimitsFile,
+    /// What `design` may move, and what it minimises.
+    pub design: Option<Placed<DesignFile>>,
+}
+
+impl CaseFile {
+    /// Every file that it names beside its model.
+    pub fn files(&self) -> impl Iterator<Item = &Placed<String>> {
+        let torques = self.joint_torque.iter().map(|t| &t.file);
+        let wheels = self.wheel_motion.iter().map(|w| &w.file);
+        torques.chain(wheels).flatten()
+    }
+}
+
+/// Pose and velocity of the base, or momentum of the whole.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "CaseStartFile")]
+pub struct InitialFile {
+    /// Attitude R_NB: quaternion, Hamilton, scalar last. Default: aligned with N.
+    pub q_xyzw: Option<Placed<[f64; 4]>>,
+    /// Angular velocity of B relative to N, axes of B, rad/s.
+    pub omega_rad_s: Option<Placed<[f64; 3]>>,
+    /// Position of the origin of B in N, m.
+    pub r_m: Option<Placed<[f64; 3]>>,
+    /// Velocity of the origin of B in N, m/s.
+    pub v_m_s: Option<Placed<[f64; 3]>>,
+    /// true: the vehicle has no momentum. In place of velocities.
+    pub momentum_zero: Option<Placed<bool>>,
+    /// Linear momentum of the vehicle in N, N s. In place of velocities.
+    pub linear_N_s: Option<Placed<[f64; 3]>>,
+    /// Angular momentum about the mass centre of the vehicle in N, N m s. In place of velocities.
+    pub angular_N_m_s: Option<Placed<[f64; 3]>>,
+    /// Start of joints that torques or springs move.
+    #[serde(default)]
+    pub joint: Vec<InitialJointFile>,
+}
+
+/// Start of a joint that torques move.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialJointFile {
+    /// Name of the joint.
+    pub joint: Placed<String>,
+    /// Position of a revolute joint, rad. Default: where its spring rests, else where the model locks it.
+    pub position_rad: Option<Placed<f64>>,
+    /// Position of a prismatic joint, m.
+    pub position_m: Option<Placed<f64>>,
+    /// Rate of a revolute joint, rad/s. Default 0.
+    pub rate_rad_s: Option<Placed<f64>>,
+    /// Rate of a prismatic joint, m/s. Default 0.
+    pub rate_m_s: Option<Placed<f64>>,
+}
+
+/// Motion of one joint.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointMotionFile {
+    /// Name of the joint.
+    pub joint: Placed<String>,
+    /// Through nodes "quintic_rest" (at rest at every node) or "cubic_clamped" (at rest at both ends); or "fourier".
+    pub interpolation: Placed<String>,
+    /// Times of the nodes, ascending, s.
+    pub time_s: Option<Placed<Vec<f64>>>,
+    /// Positions of a revolute joint at the nodes, rad.
+    pub position_rad: Option<Placed<Vec<f64>>>,
+    /// Positions of a prismatic joint at the nodes, m.
+    pub position_m: Option<Placed<Vec<f64>>>,
+    /// Fourier: base frequency, Hz.
+    pub base_frequency_hz: Option<Placed<f64>>,
+    /// Fourier: constant part, rad.
+    pub offset_rad: Option<Placed<f64>>,
+    /// Fourier: constant part, m.
+    pub offset_m: Option<Placed<f64>>,
+    /// Fourier: sine amplitude of each harmonic, rad.
+    pub sine_rad: Option<Placed<Vec<f64>>>,
+    /// Fourier: sine amplitude of each harmonic, m.
+    pub sine_m: Option<Placed<Vec<f64>>>,
+    /// Fourier: cosine amplitude of each harmonic, rad.
+    pub cosine_rad: Option<Placed<Vec<f64>>>,
+    /// Fourier: cosine amplitude of each harmonic, m.
+    pub cosine_m: Option<Placed<Vec<f64>>>,
+}
+
+/// Torque of a joint's motor (prismatic: force): constant, sinusoid, table, or column of a file.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointTorqueFile {
+    /// Name of the joint.
+    pub joint: Placed<String>,
+    /// Constant torque of a revolute joint, N m.
+    pub constant_N_m: Option<Placed<f64>>,
+    /// Constant force of a prismatic joint, N.
+    pub constant_N: Option<Placed<f64>>,
+    /// Amplitude of a sinusoid, N m: amplitude sin(frequency t + phase).
+    pub amplitude_N_m: Option<Placed<f64>>,
+    /// Amplitude of a sinusoid, N.
+    pub amplitude_N: Option<Placed<f64>>,
+    /// Angular frequency of the sinusoid, rad/s.
+    pub frequency_rad_s: Option<Placed<f64>>,
+    /// Phase of the sinusoid, rad. Default 0.
+    pub phase_rad: Option<Placed<f64>>,
+    /// Times of the nodes of a table, ascending, s.
+    pub time_s: Option<Placed<Vec<f64>>>,
+    /// Torques at the nodes, N m.
+    pub torque_N_m: Option<Placed<Vec<f64>>>,
+    /// Forces at the nodes, N.
+    pub force_N: Option<Placed<Vec<f64>>>,
+    /// Telemetry file with the torques, relative to the case.
+    pub file: Option<Placed<String>>,
+    /// Column of the file. Default: `<joint>_Nm`, of a prismatic joint `<joint>_N`.
+    pub column: Option<Placed<String>>,
+    /// "constant" (default: from a node to the next) or "linear".
+    pub interpolation: Option<Placed<String>>,
+}
+
+/// Speed of one wheel, or torque of its motor.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WheelMotionFile {
+    /// Name of the wheel.
+    pub wheel: Placed<String>,
+    /// Times of the nodes of a table, ascending, s.
+    pub time_s: Option<Placed<Vec<f64>>>,
+    /// Speeds relative to the host at the nodes, rad/s.
+    pub speed_rad_s: Option<Placed<Vec<f64>>>,
+    /// Motor torques at the nodes, N m.
+    pub torque_N_m: Option<Placed<Vec<f64>>>,
+    /// Telemetry file with the speeds or torques, relative to the case. In place of a table.
+    pub file: Option<Placed<String>>,
+    /// Column of the file: a speed where it ends in `_rad_s`, a torque where it ends in `_Nm`. Default: `<wheel>_rad_s`.
+    pub column: Option<Placed<String>>,
+    /// Speed at time 0 of a wheel that a torque drives, rad/s. Default 0.
+    pub initial_speed_rad_s: Option<Placed<f64>>,
+    /// Of speeds "linear" (default) or "cubic_clamped", of torques "constant" (default) or "linear".
+    pub interpolation: Option<Placed<String>>,
+}
+
+/// One firing.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FiringFile {
+    /// Name of the thruster.
+    pub thruster: Placed<String>,
+    /// Begin, s.
+    pub on_s: Placed<f64>,
+    /// End, s.
+    pub off_s: Placed<f64>,
+    /// Force along the thruster's force direction, N.
+    pub force_N: Placed<f64>,
+}
+
+/// Attitude feedback by wheels.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControlFile {
+    /// On the vector part of the error quaternion.
+    pub proportional_N_m: Option<Placed<[[f64; 3]; 3]>>,
+    /// On the angular velocity: 3 by 3, N m s.
+    pub derivative_N_m_s: Option<Placed<[[f64; 3]; 3]>>,
+    /// With `damping_ratio` in place of the two gains: 2 w^2 I and 2 zeta w I, rad/s.
+    pub natural_frequency_rad_s: Option<Placed<f64>>,
+    /// Damping ratio.
+    pub damping_ratio: Option<Placed<f64>>,
+    /// Time over which a command is held; continuous without it.
+    pub period_s: Option<Placed<f64>>,
+    /// What is commanded of a wheel: "torque" of its motor (default) or "acceleration" relative to the body.
+    pub drive: Option<Placed<String>>,
+    /// Attitudes to reach. Default: aligned with N.
+    #[serde(default)]
+    pub target: Vec<ControlTargetFile>,
+    /// Start, limits and friction of the wheels.
+    #[serde(default)]
+    pub wheel: Vec<ControlWheelFile>,
+}
+
+/// Attitude to reach from a time on.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControlTargetFile {
+    /// Time from which on the target holds, s.
+    pub time_s: Placed<f64>,
+    /// Attitude R_NB: quaternion, Hamilton, scalar last.
+    pub q_xyzw: Placed<[f64; 4]>,
+}
+
+/// Start, limits and friction of one wheel under control.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControlWheelFile {
+    /// Name of the wheel.
+    pub wheel: Placed<String>,
+    /// Speed at time 0, rad/s. Default 0.
+    pub initial_speed_rad_s: Option<f64>,
+    /// Largest motor torque, N m. Default: none.
+    pub max_torque_N_m: Option<f64>,
+    /// Largest speed, rad/s. Default: none.
+    pub max_speed_rad_s: Option<f64>,
+    /// Viscous friction, N m s. Default 0.
+    pub viscous_N_m_s: Option<f64>,
+    /// Coulomb friction, N m. Default 0.
+    pub coulomb_N_m: Option<f64>,
+}
+
+/// How accurate the integration is.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IntegrationFile {
+    /// Relative tolerance of a step, 1e-14 to 1e-3. Default 1e-12.
+    pub relative_tolerance: Placed<f64>,
+}
+
+/// What is written.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutputFile {
+    /// Rows per second, Hz.
+    pub rate_hz: Placed<f64>,
+    /// "csv" (default) or "parquet".
+    #[serde(default)]
+    pub format: Format,
+    /// Seed of all noise. Default 0.
+    #[serde(default)]
+    pub seed: u64,
+    /// true leaves out what no sensor of the model measures. Commanded motions of joints and wheels and commanded thrust are
+    /// always written. Default false.
+    #[serde(default)]
+    pub sensors_only: bool,
+    /// What sensors of the model do in this case.
+    #[serde(default)]
+    pub sensor: Vec<SensorOutputFile>,
+}
+
+/// Kind of telemetry file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// One header row, comma separated.
+    #[default]
+    Csv,
+    /// Parquet.
+    Parquet,
+}
+
+/// What a sensor of the model does in this case.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensorOutputFile {
+    /// Name of the sensor in the model.
+    pub name: Placed<String>,
+    /// Samples per second, Hz; the rate of the rows divided by a whole number. Default: every row.
+    pub rate_hz: Option<Placed<f64>>,
+    /// True bias in the axes of the sensor, rad.
+    pub bias_rad: Option<Placed<Vec<f64>>>,
+    /// True bias, rad/s.
+    pub bias_rad_s: Option<Placed<Vec<f64>>>,
+    /// True bias, m.
+    pub bias_m: Option<Placed<Vec<f64>>>,
+    /// True bias, m/s.
+    pub bias_m_s: Option<Placed<Vec<f64>>>,
+    /// True bias, m/s2.
+    pub bias_m_s2: Option<Placed<Vec<f64>>>,
+    /// True bias, N.
+    pub bias_N: Option<Placed<Vec<f64>>>,
+    /// Relative error of each axis.
+    pub scale: Option<Placed<[f64; 3]>>,
+    /// Small rotation between true and assumed axes, rad.
+    pub misalignment_rad: Option<Placed<[f64; 3]>>,
+    /// Turn of two axes towards each other, yz, xz, xy, rad.
+    pub nonorthogonality_rad: Option<Placed<[f64; 3]>>,
+    /// How late the sensor reads, s.
+    pub lag_s: Option<Placed<f64>>,
+}
+
+/// A number, or a combination of numbers, and the sigma that is wanted of it.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WantFile {
+    /// Address of a number, for example "bus.com_m.x".
+    pub number: Option<Placed<String>>,
+    /// Combination instead of one number: factor by address.
+    pub combination: Option<Placed<BTreeMap<String, f64>>>,
+    /// Wanted one sigma, in the unit of the number.
+    pub sigma: Option<Placed<f64>>,
+    /// The same as a share of the nominal mass, or of the mean principal moment of the body.
+    pub relative: Option<Placed<f64>>,
+}
+
+/// What no designed manoeuvre may exceed.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LimitsFile {
+    /// Largest angular rate of the base, rad/s.
+    pub body_rate_rad_s: Option<Placed<f64>>,
+    /// Smallest distance between capsules of bodies that no joint connects, m.
+    pub clearance_m: Option<Placed<f64>>,
+    /// Limits of joints.
+    #[serde(default)]
+    pub joint: Vec<Placed<JointLimitFile>>,
+    /// Limits of wheels.
+    #[serde(default)]
+    pub wheel: Vec<Placed<WheelLimitFile>>,
+    /// Cones of directions.
+    #[serde(default)]
+    pub cone: Vec<Placed<ConeFile>>,
+    /// Shapes of the bodies for the clearance.
+    #[serde(default)]
+    pub capsule: Vec<Placed<CapsuleFile>>,
+}
+
+/// Limits of some joints; of all without `joints`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointLimitFile {
+    /// Names. Default: all.
+    pub joints: Option<Vec<Placed<String>>>,
+    /// Least and largest position, rad.
+    pub position_rad: Option<Placed<[f64; 2]>>,
+    /// Least and largest position, m.
+    pub position_m: Option<Placed<[f64; 2]>>,
+    /// Largest rate, rad/s.
+    pub rate_rad_s: Option<Placed<f64>>,
+    /// Largest rate, m/s.
+    pub rate_m_s: Option<Placed<f64>>,
+    /// Largest acceleration, rad/s2.
+    pub acceleration_rad_s2: Option<Placed<f64>>,
+    /// Largest acceleration, m/s2.
+    pub acceleration_m_s2: Option<Placed<f64>>,
+    /// Largest motor torque, N m.
+    pub torque_N_m: Option<Placed<f64>>,
+    /// Largest motor force, N.
+    pub force_N: Option<Placed<f64>>,
+}
+
+/// Limits of some wheels; of all without `wheels`.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WheelLimitFile {
+    /// Names. Default: all.
+    pub wheels: Option<Vec<Placed<String>>>,
+    /// Largest speed, rad/s.
+    pub speed_rad_s: Option<Placed<f64>>,
+    /// Largest motor torque, N m.
+    pub torque_N_m: Option<Placed<f64>>,
+    /// Largest momentum of each, N m s.
+    pub momentum_N_m_s: Option<Placed<f64>>,
+}
+
+/// An axis of the base that must stay out of, or in, a cone about a direction in N.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConeFile {
+    /// Name for messages.
+    pub name: Placed<String>,
+    /// Axis of the base, axes of B.
+    pub axis_B: Placed<[f64; 3]>,
+    /// Direction in N.
+    pub direction_N: Placed<[f64; 3]>,
+    /// Smallest angle between the two, rad.
+    pub keep_out_rad: Option<Placed<f64>>,
+    /// Largest angle between the two, rad.
+    pub keep_in_rad: Option<Placed<f64>>,
+}
+
+/// A capsule about a part of a body; a sphere where both ends are equal.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CapsuleFile {
+    /// Name of the body.
+    pub body: Placed<String>,
+    /// One end in the body's frame, m.
+    pub from_m: Placed<[f64; 3]>,
+    /// The other end. Default: the same, a sphere.
+    pub to_m: Option<Placed<[f64; 3]>>,
+    /// Radius, m.
+    pub radius_m: Placed<f64>,
+}
+
+/// What a design may move, and what it is after.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "CaseDesignFile")]
+pub struct DesignFile {
+    /// What is minimised. Default "worst_ratio".
+    #[serde(default)]
+    pub objective: Objective,
+    /// Whether the vehicles of the prior count and not the nominal one alone.
+    #[serde(default)]
+    pub robust: bool,
+    /// Whether declared priors of mass properties count in the sigmas.
+    #[serde(default)]
+    pub priors: bool,
+    /// Most evaluations of a manoeuvre.
+    pub evaluations: Option<Placed<usize>>,
+    /// Starts of the search.
+    pub starts: Option<Placed<usize>>,
+    /// Seed of the search. Default 0.
+    #[serde(default)]
+    pub seed: u64,
+    /// Joints that may move.
+    #[serde(default)]
+    pub joint: Vec<Placed<DesignJointFile>>,
+    /// Wheels that may turn.
+    #[serde(default)]
+    pub wheel: Vec<Placed<DesignWheelFile>>,
+}
+
+/// What a design minimises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Objective {
+    /// The largest ratio of sigma to wanted sigma.
+    #[default]
+    WorstRatio,
+    /// The logarithm of the determinant of the covariance of what is wanted, in wanted sigmas.
+    LogDet,
+    /// The time in which every wanted sigma is reached.
+    ShortestTime,
+}
+
+/// How some joints may move.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignJointFile {
+    /// Names. Default: all.
+    pub joints: Option<Vec<Placed<String>>>,
+    /// "fourier", "spline" or "slews".
+    pub form: Placed<String>,
+    /// Fourier: harmonics.
+    pub harmonics: Option<Placed<usize>>,
+    /// Fourier: base frequency, Hz. Default: one period in the duration.
+    pub base_frequency_hz: Option<Placed<f64>>,
+    /// Fourier: whether the joint starts without rate and acceleration. Default false.
+    pub at_rest: Option<Placed<bool>>,
+    /// Spline: nodes.
+    pub nodes: Option<Placed<usize>>,
+    /// Slews: how many.
+    pub slews: Option<Placed<usize>>,
+    /// Whether the joint ends where it began. Default true.
+    pub returns: Option<Placed<bool>>,
+}
+
+/// How some wheels may turn.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignWheelFile {
+    /// Names. Default: all.
+    pub wheels: Option<Vec<Placed<String>>>,
+    /// Nodes of the speed.
+    pub nodes: Placed<usize>,
+    /// Speed at time 0, rad/s. Default 0.
+    pub start_speed_rad_s: Option<Placed<f64>>,
+    /// Whether the speed ends where it began. Default true.
+    pub returns: Option<Placed<bool>>,
+}

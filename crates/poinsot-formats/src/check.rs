@@ -1,0 +1,140 @@
+//! Whether an answer contradicts itself: what its schema does not say.
+
+use crate::body::BodyFile;
+use crate::estimate::EstimateFile;
+
+/// Words of the status of an answer.
+const STATUS: [&str; 5] = [
+    "converged",
+    "partial",
+    "not_identifiable",
+    "iteration_limit",
+    "rejected",
+];
+/// Words of the source of a number.
+const SOURCES: [&str; 3] = ["data", "prior", "known"];
+/// Relative difference of two numbers that are one number: they are written with all digits.
+const SAME: f64 = 1.0e-9;
+
+/// One contradiction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Contradiction {
+    /// Key of the file.
+    pub key: String,
+    /// The value there.
+    pub value: String,
+    /// What is wrong.
+    pub problem: String,
+}
+
+/// What contradicts itself in an answer; empty where nothing does.
+pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
+    let mut found = Vec::new();
+    let mut say = |key: String, value: String, problem: &str| {
+        found.push(Contradiction {
+            key,
+            value,
+            problem: problem.to_owned(),
+        });
+    };
+    if !STATUS.contains(&file.status.as_str()) {
+        let words = STATUS.join(", ");
+        let problem = format!("the status is none of {words}");
+        say("status".to_owned(), quoted(&file.status), &problem);
+    }
+    for (name, body) in &file.bodies {
+        numbers(name, body, &mut say);
+        moments(&format!("bodies.{name}"), body, &mut say);
+    }
+    covariance(file, &mut say);
+    let ranks = &file.identifiability;
+    if ranks.rank > ranks.parameters {
+        let key = "identifiability.rank".to_owned();
+        let problem = format!("there are {} unknown mass properties", ranks.parameters);
+        say(key, ranks.rank.to_string(), &problem);
+    }
+    found
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{text}\"")
+}
+
+fn numbers(name: &str, body: &BodyFile, say: &mut impl FnMut(String, String, &str)) {
+    for (address, _, number) in body.addressed(name) {
+        let key = |end: &str| format!("bodies.{address}.{end}");
+        let text = |x: Option<f64>| x.map_or("null".to_owned(), |x| x.to_string());
+        if number.sigma.is_some_and(|s| s < 0.0) {
+            say(key("sigma"), text(number.sigma), "a sigma is not negative");
+        }
+        let source = number.source.as_deref();
+        if let Some(word) = source.filter(|s| !SOURCES.contains(s)) {
+            let problem = "a source is data, prior or known";
+            say(key("source"), quoted(word), problem);
+        }
+        if source.is_some() != number.value.is_some() {
+            let problem = "a number has a value where it has a source, and only there";
+            say(key("value"), text(number.value), problem);
+        }
+    }
+    let mass = body.mass_kg.value;
+    if let Some(mass) = mass.filter(|m| *m < 0.0) {
+        let key = format!("bodies.{name}.mass_kg.value");
+        say(key, mass.to_string(), "a mass is not negative");
+    }
+}
+
+/// Principal moments have the trace of the tensor and ascend.
+fn moments(key: &str, body: &BodyFile, say: &mut impl FnMut(String, String, &str)) {
+    let Some(principal) = &body.principal else {
+        return;
+    };
+    let [a, b, c] = principal.moments_kg_m2;
+    let tensor = &body.inertia_kg_m2;
+    let trace = [&tensor.xx, &tensor.yy, &tensor.zz].map(|n| n.value);
+    let key = format!("{key}.principal.moments_kg_m2");
+    let value = format!("[{a}, {b}, {c}]");
+    if !(a <= b && b <= c) {
+        say(key, value, "principal moments ascend");
+    } else if let [Some(x), Some(y), Some(z)] = trace
+        && (x + y + z - a - b - c).abs() > SAME * (x.abs() + y.abs() + z.abs())
+    {
+        let problem = "their sum is not the trace of inertia_kg_m2";
+        say(key, value, problem);
+    }
+}
+
+/// The matrix is square and symmetric, its diagonal the squares of the sigmas of the bodies.
+fn covariance(file: &EstimateFile, say: &mut impl FnMut(String, String, &str)) {
+    let covariance = &file.covariance;
+    let (names, matrix) = (&covariance.names, &covariance.matrix);
+    let square = matrix.len() == names.len() && matrix.iter().all(|row| row.len() == names.len());
+    if !square || covariance.units.len() != names.len() {
+        let key = "covariance.matrix".to_owned();
+        let rows = format!("{} rows", matrix.len());
+        let problem = format!("{} names need as many rows, columns and units", names.len());
+        return say(key, rows, &problem);
+    }
+    for (i, row) in matrix.iter().enumerate() {
+        for (j, x) in row.iter().enumerate().take(i) {
+            if *x != matrix[j][i] {
+                let key = format!("covariance.matrix[{i}][{j}]");
+                let value = x.map_or("null".to_owned(), |x| x.to_string());
+                say(key, value, "the matrix is not symmetric");
+            }
+        }
+    }
+    for (name, body) in &file.bodies {
+        for (address, _, number) in body.addressed(name) {
+            let at = names.iter().position(|n| *n == address);
+            if let (Some(at), Some(sigma)) = (at, number.sigma)
+                && let Some(variance) = matrix[at][at]
+                && (variance - sigma * sigma).abs() > SAME * variance.abs().max(sigma * sigma)
+            {
+                let key = format!("covariance.matrix[{at}][{at}]");
+                let problem = format!("it is not the square of the sigma of {address}");
+                say(key, variance.to_string(), &problem);
+            }
+        }
+    }
+}

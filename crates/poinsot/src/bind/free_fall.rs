@@ -1,0 +1,219 @@
+//! Positions and velocities on an orbit, as receivers and ephemerides give them, relative to free fall.
+//!
+//! N falls freely with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity where the vehicle is. Then
+//! `r - G` obeys `m (r - G)'' = F` with the forces of the vehicle alone, tide included, on any orbit and for any time.
+//! Noise of `r` enters `G` as noise times the gradient of gravity, 1e-6 1/s2 in low orbit, and can be neglected.
+
+use super::BindError;
+use nalgebra::Vector3;
+use poinsot_model::{Model, MomentumKnowledge, SensorKind};
+use poinsot_telemetry::{Channel, Table, differentiate, resample_hermite, rounded};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+type Vector = Vector3<f64>;
+
+/// Distance beyond which positions are those of an orbit, m.
+pub(super) const ORBITAL: f64 = 1.0e5;
+/// Gravitational parameter of the Earth, m3/s2, its equatorial radius, m, and its oblateness (Petit and Luzum 2010,
+/// IERS Conventions, table 1.1).
+const EARTH_GM: f64 = 3.986_004_418e14;
+const EARTH_RADIUS: f64 = 6_378_136.6;
+const EARTH_J2: f64 = 1.082_635_9e-3;
+/// Relative difference of a gravitational parameter from that of the Earth.
+const SAME_BODY: f64 = 1.0e-3;
+/// Gravity of the harmonics above J2 in low orbit, m/s2: four times J3 times 9 m/s2.
+const NEGLECTED: f64 = 1.0e-4;
+/// Samples each side of the polynomial that differentiates gravity.
+const HALF_WIDTH: usize = 2;
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The tables with positions and velocities relative to free fall where they are those of an orbit.
+///
+/// # Errors
+/// The linear momentum is given, which has no meaning in axes that fall with the vehicle.
+pub(super) fn relative<'t>(
+    model: &Model,
+    tables: &'t [Table],
+    repairs: &mut Vec<String>,
+) -> Result<Cow<'t, [Table]>, BindError> {
+    let Some(gm) = model.environment.point_mass_gm else {
+        return Ok(Cow::Borrowed(tables));
+    };
+    let mut out = Cow::Borrowed(tables);
+    for (k, table) in tables.iter().enumerate() {
+        let Some(fall) = FreeFall::of(model, table, gm) else {
+            continue;
+        };
+        if matches!(model.momentum.linear, MomentumKnowledge::Known(_)) {
+            let what = "[momentum] linear_N_s is given, and positions on an orbit are taken relative to free fall, where it has no meaning; write linear_N_s = \"estimate\"".to_owned();
+            return Err(BindError::Unsupported { what });
+        }
+        repairs.push(format!("{}: {}", super::file_label(table), fall.words()));
+        fall.apply(model, &mut out.to_mut()[k]);
+    }
+    Ok(out)
+}
+
+/// The free fall of one table.
+struct FreeFall {
+    /// Position from the attracting body in N, as measured.
+    position: [Channel; 3],
+    /// Position and velocity of the origin of N at the times of the position.
+    origin: [Channel; 3],
+    velocity: [Channel; 3],
+    oblate: bool,
+}
+
+/// Three channels of one name, of any sensor.
+fn three(table: &Table, prefix: &str) -> Option<[Channel; 3]> {
+    let first = table
+        .channels
+        .iter()
+        .find(|c| c.name == format!("{prefix}_x"))?;
+    let own = |axis: &str| table.sensor_channel(&first.sensor, &format!("{prefix}_{axis}"));
+    let [x, y, z] = AXES.map(own);
+    Some([x?.clone(), y?.clone(), z?.clone()])
+}
+
+fn at(channels: &[Channel; 3], k: usize) -> Option<Vector> {
+    let [x, y, z] = channels.each_ref().map(|c| c.values.get(k).copied());
+    Some(Vector::new(x?, y?, z?))
+}
+
+/// Gravity at a position from the centre of the attracting body, m/s2; with J2 of the Earth about the axis z of N.
+fn gravity(gm: f64, oblate: bool, r: &Vector) -> Vector {
+    let d = r.norm();
+    let point = -r * (gm / d.powi(3));
+    if !oblate {
+        return point;
+    }
+    let ratio = 1.5 * EARTH_J2 * gm * EARTH_RADIUS.powi(2) / d.powi(5);
+    let s = 5.0 * (r.z / d).powi(2);
+    point + Vector::new(r.x * (s - 1.0), r.y * (s - 1.0), r.z * (s - 3.0)) * ratio
+}
+
+impl FreeFall {
+    fn of(model: &Model, table: &Table, gm: f64) -> Option<Self> {
+        model.sensors_of(SensorKind::Position).next()?;
+        let far = |c: &[Channel; 3]| at(c, 0).is_some_and(|r| r.norm() > ORBITAL);
+        let position = three(table, "r").or_else(|| three(table, "orbit"));
+        let position = position.filter(far)?;
+        let oblate = (gm / EARTH_GM - 1.0).abs() < SAME_BODY;
+        let times = position[0].time_s.clone();
+        let points: Option<Vec<Vector>> = (0..times.len()).map(|k| at(&position, k)).collect();
+        let points = points?;
+        let pulls: Vec<Vector> = points.iter().map(|r| gravity(gm, oblate, r)).collect();
+        let channel = |k: usize, values: Vec<f64>| Channel {
+            values,
+            ..position[k].clone()
+        };
+        let axis = |k: usize| fall_of(&channel(k, pulls.iter().map(|g| g[k]).collect()));
+        let [(x, u), (y, v), (z, w)] = [axis(0), axis(1), axis(2)];
+        let mut fall = Self {
+            origin: [channel(0, x), channel(1, y), channel(2, z)],
+            velocity: [channel(0, u), channel(1, v), channel(2, w)],
+            position,
+            oblate,
+        };
+        for k in 0..3 {
+            fall.start(k, &times);
+        }
+        Some(fall)
+    }
+
+    /// Gives the origin the start that leaves the least of the position on one axis.
+    fn start(&mut self, k: usize, times: &[f64]) {
+        let n = times.len() as f64;
+        let rest: Vec<f64> = self.position[k]
+            .values
+            .iter()
+            .zip(&self.origin[k].values)
+            .map(|(r, g)| r - g)
+            .collect();
+        let mean = |x: &mut dyn Iterator<Item = f64>| x.sum::<f64>() / n;
+        let (middle, level) = (
+            mean(&mut times.iter().copied()),
+            mean(&mut rest.iter().copied()),
+        );
+        let spread: f64 = times.iter().map(|t| (t - middle).powi(2)).sum();
+        let pairs = times.iter().zip(&rest);
+        let slope: f64 = pairs.map(|(t, x)| (t - middle) * (x - level)).sum();
+        let slope = if spread > 0.0 { slope / spread } else { 0.0 };
+        let moved = self.origin[k].values.iter_mut().zip(times);
+        moved.for_each(|(g, t)| *g += level + slope * (t - middle));
+        self.velocity[k].values.iter_mut().for_each(|v| *v += slope);
+    }
+
+    fn words(&self) -> String {
+        let times = &self.position[0].time_s;
+        let span = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
+        let field = match self.oblate {
+            // A constant acceleration less the straight line that the start takes up.
+            true => format!(
+                "a point mass and J2 of the Earth; higher harmonics are neglected, {NEGLECTED:e} m/s2, {} m over the record",
+                rounded(NEGLECTED * span * span / 12.0, 2)
+            ),
+            false => "a point mass; all else is neglected".to_owned(),
+        };
+        format!("positions taken relative to free fall in the gravity of {field}")
+    }
+
+    /// Replaces positions and velocities, and keeps the orbit for the gravity gradient.
+    fn apply(&self, model: &Model, table: &mut Table) {
+        if three(table, "orbit").is_none() {
+            for (axis, channel) in AXES.iter().zip(&self.position) {
+                table.channels.push(Channel {
+                    name: format!("orbit_{axis}"),
+                    sensor: String::new(),
+                    ..channel.clone()
+                });
+            }
+        }
+        for (k, axis) in AXES.iter().enumerate() {
+            let values = self.position[k].values.iter().zip(&self.origin[k].values);
+            let rest = Channel {
+                name: format!("r_{axis}"),
+                values: values.map(|(r, g)| r - g).collect(),
+                ..self.position[k].clone()
+            };
+            match table.channels.iter_mut().find(|c| c.name == rest.name) {
+                Some(channel) => *channel = rest,
+                None => table.channels.push(rest),
+            }
+        }
+        let measured = model.sensors_of(SensorKind::Velocity).next().is_some();
+        if let (true, Some(velocity)) = (measured, three(table, "v")) {
+            for (k, own) in velocity.into_iter().enumerate() {
+                let acceleration = differentiate(&self.velocity[k], HALF_WIDTH, None);
+                let fall = resample_hermite(&self.velocity[k], &acceleration, &own.time_s, None);
+                let kept = own.time_s.iter().zip(&own.values).zip(fall);
+                let kept = kept.filter_map(|((t, v), fall)| Some((*t, v - fall?)));
+                let (times, values): (Vec<f64>, Vec<f64>) = kept.unzip();
+                let same = |c: &&mut Channel| c.name == own.name && c.sensor == own.sensor;
+                if let Some(channel) = table.channels.iter_mut().find(same) {
+                    (channel.time_s, channel.values) = (Arc::from(times), values);
+                }
+            }
+        }
+    }
+}
+
+/// Position and velocity of what falls with this acceleration from rest: cubic between samples, with slopes from five.
+fn fall_of(pull: &Channel) -> (Vec<f64>, Vec<f64>) {
+    let jerk = differentiate(pull, HALF_WIDTH, None);
+    let jerks = resample_hermite(&jerk, &jerk, &pull.time_s, None);
+    let slope = |k: usize| jerks.get(k).copied().flatten().unwrap_or(0.0);
+    let (mut x, mut v) = (0.0, 0.0);
+    let (mut places, mut speeds) = (vec![0.0], vec![0.0]);
+    let steps = pull.time_s.windows(2).zip(pull.values.windows(2));
+    for (k, (t, g)) in steps.enumerate() {
+        let ([t0, t1], [a, b]) = (t, g) else { continue };
+        let (h, c, d) = (t1 - t0, slope(k), slope(k + 1));
+        x += v * h + h * h * ((7.0 * a + 3.0 * b) / 20.0 + h * (3.0 * c - 2.0 * d) / 60.0);
+        v += h * ((a + b) / 2.0 + h * (c - d) / 12.0);
+        places.push(x);
+        speeds.push(v);
+    }
+    (places, speeds)
+}

@@ -1,0 +1,186 @@
+//! The verb `check`: a model, map, case, plan or answer is checked and said in words.
+
+use crate::campaign::read_plan;
+use crate::case::{CaseError, CaseFault, CaseText, describe_case, parse_case};
+use crate::compare::format_error;
+use crate::error::{Error, unreadable};
+use crate::simulate::SimulateError;
+use poinsot_formats::{
+    DESCRIPTION, EstimateFile, PLAN, StatedFile, case::CASE, contradictions, parse_estimate,
+};
+use poinsot_model::{Description, describe, describe_map, parse_telemetry_map, read_model};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt;
+use std::path::Path;
+
+/// Largest file that is checked, bytes: the largest result that is read.
+const LARGEST: u64 = poinsot_formats::LARGEST_RESULT;
+/// Contradictions of one file that are said.
+const SHOWN: usize = 10;
+
+/// What a file holds, in words.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Described {
+    /// A model.
+    Model(Box<Description>),
+    /// Another file.
+    Lines {
+        /// "map", "case", "plan" or "estimate".
+        file: &'static str,
+        /// What it says, one statement a line.
+        lines: Vec<String>,
+    },
+}
+
+impl fmt::Display for Described {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Model(model) => write!(f, "{model}"),
+            Self::Lines { lines, .. } => write!(f, "{}", lines.join("\n")),
+        }
+    }
+}
+
+/// Checks a file and says what it holds. The key `schema` tells its kind; a file with a `[telemetry]` table alone is a map.
+///
+/// # Errors
+/// Everything that is wrong with it, or with a file that it names.
+pub fn check(path: &Path) -> Result<StatedFile<Described>, Error> {
+    let content = described(path)?;
+    Ok(StatedFile {
+        schema: DESCRIPTION,
+        content,
+    })
+}
+
+fn described(path: &Path) -> Result<Described, Error> {
+    let inside = path.join("estimate.json");
+    let path = if path.is_dir() { &inside } else { path };
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if ending == "json" {
+        let text = poinsot_files::read_text(path, LARGEST).map_err(|e| unreadable(path, e))?;
+        return estimate(path, text);
+    }
+    let text = match ending == "urdf" {
+        true => String::new(),
+        false => poinsot_model::read_model_text(path)?,
+    };
+    let table: toml::Table = text.parse().unwrap_or_default();
+    let schema = table.get("schema").and_then(toml::Value::as_str);
+    let of = |format: &str| {
+        let kind = |name: &str| name.split('/').next().map(str::to_owned);
+        schema.is_some_and(|s| kind(s) == kind(format))
+    };
+    let lines = |file, lines| Ok(Described::Lines { file, lines });
+    if of(CASE) {
+        return lines("case", case(path, text)?);
+    }
+    if of(PLAN) {
+        return lines("plan", plan(path)?);
+    }
+    if schema.is_none() && table.contains_key("telemetry") && !table.contains_key("body") {
+        let map = parse_telemetry_map(&text, &path.display().to_string())?;
+        return lines("map", describe_map(&map));
+    }
+    Ok(Described::Model(Box::new(describe(&read_model(path)?))))
+}
+
+/// A case with its model: everything that `simulate`, `predict` and `design` would refuse.
+fn case(path: &Path, text: String) -> Result<Vec<String>, Error> {
+    let case = parse_case(path, text).map_err(SimulateError::from)?;
+    let model = read_model(&case.model)?;
+    Ok(describe_case(&case, &model).map_err(SimulateError::from)?)
+}
+
+fn plan(path: &Path) -> Result<Vec<String>, Error> {
+    let plan = read_plan(path)?;
+    let mut lines = vec![format!(
+        "{}: {} trials of {} cells, in {} shards",
+        plan.name,
+        plan.trials,
+        plan.cells(),
+        plan.shards()
+    )];
+    for experiment in &plan.file.experiment {
+        let of = experiment.case.as_ref().or(experiment.record.as_ref());
+        lines.push(format!("experiment: {}", of.map_or("", String::as_str)));
+    }
+    lines.push(format!("methods: {}", plan.method_labels().join(", ")));
+    lines.extend(
+        plan.file
+            .vary
+            .iter()
+            .map(|v| format!("varies: {}", v.number)),
+    );
+    lines.extend(
+        plan.file
+            .change
+            .iter()
+            .map(|c| format!("changed: {}", c.number)),
+    );
+    lines.extend(
+        plan.file
+            .draw
+            .iter()
+            .map(|d| format!("drawn: {}", d.number)),
+    );
+    Ok(lines)
+}
+
+fn estimate(path: &Path, text: String) -> Result<Described, Error> {
+    let file = parse_estimate(path, text.as_bytes()).map_err(format_error)?;
+    let found = contradictions(&file);
+    if found.is_empty() {
+        let lines = estimate_lines(&file);
+        return Ok(Described::Lines {
+            file: "estimate",
+            lines,
+        });
+    }
+    let text = CaseText {
+        path: path.to_owned(),
+        text,
+    };
+    let faults = found.into_iter().take(SHOWN).map(|c| CaseFault {
+        line: 0,
+        value: c.value,
+        ..text.fault(
+            "E0604",
+            &c.key,
+            0..0,
+            c.problem,
+            "write the file anew with `poinsot identify --out DIR`",
+        )
+    });
+    Err(Error::File(CaseError {
+        faults: faults.collect(),
+        environment: false,
+    }))
+}
+
+fn estimate_lines(file: &EstimateFile) -> Vec<String> {
+    let found = &file.identifiability;
+    let mut lines = vec![format!(
+        "{}: {} by {}, {} of {} combinations are identifiable",
+        file.model,
+        file.status,
+        file.method_in_words(),
+        found.rank,
+        found.parameters
+    )];
+    for (name, body) in file.bodies.iter().filter(|(_, b)| b.is_asked()) {
+        let all = body.numbers();
+        let asked = all.iter().filter(|(_, _, n)| !n.is_known()).count();
+        let open = all.iter().filter(|(_, _, n)| n.value.is_none()).count();
+        let determined = asked - open;
+        lines.push(format!(
+            "{name}: {determined} of {asked} requested numbers are determined"
+        ));
+    }
+    let files = file.inputs.iter();
+    lines.extend(files.map(|i| format!("telemetry: {} ({} rows)", i.path, i.rows)));
+    lines.extend(file.doubts.iter().map(|d| format!("doubt: {d}")));
+    lines
+}

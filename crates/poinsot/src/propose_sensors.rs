@@ -1,0 +1,91 @@
+//! `[[sensor]]` tables with the noise that the data show: a place to begin where no data sheet is at hand.
+
+use poinsot_telemetry::{ChannelSummary, Inspection, rounded};
+use std::fmt::Write;
+
+/// Vector sensors: first letters of their channels, type, unit in keys.
+const VECTORS: [(&str, &str, &str); 6] = [
+    ("omega_", "gyro", "rad_s"),
+    ("q_", "attitude", "rad"),
+    ("r_", "position", "m"),
+    ("v_", "velocity", "m_s"),
+    ("dv_", "velocity_increment", "m_s"),
+    ("acc_", "accelerometer", "m_s2"),
+];
+/// Figures of an estimated noise.
+const DIGITS: usize = 2;
+/// Where rounding alone explains the scatter, that is its step over the root of 12 within this share.
+const ROUNDING: f64 = 1.0e-6;
+
+const HEAD: &str = "\
+# Estimated from the data by third differences: an upper bound where the motion is fast. A data sheet is better.
+";
+
+/// The tables to paste into a model; `None` where no channel shows noise.
+pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
+    let mut out = String::new();
+    let mut owners: Vec<&str> = inspection.channels.iter().map(|c| owner(c).0).collect();
+    owners.sort_unstable();
+    owners.dedup();
+    for owner in owners {
+        for (prefix, kind, unit) in VECTORS {
+            let of = |c: &&ChannelSummary| {
+                let (own, name) = self::owner(c);
+                own == owner && name.starts_with(prefix)
+            };
+            let channels: Vec<&ChannelSummary> = inspection.channels.iter().filter(of).collect();
+            if let Some(noise) = noise(&channels, kind, unit) {
+                let name = if owner.is_empty() { kind } else { owner };
+                let _ = write!(
+                    out,
+                    "[[sensor]]\nname = \"{name}\"\ntype = \"{kind}\"\n{noise}\n\n"
+                );
+            }
+        }
+    }
+    for channel in &inspection.channels {
+        let scalar = !VECTORS.iter().any(|v| owner(channel).1.starts_with(v.0));
+        if let (true, Some(noise)) = (scalar, channel.noise) {
+            let (name, noise) = (&channel.name, rounded(noise, DIGITS));
+            let _ = writeln!(out, "# {name}: {noise} {}", channel.unit);
+        }
+    }
+    (!out.is_empty()).then(|| format!("{HEAD}{}", out.trim_end()))
+}
+
+/// Sensor, empty without one, and channel.
+fn owner(channel: &ChannelSummary) -> (&str, &str) {
+    channel
+        .name
+        .rsplit_once('.')
+        .unwrap_or(("", channel.name.as_str()))
+}
+
+/// The line of a sensor: noise, or the step where rounding explains it.
+fn noise(channels: &[&ChannelSummary], kind: &str, unit: &str) -> Option<String> {
+    let sigmas: Vec<f64> = channels.iter().filter_map(|c| c.noise).collect();
+    if sigmas.is_empty() || sigmas.len() != channels.len() {
+        return None;
+    }
+    let steps: Vec<f64> = channels
+        .iter()
+        .filter_map(|c| Some((c.quantum?, c.noise?)))
+        .filter(|(q, noise)| (noise * 12.0_f64.sqrt() / q - 1.0).abs() < ROUNDING)
+        .map(|(q, _)| q)
+        .collect();
+    let largest = steps.iter().copied().fold(0.0, f64::max);
+    if kind == "attitude" {
+        // Four components of a quaternion hold half of each of three small angles.
+        let sum: f64 = sigmas.iter().map(|s| s * s).sum();
+        let angle = 2.0 * (sum / 3.0).sqrt();
+        return Some(format!("noise_{unit} = {}", rounded(angle, DIGITS)));
+    }
+    if steps.len() == channels.len() {
+        return Some(format!(
+            "quantisation_{unit} = {}",
+            rounded(largest, DIGITS)
+        ));
+    }
+    let sigmas: Vec<String> = sigmas.iter().map(|s| rounded(*s, DIGITS)).collect();
+    Some(format!("noise_{unit} = [{}]", sigmas.join(", ")))
+}
