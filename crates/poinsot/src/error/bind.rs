@@ -39,7 +39,7 @@ pub enum BindError {
     },
     /// Absolute orbital coordinates.
     #[error(
-        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; give positions relative to a reference orbit",
+        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; write [environment] gravity = \"point_mass\" with gm_m3_s2, then they are taken relative to free fall",
         rounded(*distance, 4)
     )]
     OrbitalPosition {
