@@ -109,6 +109,7 @@ pub use sensor::{Nuisance, Sensor, SensorKind};
 pub use sensor_errors::{SensorError, SensorErrors};
 #[cfg(feature = "std")]
 pub use sensors::{Instrument, vector_reading};
+#[cfg(feature = "std")]
 pub use stage::{MotionSample, Prescribed};
 pub use thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
 pub use tree::{Link, Motion, Rotor, Tree};

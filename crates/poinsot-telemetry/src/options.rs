@@ -8,10 +8,10 @@ use std::collections::BTreeSet;
 pub struct ReadOptions {
     /// What the files hold where it is not standard names in SI.
     pub map: TelemetryMap,
-    /// What the times count from; `None`: the first row read decides, see [`Table::origin`].
+    /// What the times count from; `None`: the first row read decides, see [`Table::origin`](crate::Table::origin).
     pub origin: Option<Origin>,
     /// Channels asked for: `omega_x` (of any sensor) or `imu2.omega_x`. `None` takes every column with a
-    /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`].
+    /// standard name. Mapped columns count as asked for. All others are not parsed and listed in [`Table::ignored`](crate::Table::ignored).
     pub wanted: Option<BTreeSet<String>>,
     /// No repairs: what would be repaired is an error.
     pub strict: bool,
@@ -27,7 +27,7 @@ pub struct ReadOptions {
     pub memory_mib: usize,
     /// Sensors whose columns are in axes of their own; the table is in those of their bodies.
     pub mountings: Vec<Mounting>,
-    /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`]).
+    /// Refuse a table whose attitude and gyro contradict the declared conventions ([`check_conventions`](crate::check_conventions)).
     pub check_conventions: bool,
     /// Refuse a file that holds several runs, far apart: each is a segment of its own.
     pub one_run: bool,
