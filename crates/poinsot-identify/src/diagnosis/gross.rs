@@ -9,10 +9,12 @@ use crate::fit::{Fitted, fit_from};
 use crate::problem::Problem;
 use crate::problem::segment::Segment;
 use poinsot_solve::LeastSquares;
+use std::f64::consts::PI;
 
 /// Chi-square per number from which gross mistakes are looked for.
 const GROSS: f64 = 1.0e2;
-/// Shares of the record that are tried as its beginning.
+/// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
+/// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
 /// Iterations of such a fit: enough to tell right from wrong.
 const MISTAKE_ITERATIONS: usize = 8;
@@ -22,26 +24,60 @@ const EXPLAINS: f64 = 0.99;
 /// Excess of chi-square per number that a fit with the right reading may be left with.
 const RIGHT: f64 = 10.0;
 
-/// Factor on the speed of a wheel as read that would put it right, and what it means.
-const WHEELS: [(f64, &str); 5] = [
-    (-1.0, "sign"),
-    (0.017_453_292_519_943_295, "degrees read as radians"),
-    (
-        0.104_719_755_119_659_77,
-        "revolutions a minute read as rad/s",
-    ),
-    (std::f64::consts::TAU, "revolutions read as radians"),
-    (57.295_779_513_082_32, "radians read as degrees"),
+/// A kind of mistake: the factor that puts the value as read right, and words before and after its place.
+#[derive(Clone, Copy, PartialEq)]
+struct Kind {
+    factor: f64,
+    fault: FaultKind,
+    words: [&'static str; 2],
+}
+
+const fn unit(factor: f64, after: &'static str) -> Kind {
+    Kind {
+        factor,
+        fault: FaultKind::Units,
+        words: ["a wrong unit of", after],
+    }
+}
+
+/// Mistakes with the speed of a wheel.
+const WHEELS: [Kind; 5] = [
+    Kind {
+        factor: -1.0,
+        fault: FaultKind::WheelSign,
+        words: ["a wrong sign of", ""],
+    },
+    unit(PI / 180.0, " (degrees read as radians)"),
+    unit(PI / 30.0, " (revolutions a minute read as rad/s)"),
+    unit(2.0 * PI, " (revolutions read as radians)"),
+    unit(180.0 / PI, " (radians read as degrees)"),
 ];
 
-/// The same for the force of a thruster.
-const THRUSTERS: [(f64, &str); 2] = [(0.0, "dead"), (-1.0, "direction")];
+/// Mistakes with the force of a thruster.
+const THRUSTERS: [Kind; 2] = [
+    Kind {
+        factor: 0.0,
+        fault: FaultKind::Thrust,
+        words: ["no force of", ""],
+    },
+    Kind {
+        factor: -1.0,
+        fault: FaultKind::Thrust,
+        words: ["a wrong direction of", ""],
+    },
+];
+
+/// Speeds of two wheels in each other's column.
+const EXCHANGED: Kind = Kind {
+    factor: 1.0,
+    fault: FaultKind::WheelExchange,
+    words: ["exchanged speeds of", ""],
+};
 
 /// A mistake that may have been made.
 struct Mistake {
+    kind: Kind,
     owner: String,
-    what: &'static str,
-    factor: f64,
     place: Place,
 }
 
@@ -76,7 +112,7 @@ pub(super) fn gross(
     let nominal = nominal.unwrap_or(f64::INFINITY);
     let mut best: Option<Suspect> = None;
     // The mistake outside, its place inside: large factors make wild motions, which are slow to compute.
-    for alike in mistakes.chunk_by(|a, b| a.what == b.what) {
+    for alike in mistakes.chunk_by(|a, b| a.kind == b.kind) {
         for mistake in promising(&short, alike, nominal) {
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
             let confirmed = confirmed(experiment, &short, mistake, before);
@@ -120,30 +156,27 @@ fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         firings.any(|f| f.thruster == k)
     };
     let mut list = Vec::new();
-    for (factor, what) in THRUSTERS {
+    for kind in THRUSTERS {
         let all = experiment.thrusters.iter().enumerate();
         list.extend(all.filter(|(k, _)| fires(*k)).map(|(k, t)| Mistake {
+            kind,
             owner: t.name.clone(),
-            what,
-            factor,
             place: Place::Thruster(k),
         }));
     }
     let wheels = &experiment.problem.model.wheels;
     let exchanged = |i: usize, j: usize| Mistake {
+        kind: EXCHANGED,
         owner: format!("{} and {}", wheels[i].name, wheels[j].name),
-        what: "exchanged",
-        factor: 1.0,
         place: Place::Exchanged(i, j),
     };
     for j in 1..wheels.len() {
         list.extend((0..j).map(|i| exchanged(i, j)));
     }
-    for (factor, what) in WHEELS {
+    for kind in WHEELS {
         let own = |owner: &str, which| Mistake {
+            kind,
             owner: owner.to_owned(),
-            what,
-            factor,
             place: Place::Wheels(which),
         };
         let each = wheels.iter().enumerate();
@@ -166,13 +199,13 @@ fn put_right<T>(
         Place::Wheels(which) => {
             for k in which {
                 if let Some(spin) = other.nominal_spin.get_mut(*k) {
-                    *spin *= mistake.factor;
+                    *spin *= mistake.kind.factor;
                 }
             }
         }
         Place::Thruster(k) => {
             if let Some(thruster) = other.thrusters.get_mut(*k) {
-                thruster.direction_B *= mistake.factor;
+                thruster.direction_B *= mistake.kind.factor;
             }
         }
         Place::Exchanged(i, j) => {
@@ -242,30 +275,17 @@ fn confirmed(
 }
 
 fn named(mistake: &Mistake, decrease: f64, excess: f64) -> Suspect {
-    let owner = &mistake.owner;
-    let (fault, name) = match mistake.what {
-        "sign" => (FaultKind::WheelSign, format!("a wrong sign of {owner}")),
-        "exchanged" => (
-            FaultKind::WheelExchange,
-            format!("exchanged speeds of {owner}"),
-        ),
-        "dead" => (FaultKind::Thrust, format!("no force of {owner}")),
-        "direction" => (FaultKind::Thrust, format!("a wrong direction of {owner}")),
-        what => (
-            FaultKind::Units,
-            format!("a wrong unit of {owner} ({what})"),
-        ),
-    };
+    let (owner, [before, after]) = (&mistake.owner, mistake.kind.words);
     let values = match mistake.place {
         Place::Exchanged(..) => Vec::new(),
-        _ => vec![(format!("{owner}.factor"), mistake.factor, "1")],
+        _ => vec![(format!("{owner}.factor"), mistake.kind.factor, "1")],
     };
     Suspect {
-        name,
+        name: format!("{before} {owner}{after}"),
         decrease,
         explains: (decrease / excess).clamp(0.0, 1.0),
         values,
-        fault,
+        fault: mistake.kind.fault,
         tied: false,
     }
 }
