@@ -89,7 +89,8 @@
       // Low over the invariable plane, so that the point of contact is seen.
       this.yaw = -0.9; this.pitch = this.roll && this.roll.free ? 0.18 : 0.42; this.zoom = 1; this.view = this.roll && this.roll.free ? "space" : "body";
       this.morph = this.data.morph;
-      this.timed = this.roll || this.data.tree || this.morph;
+      // Shapes pass one after the other, as times do.
+      this.timed = this.roll || this.data.tree || (this.morph && { time_s: this.morph.axes.map((_, k) => k), group: "" });
       this.extent = this.data.extent; this.centre = this.roll ? [0, 0, 0] : this.data.centre;
       const q = matchMedia("(prefers-reduced-motion: reduce)");
       this.idle = !q.matches;
@@ -225,7 +226,7 @@
         } else {
           this.yaw += SPEED * (now - last) / 1000;
           // Shapes that nobody steers pass by themselves.
-          if (this.morph) this.slider.value = this.frame = Math.floor(now / 1000 / SECONDS * this.morph.time_s.length) % this.morph.time_s.length;
+          if (this.morph) this.slider.value = this.frame = Math.floor(now / 1000 / SECONDS * this.morph.axes.length) % this.morph.axes.length;
           this.draw();
         }
         last = now;

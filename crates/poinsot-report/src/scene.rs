@@ -116,10 +116,6 @@ pub struct Scene {
 /// Shapes of one ellipsoid about the origin, in a closed round.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Morph {
-    /// Place of each shape in the round.
-    pub time_s: Vec<f64>,
-    /// Nothing else moves with it.
-    pub group: String,
     /// Semi-axes of each shape.
     pub axes: Vec<[Point; 3]>,
     /// What is said of each shape.

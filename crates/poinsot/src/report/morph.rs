@@ -26,7 +26,6 @@ pub(super) fn morph(e: &EstimateFile, name: &str, body: &BodyFile) -> Option<Mor
         for at in round(tensors.len()) {
             let I = &tensors[at];
             out.axes.push(inertia_ellipsoid(I, size)?);
-            out.time_s.push(out.time_s.len() as f64);
             out.words.push(format!(
                 "direction {} of {}: I_xx {:.3}, I_yy {:.3}, I_zz {:.3} kg m\u{b2}",
                 k + 1,
