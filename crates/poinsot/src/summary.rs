@@ -1,7 +1,7 @@
 //! The answer in one sentence of at most twenty words, and what to do: the same in the terminal and on the page.
 
 use crate::trials::sigmas_of_interval;
-use poinsot_formats::{BodyFile, EstimateFile, NumberFile};
+use poinsot_formats::{BodyFile, EstimateFile, NumberFile, UndeterminedFile};
 use poinsot_report::significant;
 
 /// Chi-square per degree of freedom above which a rejection is said by it.
@@ -52,7 +52,7 @@ pub(crate) fn action(e: &EstimateFile) -> Option<String> {
     let found = match e.status.as_str() {
         "partial" | "not_identifiable" if e.doubts.is_empty() => {
             let open = &e.identifiability.not_identifiable;
-            open.first().map(|o| o.remedy.clone())
+            serves_most(open).map(|o| o.remedy.clone())
         }
         "rejected" => {
             let findings = e.diagnostics.iter().flat_map(|d| &d.findings);
@@ -68,6 +68,13 @@ pub(crate) fn action(e: &EstimateFile) -> Option<String> {
     let mut letters = found.trim().trim_end_matches('.').chars();
     let head = letters.next()?.to_uppercase();
     Some(format!("{head}{}.", letters.as_str()))
+}
+
+/// The direction whose remedy serves most directions, the first of equal ones; figures in brackets differ between them.
+fn serves_most(open: &[UndeterminedFile]) -> Option<&UndeterminedFile> {
+    let head = |o: &UndeterminedFile| o.remedy.split(" (").next().map(str::to_owned);
+    let count = |o: &&UndeterminedFile| open.iter().filter(|p| head(p) == head(o)).count();
+    open.iter().rev().max_by_key(count)
 }
 
 /// Largest chi-square per degree of freedom of a segment.
