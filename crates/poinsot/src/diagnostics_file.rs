@@ -26,7 +26,7 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
     }
 }
 
-/// One check of the residuals.
+/// One check of the residuals, or a cause of what they show.
 pub(crate) struct Check {
     /// What was tested.
     pub test: String,
@@ -34,73 +34,71 @@ pub(crate) struct Check {
     pub found: String,
     /// What it means.
     pub verdict: String,
+    /// Colour of the verdict.
+    pub tone: Tone,
 }
 
+/// Colour and word.
+type Verdict = (Tone, &'static str);
+
 impl Check {
-    /// Colour of the verdict.
-    pub fn tone(&self) -> Tone {
-        match self.verdict.as_str() {
-            "as declared" | "white" | "none seen" => Tone::Good,
-            "smaller than declared" | "" => Tone::Fair,
-            _ => Tone::Bad,
+    fn new(test: String, found: String, (tone, verdict): Verdict) -> Self {
+        Self {
+            test,
+            found,
+            verdict: verdict.to_owned(),
+            tone,
         }
     }
 }
 
+/// Causes listed beside the checks; the result file has all.
+const CAUSES: usize = 3;
+
 /// Every check of the residuals.
 pub(crate) fn checks(d: &DiagnosticsFile) -> Vec<Check> {
-    let of = |[test, found, verdict]: [String; 3]| Check {
-        test,
-        found,
-        verdict,
-    };
-    rows(d).into_iter().map(of).collect()
-}
-
-fn rows(d: &DiagnosticsFile) -> Vec<[String; 3]> {
-    let mut rows = vec![chi_square(d)];
-    rows.extend(d.channels.iter().map(|(name, c)| residual(name, c)));
+    let mut all = vec![chi_square(d)];
+    all.extend(d.channels.iter().map(|(name, c)| residual(name, c)));
     let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
     let drifts = d.momentum_drift.iter();
-    rows.extend(
-        drifts
-            .filter(|d| d.segment.is_none() || small(d.p))
-            .map(drift_row),
-    );
-    rows.extend(d.lags.iter().map(lag_row));
-    rows.extend(d.suspects.iter().take(3).map(|s| {
+    let worth_a_row = drifts.filter(|d| d.segment.is_none() || small(d.p));
+    all.extend(worth_a_row.map(drift_row));
+    all.extend(d.lags.iter().map(lag_row));
+    all.extend(d.lines.iter().map(|l| {
+        let share = 100.0 * l.share;
+        let found = format!("{:.3} Hz, {share:.0} % of the power", l.frequency_hz);
+        let test = format!("line in {}", l.segment);
+        Check::new(test, found, (Tone::Bad, "not rigid"))
+    }));
+    all
+}
+
+/// The causes with the best evidence.
+pub(crate) fn causes(d: &DiagnosticsFile) -> Vec<Check> {
+    let one = |s: &SuspectFile| {
         let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
-        let result = format!("would lower chi-square by {fall:.0}");
-        [s.name.clone(), result, s.fault.replace('_', " ")]
-    }));
-    rows.extend(d.lines.iter().map(|l| {
-        let result = format!(
-            "{:.3} Hz, {:.0} % of the power",
-            l.frequency_hz,
-            100.0 * l.share
-        );
-        [
-            format!("line in {}", l.segment),
-            result,
-            "not rigid".to_owned(),
-        ]
-    }));
-    rows
+        Check {
+            test: s.name.clone(),
+            found: format!("would lower chi-square by {fall:.0}"),
+            verdict: s.fault.replace('_', " "),
+            tone: Tone::Bad,
+        }
+    };
+    d.suspects.iter().take(CAUSES).map(one).collect()
 }
 
 /// The size of the residual against the declared noise.
-pub(crate) fn chi_square_verdict(d: &DiagnosticsFile) -> &'static str {
+pub(crate) fn chi_square_verdict(d: &DiagnosticsFile) -> Verdict {
     match d.excess_sigmas {
-        Some(x) if x > 6.0 => "larger than declared",
-        Some(x) if x < -6.0 => "smaller than declared",
-        _ => "as declared",
+        Some(x) if x > 6.0 => (Tone::Bad, "larger than declared"),
+        Some(x) if x < -6.0 => (Tone::Fair, "smaller than declared"),
+        _ => (Tone::Good, "as declared"),
     }
 }
 
-fn chi_square(d: &DiagnosticsFile) -> [String; 3] {
-    let verdict = chi_square_verdict(d);
-    let result = format!("{:.0} for {} expected", d.chi2.unwrap_or(f64::NAN), d.dof);
-    ["chi-square".to_owned(), result, verdict.to_owned()]
+fn chi_square(d: &DiagnosticsFile) -> Check {
+    let found = format!("{:.0} for {} expected", d.chi2.unwrap_or(f64::NAN), d.dof);
+    Check::new("chi-square".to_owned(), found, chi_square_verdict(d))
 }
 
 fn channel(c: &poinsot_identify::ChannelDiagnosis) -> (String, ChannelFile) {
@@ -166,29 +164,28 @@ fn finding(f: &poinsot_identify::Finding) -> FindingFile {
 }
 
 /// The shape of a sensor's residual in time.
-pub(crate) fn residual_verdict(c: &ChannelFile) -> &'static str {
+pub(crate) fn residual_verdict(c: &ChannelFile) -> Verdict {
     match (c.outlier_share > 1.0e-3 && c.outliers > 1, c.whiteness_p) {
-        (true, _) => "outliers",
-        (false, Some(p)) if p < SIGNIFICANT => "correlated in time",
-        (false, Some(_)) => "white",
-        (false, None) => "",
+        (true, _) => (Tone::Bad, "outliers"),
+        (false, Some(p)) if p < SIGNIFICANT => (Tone::Bad, "correlated in time"),
+        (false, Some(_)) => (Tone::Good, "white"),
+        (false, None) => (Tone::Fair, ""),
     }
 }
 
-fn residual(name: &str, c: &ChannelFile) -> [String; 3] {
-    let verdict = residual_verdict(c);
+fn residual(name: &str, c: &ChannelFile) -> Check {
     let white = c
         .whiteness_p
         .map_or(String::new(), |p| format!(", white p = {}", probability(p)));
-    let result = format!("{:.2} % outliers{white}", 100.0 * c.outlier_share);
-    [
+    let found = format!("{:.2} % outliers{white}", 100.0 * c.outlier_share);
+    Check::new(
         format!("residual of the {name}"),
-        result,
-        verdict.to_owned(),
-    ]
+        found,
+        residual_verdict(c),
+    )
 }
 
-fn drift_row(d: &DriftFile) -> [String; 3] {
+fn drift_row(d: &DriftFile) -> Check {
     let name = match &d.segment {
         Some(segment) => format!("momentum drift in {segment}"),
         None => "momentum drift".to_owned(),
@@ -200,13 +197,8 @@ fn drift_row(d: &DriftFile) -> [String; 3] {
     };
     let both: Vec<String> = [torque, force].into_iter().flatten().collect();
     let p = d.p.unwrap_or(f64::NAN);
-    let verdict = if p < SIGNIFICANT {
-        "drifts"
-    } else {
-        "none seen"
-    };
-    let result = format!("{}, p = {}", both.join("; "), probability(p));
-    [name, result, verdict.to_owned()]
+    let found = format!("{}, p = {}", both.join("; "), probability(p));
+    Check::new(name, found, seen(p, "drifts"))
 }
 
 /// The component with the most sigmas, in N.
@@ -219,16 +211,23 @@ fn strongest(value: &[Option<f64>; 3], sigma: &[Option<f64>; 3], unit: &str) -> 
     Some(format!("{axis} {v} ± {s} {unit}"))
 }
 
-fn lag_row(l: &LagFile) -> [String; 3] {
+fn lag_row(l: &LagFile) -> Check {
     let p = l.p.unwrap_or(f64::NAN);
     let (lag, sigma) = (
         significant(1.0e3 * l.lag_s, 2),
         significant(1.0e3 * l.sigma_s, 2),
     );
-    let verdict = if p < SIGNIFICANT { "late" } else { "none seen" };
-    [
+    Check::new(
         format!("lag of {} behind {}", l.between[0], l.between[1]),
         format!("{lag} ± {sigma} ms, p = {}", probability(p)),
-        verdict.to_owned(),
-    ]
+        seen(p, "late"),
+    )
+}
+
+/// What a small probability means.
+fn seen(p: f64, word: &'static str) -> Verdict {
+    match p < SIGNIFICANT {
+        true => (Tone::Bad, word),
+        false => (Tone::Good, "none seen"),
+    }
 }

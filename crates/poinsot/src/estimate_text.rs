@@ -1,11 +1,13 @@
 //! The answer as an engineer reads it in a terminal.
 
-use crate::diagnostics_file::{Check, checks};
+use crate::diagnostics_file::{Check, causes, checks};
 use crate::estimate_file::{component, estimate_file, inertia_entries};
 use crate::identify::Identified;
 use crate::summary;
 use crate::verdict::Standing;
-use poinsot_identify::{BodyEstimate, Estimate, Number, OpenCombination, Source, Status};
+use poinsot_identify::{
+    BodyEstimate, DeterminedCombination, Estimate, Number, OpenCombination, Source, Status,
+};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
@@ -46,9 +48,14 @@ pub fn estimate_document(identified: &Identified, detail: Detail) -> Document {
     numbers(&mut document, e);
     evidence(&mut document, identified);
     let checks: Vec<Check> = file.diagnostics.iter().flat_map(checks).collect();
-    let failed: Vec<&Check> = checks.iter().filter(|c| c.tone() == Tone::Bad).collect();
+    let failed: Vec<&Check> = checks.iter().filter(|c| c.tone == Tone::Bad).collect();
     if !failed.is_empty() && detail == Detail::Answer {
         document.push(check_table("failed checks", &failed).toned(Tone::Bad));
+    }
+    let causes: Vec<Check> = file.diagnostics.iter().flat_map(causes).collect();
+    if !causes.is_empty() {
+        let section = check_table("possible causes", &causes.iter().collect::<Vec<_>>());
+        document.push(section.toned(Tone::Bad));
     }
     if let Some(action) = summary::action(&file) {
         document.push(Section::list("what to do", vec![action]));
@@ -126,7 +133,7 @@ fn evidence(document: &mut Document, identified: &Identified) {
             "not identifiable from these data",
             open_sentences(&e.identifiability.open),
         ));
-        document.push(determined(identified));
+        document.sections.extend(determined(e));
     }
     if !e.warnings.is_empty() {
         document.push(Section::list("warnings", e.warnings.clone()).toned(Tone::Fair));
@@ -263,8 +270,17 @@ pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
     lines
 }
 
-fn determined(identified: &Identified) -> Section {
-    let all = &identified.estimate.identifiability.determined;
+/// Combinations and functions that the data determine, without numbers that the tables above have.
+fn determined(e: &Estimate) -> Option<Section> {
+    let tabled = |c: &&DeterminedCombination| match &c.coefficients[..] {
+        [(name, _)] => name.ends_with(".m") || name.contains(".I_BBcm_"),
+        _ => false,
+    };
+    let all = e.identifiability.determined.iter();
+    let all: Vec<_> = all.filter(|c| !tabled(c)).collect();
+    if all.is_empty() {
+        return None;
+    }
     let what = match all.iter().all(|c| !c.coefficients.is_empty()) {
         true => "determined combination",
         false => "determined combination or function",
@@ -275,13 +291,11 @@ fn determined(identified: &Identified) -> Section {
         table.push(vec![c.text.clone(), value, sigma, c.unit.to_owned()]);
     }
     let mut section = Section::table("what is determined instead", table);
-    if all.len() > LISTED {
-        section.note = Some(format!(
-            "and {} more combinations in the result file",
-            all.len() - LISTED
-        ));
+    let more = all.len().saturating_sub(LISTED);
+    if more > 0 {
+        section.note = Some(format!("and {more} more combinations in the result file"));
     }
-    section
+    Some(section)
 }
 
 /// Known numbers and the number of the answer whose variance each has most of.

@@ -4,6 +4,7 @@ use super::Answer;
 use crate::diagnostics_file::{SIGNIFICANT, chi_square_verdict, residual_verdict};
 use minijinja::{Value, context};
 use poinsot_formats::DiagnosticsFile;
+use poinsot_report::Tone;
 
 /// Tone, word, and what was found.
 type Light = (&'static str, &'static str, String);
@@ -35,18 +36,18 @@ pub(super) fn lights(answer: &Answer) -> Vec<Value> {
 }
 
 fn noise(d: &DiagnosticsFile) -> Light {
-    let verdict = chi_square_verdict(d);
+    let (tone, _) = chi_square_verdict(d);
     let chi2 = d.chi2.unwrap_or(f64::NAN);
     let found = format!("chi-square {chi2:.0} for {} expected", d.dof);
     let worst = d
         .channels
         .iter()
         .map(|(name, c)| (name, residual_verdict(c)))
-        .find(|(_, v)| ["outliers", "correlated in time"].contains(v));
-    match (verdict, worst) {
-        ("larger than declared", _) => ("bad", "no, larger", found),
-        (_, Some((name, what))) => ("bad", "no", format!("{name}: {what}")),
-        ("smaller than declared", _) => ("fair", "smaller", found),
+        .find(|(_, (tone, _))| *tone == Tone::Bad);
+    match (tone, worst) {
+        (Tone::Bad, _) => ("bad", "no, larger", found),
+        (_, Some((name, (_, what)))) => ("bad", "no", format!("{name}: {what}")),
+        (Tone::Fair, _) => ("fair", "smaller", found),
         _ => ("good", "yes", found),
     }
 }

@@ -4,7 +4,7 @@ use super::Answer;
 use super::data::Channel;
 use super::envelope::Envelope;
 use super::numbers::ninety_five;
-use crate::diagnostics_file::{SIGNIFICANT, checks};
+use crate::diagnostics_file::{SIGNIFICANT, causes, checks};
 use crate::trials::normal_quantile;
 use minijinja::{Value, context};
 use poinsot_formats::{SegmentFitFile, SensorFitFile};
@@ -26,8 +26,8 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
     let tests: Vec<Value> = e
         .diagnostics
         .iter()
-        .flat_map(checks)
-        .map(|c| context! { test => c.test, found => c.found, tone => c.tone().name(), verdict => c.verdict })
+        .flat_map(|d| checks(d).into_iter().chain(causes(d)))
+        .map(|c| context! { test => c.test, found => c.found, tone => c.tone.name(), verdict => c.verdict })
         .collect();
     let envelope = Envelope::of(&answer.data);
     let mut figures = Vec::new();
