@@ -7,7 +7,7 @@ use crate::driven_stage::{Driven, DrivenPlan, DrivenSample, DrivenStage};
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::joint_drive::JointDrive;
 use crate::plan::{Start, Stretches};
-use crate::prescribed::MotionError;
+use crate::prescribed::{MotionError, gravity_gradient};
 use crate::runge_kutta::RungeKutta4;
 use crate::thrust::Nozzle;
 use crate::tree::{Motion, Tree};
@@ -32,7 +32,7 @@ impl<'p> Driven<'p> {
     /// Puts a vehicle under a plan.
     ///
     /// # Errors
-    /// The plan does not fit the vehicle, or gravity acts.
+    /// The plan does not fit the vehicle, or gravity is asked for in a way that is not simulated.
     pub fn new(vehicle: impl Into<Vehicle>, plan: &'p DrivenPlan) -> Result<Self, MotionError> {
         let vehicle: Vehicle = vehicle.into();
         let parameters = vehicle.bodies.clone();
@@ -43,23 +43,20 @@ impl<'p> Driven<'p> {
     /// those of real bodies: base parameters move like the vehicle they came from.
     ///
     /// # Errors
-    /// The plan or the parameters do not fit the vehicle, or gravity acts.
+    /// The plan or the parameters do not fit the vehicle, or gravity is asked for in a way that is not simulated.
     pub fn with_parameters(
         vehicle: impl Into<Vehicle>,
         parameters: Vec<InertialParameters>,
         plan: &'p DrivenPlan,
     ) -> Result<Self, MotionError> {
         let vehicle: Vehicle = vehicle.into();
-        if vehicle.gravity.acts() {
-            return Err(MotionError::Gravity(
-                "a vehicle driven by torques is simulated in free fall; take gravity out of [environment]",
-            ));
-        }
+        let orbit = gravity_gradient(&vehicle.gravity)?;
         let (spin_inertia, nozzles) = (vehicle.spin_inertia, vehicle.nozzles);
-        Self::from_parts(vehicle.tree, parameters, spin_inertia, nozzles, plan)
+        let driven = Self::from_parts(vehicle.tree, parameters, spin_inertia, nozzles, plan)?;
+        Ok(Self { orbit, ..driven })
     }
 
-    /// From the tree, ten parameters per body, spin inertia per wheel (kg m2) and the thrusters.
+    /// From the tree, ten parameters per body, spin inertia per wheel (kg m2) and the thrusters, in free fall.
     ///
     /// # Errors
     /// The plan or the parameters do not fit the tree.
@@ -107,6 +104,7 @@ impl<'p> Driven<'p> {
             plan,
             free,
             mass,
+            orbit: None,
         })
     }
 

@@ -6,8 +6,8 @@
 //! y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, h_w of each torque-driven wheel, q, q' ]
 //! ```
 //!
-//! No internal force enters the momenta, so they are exact without thrust, whatever the joints do and
-//! however long the step. The base twist is what the momentum leaves after the joint rates, and `q''` comes
+//! No internal force enters the momenta, so they are exact in free fall without thrust, whatever the joints do and
+//! however long the step. A gravity gradient pulls on every body (`gravity_gradient.rs`), so it drives the joints too. The base twist is what the momentum leaves after the joint rates, and `q''` comes
 //! from the articulated-body algorithm (`forward_dynamics.rs`).
 //!
 //! A wheel driven by a torque has `h_w = Js (Omega + a . w_host)`, `h_w' = torque`. Its host then moves like
@@ -16,18 +16,20 @@
 //! feels `-(a Js Omega' + w_host x a Js Omega)`.
 
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
+use crate::gravity_gradient::tidal_wrench;
 use crate::integrate::{Flow, Halt};
 use crate::inverse_dynamics::{InverseDynamics, Wrench};
 use crate::joint_drive::JointDrive;
 use crate::momentum::Twist;
+use crate::orbit::{Orbit, orbit_state};
 use crate::plan::{Start, StartVelocity};
 use crate::stage::{ANGULAR, LINEAR, MotionSample, POSITION, WHEELS, attitude, vector};
 use crate::symmetric::Symmetric;
-use crate::thrust::{Firing, Nozzle, thrust_levels, thrust_wrench};
+use crate::thrust::{Firing, Nozzle, thrust_levels};
 use crate::tree::Tree;
 use crate::wheel_motion::WheelMotion;
 use nalgebra::Quaternion;
-use poinsot_spatial::{InertialParameters, Vector3};
+use poinsot_spatial::{InertialParameters, UnitQuaternion, Vector3};
 
 /// What drives a vehicle.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,6 +68,8 @@ pub struct Driven<'p> {
     /// The joint coordinates that are part of the state.
     pub(crate) free: Vec<usize>,
     pub(crate) mass: f64,
+    /// Gravitational parameter and orbit of the gravity gradient.
+    pub(crate) orbit: Option<(f64, Orbit)>,
 }
 
 /// Everything an ideal sensor could read, with the forces at the joints.
@@ -97,7 +101,10 @@ pub(crate) struct DrivenStage<'s> {
     wheel_momentum: Vec<f64>,
     dynamics: ForwardDynamics,
     inverse: InverseDynamics,
+    /// On each body about its origin, in base axes.
     outside: Vec<Wrench>,
+    /// From outside the tree, on the whole about `Bo`, in base axes.
+    total: Wrench,
     c: Vector3,
     inertia: Symmetric,
     sample: DrivenSample,
@@ -119,6 +126,7 @@ impl<'s> DrivenStage<'s> {
             dynamics: ForwardDynamics::new(tree),
             inverse: InverseDynamics::new(tree),
             outside: vec![Wrench::ZERO; tree.bodies()],
+            total: Wrench::ZERO,
             c: Vector3::zeros(),
             inertia: Symmetric::default(),
             sample: DrivenSample {
@@ -231,25 +239,51 @@ impl<'s> DrivenStage<'s> {
         Ok(Twist { v, w })
     }
 
-    /// Joint accelerations at the placement and velocities found.
+    /// What acts on each body from outside the tree and from its wheels, at the placement and velocities found; and
+    /// the sum of what acts from outside, about `Bo`.
     #[inline]
-    fn accelerate(&mut self, t: f64) -> Result<(), Halt> {
+    fn set_outside(&mut self, t: f64, R_NB: &UnitQuaternion) {
         let vehicle = self.vehicle;
         let motion = &mut self.sample.motion;
+        self.outside.fill(Wrench::ZERO);
         let kinematics = &motion.kinematics;
         for (nozzle, level) in vehicle.nozzles.iter().zip(&motion.thrust) {
             if *level != 0.0 {
                 let R = &kinematics.R[nozzle.body];
                 let force = R * nozzle.direction_B * *level;
-                let torque = (R * nozzle.p_BoT_B).cross(&force);
-                self.dynamics.add_wrench(nozzle.body, &force, &torque);
+                self.outside[nozzle.body].force += force;
+                self.outside[nozzle.body].torque += (R * nozzle.p_BoT_B).cross(&force);
             }
         }
-        for (i, rotor) in vehicle.tree.rotors.iter().enumerate() {
-            let torque = self.wheel_reaction(i);
-            self.dynamics
-                .add_wrench(rotor.body, &Vector3::zeros(), &torque);
+        if let Some((gm, orbit)) = &vehicle.orbit {
+            motion.p_orbit_N = orbit_state(*gm, orbit, t).0;
+            let r_B = R_NB.inverse() * motion.p_orbit_N;
+            // What spins freely about an axis still hangs in the field: bodies with their rotors.
+            for (i, body) in vehicle.parameters.iter().enumerate() {
+                let tide = tidal_wrench(*gm, &r_B, &self.c, body, kinematics, i);
+                self.outside[i].force += tide.force;
+                self.outside[i].torque += tide.torque;
+            }
         }
+        self.total = Wrench::ZERO;
+        for (wrench, p) in self.outside.iter().zip(&kinematics.p) {
+            self.total.force += wrench.force;
+            self.total.torque += wrench.torque + p.cross(&wrench.force);
+        }
+        for (i, rotor) in vehicle.tree.rotors.iter().enumerate() {
+            let reaction = self.wheel_reaction(i);
+            self.outside[rotor.body].torque += reaction;
+        }
+    }
+
+    /// Joint accelerations at the placement and velocities found.
+    #[inline]
+    fn accelerate(&mut self, t: f64, R_NB: &UnitQuaternion) -> Result<(), Halt> {
+        self.set_outside(t, R_NB);
+        for (i, wrench) in self.outside.iter().enumerate() {
+            self.dynamics.add_wrench(i, &wrench.force, &wrench.torque);
+        }
+        let vehicle = self.vehicle;
         let motion = &mut self.sample.motion;
         self.dynamics
             .solve(
@@ -386,7 +420,7 @@ impl<'s> DrivenStage<'s> {
         self.read_drives(t);
         self.read_state(y);
         let twist = self.twist(t, &(to_base * l), &(to_base * h))?;
-        self.accelerate(t)?;
+        self.accelerate(t, &R_NB)?;
         let motion = &mut self.sample.motion;
         motion.time = t;
         motion.R_NB = R_NB;
@@ -430,18 +464,7 @@ impl<'s> DrivenStage<'s> {
         let vehicle = self.vehicle;
         let prescribed = vehicle.free.len() < vehicle.tree.dof();
         if prescribed {
-            self.outside.fill(Wrench::ZERO);
-            for (i, rotor) in vehicle.tree.rotors.iter().enumerate() {
-                let reaction = self.wheel_reaction(i);
-                self.outside[rotor.body].torque += reaction;
-            }
             let motion = &self.sample.motion;
-            for (nozzle, level) in vehicle.nozzles.iter().zip(&motion.thrust) {
-                let R = &motion.kinematics.R[nozzle.body];
-                let force = R * nozzle.direction_B * *level;
-                self.outside[nozzle.body].force += force;
-                self.outside[nozzle.body].torque += (R * nozzle.p_BoT_B).cross(&force);
-            }
             self.inverse.solve(
                 &vehicle.tree,
                 &vehicle.reduced,
@@ -469,13 +492,13 @@ impl Flow for DrivenStage<'_> {
         self.read_drives(t);
         self.read_state(y);
         let twist = self.twist(t, &R.tr_mul(&l), &R.tr_mul(&h))?;
-        self.accelerate(t)?;
+        self.accelerate(t, &R_NB)?;
         // q' = q (0, w) / 2
         let q = R_NB.quaternion() * Quaternion::from_imag(twist.w * 0.5);
         dy[..POSITION].copy_from_slice(q.coords.as_slice());
         let vehicle = self.vehicle;
         let motion = &self.sample.motion;
-        let (force, torque) = thrust_wrench(&vehicle.nozzles, &motion.kinematics, &motion.thrust);
+        let Wrench { force, torque } = self.total;
         let blocks = [
             l / vehicle.mass,
             R * force,

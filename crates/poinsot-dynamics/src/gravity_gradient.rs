@@ -1,8 +1,10 @@
 //! The torque of a gravity field that is not the same everywhere in the vehicle.
 
+use crate::inverse_dynamics::Wrench;
+use crate::kinematics::Kinematics;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField;
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
 /// Gravity-gradient torque about the system's mass centre, N m: `3 gm / r^5  r x (I r)` (Hughes 1986, sec. 8.1), to
 /// first order in the size of the vehicle over the distance.
@@ -16,6 +18,35 @@ pub fn gravity_gradient_torque(gm: f64, r: &Vector3, I_SScm: &Matrix3) -> Vector
     }
     let u = r / distance;
     u.cross(&(I_SScm * u)) * (3.0 * gm / distance.powi(3))
+}
+
+/// What the field does to one body of a vehicle whose mass centre falls freely: the wrench about the body's origin, in base
+/// axes, to first order in the size of the vehicle over the distance `|r|`. With `u = r / |r|` and `d` from the system's mass
+/// centre to a particle the force on it is `gm / |r|^3 (3 u u^T - 1) d dm`. Over all bodies the forces cancel and the
+/// torques add up to [`gravity_gradient_torque`].
+pub fn tidal_wrench(
+    gm: f64,
+    r_B: &Vector3,
+    p_BoScm_B: &Vector3,
+    body: &InertialParameters,
+    kinematics: &Kinematics,
+    i: usize,
+) -> Wrench {
+    let distance = r_B.norm();
+    if distance == 0.0 {
+        return Wrench::ZERO;
+    }
+    let (u, rate) = (r_B / distance, gm / distance.powi(3));
+    let tide = |x: &Vector3| (u * (3.0 * u.dot(x)) - x) * rate;
+    let R = &kinematics.R[i];
+    let mc = R * body.mc_B;
+    // Of the part of d that is alike for all particles of the body, and of the part within it.
+    let common = tide(&(kinematics.p[i] - p_BoScm_B));
+    let I_CCo_B = R * body.I_BBo_B * R.transpose();
+    Wrench {
+        force: common * body.mass + tide(&mc),
+        torque: mc.cross(&common) + u.cross(&(I_CCo_B * u)) * (3.0 * rate),
+    }
 }
 
 #[cfg(test)]

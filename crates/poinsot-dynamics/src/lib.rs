@@ -76,7 +76,7 @@ pub use driven::Integrator;
 pub use driven_stage::{Driven, DrivenPlan, DrivenSample};
 pub use energy::kinetic_energy;
 pub use forward_dynamics::{ForwardDynamics, JointInput, Singular};
-pub use gravity_gradient::gravity_gradient_torque;
+pub use gravity_gradient::{gravity_gradient_torque, tidal_wrench};
 #[cfg(feature = "std")]
 pub use integrate::{DormandPrince, Flow, Halt, Tolerance};
 pub use inverse_dynamics::{InverseDynamics, Wrench};

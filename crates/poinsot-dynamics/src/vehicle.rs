@@ -33,10 +33,3 @@ pub struct Gravity {
     /// The reference orbit, where it is known.
     pub orbit: Option<Orbit>,
 }
-
-impl Gravity {
-    /// Whether anything but free fall is declared.
-    pub fn acts(&self) -> bool {
-        self.gm.is_some() || self.gradient
-    }
-}

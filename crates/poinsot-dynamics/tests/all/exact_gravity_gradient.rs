@@ -132,3 +132,131 @@ fn exact_tumbling_keeps_the_hamiltonian_of_orbiting_axes() {
     let moved = (momenta[59] - momenta[0]).norm() / momenta[0].norm();
     assert!(moved > 0.1, "{moved}");
 }
+
+/// A mass that slides freely along the orbit normal swings through the orbital plane once an orbit: `s'' = -n^2 s` (Hill,
+/// Clohessy and Wiltshire 1960), whatever the two masses. In the field both hang upright, so nothing turns.
+#[test]
+fn exact_a_free_slider_along_the_orbit_normal_swings_once_an_orbit() {
+    let body = |parent, joint, mass| KitBody {
+        parent,
+        joint,
+        p_PoCo_P: Vector3::zeros(),
+        R_PC_zero: Matrix3::identity(),
+        axis_C: Vector3::z(),
+        mass,
+        p_CoCcm_C: Vector3::zeros(),
+        I_CCcm_C: Matrix3::from_diagonal(&Vector3::new(3.0, 3.0, 5.0)),
+    };
+    let bodies = [
+        body(0, KitJoint::Base, 50.0),
+        body(0, KitJoint::Prismatic, 7.0),
+    ];
+    let (around, n) = satellite(Vector3::new(2.0, 6.0, 5.0));
+    let mut model = setup::model(&bodies, &[]);
+    model.environment = around.environment;
+    let plan = DrivenPlan {
+        joints: vec![JointDrive::Force {
+            motor: ForceProfile::none(),
+            spring: SpringDamper::default(),
+            initial_position: 1.5,
+            initial_rate: 0.0,
+        }],
+        wheels: Vec::new(),
+        firings: Vec::new(),
+    };
+    let start = Start {
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B: Vector3::z() * n,
+        },
+        ..Start::at_rest()
+    };
+    let times: Vec<f64> = (0..7).map(|k| f64::from(k) * 1000.0).collect();
+    let integrator = Integrator::DormandPrince5(Tolerance::default());
+    let vehicle = Driven::new(&model, &plan).unwrap();
+    vehicle
+        .run(&start, &times, integrator, |s| {
+            let expected = 1.5 * (n * s.motion.time).cos();
+            assert!(
+                (s.motion.q[0] - expected).abs() < 1.0e-9,
+                "{}",
+                s.motion.q[0]
+            );
+        })
+        .unwrap();
+}
+
+/// Wrenches on the single bodies move the vehicle as the torque on the whole does, and a joint that is led feels them.
+#[test]
+fn exact_driven_and_prescribed_motion_agree_in_the_field() {
+    let inertia = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
+    let bodies = [
+        KitBody {
+            parent: 0,
+            joint: KitJoint::Base,
+            p_PoCo_P: Vector3::zeros(),
+            R_PC_zero: Matrix3::identity(),
+            axis_C: Vector3::z(),
+            mass: 50.0,
+            p_CoCcm_C: Vector3::new(0.1, -0.2, 0.05),
+            I_CCcm_C: inertia(2.0, 6.0, 5.0),
+        },
+        KitBody {
+            parent: 0,
+            joint: KitJoint::Revolute,
+            p_PoCo_P: Vector3::new(0.4, 0.1, 0.3),
+            R_PC_zero: Matrix3::identity(),
+            axis_C: Vector3::y(),
+            mass: 9.0,
+            p_CoCcm_C: Vector3::new(0.9, 0.1, -0.2),
+            I_CCcm_C: inertia(0.3, 1.1, 1.2),
+        },
+    ];
+    let (around, n) = satellite(Vector3::new(2.0, 6.0, 5.0));
+    let mut model = setup::model(&bodies, &[]);
+    model.environment = around.environment;
+    let led = JointMotion::cubic_clamped(&[0.0, 900.0, 2000.0], &[0.2, 1.4, -0.5]).unwrap();
+    let prescribed = Plan {
+        joints: vec![led.clone()],
+        ..Plan::hold(&model)
+    };
+    let driven = DrivenPlan {
+        joints: vec![JointDrive::Motion(led)],
+        wheels: Vec::new(),
+        firings: Vec::new(),
+    };
+    let start = Start {
+        R_NB: UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -0.8, 0.3)),
+        p_NoBo_N: Vector3::zeros(),
+        velocity: StartVelocity::Twist {
+            v_NBo_N: Vector3::zeros(),
+            w_NB_B: Vector3::new(0.7, -1.1, 0.4) * n,
+        },
+    };
+    let times: Vec<f64> = (0..6).map(|k| f64::from(k) * 400.0).collect();
+    let mut expected = Vec::new();
+    Prescribed::new(&model, &prescribed, Tolerance::default())
+        .unwrap()
+        .run(&start, &times, |s| expected.push(s.clone()))
+        .unwrap();
+    let mut compared = 0;
+    let integrator = Integrator::DormandPrince5(Tolerance::default());
+    Driven::new(&model, &driven)
+        .unwrap()
+        .run(&start, &times, integrator, |s| {
+            let e = &expected[compared];
+            compared += 1;
+            let (angle, momentum) = (
+                s.motion.R_NB.angle_to(&e.R_NB),
+                s.motion.h_SScm_N - e.h_SScm_N,
+            );
+            assert!(angle < 1.0e-8, "{angle:e}");
+            assert!(momentum.norm() < 1.0e-9 * e.h_SScm_N.norm(), "{momentum}");
+            assert!((s.motion.body.alpha[1] - e.body.alpha[1]).norm() < 1.0e-11);
+            assert_eq!(s.motion.p_orbit_N, e.p_orbit_N);
+        })
+        .unwrap();
+    assert_eq!(compared, times.len());
+    let turned = (expected[5].h_SScm_N - expected[0].h_SScm_N).norm();
+    assert!(turned > 0.05 * expected[0].h_SScm_N.norm());
+}
