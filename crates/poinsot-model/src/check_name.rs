@@ -1,6 +1,7 @@
 //! Names: printable, unique, and no two things that would read one telemetry column.
 
-use crate::file::{JointType, ModelFile, SensorType};
+use crate::check_sensor::{kind_of, units_of};
+use crate::file::{JointType, ModelFile, NuisanceFile, NuisanceWord, SensorFile, SensorType};
 use crate::finding::{Findings, Key};
 use poinsot_files::is_unprintable;
 use std::collections::HashMap;
@@ -87,7 +88,8 @@ fn duplicate(table: &str, index: usize, problem: &str, findings: &mut Findings<'
     findings.refuse("E0110", &key, problem.to_owned(), "rename one of them");
 }
 
-/// Sensors of different kinds may share a name: gyro and accelerometer of one unit.
+/// Sensors of different kinds may share a name, as gyro and accelerometer of one unit do, while no unknown error of both has one
+/// address (`imu.scale.x`).
 fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     let mut seen: HashMap<(SensorType, &str), usize> = HashMap::new();
     for (index, sensor) in file.sensor.as_deref().unwrap_or(&[]).iter().enumerate() {
@@ -100,7 +102,50 @@ fn sensors_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
         } else {
             seen.insert((kind, name), index);
         }
+        let earlier = seen.iter().filter(|((k, n), _)| *k != kind && *n == name);
+        let earlier: Vec<usize> = earlier.map(|(_, at)| *at).collect();
+        let all = file.sensor.as_deref().unwrap_or(&[]);
+        for first in earlier {
+            if let Some(error) = all.get(first).and_then(|other| shared_error(other, sensor)) {
+                let problem = format!(
+                    "sensor[{first}] has the same name, and the unknown {error} of both would be {name}.{error}"
+                );
+                duplicate("sensor", index, &problem, findings);
+            }
+        }
     }
+}
+
+/// An error that both sensors leave unknown and that has one unit in both.
+fn shared_error(one: &SensorFile, other: &SensorFile) -> Option<&'static str> {
+    let declared = |error: &Option<NuisanceFile>| {
+        !matches!(error, None | Some(NuisanceFile::Word(NuisanceWord::None)))
+    };
+    // Offsets of joints bear the names of the joints.
+    let vector = |s: &SensorFile| s.kind.map(kind_of).filter(|k| !k.is_scalar());
+    let units = [one, other].map(|s| vector(s).map(units_of));
+    let same_bias = units[0].is_some() && units[0] == units[1];
+    let pairs = [
+        ("bias", &one.bias, &other.bias, same_bias),
+        ("scale", &one.scale, &other.scale, true),
+        (
+            "misalignment_rad",
+            &one.misalignment,
+            &other.misalignment,
+            true,
+        ),
+        (
+            "nonorthogonality_rad",
+            &one.nonorthogonality,
+            &other.nonorthogonality,
+            true,
+        ),
+        ("lag_s", &one.lag, &other.lag, true),
+    ];
+    let mut pairs = pairs.into_iter();
+    pairs
+        .find(|(_, a, b, same)| *same && declared(a) && declared(b))
+        .map(|(error, ..)| error)
 }
 
 /// A wheel and a revolute joint of one name share `<name>_rad_s`; a thruster and a prismatic joint `<name>_N`.

@@ -99,7 +99,7 @@ pub(crate) fn kind_of(file: SensorType) -> SensorKind {
 }
 
 /// Units that a kind of sensor may have.
-fn units_of(kind: SensorKind) -> &'static [&'static str] {
+pub(crate) fn units_of(kind: SensorKind) -> &'static [&'static str] {
     match kind {
         SensorKind::Gyro | SensorKind::WheelSpeed => &["rad_s"],
         SensorKind::Attitude => &["rad"],

@@ -31,6 +31,19 @@ name = "wheel1""#,
         r#"E0110 m.toml:36:8: sensor[1].name = "gyro": sensor[0] of the same type has the same name; rename one of them"#,
     ),
     (
+        r#"noise_rad_s = 1.0e-4"#,
+        r#"noise_rad_s = 1.0e-4
+bias = "estimate"
+scale = "estimate"
+[[sensor]]
+name = "gyro"
+type = "accelerometer"
+noise_m_s2 = 1.0e-4
+bias = "estimate"
+scale = "estimate""#,
+        r#"E0110 m.toml:39:8: sensor[1].name = "gyro": sensor[0] has the same name, and the unknown scale of both would be gyro.scale; rename one of them"#,
+    ),
+    (
         r#"quantisation_rad = 2.4e-5"#,
         r#"quantisation_rad = 2.4e-5
 of = ["joint1", "joint2"]"#,
