@@ -140,6 +140,7 @@ fn checked(
             sign: source.sign,
             counts_per_revolution: source.counts_per_revolution,
             nominal_N: source.nominal_N,
+            rows: chosen(&source.rows),
         });
     }
     let attitude = part.attitude.iter().flatten().enumerate();
@@ -178,13 +179,14 @@ fn checked(
                 earth_fixed: orbit.frame == Some(FrameFile::EarthFixed),
             })
         }),
-        row_filter: part
-            .rows
-            .iter()
-            .flatten()
-            .map(|(c, t)| (c.clone(), t.clone()))
-            .collect(),
+        row_filter: chosen(part.rows),
     }
+}
+
+/// Columns and texts by which rows are chosen.
+fn chosen(rows: &Option<BTreeMap<String, String>>) -> Vec<(String, String)> {
+    let rows = rows.iter().flatten();
+    rows.map(|(c, t)| (c.clone(), t.clone())).collect()
 }
 
 fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> Layout {

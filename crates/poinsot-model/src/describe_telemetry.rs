@@ -80,7 +80,11 @@ fn file(head: &str, map: &FileMap) -> Vec<String> {
     if let Some(time) = &map.time {
         say(time_words(time));
     }
-    map.columns.iter().for_each(|c| say(column(c)));
+    for map in &map.columns {
+        let rows = map.rows.iter();
+        let rows = rows.map(|(c, text)| format!(", where '{c}' holds '{text}'"));
+        say(column(map) + &rows.collect::<String>());
+    }
     map.attitude.iter().for_each(|a| say(attitude(a)));
     if let Some(orbit) = &map.orbit {
         let unit = orbit.unit.as_deref().unwrap_or("as the units row says");

@@ -92,6 +92,11 @@ fn column(map: &ColumnMap) -> String {
             .into_iter()
             .filter_map(|(key, x)| Some((key, number(x?)))),
     );
+    let rows = map.rows.iter();
+    let rows: Vec<String> = rows
+        .map(|(column, text)| format!("{} = {}", quoted(column), quoted(text)))
+        .collect();
+    keys.extend((!rows.is_empty()).then(|| ("where", format!("{{ {} }}", rows.join(", ")))));
     table(&keys)
 }
 

@@ -128,6 +128,12 @@ impl Columns {
         }
     }
 
+    /// What the first column to choose rows by holds, for messages.
+    pub(crate) fn seen(&self) -> String {
+        let seen = self.filter_seen.iter().map(|s| format!("'{s}'"));
+        seen.collect::<Vec<_>>().join(", ")
+    }
+
     /// Remembers what a filter column holds, for the error that finds no row.
     pub(crate) fn saw(&mut self, text: &str) {
         if self.filter_seen.len() < 5 && !self.filter_seen.iter().any(|s| s == text) {

@@ -74,6 +74,10 @@ pub struct ChannelSummary {
     pub quantum: Option<f64>,
     /// White noise seen, one sigma per sample; `None` where none can be seen.
     pub noise: Option<f64>,
+    /// One sigma of it by chance, as a share of it.
+    pub noise_relative_error: Option<f64>,
+    /// Whether motion between the samples may be part of it.
+    pub noise_is_upper_bound: bool,
 }
 
 /// Looks at every channel of a table and at how attitude and gyro fit together. Never changes the table.
@@ -140,6 +144,8 @@ fn summarise(channel: &Channel) -> Option<ChannelSummary> {
             None => crate::noise::quantum(&channel.values),
         },
         noise: noise.filter(|n| n.sigma > 0.0).map(|n| n.sigma),
+        noise_relative_error: noise.filter(|n| n.sigma > 0.0).map(|n| n.relative_error),
+        noise_is_upper_bound: noise.is_some_and(|n| n.upper_bound),
     })
 }
 

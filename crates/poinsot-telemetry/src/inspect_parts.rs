@@ -5,7 +5,9 @@ use crate::columns::Columns;
 use crate::inspect::{ChannelSummary, FileSummary, Inspection, notes};
 use crate::plan::{self, Plan};
 use crate::read::{read, read_file_in_parts};
-use crate::{ReadOptions, Source, Table, TelemetryError, assemble, inspect, suggest, time_base};
+use crate::{
+    ReadOptions, Source, Table, TelemetryError, TelemetryMap, assemble, inspect, suggest, time_base,
+};
 use std::path::{Path, PathBuf};
 
 /// Share of the memory allowed that one part may fill: looking at it takes more.
@@ -61,6 +63,21 @@ fn in_parts(
     unused: &mut plan::Unused,
 ) -> Result<Inspection, TelemetryError> {
     let mut repairs = Vec::new();
+    let map = options.map.for_file(path);
+    let passed_over = unused.pass_over(&map);
+    if passed_over > 0 {
+        repairs.push(format!(
+            "{}: {passed_over} channels with a choice of rows are not looked at in a file of this size",
+            path.display()
+        ));
+    }
+    let options = &ReadOptions {
+        map: TelemetryMap {
+            all: map.passes().into_iter().next().unwrap_or_default(),
+            files: Vec::new(),
+        },
+        ..options.clone()
+    };
     let mut parts = Parts {
         path,
         strict: options.strict,
@@ -203,6 +220,9 @@ fn join(before: &mut ChannelSummary, next: &ChannelSummary) {
         (Some(a), Some(b)) => Some(((n * a * a + m * b * b) / (n + m)).sqrt()),
         (one, other) => one.or(other),
     };
+    let errors = [before.noise_relative_error, next.noise_relative_error];
+    before.noise_relative_error = errors.into_iter().flatten().reduce(f64::max);
+    before.noise_is_upper_bound |= next.noise_is_upper_bound;
     before.quantum = before.quantum.filter(|_| next.quantum.is_some());
     before.samples += next.samples;
 }

@@ -63,6 +63,8 @@ pub struct ColumnMap {
     /// The column is a flag, on or off; on stands for this force. With a unit of time the column says for how long the
     /// thruster is on from the time of the row.
     pub nominal_N: Option<f64>,
+    /// The samples are those of the rows where each of these columns holds exactly this text; of all rows where there are none.
+    pub rows: Vec<(String, String)>,
 }
 
 impl ColumnMap {
@@ -203,6 +205,33 @@ impl FileMap {
         self.attitude.extend(more.attitude.iter().cloned());
         self.orbit = more.orbit.clone().or(self.orbit.take());
         self.row_filter.extend(more.row_filter.iter().cloned());
+    }
+
+    /// The map in passes of which each reads a choice of rows: what holds for all rows first, then each choice with its columns.
+    pub(crate) fn passes(&self) -> Vec<Self> {
+        let mut passes = vec![Self {
+            columns: Vec::new(),
+            ..self.clone()
+        }];
+        let mut choices: Vec<&[(String, String)]> = vec![&[]];
+        for column in &self.columns {
+            let own = choices.iter().position(|rows| *rows == column.rows);
+            let own = own.unwrap_or_else(|| {
+                choices.push(&column.rows);
+                let row_filter = [self.row_filter.as_slice(), &column.rows].concat();
+                passes.push(Self {
+                    layout: self.layout,
+                    time: self.time.clone(),
+                    row_filter,
+                    ..Self::default()
+                });
+                passes.len() - 1
+            });
+            if let Some(pass) = passes.get_mut(own) {
+                pass.columns.push(column.clone());
+            }
+        }
+        passes
     }
 
     /// Every column that the map names, with what it is for.

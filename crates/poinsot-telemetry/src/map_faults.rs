@@ -96,9 +96,13 @@ pub fn map_faults(map: &TelemetryMap) -> Vec<MapFault> {
 
 /// One column cannot hold two channels.
 fn column_twice(map: &FileMap) -> Option<(Vec<String>, String, Wrong)> {
-    let mut seen: HashMap<String, String> = HashMap::new();
+    let mut seen: HashMap<_, String> = HashMap::new();
     for (channel, column) in map.named() {
-        if let Some(first) = seen.insert(column.clone(), channel.clone()) {
+        // Two channels may share a column where each has rows of its own.
+        let mut columns = map.columns.iter();
+        let rows = columns.find(|c| c.channel == channel && c.column == column);
+        let rows = rows.map(|c| c.rows.clone()).unwrap_or_default();
+        if let Some(first) = seen.insert((column.clone(), rows), channel.clone()) {
             let keys = match map.columns.iter().any(|c| c.channel == channel) {
                 true => vec!["columns".to_owned(), channel.clone()],
                 false => vec![channel.rsplit('.').next().unwrap_or_default().to_owned()],

@@ -4,12 +4,31 @@ use crate::Channel;
 use crate::median::{median, median_step};
 use serde::Serialize;
 
+/// Order of the first differences that are looked at: they remove a parabola.
+const FIRST_ORDER: usize = 3;
+/// Order of the last: of a wave of 8 samples they leave 1e-4, and an outlier spoils 13 of them.
+const LAST_ORDER: usize = 12;
+/// Steps of samples in a row differ by less than this share.
+const EVEN: f64 = 0.1;
+/// Median of the magnitude of a normal number over its sigma.
+const MEDIAN_OF_NORMAL: f64 = 0.6745;
+/// Efficiency of the median of magnitudes against the mean square, for normal numbers (Huber 1981, sec. 5.1).
+const MEDIAN_EFFICIENCY: f64 = 0.37;
+/// Units in the last place of the largest value below which a difference is a zero that was rounded.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+
 /// The white noise seen in a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseLevel {
     /// One sigma per sample in the channel's unit; zero for a constant channel.
     pub sigma: f64,
-    /// Third differences it rests on.
+    /// One sigma of `sigma` by chance, relative to it.
+    pub relative_error: f64,
+    /// Whether motion may still be part of it: the estimate falls up to the last order that there is.
+    pub upper_bound: bool,
+    /// Order of the differences that it comes from.
+    pub order: usize,
+    /// Differences it rests on.
     pub differences: usize,
     /// Whether all samples are equal.
     pub constant: bool,
@@ -21,49 +40,106 @@ pub struct NoiseLevel {
     pub below_quantum: bool,
 }
 
-/// Estimates white noise from third differences `x0 - 3 x1 + 3 x2 - x3`, whose variance is 20 sigma^2.
+/// Estimates white noise from differences of the samples.
 ///
-/// The median of their magnitudes over 0.6745 is their sigma whatever a few outliers do. Motion that is not a
-/// parabola over four samples adds to it: an upper bound where the sampling is slow. Four samples in a row with
-/// steps within a tenth of each other are used. `None` where there are none.
+/// The variance of the differences of order `d` of white noise is `C(2d, d) sigma^2`. Motion of angular frequency `w` leaves
+/// about `sin^d(w h / 2)` of its amplitude in them, `h` the step: the estimate falls with the order until noise alone is
+/// left. So the order rises from 3 to 12 for as long as the estimate falls by more than its own scatter. The median of the
+/// magnitudes over 0.6745 is their sigma whatever a few outliers do. Samples in a row with steps within a tenth of each
+/// other are used. `None` where there are no four of them.
 pub fn noise_level(channel: &Channel) -> Option<NoiseLevel> {
     let step = median_step(&channel.time_s)?;
-    let even = |w: &&[f64]| {
-        w.iter()
-            .zip(w.iter().skip(1))
-            .all(|(a, b)| ((b - a) / step - 1.0).abs() < 0.1)
-    };
-    let third = |w: &[f64]| match w {
-        [a, b, c, d] => (a - d) - 3.0 * (b - c),
-        _ => 0.0,
-    };
-    let mut magnitudes: Vec<f64> = channel
-        .time_s
-        .windows(4)
-        .zip(channel.values.windows(4))
-        .filter(|(t, _)| even(t))
-        .map(|(_, x)| third(x).abs())
-        .collect();
+    let mut differences = Differences::new(channel, step);
     let constant = is_constant(&channel.values);
     let largest = channel.values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let differences = magnitudes.len();
-    let middle = median(&mut magnitudes)?;
+    while differences.order < FIRST_ORDER {
+        differences.raise();
+    }
+    let (middle, count) = differences.middle()?;
     let quantum = quantum(&channel.values);
-    // A difference of a few units in the last place of the largest value is a zero that was rounded.
-    let vanishes = middle <= 16.0 * f64::EPSILON * largest;
-    let below_quantum = vanishes && !constant;
-    let sigma = if vanishes {
-        quantum.map_or(0.0, |q| q / 12.0_f64.sqrt())
-    } else {
-        middle / 0.6745 / 20.0_f64.sqrt()
-    };
-    Some(NoiseLevel {
-        sigma,
-        differences,
+    let vanishes = middle <= ROUND_OFF * largest;
+    let mut level = NoiseLevel {
+        sigma: sigma(middle, FIRST_ORDER),
+        relative_error: relative_error(count, FIRST_ORDER),
+        upper_bound: true,
+        order: FIRST_ORDER,
+        differences: count,
         constant,
         quantum,
-        below_quantum,
-    })
+        below_quantum: vanishes && !constant,
+    };
+    if vanishes {
+        level.sigma = quantum.map_or(0.0, |q| q / 12.0_f64.sqrt());
+        level.upper_bound = false;
+        return Some(level);
+    }
+    while level.order < LAST_ORDER {
+        differences.raise();
+        let order = differences.order;
+        let Some((middle, count)) = differences.middle() else {
+            break;
+        };
+        let (next, error) = (sigma(middle, order), relative_error(count, order));
+        level.upper_bound = next < level.sigma * (1.0 - error);
+        if !level.upper_bound || next <= ROUND_OFF * largest {
+            break;
+        }
+        (level.sigma, level.relative_error) = (next, error);
+        (level.order, level.differences) = (order, count);
+    }
+    Some(level)
+}
+
+/// Differences of a channel of one order after the other.
+struct Differences {
+    order: usize,
+    /// Each with whether all its samples lie in a row.
+    values: Vec<(f64, bool)>,
+}
+
+impl Differences {
+    fn new(channel: &Channel, step: f64) -> Self {
+        let times = channel.time_s.iter();
+        let even = times.clone().skip(1).zip(times);
+        let even = even.map(|(b, a)| ((b - a) / step - 1.0).abs() < EVEN);
+        let values = channel.values.iter();
+        let steps = values.clone().skip(1).zip(values).map(|(b, a)| b - a);
+        Self {
+            order: 1,
+            values: steps.zip(even).collect(),
+        }
+    }
+
+    fn raise(&mut self) {
+        self.order += 1;
+        let before = self.values.iter();
+        let pairs = before.clone().zip(before.skip(1));
+        let next = pairs.map(|((a, first), (b, second))| (b - a, *first && *second));
+        self.values = next.collect();
+    }
+
+    /// Median magnitude, and of how many.
+    fn middle(&self) -> Option<(f64, usize)> {
+        let whole = self.values.iter().filter(|v| v.1);
+        let mut magnitudes: Vec<f64> = whole.map(|v| v.0.abs()).collect();
+        let count = magnitudes.len();
+        Some((median(&mut magnitudes)?, count))
+    }
+}
+
+/// `C(2n, n)`: the sum of the squares of the binomial coefficients of order n.
+fn central_binomial(n: usize) -> f64 {
+    (1..=n).map(|k| (n + k) as f64 / k as f64).product()
+}
+
+fn sigma(middle: f64, order: usize) -> f64 {
+    middle / MEDIAN_OF_NORMAL / central_binomial(order).sqrt()
+}
+
+/// Neighbouring differences are correlated: the sum of the squared correlations is `C(4d, 2d) / C(2d, d)^2`.
+fn relative_error(count: usize, order: usize) -> f64 {
+    let correlated = central_binomial(2 * order) / central_binomial(order).powi(2);
+    (correlated / (2.0 * count as f64 * MEDIAN_EFFICIENCY)).sqrt()
 }
 
 pub(crate) fn is_constant(values: &[f64]) -> bool {

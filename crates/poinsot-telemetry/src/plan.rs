@@ -55,6 +55,11 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
+    /// Whether this file has a column of a channel, and every column to choose its rows by.
+    pub(crate) fn has_choice(&self) -> bool {
+        !self.channels.is_empty() && self.missing_filters.is_empty()
+    }
+
     /// Columns to choose rows by that this file does not have.
     pub(crate) fn missing_filters(&self) -> &[String] {
         &self.missing_filters
@@ -529,6 +534,19 @@ impl<'a> Unused<'a> {
             .extend(plan.channels.iter().map(|c| c.column.clone()));
     }
 
+    /// Columns with a choice of rows that is not read: gives how many.
+    pub(crate) fn pass_over(&mut self, map: &FileMap) -> usize {
+        let chosen = map.columns.iter().filter(|c| !c.rows.is_empty());
+        let count = chosen.clone().count();
+        for column in chosen {
+            let own = (column.channel.clone(), column.column.clone());
+            let rows = column.rows.iter();
+            let rows = rows.map(|(c, _)| ("where".to_owned(), c.clone()));
+            self.used.extend(rows.chain([own]));
+        }
+        count
+    }
+
     /// Every column that the map names for these files must stand in one of them; says which entries fit no file.
     pub(crate) fn check(
         &self,
@@ -539,7 +557,11 @@ impl<'a> Unused<'a> {
         let files = files.join(", ");
         let map = &self.options.map;
         let mut named = map.all.named();
-        let mut filters = map.all.row_filter.clone();
+        let chosen = |map: &FileMap| -> Vec<(String, String)> {
+            let own = map.columns.iter().flat_map(|c| &c.rows);
+            map.row_filter.iter().chain(own).cloned().collect()
+        };
+        let mut filters = chosen(&map.all);
         for (pattern, own) in &map.files {
             let fitting = |p: &PathBuf| {
                 crate::map::fits(
@@ -549,7 +571,7 @@ impl<'a> Unused<'a> {
             };
             if paths.iter().any(fitting) {
                 named.extend(own.named());
-                filters.extend(own.row_filter.iter().cloned());
+                filters.extend(chosen(own));
             } else {
                 repairs.push(format!("{files}: no file is named '{pattern}'; that entry of [[telemetry.file]] is not used"));
             }
@@ -557,6 +579,13 @@ impl<'a> Unused<'a> {
         let unused = |channel: &str, column: &str| {
             !self.used.contains(&(channel.to_owned(), column.to_owned()))
         };
+        if let Some((column, text)) = filters.iter().find(|(column, _)| unused("where", column)) {
+            return Err(TelemetryError::Filter {
+                column: column.clone(),
+                text: text.clone(),
+                why: format!("no column '{column}' in {files}{}", self.nearest(column)),
+            });
+        }
         if let Some((channel, column)) = named
             .iter()
             .find(|(channel, column)| unused(channel, column))
@@ -564,13 +593,6 @@ impl<'a> Unused<'a> {
             return Err(TelemetryError::Map {
                 code: "E0212",
                 channel: channel.clone(),
-                why: format!("no column '{column}' in {files}{}", self.nearest(column)),
-            });
-        }
-        if let Some((column, text)) = filters.iter().find(|(column, _)| unused("where", column)) {
-            return Err(TelemetryError::Filter {
-                column: column.clone(),
-                text: text.clone(),
                 why: format!("no column '{column}' in {files}{}", self.nearest(column)),
             });
         }

@@ -9,9 +9,10 @@ use crate::packing::{is_standard_input, unpacked_name};
 use crate::plan::Plan;
 use crate::selection::WhenFull;
 use crate::{
-    Part, ReadOptions, Source, Table, TelemetryError, as_read, assemble, check_conventions,
-    csv_reader, memory, mount, parquet_reader, plan, time_base,
+    FileMap, Part, ReadOptions, Source, Table, TelemetryError, TelemetryMap, as_read, assemble,
+    check_conventions, csv_reader, memory, mount, parquet_reader, plan, time_base,
 };
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Reads the files of one segment into one table.
@@ -33,48 +34,88 @@ pub fn read<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Table,
 /// The first fault found, with its place; see [`TelemetryError`].
 pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, TelemetryError> {
     plan::check_maps(options)?;
-    let mut table = Table::default();
-    let mut found = assemble::Found::default();
-    let mut unused = plan::Unused::new(options);
+    let mut reading = Reading {
+        options,
+        table: Table::default(),
+        found: assemble::Found::default(),
+        unused: plan::Unused::new(options),
+    };
     for part in parts {
+        let mut passes = options.map.for_file(part.path()).passes().into_iter();
+        if let Some(all_rows) = passes.next() {
+            reading.all_rows(part, all_rows)?;
+        }
+        for choice in passes {
+            reading.choice(part, choice)?;
+        }
+    }
+    let Reading {
+        mut table, unused, ..
+    } = reading;
+    let paths: Vec<PathBuf> = parts.iter().map(|p| p.path().to_owned()).collect();
+    unused.check(&paths, &mut table.repairs)?;
+    mount(&mut table, &options.mountings);
+    if options.check_conventions {
+        check_conventions(&table)?;
+    }
+    Ok(table)
+}
+
+/// The table so far.
+struct Reading<'a> {
+    options: &'a ReadOptions,
+    table: Table,
+    found: assemble::Found,
+    unused: plan::Unused<'a>,
+}
+
+impl Reading<'_> {
+    /// What a part is read by: its own map.
+    fn options(&self, map: FileMap) -> ReadOptions {
+        ReadOptions {
+            origin: self.table.origin.or(self.options.origin),
+            map: TelemetryMap {
+                all: map,
+                files: Vec::new(),
+            },
+            ..self.options.clone()
+        }
+    }
+
+    /// Takes what the map says of all rows of a part.
+    fn all_rows(&mut self, part: &Part, map: FileMap) -> Result<(), TelemetryError> {
         let path = part.path();
-        let options = &ReadOptions {
-            origin: table.origin.or(options.origin),
-            ..options.clone()
-        };
-        let (plan, mut columns, sha256) = read_part(part, options, &mut table.repairs)?;
-        table.origin = columns.origin.or(options.origin);
-        unused.mark(&plan);
+        let options = self.options(map);
+        let chosen = self.options.map.for_file(path);
+        let chosen = chosen.columns.iter().filter(|c| !c.rows.is_empty());
+        let chosen: HashSet<&str> = chosen
+            .flat_map(|c| c.rows.iter().map(|r| &r.0).chain([&c.column]))
+            .map(String::as_str)
+            .collect();
+        let (plan, columns, sha256) = read_part(part, &options, &mut self.table.repairs)?;
+        check_any_row(path, &plan, &columns, &options)?;
+        self.table.origin = columns.origin.or(options.origin);
+        self.unused.mark(&plan);
         for column in plan.missing_filters() {
-            table.repairs.push(format!(
+            self.table.repairs.push(format!(
                 "{}: no column '{column}' to choose rows by; all its rows are kept",
                 path.display()
             ));
         }
         for name in &plan.ignored {
-            if !table.ignored.contains(name) {
-                table.ignored.push(name.clone());
+            if !self.table.ignored.contains(name) && !chosen.contains(name.as_str()) {
+                self.table.ignored.push(name.clone());
             }
         }
         let rows = columns.rows_read;
         if options.time_s.is_some() || options.every > 1 {
-            table.repairs.push(format!(
+            self.table.repairs.push(format!(
                 "{}: {} of {rows} rows taken, as --time-s and --every ask",
                 path.display(),
                 columns.rows.len()
             ));
         }
-        time_base::check(
-            path,
-            &plan,
-            &mut columns,
-            options.strict,
-            &mut table.repairs,
-        )?;
-        if options.one_run {
-            time_base::check_one_run(path, &plan, &columns)?;
-        }
-        table.sources.push(Source {
+        self.table.sources.push(Source {
             path: path.display().to_string(),
             sha256,
             rows,
@@ -83,15 +124,54 @@ pub fn read_parts(parts: &[Part], options: &ReadOptions) -> Result<Table, Teleme
                 columns.time_s.last().copied().unwrap_or_default(),
             ],
         });
-        assemble::add(path, &plan, columns, options.strict, &mut found, &mut table)?;
+        // Where every channel has rows of its own, several rows may have one time.
+        if plan.channels.is_empty() && !chosen.is_empty() {
+            return Ok(());
+        }
+        self.add(path, &plan, columns, &options)
     }
-    let paths: Vec<PathBuf> = parts.iter().map(|p| p.path().to_owned()).collect();
-    unused.check(&paths, &mut table.repairs)?;
-    mount(&mut table, &options.mountings);
-    if options.check_conventions {
-        check_conventions(&table)?;
+
+    /// Takes the channels of a choice of rows, which may hold none.
+    fn choice(&mut self, part: &Part, map: FileMap) -> Result<(), TelemetryError> {
+        let path = part.path();
+        let options = ReadOptions {
+            wanted: Some(BTreeSet::new()),
+            ..self.options(map)
+        };
+        // What is said of the file itself was said when all rows were read.
+        let (plan, columns, _) = read_part(part, &options, &mut Vec::new())?;
+        if !plan.has_choice() {
+            return Ok(());
+        }
+        self.unused.mark(&plan);
+        if columns.time_s.is_empty() {
+            let rows = options.map.all.row_filter.last();
+            let (column, text) = rows.map_or(("", ""), |(c, t)| (c.as_str(), t.as_str()));
+            self.table.repairs.push(format!(
+                "{}: no row has '{text}' in '{column}', so there is no {}; the first values there are {}",
+                path.display(),
+                plan.channels.iter().map(|c| c.name.full()).collect::<Vec<_>>().join(", "),
+                columns.seen()
+            ));
+            return Ok(());
+        }
+        self.add(path, &plan, columns, &options)
     }
-    Ok(table)
+
+    fn add(
+        &mut self,
+        path: &Path,
+        plan: &Plan,
+        mut columns: Columns,
+        options: &ReadOptions,
+    ) -> Result<(), TelemetryError> {
+        let (strict, table) = (options.strict, &mut self.table);
+        time_base::check(path, plan, &mut columns, strict, &mut table.repairs)?;
+        if options.one_run {
+            time_base::check_one_run(path, plan, &columns)?;
+        }
+        assemble::add(path, plan, columns, strict, &mut self.found, table)
+    }
 }
 
 /// Reads a file whose rows may fill `1 / share` of the memory allowed and then go to `take`; gives the rest.
@@ -119,26 +199,30 @@ fn read_part(
     repairs: &mut Vec<String>,
 ) -> Result<(Plan, Columns, String), TelemetryError> {
     let path = part.path();
-    let (plan, columns, sha256) = match part {
-        Part::File(path) => decode(path, None, options, repairs, None)?,
-        Part::Stream(stream) => decode(path, Some(stream), options, repairs, None)?,
-        Part::Memory(columns) => memory::read(columns, options)?,
-    };
+    match part {
+        Part::File(path) => decode(path, None, options, repairs, None),
+        Part::Stream(stream) => decode(path, Some(stream), options, repairs, None),
+        Part::Memory(columns) => memory::read(columns, options),
+    }
+}
+
+/// Refuses a choice of rows or times that leaves none.
+fn check_any_row(
+    path: &Path,
+    plan: &Plan,
+    columns: &Columns,
+    options: &ReadOptions,
+) -> Result<(), TelemetryError> {
     if columns.time_s.is_empty()
-        && let Some((column, text)) = options.map.for_file(path).row_filter.first()
+        && let Some((column, text)) = options.map.all.row_filter.first()
     {
-        let seen: Vec<String> = columns
-            .filter_seen
-            .iter()
-            .map(|s| format!("'{s}'"))
-            .collect();
         return Err(TelemetryError::Filter {
             column: column.clone(),
             text: text.clone(),
             why: format!(
                 "no row of {} matches; choose among the values there, the first are {}",
                 path.display(),
-                seen.join(", ")
+                columns.seen()
             ),
         });
     }
@@ -154,7 +238,7 @@ fn read_part(
             ),
         });
     }
-    Ok((plan, columns, sha256))
+    Ok(())
 }
 
 /// By the ending of its name; what has no name says so by its first bytes.

@@ -18,7 +18,7 @@ const DIGITS: usize = 2;
 const ROUNDING: f64 = 1.0e-6;
 
 const HEAD: &str = "\
-# Estimated from the data by third differences: an upper bound where the motion is fast. A data sheet is better.
+# Estimated from the data by differences of neighbouring samples. A data sheet is better.
 ";
 
 /// The tables to paste into a model; `None` where no channel shows noise.
@@ -47,7 +47,8 @@ pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
         let scalar = !VECTORS.iter().any(|v| owner(channel).1.starts_with(v.0));
         if let (true, Some(noise)) = (scalar, channel.noise) {
             let (name, noise) = (&channel.name, rounded(noise, DIGITS));
-            let _ = writeln!(out, "# {name}: {noise} {}", channel.unit);
+            let error = error(&[channel]);
+            let _ = writeln!(out, "# {name}: {noise} {}, {error}", channel.unit);
         }
     }
     (!out.is_empty()).then(|| format!("{HEAD}{}", out.trim_end()))
@@ -74,11 +75,15 @@ fn noise(channels: &[&ChannelSummary], kind: &str, unit: &str) -> Option<String>
         .map(|(q, _)| q)
         .collect();
     let largest = steps.iter().copied().fold(0.0, f64::max);
+    let error = error(channels);
     if kind == "attitude" {
         // Four components of a quaternion hold half of each of three small angles.
         let sum: f64 = sigmas.iter().map(|s| s * s).sum();
         let angle = 2.0 * (sum / 3.0).sqrt();
-        return Some(format!("noise_{unit} = {}", rounded(angle, DIGITS)));
+        return Some(format!(
+            "noise_{unit} = {}   # {error}",
+            rounded(angle, DIGITS)
+        ));
     }
     if steps.len() == channels.len() {
         return Some(format!(
@@ -87,5 +92,18 @@ fn noise(channels: &[&ChannelSummary], kind: &str, unit: &str) -> Option<String>
         ));
     }
     let sigmas: Vec<String> = sigmas.iter().map(|s| rounded(*s, DIGITS)).collect();
-    Some(format!("noise_{unit} = [{}]", sigmas.join(", ")))
+    Some(format!(
+        "noise_{unit} = [{}]   # {error}",
+        sigmas.join(", ")
+    ))
+}
+
+/// How far the noise may be off.
+fn error(channels: &[&ChannelSummary]) -> String {
+    if channels.iter().any(|c| c.noise_is_upper_bound) {
+        return "an upper bound: motion between the samples is part of it".to_owned();
+    }
+    let errors = channels.iter().filter_map(|c| c.noise_relative_error);
+    let percent = 100.0 * errors.fold(0.0, f64::max);
+    format!("within {} % (one sigma)", rounded(percent, DIGITS))
 }

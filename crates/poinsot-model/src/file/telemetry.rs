@@ -79,6 +79,10 @@ pub(crate) struct ColumnFile {
     /// The column is the on/off flag of a thruster, and on stands for this force, N. With a unit of time (`unit = "ms"`) the
     /// column is the duration of a pulse that begins at the time of the row; zero or empty: no pulse.
     pub nominal_N: Option<f64>,
+    /// The samples are those of the rows where each of these columns holds exactly this text: a table of pulses with a
+    /// column that names the thruster, or one column for the values of several channels.
+    #[serde(rename = "where")]
+    pub rows: Option<BTreeMap<String, String>>,
 }
 
 /// The times of a file. All files of a run count from one instant: with an epoch or dates from the first sample.

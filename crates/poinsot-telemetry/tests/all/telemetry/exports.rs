@@ -138,6 +138,61 @@ fn exact_positions_in_axes_of_the_earth() {
     assert_eq!(at("orbit_z"), 1.0e5);
 }
 
+/// The velocity relative to axes that turn with the Earth is the slope of the position in them: the derivative of a circular
+/// orbit in closed form, by central differences, becomes the inertial velocity again.
+#[test]
+fn exact_velocities_in_axes_of_the_earth() {
+    let (radius, inclination, motion) = (7.0e6_f64, 1.7_f64, 1.078e-3_f64);
+    // Earth rotation angle at 0 h and its rate: IERS Conventions 2010, eq. 5.15.
+    let rate = 2.0 * PI * 1.002_737_811_911_354_5 / 86_400.0;
+    let era = |t: f64| 0.402_283_724_002_815_8 + rate * t;
+    let (si, ci) = inclination.sin_cos();
+    let inertial = |t: f64| {
+        let (s, c) = (motion * t + 0.4).sin_cos();
+        let r = [c, ci * s, si * s].map(|x| radius * x);
+        (r, [-s, ci * c, si * c].map(|x| radius * motion * x))
+    };
+    let fixed = |t: f64| {
+        let ([x, y, z], (s, c)) = (inertial(t).0, era(t).sin_cos());
+        [c * x + s * y, c * y - s * x, z]
+    };
+    let mut text = "UTC,x,y,z,u,v,w\n".to_owned();
+    for (second, t) in [("00", 0.0), ("10", 10.0), ("20", 20.0)] {
+        let (h, at) = (0.05, fixed(t));
+        let (after, before) = (fixed(t + h), fixed(t - h));
+        text.push_str(&format!("2007-10-15T00:00:{second}"));
+        at.iter()
+            .for_each(|x| text.push_str(&format!(",{}", x / 1e3)));
+        for k in 0..3 {
+            text.push_str(&format!(",{}", (after[k] - before[k]) / (2.0 * h) / 1e3));
+        }
+        text.push('\n');
+    }
+    let options = of(FileMap {
+        time: iso("UTC"),
+        orbit: Some(OrbitMap {
+            position: ["x", "y", "z"].map(str::to_owned),
+            unit: Some("km".into()),
+            velocity: Some(["u", "v", "w"].map(str::to_owned)),
+            velocity_unit: Some("km/s".into()),
+            earth_fixed: true,
+        }),
+        ..FileMap::default()
+    });
+    let table = read_text(&text, &options).unwrap();
+    for (k, name) in ["v_x", "v_y", "v_z"].into_iter().enumerate() {
+        let values = &table.channel(name).unwrap().values;
+        for (row, value) in values.iter().enumerate() {
+            let wanted = inertial(10.0 * row as f64).1[k];
+            // Differences over 0.1 s are off by 4e-6 m/s, the date by 2e-5 s times the acceleration; the axes carry 500 m/s.
+            assert!(
+                (value - wanted).abs() < 1.0e-3,
+                "{name}: {value}, not {wanted}"
+            );
+        }
+    }
+}
+
 #[test]
 fn exact_packed_files_hold_what_the_plain_file_holds() {
     let folder = Folder::new();
@@ -192,6 +247,66 @@ fn exact_pulse_tables_hold_the_nominal_force_for_their_duration() {
     let said = negative.to_string();
     assert!(
         said.contains(":2 column 'ON1'") && said.contains("a negative duration"),
+        "{said}"
+    );
+}
+
+/// One table of pulses for all thrusters, two of them at one time, and one column for the values of several channels.
+#[test]
+fn exact_a_column_that_names_the_channel_chooses_its_rows() {
+    let text = "time_s,DURATION,THRUSTER\n1,250,A\n1,500,B\n3,1500,A\n";
+    let of_thruster = |channel: &str, name: &str| ColumnMap {
+        nominal_N: Some(0.9),
+        rows: vec![("THRUSTER".to_owned(), name.to_owned())],
+        ..ColumnMap::new(channel, "DURATION", "ms")
+    };
+    let map = |columns| {
+        of(FileMap {
+            columns,
+            ..FileMap::default()
+        })
+    };
+    let options = map(vec![
+        of_thruster("thr1_N", "A"),
+        of_thruster("thr2_N", "B"),
+        of_thruster("thr3_N", "C"),
+    ]);
+    let table = read_text(text, &options).unwrap();
+    let pulses = |name: &str| {
+        let thrust = table.channel(name).unwrap();
+        (thrust.time_s.to_vec(), thrust.values.clone())
+    };
+    let first = (vec![1.0, 1.25, 3.0, 4.5], vec![0.9, 0.0, 0.9, 0.0]);
+    assert_eq!(pulses("thr1_N"), first);
+    assert_eq!(pulses("thr2_N"), (vec![1.0, 1.5], vec![0.9, 0.0]));
+    assert!(table.channel("thr3_N").is_none() && table.ignored.is_empty());
+    let said = table.repairs.join("\n");
+    assert!(
+        said.contains("no row has 'C' in 'THRUSTER', so there is no thr3_N; the first values there are 'A', 'B'"),
+        "{said}"
+    );
+    assert_eq!((table.sources.len(), table.sources[0].rows), (1, 3));
+    let long = "time_s,NAME,VALUE\n0,GYR_X,1\n0,GYR_Y,2\n0.1,GYR_X,3\n0.1,GYR_Y,4\n";
+    let rate = |channel: &str, name: &str| ColumnMap {
+        rows: vec![("NAME".to_owned(), name.to_owned())],
+        ..ColumnMap::new(channel, "VALUE", "mrad/s")
+    };
+    let options = map(vec![rate("omega_x", "GYR_X"), rate("omega_y", "GYR_Y")]);
+    let table = read_text(long, &options).unwrap();
+    for (name, values) in [("omega_x", [1e-3, 3e-3]), ("omega_y", [2e-3, 4e-3])] {
+        let channel = table.channel(name).unwrap();
+        assert_eq!(
+            (channel.values.as_slice(), channel.time_s.as_ref()),
+            (&values[..], &[0.0, 0.1][..])
+        );
+    }
+    let wrong = map(vec![ColumnMap {
+        rows: vec![("THRUSTR".to_owned(), "A".to_owned())],
+        ..ColumnMap::new("thr1_N", "DURATION", "ms")
+    }]);
+    let said = read_text(text, &wrong).unwrap_err().to_string();
+    assert!(
+        said.contains("THRUSTR") && said.contains("THRUSTER"),
         "{said}"
     );
 }

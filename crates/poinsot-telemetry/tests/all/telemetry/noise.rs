@@ -40,6 +40,42 @@ fn stat_a_tenth_of_outliers_hardly_matters() {
     assert!((level.sigma / 1e-4 - 1.0).abs() < 0.15, "{level:?}");
 }
 
+/// A tracker of 50 microrad that reads a turn of 0.1 rad/s twice a second, and a wave of nine samples: third differences
+/// see the motion, differences of the order that is chosen see the noise, and it is within three of the stated errors.
+#[test]
+fn stat_noise_is_seen_below_fast_motion() {
+    let sigma = 5.0e-5;
+    let normal = Normal::new(0.0, sigma).unwrap();
+    for (seed, radians_a_sample, amplitude) in [(4, 0.05, 1.0), (5, 0.7, 0.1), (6, 0.3, 0.01)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut noisy =
+            |k: usize| amplitude * (radians_a_sample * k as f64).sin() + normal.sample(&mut rng);
+        let level = noise_level(&channel(600, &mut noisy)).unwrap();
+        let off = (level.sigma / sigma - 1.0).abs();
+        assert!(
+            off < 3.0 * level.relative_error && !level.upper_bound,
+            "{level:?}"
+        );
+        assert!(level.relative_error < 0.12, "{level:?}");
+    }
+    // Two samples and a half to a wave: no difference tells it from noise, and the answer says so or is above it.
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let level = noise_level(&channel(600, |k| {
+        (2.5 * k as f64).sin() + normal.sample(&mut rng)
+    }));
+    assert!(level.unwrap().sigma > 1.0e3 * sigma);
+    // The stated error is that of many records.
+    let scatter: f64 = (0..200)
+        .map(|seed| {
+            let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
+            let level = noise_level(&channel(400, |_| normal.sample(&mut rng))).unwrap();
+            ((level.sigma / sigma - 1.0) / level.relative_error).powi(2)
+        })
+        .sum();
+    let scatter = (scatter / 200.0).sqrt();
+    assert!((0.8..1.25).contains(&scatter), "{scatter}");
+}
+
 #[test]
 fn exact_constant_and_quantised_channels() {
     let level = noise_level(&channel(100, |_| 3.0)).unwrap();
