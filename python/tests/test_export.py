@@ -1,6 +1,8 @@
 """Exports read back by the programs that they are for."""
 
+import importlib
 import json
+import os
 import runpy
 import shutil
 from pathlib import Path
@@ -66,16 +68,21 @@ def expected(answer):
     )
 
 
+def consumer(name):
+    """The module of a program that reads exports; skips without it, fails where POINSOT_CONSUMERS says that it is there."""
+    return importlib.import_module(name) if os.environ.get("POINSOT_CONSUMERS") else pytest.importorskip(name)
+
+
 def exported(command, answer, to, onto=None):
     out = answer / f"exported.{to}"
     arguments = ["--onto", onto] if onto else []
     done = command("export", answer, "--to", to, *arguments, "-o", out)
-    assert done.returncode in (0, 1), done.stderr
+    assert done.returncode == 0, done.stderr
     return out
 
 
 def test_xval_mujoco_reads_mjcf(command, answer, expected):
-    mujoco = pytest.importorskip("mujoco")
+    mujoco = consumer("mujoco")
     (answer / "sat.xml").write_text(MJCF)
     out = exported(command, answer, "mjcf", answer / "sat.xml")
     assert "<!-- by hand -->" in out.read_text() and 'name="boom"' in out.read_text()
@@ -97,7 +104,7 @@ def test_xval_mujoco_would_replace_the_inertias(command, answer):
 
 
 def test_xval_drake_reads_sdf(command, answer, expected):
-    pytest.importorskip("pydrake")
+    consumer("pydrake")
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
 
@@ -116,7 +123,7 @@ def test_xval_drake_reads_sdf(command, answer, expected):
 
 
 def test_xval_basilisk_takes_the_hub(command, answer, expected):
-    pytest.importorskip("Basilisk")
+    consumer("Basilisk")
     from Basilisk.simulation import spacecraft
     from Basilisk.utilities import SimulationBaseClass, macros
 

@@ -155,7 +155,7 @@ impl CoreAnswer {
     /// Exit code of the command.
     #[getter]
     fn exit_code(&self) -> u8 {
-        self.identified.exit_code()
+        poinsot_cli::exit_of(self.identified.passes())
     }
 
     /// How far other wheel motion between samples would move the answer, sigmas; `None` where it was not tried.
@@ -211,7 +211,8 @@ impl CoreAnswer {
         let path = Path::new("<answer>");
         let exported = poinsot::export::export_estimate(&file, path, to, onto.as_deref());
         let exported = exported.map_err(Fault::from)?;
-        Ok((exported.text, exported.left_out))
+        let named = exported.left_out.into_iter().chain(exported.no_field);
+        Ok((exported.text, named.collect()))
     }
 
     /// Measured, predicted and residual of every sensor of every segment.

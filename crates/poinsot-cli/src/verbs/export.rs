@@ -1,6 +1,6 @@
 //! `poinsot export`
 
-use super::{Outcome, note, print_file, written};
+use super::{Outcome, exit_of, note, print_file, written};
 use crate::arguments::Export;
 use poinsot::check_outputs;
 use poinsot::export::export;
@@ -11,8 +11,9 @@ pub fn run(arguments: &Export) -> Outcome {
     let inputs: Vec<&std::path::Path> = std::iter::once(estimate.as_path()).chain(onto).collect();
     check_outputs("-o", arguments.out.as_slice(), &inputs)?;
     let exported = export(&arguments.folder, arguments.to.parse()?, onto)?;
-    for line in exported.left_out.iter().filter(|_| !arguments.quiet) {
-        note(line);
+    if !arguments.quiet {
+        let lines = exported.left_out.iter().chain(&exported.no_field);
+        lines.for_each(|line| note(line));
     }
     match &arguments.out {
         Some(path) => {
@@ -21,5 +22,5 @@ pub fn run(arguments: &Export) -> Outcome {
         }
         None => print_file(&exported.text),
     }
-    Ok(u8::from(!exported.left_out.is_empty()))
+    Ok(exit_of(exported.left_out.is_empty()))
 }

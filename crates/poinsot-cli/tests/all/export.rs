@@ -54,12 +54,10 @@ const DATE: &str =
 
 fn exported(folder: &Path, to: &str) -> String {
     let done = poinsot(folder, &["export", "out", "--to", to]);
-    // One: something has no field in the format, and is named.
-    assert!(
-        matches!(done.status.code(), Some(0 | 1)),
-        "{}",
-        error(&done)
-    );
+    assert_eq!(done.status.code(), Some(0), "{}", error(&done));
+    // What has no field in the format is named, and the file is whole without it.
+    let no_field = error(&done).contains("mass centre: an A");
+    assert_eq!(no_field, ["apm", "acm"].contains(&to), "{}", error(&done));
     String::from_utf8(done.stdout).unwrap()
 }
 

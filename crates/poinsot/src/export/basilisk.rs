@@ -33,6 +33,7 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     Ok(Exported {
         text: out,
         left_out,
+        no_field: Vec::new(),
     })
 }
 

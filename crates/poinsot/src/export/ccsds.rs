@@ -24,11 +24,12 @@ pub(super) fn apm(source: &Source) -> Result<Exported, Error> {
     let _ = writeln!(out, "EPOCH = {}\nINERTIA_START", vehicle.epoch);
     vehicle.inertia(&mut out);
     out.push_str("INERTIA_STOP\n");
-    let mut left_out = vehicle.left_out;
-    left_out.push("not exported: mass and mass centre: an APM has no fields for them".to_owned());
     Ok(Exported {
         text: out,
-        left_out,
+        left_out: Vec::new(),
+        no_field: vec![
+            "not exported: mass and mass centre: an APM has no fields for them".to_owned(),
+        ],
     })
 }
 
@@ -44,7 +45,7 @@ pub(super) fn acm(source: &Source) -> Result<Exported, Error> {
         vehicle.epoch
     );
     vehicle.comments(source, &mut out);
-    let mut left_out = vehicle.left_out.clone();
+    let mut left_out = Vec::new();
     match vehicle.body.mass_kg.value {
         Some(mass) => {
             let _ = writeln!(out, "WET_MASS = {mass:?} [kg]");
@@ -53,10 +54,10 @@ pub(super) fn acm(source: &Source) -> Result<Exported, Error> {
     }
     vehicle.inertia(&mut out);
     out.push_str("PHYS_STOP\n");
-    left_out.push("not exported: mass centre: an ACM has no field for it".to_owned());
     Ok(Exported {
         text: out,
         left_out,
+        no_field: vec!["not exported: mass centre: an ACM has no field for it".to_owned()],
     })
 }
 
@@ -68,7 +69,6 @@ struct Vehicle<'a> {
     body: &'a BodyFile,
     inertia: poinsot_spatial::Matrix3,
     joints: Vec<String>,
-    left_out: Vec<String>,
 }
 
 impl<'a> Vehicle<'a> {
@@ -99,7 +99,6 @@ impl<'a> Vehicle<'a> {
             body,
             inertia,
             joints,
-            left_out: Vec::new(),
         })
     }
 

@@ -117,8 +117,10 @@ impl FromStr for Target {
 pub struct Exported {
     /// The text.
     pub text: String,
-    /// What was not exported, and why.
+    /// What was asked for and is not exported, and why.
     pub left_out: Vec<String>,
+    /// What the format has no field for: the file is whole without it.
+    pub no_field: Vec<String>,
 }
 
 /// Exports `folder/estimate.json`. `onto` is the file that the vehicle came from, for formats that are patched.
@@ -251,6 +253,7 @@ fn patched(source: &Source, to: Target, patch: Patch, onto: &Path) -> Result<Exp
     Ok(Exported {
         text: patched.text,
         left_out,
+        no_field: Vec::new(),
     })
 }
 

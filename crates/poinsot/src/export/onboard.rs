@@ -37,5 +37,9 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     };
     let mut text = serde_json::to_string_pretty(&file).map_err(|e| source.fault(e.to_string()))?;
     text.push('\n');
-    Ok(Exported { text, left_out })
+    Ok(Exported {
+        text,
+        left_out,
+        no_field: Vec::new(),
+    })
 }

@@ -46,5 +46,6 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
     Ok(Exported {
         text: bytes.map_err(|why| source.fault(why))?,
         left_out: Vec::new(),
+        no_field: Vec::new(),
     })
 }
