@@ -23,7 +23,7 @@ pub fn page() -> String {
             v.condition,
             v.tone.name(),
             v.word,
-            v.exit
+            u8::from(!v.passes)
         );
     }
     out.push_str(

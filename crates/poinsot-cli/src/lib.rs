@@ -10,7 +10,7 @@ mod verbs;
 mod words;
 
 pub use guard::guarded;
-pub use verbs::Failure;
+pub use verbs::{Failure, exit_of};
 
 use arguments::{Arguments, Verb};
 use clap::{CommandFactory, FromArgMatches};

@@ -410,7 +410,7 @@ impl<'c> Asked<'c> {
         let commands: Vec<_> = commands
             .map(|(m, c)| (self.name(m.target).to_owned(), c))
             .collect();
-        let manoeuvre = manoeuvre_text(self.case, space, &commands);
+        let manoeuvre = manoeuvre_text(self.case, space, &commands)?;
         let mut designed = Designed {
             model: self.model.clone(),
             case: self.case.path().display().to_string(),

@@ -143,10 +143,10 @@ impl Designed {
         self.limits.iter().filter(|l| l.margin < -ROUNDED)
     }
 
-    /// 0: everything wanted is reached, and trial flights agree. 1: not.
-    pub fn exit_code(&self) -> u8 {
+    /// Whether everything wanted is reached and trial flights agree.
+    pub fn passes(&self) -> bool {
         let agrees = self.verification.as_ref().is_none_or(Verification::agrees);
-        u8::from(!(self.is_reached() && agrees))
+        self.is_reached() && agrees
     }
 }
 

@@ -54,9 +54,9 @@ pub(crate) fn sentence(designed: &Designed) -> String {
 
 /// The design as a document.
 pub fn design_document(designed: &Designed) -> Document {
-    let tone = match designed.exit_code() {
-        0 => Tone::Good,
-        _ => Tone::Fair,
+    let tone = match designed.passes() {
+        true => Tone::Good,
+        false => Tone::Fair,
     };
     let mut document = Document::new(sentence(designed)).toned(tone);
     document.push(wanted(designed));

@@ -6,85 +6,111 @@ use poinsot::case::{Case, parse_case};
 use poinsot::simulate::SimulateError;
 use poinsot::{Error, write_files};
 use poinsot_files::read_text;
+use poinsot_formats::case::{CaseFile, JointMotionFile, LimitsFile, WheelMotionFile};
 use poinsot_model::{JointKind, Model};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use toml::{Table, Value};
 
 /// Largest model file that is copied.
 const LARGEST_MODEL: u64 = 16 << 20;
 
 /// The case with the designed motions in place of its own; `model.toml` lies beside it.
-pub(crate) fn manoeuvre_text(case: &Case, space: &Space, commands: &[(String, Command)]) -> String {
-    // It was parsed before.
-    let mut table: Table = case.text().parse().unwrap_or_default();
-    table.remove("design");
-    table.remove("limits");
-    table.insert("model".into(), "model.toml".into());
-    table.insert("duration_s".into(), space.duration.into());
-    absolute_files(&mut table, case.path());
+pub(crate) fn manoeuvre_text(
+    case: &Case,
+    space: &Space,
+    commands: &[(String, Command)],
+) -> Result<String, Error> {
+    let mut file = case.file().clone();
+    file.design = None;
+    file.limits = LimitsFile::default();
+    file.model = "model.toml".to_owned().into();
+    file.duration_s = space.duration.into();
+    absolute_files(&mut file, case.path());
     for ((name, command), mover) in commands.iter().zip(&space.movers) {
-        let (list, key) = match mover.target {
-            Target::Joint(_) => ("joint_motion", "joint"),
-            Target::Wheel(_) => ("wheel_motion", "wheel"),
-        };
-        let all = table
-            .entry(list)
-            .or_insert_with(|| Value::Array(Vec::new()));
-        if let Value::Array(all) = all {
-            all.retain(|one| one.get(key).and_then(Value::as_str) != Some(name));
-            all.push(Value::Table(motion(key, name, command, mover.slides)));
-        }
-    }
-    let text = toml::to_string(&table).unwrap_or_default();
-    let (program, from) = (env!("CARGO_PKG_VERSION"), case.path().display());
-    format!("# Designed by poinsot {program} for {from}.\n{text}")
-}
-
-/// Files that the case names are found from anywhere.
-fn absolute_files(table: &mut Table, case: &Path) {
-    let folder = case.parent().unwrap_or(Path::new(""));
-    for list in ["joint_torque", "wheel_motion"] {
-        let all = table.get_mut(list).and_then(Value::as_array_mut);
-        for one in all.into_iter().flatten() {
-            if let Some(Value::String(file)) = one.get_mut("file")
-                && let Ok(path) = folder.join(&*file).canonicalize()
-            {
-                *file = path.display().to_string();
+        match mover.target {
+            Target::Joint(_) => {
+                file.joint_motion.retain(|m| m.joint.get_ref() != name);
+                file.joint_motion
+                    .push(joint_motion(name, command, mover.slides));
+            }
+            Target::Wheel(_) => {
+                file.wheel_motion.retain(|m| m.wheel.get_ref() != name);
+                file.wheel_motion.push(wheel_motion(name, command));
             }
         }
     }
+    let text = file.text().map_err(|e| Error::Report {
+        path: case.path().to_owned(),
+        why: format!("{e}; report this fault of poinsot with the case"),
+    })?;
+    let (program, from) = (env!("CARGO_PKG_VERSION"), case.path().display());
+    Ok(format!(
+        "# Designed by poinsot {program} for {from}.\n{text}"
+    ))
 }
 
-/// One motion in the form of the case file.
-fn motion(key: &str, name: &str, command: &Command, slides: bool) -> Table {
-    let list = |x: &[f64]| Value::Array(x.iter().map(|x| Value::Float(*x)).collect());
-    let unit = if slides { "m" } else { "rad" };
-    let mut table = Table::new();
-    table.insert(key.into(), name.into());
-    let word = match command {
+/// Files that the case names are found from anywhere.
+fn absolute_files(file: &mut CaseFile, case: &Path) {
+    let folder = case.parent().unwrap_or(Path::new(""));
+    for name in file.files_mut() {
+        if let Ok(path) = folder.join(name.get_ref()).canonicalize() {
+            *name = path.display().to_string().into();
+        }
+    }
+}
+
+fn interpolation(command: &Command) -> &'static str {
+    match command {
         Command::Fourier(_) => "fourier",
         Command::Spline(..) => "cubic_clamped",
         Command::Slews(..) => "quintic_rest",
+    }
+}
+
+fn joint_motion(name: &str, command: &Command, slides: bool) -> JointMotionFile {
+    let mut motion = JointMotionFile {
+        joint: name.to_owned().into(),
+        interpolation: interpolation(command).to_owned().into(),
+        ..JointMotionFile::default()
     };
-    table.insert("interpolation".into(), word.into());
+    let m = &mut motion;
     match command {
         Command::Fourier(f) => {
-            table.insert("base_frequency_hz".into(), f.base_frequency_hz.into());
-            table.insert(format!("offset_{unit}"), f.offset.into());
-            table.insert(format!("sine_{unit}"), list(&f.sine));
-            table.insert(format!("cosine_{unit}"), list(&f.cosine));
+            let (offset, sine, cosine) = match slides {
+                true => (&mut m.offset_m, &mut m.sine_m, &mut m.cosine_m),
+                false => (&mut m.offset_rad, &mut m.sine_rad, &mut m.cosine_rad),
+            };
+            *offset = Some(f.offset.into());
+            *sine = Some(f.sine.clone().into());
+            *cosine = Some(f.cosine.clone().into());
+            m.base_frequency_hz = Some(f.base_frequency_hz.into());
         }
         Command::Spline(time, values) | Command::Slews(time, values) => {
-            table.insert("time_s".into(), list(time));
-            let name = match key {
-                "wheel" => "speed_rad_s".to_owned(),
-                _ => format!("position_{unit}"),
+            let position = match slides {
+                true => &mut m.position_m,
+                false => &mut m.position_rad,
             };
-            table.insert(name, list(values));
+            *position = Some(values.clone().into());
+            m.time_s = Some(time.clone().into());
         }
     }
-    table
+    motion
+}
+
+/// Wheels follow nodes: the format has no harmonics for them.
+fn wheel_motion(name: &str, command: &Command) -> WheelMotionFile {
+    let nodes = match command {
+        Command::Spline(time, values) | Command::Slews(time, values) => Some((time, values)),
+        Command::Fourier(_) => None,
+    };
+    let (time, speed) = nodes.unzip();
+    WheelMotionFile {
+        wheel: name.to_owned().into(),
+        time_s: time.cloned().map(Into::into),
+        speed_rad_s: speed.cloned().map(Into::into),
+        interpolation: Some(interpolation(command).to_owned().into()),
+        ..WheelMotionFile::default()
+    }
 }
 
 /// Commands of every joint and wheel at the rate of the case, with standard names.

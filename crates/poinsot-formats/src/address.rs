@@ -1,7 +1,8 @@
 //! The address of a number, the same in result files, case files, plans, flags and Python: `bus.com_m.x`,
 //! `bus.inertia_kg_m2.xx`, `gyro.bias_rad_s.x`, `wheel1.spin_inertia_kg_m2`, `thruster1.scale`.
 //!
-//! An address is the name of a body, joint, wheel, thruster or sensor, then a quantity with its unit, then a component.
+//! An address is the name of a body, joint, wheel, thruster or sensor, then a quantity with its unit, then a component. In
+//! a case or model file it may also be a way of keys (`output.rate_hz`, `body.arm.mass_kg`, `firing.0.on_s`).
 //! The estimator calls a number by owner, quantity and component alone (`bus.com_x`), with the unit beside the name.
 
 /// Last steps of an address.
@@ -48,41 +49,73 @@ pub fn address(name: &str, unit: &str) -> String {
     out
 }
 
-/// An address in its parts: the one parser of addresses.
+/// An address: the one parser of addresses. Its steps are separated by dots; names may hold dots too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Address<'a> {
-    /// Name of a body, joint, wheel, thruster or sensor, which may hold dots; empty without one.
-    pub owner: &'a str,
-    /// Quantity with its unit, as in files.
-    pub quantity: &'a str,
-    /// Component; `None` of a scalar, or of all components.
-    pub component: Option<&'a str>,
-}
+pub struct Address<'a>(&'a str);
 
 impl<'a> Address<'a> {
-    /// Takes an address apart.
+    /// Takes an address.
     pub fn parse(text: &'a str) -> Self {
-        let (rest, component) = match text.rsplit_once('.') {
-            Some((rest, last)) if COMPONENTS.contains(&last) => (rest, Some(last)),
-            _ => (text, None),
-        };
-        let (owner, quantity) = rest.rsplit_once('.').unwrap_or(("", rest));
-        Self {
-            owner,
-            quantity,
-            component,
-        }
+        Self(text)
     }
+
+    /// Its text.
+    pub fn text(self) -> &'a str {
+        self.0
+    }
+
+    /// Its steps: keys, names, components.
+    pub fn steps(self) -> impl Iterator<Item = &'a str> {
+        self.0.split('.')
+    }
+
+    /// Its first step.
+    pub fn first(self) -> &'a str {
+        self.steps().next().unwrap_or_default()
+    }
+
+    /// Every name that it may begin with, the longest first, with the address below it.
+    pub fn owners(self) -> impl Iterator<Item = (&'a str, Self)> {
+        let dots = self.0.rmatch_indices('.');
+        dots.map(move |(at, _)| (&self.0[..at], Self(&self.0[at + 1..])))
+    }
+
+    /// Name of a body, joint, wheel, thruster or sensor; empty without one.
+    pub fn owner(self) -> &'a str {
+        self.without_component()
+            .rsplit_once('.')
+            .map_or("", |p| p.0)
+    }
+
+    /// Quantity with its unit, as in files.
+    pub fn quantity(self) -> &'a str {
+        let text = self.without_component();
+        text.rsplit_once('.').map_or(text, |p| p.1)
+    }
+
+    /// Component; `None` of a scalar, or of all components.
+    pub fn component(self) -> Option<&'a str> {
+        let last = self.0.rsplit_once('.')?.1;
+        COMPONENTS.contains(&last).then_some(last)
+    }
+
+    fn without_component(self) -> &'a str {
+        let component = self.component();
+        component.map_or(self.0, |c| &self.0[..self.0.len() - c.len() - 1])
+    }
+}
+
+/// The element of a list of numbers that a step names: x, y, z, w, or a number from zero.
+pub fn element(step: &str) -> Option<usize> {
+    let axis = ["x", "y", "z", "w"].iter().position(|a| *a == step);
+    axis.or_else(|| step.parse().ok())
 }
 
 /// The estimator's name of an unknown mass property, from its address; the inverse of [`address`].
 pub fn unknown_name(address: &str) -> String {
-    let Address {
-        owner,
-        quantity,
-        component,
-    } = Address::parse(address);
-    let component = component.map_or(String::new(), |c| format!("_{c}"));
+    let parts = Address::parse(address);
+    let (owner, quantity) = (parts.owner(), parts.quantity());
+    let component = parts.component().map_or(String::new(), |c| format!("_{c}"));
     let known = MASS_PROPERTIES.iter().find(|(_, k)| *k == quantity);
     let word = known.map_or(quantity, |(word, _)| word);
     format!("{owner}.{word}{component}")
@@ -120,6 +153,28 @@ mod tests {
         ] {
             assert_eq!(address(name, unit), wanted);
         }
+    }
+
+    #[test]
+    fn unit_an_address_comes_apart() {
+        for (text, wanted) in [
+            ("bus.com_m.x", ("bus", "com_m", Some("x"))),
+            ("my.gyro.bias_rad_s.z", ("my.gyro", "bias_rad_s", Some("z"))),
+            ("link1.mass_kg", ("link1", "mass_kg", None)),
+            ("bus.com_m", ("bus", "com_m", None)),
+            ("noise", ("", "noise", None)),
+        ] {
+            let address = Address::parse(text);
+            let found = (address.owner(), address.quantity(), address.component());
+            assert_eq!(found, wanted);
+        }
+        let owners: Vec<_> = Address::parse("my.gyro.lag_s").owners().collect();
+        let wanted = [("my.gyro", "lag_s"), ("my", "gyro.lag_s")];
+        assert_eq!(owners, wanted.map(|(name, rest)| (name, Address(rest))));
+        assert_eq!(
+            ["z", "w", "7", "xx"].map(element),
+            [Some(2), Some(3), Some(7), None]
+        );
     }
 
     #[test]

@@ -1,7 +1,9 @@
-//! The case file (`poinsot.case/2`, TOML) as written: shape only, nothing checked.
+//! The case file (`poinsot.case/2`, TOML) as written: shape only, nothing checked. [`CaseFile::parse`] reads it,
+//! [`CaseFile::text`] writes it.
 
+use crate::toml_file::{ShapeFault, parse_toml};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -13,9 +15,22 @@ pub const CASE: &str = "poinsot.case/2";
 pub const CASE_BEFORE: &str = "poinsot.case/1";
 
 /// A value with its place in the file.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Placed<T>(Spanned<T>);
+
+impl<T> From<T> for Placed<T> {
+    /// A value that stands in no file yet.
+    fn from(value: T) -> Self {
+        Self(Spanned::new(0..0, value))
+    }
+}
+
+impl<T: Default> Default for Placed<T> {
+    fn default() -> Self {
+        Self::from(T::default())
+    }
+}
 
 impl<T> Placed<T> {
     /// The value.
@@ -49,7 +64,7 @@ impl<T: JsonSchema> JsonSchema for Placed<T> {
 
 /// What a vehicle does, for how long, and what is written of it. SI; every key that holds a quantity ends in its unit. Frames are
 /// those of the model: N is inertial and falls with the vehicle, B is the frame of the base.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
     /// "poinsot.case/2"; "poinsot.case/1" is read alike.
@@ -59,87 +74,129 @@ pub struct CaseFile {
     /// Duration, s. The case begins at time 0.
     pub duration_s: Placed<f64>,
     /// Pose and velocity of the base, or momentum of the vehicle, at time 0. Default: at rest at the origin of N.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub initial: InitialFile,
     /// Prescribed motions of joints. A joint without motion, torque or spring stays where the model locks it.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub joint_motion: Vec<JointMotionFile>,
     /// Speeds or motor torques of wheels; one for each wheel unless `control` drives them.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel_motion: Vec<WheelMotionFile>,
     /// Firings of thrusters.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub firing: Vec<FiringFile>,
     /// Torques of joint motors; such a joint moves by itself.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub joint_torque: Vec<JointTorqueFile>,
     /// Attitude feedback by the wheels.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<Placed<ControlFile>>,
     /// How accurate the integration is.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub integration: Option<IntegrationFile>,
     /// What is written.
     pub output: Placed<OutputFile>,
     /// Numbers with the accuracy that `predict` and `design` judge a manoeuvre by.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub want: Vec<Placed<WantFile>>,
     /// Limits that no manoeuvre of `design` exceeds.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub limits: LimitsFile,
     /// What `design` may move, and what it minimises.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<Placed<DesignFile>>,
 }
 
 impl CaseFile {
+    /// Reads the text of a case.
+    ///
+    /// # Errors
+    /// It is not TOML, or keys are unknown, missing or of another type.
+    pub fn parse(text: &str) -> Result<Self, Vec<ShapeFault>> {
+        parse_toml(text)
+    }
+
+    /// The text of the case. What is as usual is left out.
+    ///
+    /// # Errors
+    /// A number is larger than TOML holds.
+    pub fn text(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+
     /// Every file that it names beside its model.
     pub fn files(&self) -> impl Iterator<Item = &Placed<String>> {
         let torques = self.joint_torque.iter().map(|t| &t.file);
         let wheels = self.wheel_motion.iter().map(|w| &w.file);
         torques.chain(wheels).flatten()
     }
+
+    /// The same, to be changed.
+    pub fn files_mut(&mut self) -> impl Iterator<Item = &mut Placed<String>> {
+        let torques = self.joint_torque.iter_mut().map(|t| &mut t.file);
+        let wheels = self.wheel_motion.iter_mut().map(|w| &mut w.file);
+        torques.chain(wheels).flatten()
+    }
+}
+
+/// Whether a value is the default of its key.
+fn is_usual<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Pose and velocity of the base, or momentum of the whole.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CaseStartFile")]
 pub struct InitialFile {
     /// Attitude R_NB: quaternion, Hamilton, scalar last. Default: aligned with N.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub q_xyzw: Option<Placed<[f64; 4]>>,
     /// Angular velocity of B relative to N, axes of B, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub omega_rad_s: Option<Placed<[f64; 3]>>,
     /// Position of the origin of B in N, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub r_m: Option<Placed<[f64; 3]>>,
     /// Velocity of the origin of B in N, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub v_m_s: Option<Placed<[f64; 3]>>,
     /// true: the vehicle has no momentum. In place of velocities.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum_zero: Option<Placed<bool>>,
     /// Linear momentum of the vehicle in N, N s. In place of velocities.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub linear_N_s: Option<Placed<[f64; 3]>>,
     /// Angular momentum about the mass centre of the vehicle in N, N m s. In place of velocities.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_N_m_s: Option<Placed<[f64; 3]>>,
     /// Start of joints that torques or springs move.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub joint: Vec<InitialJointFile>,
 }
 
 /// Start of a joint that torques move.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InitialJointFile {
     /// Name of the joint.
     pub joint: Placed<String>,
     /// Position of a revolute joint, rad. Default: where its spring rests, else where the model locks it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<f64>>,
     /// Position of a prismatic joint, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<f64>>,
     /// Rate of a revolute joint, rad/s. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_rad_s: Option<Placed<f64>>,
     /// Rate of a prismatic joint, m/s. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_m_s: Option<Placed<f64>>,
 }
 
 /// Motion of one joint.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointMotionFile {
     /// Name of the joint.
@@ -147,83 +204,112 @@ pub struct JointMotionFile {
     /// Through nodes "quintic_rest" (at rest at every node) or "cubic_clamped" (at rest at both ends); or "fourier".
     pub interpolation: Placed<String>,
     /// Times of the nodes, ascending, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<Placed<Vec<f64>>>,
     /// Positions of a revolute joint at the nodes, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<Vec<f64>>>,
     /// Positions of a prismatic joint at the nodes, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<Vec<f64>>>,
     /// Fourier: base frequency, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_frequency_hz: Option<Placed<f64>>,
     /// Fourier: constant part, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset_rad: Option<Placed<f64>>,
     /// Fourier: constant part, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset_m: Option<Placed<f64>>,
     /// Fourier: sine amplitude of each harmonic, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sine_rad: Option<Placed<Vec<f64>>>,
     /// Fourier: sine amplitude of each harmonic, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sine_m: Option<Placed<Vec<f64>>>,
     /// Fourier: cosine amplitude of each harmonic, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub cosine_rad: Option<Placed<Vec<f64>>>,
     /// Fourier: cosine amplitude of each harmonic, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub cosine_m: Option<Placed<Vec<f64>>>,
 }
 
 /// Torque of a joint's motor (prismatic: force): constant, sinusoid, table, or column of a file.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointTorqueFile {
     /// Name of the joint.
     pub joint: Placed<String>,
     /// Constant torque of a revolute joint, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub constant_N_m: Option<Placed<f64>>,
     /// Constant force of a prismatic joint, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub constant_N: Option<Placed<f64>>,
     /// Amplitude of a sinusoid, N m: amplitude sin(frequency t + phase).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_N_m: Option<Placed<f64>>,
     /// Amplitude of a sinusoid, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_N: Option<Placed<f64>>,
     /// Angular frequency of the sinusoid, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_rad_s: Option<Placed<f64>>,
     /// Phase of the sinusoid, rad. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_rad: Option<Placed<f64>>,
     /// Times of the nodes of a table, ascending, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<Placed<Vec<f64>>>,
     /// Torques at the nodes, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<Vec<f64>>>,
     /// Forces at the nodes, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub force_N: Option<Placed<Vec<f64>>>,
     /// Telemetry file with the torques, relative to the case.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<Placed<String>>,
     /// Column of the file. Default: `<joint>_Nm`, of a prismatic joint `<joint>_N`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<Placed<String>>,
     /// "constant" (default: from a node to the next) or "linear".
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<Placed<String>>,
 }
 
 /// Speed of one wheel, or torque of its motor.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelMotionFile {
     /// Name of the wheel.
     pub wheel: Placed<String>,
     /// Times of the nodes of a table, ascending, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<Placed<Vec<f64>>>,
     /// Speeds relative to the host at the nodes, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_rad_s: Option<Placed<Vec<f64>>>,
     /// Motor torques at the nodes, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<Vec<f64>>>,
     /// Telemetry file with the speeds or torques, relative to the case. In place of a table.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<Placed<String>>,
     /// Column of the file: a speed where it ends in `_rad_s`, a torque where it ends in `_Nm`. Default: `<wheel>_rad_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<Placed<String>>,
     /// Speed at time 0 of a wheel that a torque drives, rad/s. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_speed_rad_s: Option<Placed<f64>>,
     /// Of speeds "linear" (default) or "cubic_clamped", of torques "constant" (default) or "linear".
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<Placed<String>>,
 }
 
 /// One firing.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FiringFile {
     /// Name of the thruster.
@@ -237,31 +323,37 @@ pub struct FiringFile {
 }
 
 /// Attitude feedback by wheels.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControlFile {
     /// On the vector part of the error quaternion.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub proportional_N_m: Option<Placed<[[f64; 3]; 3]>>,
     /// On the angular velocity: 3 by 3, N m s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub derivative_N_m_s: Option<Placed<[[f64; 3]; 3]>>,
     /// With `damping_ratio` in place of the two gains: 2 w^2 I and 2 zeta w I, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub natural_frequency_rad_s: Option<Placed<f64>>,
     /// Damping ratio.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<Placed<f64>>,
     /// Time over which a command is held; continuous without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<Placed<f64>>,
     /// What is commanded of a wheel: "torque" of its motor (default) or "acceleration" relative to the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub drive: Option<Placed<String>>,
     /// Attitudes to reach. Default: aligned with N.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub target: Vec<ControlTargetFile>,
     /// Start, limits and friction of the wheels.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel: Vec<ControlWheelFile>,
 }
 
 /// Attitude to reach from a time on.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControlTargetFile {
     /// Time from which on the target holds, s.
@@ -271,25 +363,30 @@ pub struct ControlTargetFile {
 }
 
 /// Start, limits and friction of one wheel under control.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControlWheelFile {
     /// Name of the wheel.
     pub wheel: Placed<String>,
     /// Speed at time 0, rad/s. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_speed_rad_s: Option<f64>,
     /// Largest motor torque, N m. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_torque_N_m: Option<f64>,
     /// Largest speed, rad/s. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max_speed_rad_s: Option<f64>,
     /// Viscous friction, N m s. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscous_N_m_s: Option<f64>,
     /// Coulomb friction, N m. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb_N_m: Option<f64>,
 }
 
 /// How accurate the integration is.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IntegrationFile {
     /// Relative tolerance of a step, 1e-14 to 1e-3. Default 1e-12.
@@ -297,28 +394,28 @@ pub struct IntegrationFile {
 }
 
 /// What is written.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
     /// Rows per second, Hz.
     pub rate_hz: Placed<f64>,
     /// "csv" (default) or "parquet".
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub format: Format,
     /// Seed of all noise. Default 0.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub seed: u64,
     /// true leaves out what no sensor of the model measures. Commanded motions of joints and wheels and commanded thrust are
     /// always written. Default false.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub sensors_only: bool,
     /// What sensors of the model do in this case.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub sensor: Vec<SensorOutputFile>,
 }
 
 /// Kind of telemetry file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
     /// One header row, comma separated.
@@ -329,111 +426,141 @@ pub enum Format {
 }
 
 /// What a sensor of the model does in this case.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorOutputFile {
     /// Name of the sensor in the model.
     pub name: Placed<String>,
     /// Samples per second, Hz; the rate of the rows divided by a whole number. Default: every row.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<Placed<f64>>,
     /// True bias in the axes of the sensor, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_rad: Option<Placed<Vec<f64>>>,
     /// True bias, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_rad_s: Option<Placed<Vec<f64>>>,
     /// True bias, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_m: Option<Placed<Vec<f64>>>,
     /// True bias, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_m_s: Option<Placed<Vec<f64>>>,
     /// True bias, m/s2.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_m_s2: Option<Placed<Vec<f64>>>,
     /// True bias, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bias_N: Option<Placed<Vec<f64>>>,
     /// Relative error of each axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<Placed<[f64; 3]>>,
     /// Small rotation between true and assumed axes, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub misalignment_rad: Option<Placed<[f64; 3]>>,
     /// Turn of two axes towards each other, yz, xz, xy, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub nonorthogonality_rad: Option<Placed<[f64; 3]>>,
     /// How late the sensor reads, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<Placed<f64>>,
 }
 
 /// A number, or a combination of numbers, and the sigma that is wanted of it.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WantFile {
     /// Address of a number, for example "bus.com_m.x".
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub number: Option<Placed<String>>,
     /// Combination instead of one number: factor by address.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub combination: Option<Placed<BTreeMap<String, f64>>>,
     /// Wanted one sigma, in the unit of the number.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma: Option<Placed<f64>>,
     /// The same as a share of the nominal mass, or of the mean principal moment of the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub relative: Option<Placed<f64>>,
 }
 
 /// What no designed manoeuvre may exceed.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
     /// Largest angular rate of the base, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub body_rate_rad_s: Option<Placed<f64>>,
     /// Smallest distance between capsules of bodies that no joint connects, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<Placed<f64>>,
     /// Limits of joints.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub joint: Vec<Placed<JointLimitFile>>,
     /// Limits of wheels.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel: Vec<Placed<WheelLimitFile>>,
     /// Cones of directions.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub cone: Vec<Placed<ConeFile>>,
     /// Shapes of the bodies for the clearance.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub capsule: Vec<Placed<CapsuleFile>>,
 }
 
 /// Limits of some joints; of all without `joints`.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointLimitFile {
     /// Names. Default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<Placed<String>>>,
     /// Least and largest position, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<[f64; 2]>>,
     /// Least and largest position, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<[f64; 2]>>,
     /// Largest rate, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_rad_s: Option<Placed<f64>>,
     /// Largest rate, m/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_m_s: Option<Placed<f64>>,
     /// Largest acceleration, rad/s2.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration_rad_s2: Option<Placed<f64>>,
     /// Largest acceleration, m/s2.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub acceleration_m_s2: Option<Placed<f64>>,
     /// Largest motor torque, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<f64>>,
     /// Largest motor force, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub force_N: Option<Placed<f64>>,
 }
 
 /// Limits of some wheels; of all without `wheels`.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelLimitFile {
     /// Names. Default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wheels: Option<Vec<Placed<String>>>,
     /// Largest speed, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_rad_s: Option<Placed<f64>>,
     /// Largest motor torque, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_N_m: Option<Placed<f64>>,
     /// Largest momentum of each, N m s.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum_N_m_s: Option<Placed<f64>>,
 }
 
 /// An axis of the base that must stay out of, or in, a cone about a direction in N.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConeFile {
     /// Name for messages.
@@ -443,13 +570,15 @@ pub struct ConeFile {
     /// Direction in N.
     pub direction_N: Placed<[f64; 3]>,
     /// Smallest angle between the two, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_out_rad: Option<Placed<f64>>,
     /// Largest angle between the two, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_in_rad: Option<Placed<f64>>,
 }
 
 /// A capsule about a part of a body; a sphere where both ends are equal.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleFile {
     /// Name of the body.
@@ -457,42 +586,45 @@ pub struct CapsuleFile {
     /// One end in the body's frame, m.
     pub from_m: Placed<[f64; 3]>,
     /// The other end. Default: the same, a sphere.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub to_m: Option<Placed<[f64; 3]>>,
     /// Radius, m.
     pub radius_m: Placed<f64>,
 }
 
 /// What a design may move, and what it is after.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CaseDesignFile")]
 pub struct DesignFile {
     /// What is minimised. Default "worst_ratio".
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub objective: Objective,
     /// Whether the vehicles of the prior count and not the nominal one alone.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub robust: bool,
     /// Whether declared priors of mass properties count in the sigmas.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub priors: bool,
     /// Most evaluations of a manoeuvre.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<Placed<usize>>,
     /// Starts of the search.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Placed<usize>>,
     /// Seed of the search. Default 0.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub seed: u64,
     /// Joints that may move.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub joint: Vec<Placed<DesignJointFile>>,
     /// Wheels that may turn.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel: Vec<Placed<DesignWheelFile>>,
 }
 
 /// What a design minimises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Objective {
     /// The largest ratio of sigma to wanted sigma.
@@ -505,37 +637,47 @@ pub enum Objective {
 }
 
 /// How some joints may move.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignJointFile {
     /// Names. Default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<Placed<String>>>,
     /// "fourier", "spline" or "slews".
     pub form: Placed<String>,
     /// Fourier: harmonics.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub harmonics: Option<Placed<usize>>,
     /// Fourier: base frequency, Hz. Default: one period in the duration.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_frequency_hz: Option<Placed<f64>>,
     /// Fourier: whether the joint starts without rate and acceleration. Default false.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<Placed<bool>>,
     /// Spline: nodes.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<Placed<usize>>,
     /// Slews: how many.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub slews: Option<Placed<usize>>,
     /// Whether the joint ends where it began. Default true.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }
 
 /// How some wheels may turn.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignWheelFile {
     /// Names. Default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wheels: Option<Vec<Placed<String>>>,
     /// Nodes of the speed.
     pub nodes: Placed<usize>,
     /// Speed at time 0, rad/s. Default 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub start_speed_rad_s: Option<Placed<f64>>,
     /// Whether the speed ends where it began. Default true.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }

@@ -30,6 +30,13 @@ pub struct ComparisonFile {
     pub doubts: Vec<String>,
 }
 
+impl ComparisonFile {
+    /// Whether all answers agree, by probabilities that can be relied on.
+    pub fn passes(&self) -> bool {
+        self.verdict == "agree" && self.doubts.is_empty()
+    }
+}
+
 /// One answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparedAnswerFile {

@@ -26,11 +26,12 @@ mod onboard;
 mod plan;
 mod prediction;
 mod read;
+mod toml_file;
 mod truth;
 mod upgrade;
 mod validation;
 
-pub use address::{Address, address, unknown_name};
+pub use address::{Address, address, element, unknown_name};
 pub use body::{BarycentricFile, BodyFile, MassFile, PrincipalFile};
 pub use campaign::{
     BandedFile, CAMPAIGN, CampaignFile, CellFile, MethodResultFile, NumberResultFile, PairFile,
@@ -69,6 +70,7 @@ pub use plan::{
 };
 pub use prediction::{PREDICTION, PredictionFile, WantedFile};
 pub use read::{FormatError, LARGEST_RESULT, parse_estimate, read_estimate, read_truth};
+pub use toml_file::ShapeFault;
 pub use truth::{
     InitialFile, JointStateFile, TRUTH, TrueBodyFile, TrueRunFile, TrueSensorFile, TruthFile,
     WheelUseFile,

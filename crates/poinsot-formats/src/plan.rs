@@ -1,5 +1,6 @@
 //! The plan of a campaign (`poinsot.plan/1`, TOML): experiments, methods, numbers that vary, numbers that are drawn.
 
+use crate::toml_file::{ShapeFault, parse_toml};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -44,6 +45,24 @@ pub struct PlanFile {
     /// Numbers that every trial draws.
     #[serde(default)]
     pub draw: Vec<DrawFile>,
+}
+
+impl PlanFile {
+    /// Reads the text of a plan.
+    ///
+    /// # Errors
+    /// It is not TOML, or keys are unknown, missing or of another type.
+    pub fn parse(text: &str) -> Result<Self, Vec<ShapeFault>> {
+        parse_toml(text)
+    }
+
+    /// The text of the plan.
+    ///
+    /// # Errors
+    /// A number is larger than TOML holds.
+    pub fn text(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
 }
 
 /// A motion with its vehicle: a case that is simulated, or a recorded noise-free motion.

@@ -41,7 +41,7 @@ pub fn design(
         Ok((
             json(&design_file(&designed))?,
             text(&design_document(&designed)),
-            designed.exit_code(),
+            poinsot_cli::exit_of(designed.passes()),
         ))
     })
 }
@@ -147,7 +147,7 @@ fn flown(
             run_campaign(plan, &request)?
         }
     };
-    let code = ran.exit_code();
+    let code = poinsot_cli::exit_of(ran.passes());
     let Ran {
         result: Some(result),
         folded: Some(folded),

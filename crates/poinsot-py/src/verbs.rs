@@ -122,7 +122,7 @@ pub fn predict(
         Ok((
             json(&prediction_file(&found))?,
             text(&prediction_document(&found)),
-            found.exit_code(),
+            poinsot_cli::exit_of(found.passes()),
         ))
     })
 }
@@ -163,7 +163,7 @@ pub fn validate(
         Ok((
             json(&validation_file(&found))?,
             text(&validation_document(&found)),
-            found.exit_code(),
+            poinsot_cli::exit_of(found.passes()),
         ))
     })
 }
@@ -195,8 +195,8 @@ pub fn compare(py: Python<'_>, answers: Vec<AnswerOrPath<'_>>) -> PyResult<Print
     run(py, None, move || {
         let found = compare_estimates(&files)?;
         let json = json(&found)?;
-        let agree = found.verdict == "agree" && found.doubts.is_empty();
-        Ok((json, text(&comparison_document(&found)), u8::from(!agree)))
+        let code = poinsot_cli::exit_of(found.passes());
+        Ok((json, text(&comparison_document(&found)), code))
     })
 }
 

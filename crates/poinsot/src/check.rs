@@ -1,7 +1,7 @@
 //! The verb `check`: a model, map, case, plan or answer is checked and said in words.
 
 use crate::campaign::read_plan;
-use crate::case::{CaseError, CaseFault, CaseText, describe_case, parse_case};
+use crate::case::{CaseError, CaseFault, CaseText, counted, describe_case, shaped_case};
 use crate::compare::format_error;
 use crate::error::{Error, unreadable};
 use crate::simulate::SimulateError;
@@ -89,19 +89,19 @@ fn described(path: &Path) -> Result<Described, Error> {
 
 /// A case with its model: everything that `simulate`, `predict` and `design` would refuse.
 fn case(path: &Path, text: String) -> Result<Vec<String>, Error> {
-    let case = parse_case(path, text).map_err(SimulateError::from)?;
+    let (case, faults) = shaped_case(path, text).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;
-    Ok(describe_case(&case, &model).map_err(SimulateError::from)?)
+    Ok(describe_case(&case, &model, faults).map_err(SimulateError::from)?)
 }
 
 fn plan(path: &Path) -> Result<Vec<String>, Error> {
     let plan = read_plan(path)?;
     let mut lines = vec![format!(
-        "{}: {} trials of {} cells, in {} shards",
+        "{}: {} of {}, in {}",
         plan.name,
-        plan.trials,
-        plan.cells(),
-        plan.shards()
+        counted(plan.trials, "trial"),
+        counted(plan.cells(), "cell"),
+        counted(plan.shards(), "shard")
     )];
     for experiment in &plan.file.experiment {
         let of = experiment.case.as_ref().or(experiment.record.as_ref());

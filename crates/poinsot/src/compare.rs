@@ -23,6 +23,9 @@ use std::path::PathBuf;
 /// Probability, over all numbers compared, below which the answers differ.
 const SIGNIFICANT: f64 = 0.01;
 
+/// Probability that independent answers of one vehicle agree as well by chance, below which they are said to share telemetry.
+const TOO_GOOD: f64 = 1.0e-3;
+
 /// Figures of a time in words.
 const DIGITS: i32 = 4;
 
@@ -73,7 +76,8 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
     let files: Vec<&EstimateFile> = answers.iter().map(|(_, file)| file).collect();
     let common = Answers::common(&files);
     let tests = tests(&common);
-    let differ = tests.first().is_some_and(|t| t.p < SIGNIFICANT);
+    let agreement = tests.first().map(|t| t.p);
+    let differ = agreement.is_some_and(|p| p < SIGNIFICANT);
     let verdict = match (tests.is_empty(), differ) {
         (true, _) => "not_comparable",
         (false, true) => "differ",
@@ -98,7 +102,7 @@ pub fn compare_estimates(answers: &[(PathBuf, EstimateFile)]) -> Result<Comparis
         numbers: numbers.collect(),
         tests,
         not_compared: not_compared(&files, &common),
-        doubts: doubts(&files),
+        doubts: doubts(&files, agreement),
     })
 }
 
@@ -175,13 +179,13 @@ fn tests(common: &Answers) -> Vec<JointTestFile> {
 /// `bus.inertia_kg_m2.xy` belongs to the inertia of bus.
 fn group(address: &str) -> String {
     let parts = Address::parse(address);
-    let what = match parts.quantity {
+    let what = match parts.quantity() {
         "mass_kg" => "mass",
         "com_m" => "mass centre",
         "inertia_kg_m2" => "inertia",
         _ => return address.to_owned(),
     };
-    format!("{what} of {}", parts.owner)
+    format!("{what} of {}", parts.owner())
 }
 
 /// Numbers that some answer asked for and not all determine, and numbers that were known with different values.
@@ -233,28 +237,51 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
     out
 }
 
-/// The longest time that a record of one answer shares with a record of the other, of another content, where both have
-/// dates.
-fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<f64> {
+/// Why two records are taken to share time.
+#[derive(Clone, Copy, PartialEq)]
+enum Shared {
+    /// Both have one content.
+    Content,
+    /// Both have dates.
+    Dates,
+    /// Neither has a date, and they begin at different counts: their clocks may be one.
+    Counts,
+}
+
+/// The longest time that a record of one answer shares with a record of the other. Records without a date that begin at one
+/// count tell nothing: counts often begin anew with every record.
+fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
     let origin = |file: &EstimateFile| {
         let epoch = file.epoch.as_ref()?;
         Origin::of_date(epoch.at.as_deref()?, epoch.scale.as_deref()?)
     };
-    let shift = origin(one)?.until(&origin(other)?);
+    let count = |file: &EstimateFile| file.epoch.as_ref().and_then(|e| e.own_count_s);
+    let dated = origin(one).zip(origin(other)).map(|(a, b)| a.until(&b));
+    let counted = || Some(count(other)? - count(one)?);
+    let shift = dated.or_else(counted);
     let pairs = one.inputs.iter();
     let pairs = pairs.flat_map(|a| other.inputs.iter().map(move |b| (a, b)));
-    let shared = pairs
-        .filter(|(a, b)| a.sha256 != b.sha256)
-        .map(|(a, b)| {
-            let (from, to) = (b.time_s[0] + shift, b.time_s[1] + shift);
-            a.time_s[1].min(to) - a.time_s[0].max(from)
+    pairs
+        .filter_map(|(a, b)| {
+            let same = a.sha256 == b.sha256;
+            // One file by a date and without: its times cannot be compared, its length can.
+            let unknown = same.then(|| a.time_s[0] - b.time_s[0]);
+            let [from, to] = b.time_s.map(|t| Some(t + shift.or(unknown)?));
+            let (from, to) = (from?, to?);
+            let why = match (same, dated) {
+                (true, _) => Shared::Content,
+                (false, Some(_)) => Shared::Dates,
+                (false, None) if from != a.time_s[0] => Shared::Counts,
+                (false, None) => return None,
+            };
+            let seconds = a.time_s[1].min(to) - a.time_s[0].max(from);
+            (seconds > 0.0).then_some((seconds, why))
         })
-        .fold(0.0, f64::max);
-    (shared > 0.0).then_some(shared)
+        .max_by(|x, y| x.0.total_cmp(&y.0))
 }
 
 /// Why the answers are not independent, or not to be relied on.
-fn doubts(files: &[&EstimateFile]) -> Vec<String> {
+fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
     let mut out = Vec::new();
     for (i, file) in (1..).zip(files) {
         if let Some(doubt) = file.doubts.first() {
@@ -263,21 +290,31 @@ fn doubts(files: &[&EstimateFile]) -> Vec<String> {
             out.push(format!("the covariance of answer {i} is not trustworthy"));
         }
     }
-    let mut seen: HashSet<&str> = HashSet::new();
-    for (i, file) in (1..).zip(files) {
-        let hashes: HashSet<&str> = file.inputs.iter().map(|f| f.sha256.as_str()).collect();
-        if hashes.iter().any(|h| seen.contains(h)) {
-            out.push(format!("answer {i} uses telemetry of an earlier answer: they are not independent, and the differences are smaller than the stated sigma"));
-        }
-        seen.extend(hashes);
-    }
+    let before = out.len();
     for (j, file) in files.iter().enumerate() {
         for (i, earlier) in files[..j].iter().enumerate() {
-            if let Some(seconds) = overlap(earlier, file) {
+            if let Some((seconds, shared)) = overlap(earlier, file) {
                 let (i, j, seconds) = (i + 1, j + 1, significant(seconds, DIGITS));
-                out.push(format!("the telemetry of answers {i} and {j} overlaps by {seconds} s: they are not independent, and the differences are smaller than the stated sigma"));
+                let what = match shared {
+                    Shared::Content => {
+                        format!("answers {i} and {j} use the same telemetry for {seconds} s")
+                    }
+                    Shared::Dates => {
+                        format!("the telemetry of answers {i} and {j} overlaps by {seconds} s")
+                    }
+                    Shared::Counts => format!(
+                        "the telemetry of answers {i} and {j} has no dates and overlaps by {seconds} s if its clocks are one (declare `epoch` in the map)"
+                    ),
+                };
+                out.push(format!("{what}: they are not independent, and the differences are smaller than the stated sigma"));
             }
         }
+    }
+    if agreement.is_some_and(|p| p > 1.0 - TOO_GOOD) && out.len() == before {
+        out.push(
+            "the answers agree better than independent answers do: they may come from one record"
+                .to_owned(),
+        );
     }
     let uses_prior = |f: &&EstimateFile| {
         let mut numbers = f.bodies.values().flat_map(|b| b.numbers());

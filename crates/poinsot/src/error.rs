@@ -1,4 +1,4 @@
-//! Everything that can keep a verb from answering, with its exit code.
+//! Everything that can keep a verb from answering.
 
 mod bind;
 mod case;
@@ -17,6 +17,17 @@ use poinsot_papers::MethodError;
 use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
 use std::path::{Path, PathBuf};
+
+/// Where the cause of an error lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// In the arguments, model or telemetry.
+    Input,
+    /// In the operating system: disk, permission, a limit.
+    System,
+    /// In this program.
+    Internal,
+}
 
 /// Why a verb gives no answer.
 #[derive(Debug, thiserror::Error)]
@@ -138,10 +149,10 @@ impl From<StageError> for Error {
 }
 
 impl Error {
-    /// Exit code of CONTRACT: 2 for bad usage or input, 3 for the environment, 4 for a fault of the program.
-    pub fn exit_code(&self) -> u8 {
-        let environment = match self {
-            Self::Internal { .. } => return 4,
+    /// Where the cause lies.
+    pub fn kind(&self) -> ErrorKind {
+        let system = match self {
+            Self::Internal { .. } => return ErrorKind::Internal,
             Self::Io { .. }
             | Self::Kept { .. }
             | Self::Threads { .. }
@@ -153,7 +164,10 @@ impl Error {
             Self::File(error) => error.environment,
             _ => false,
         };
-        if environment { 3 } else { 2 }
+        match system {
+            true => ErrorKind::System,
+            false => ErrorKind::Input,
+        }
     }
 }
 

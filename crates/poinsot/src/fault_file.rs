@@ -3,20 +3,12 @@
 use crate::case::{CaseError, CaseFault};
 use crate::error::Error;
 use crate::simulate::SimulateError;
-use poinsot_formats::{ERROR, ErrorFile, FaultFile};
+use poinsot_formats::FaultFile;
 use poinsot_model::{Finding, ModelError};
 
 impl Error {
-    /// Everything that is wrong, with the exit code of the command.
-    pub fn file(&self) -> ErrorFile {
-        ErrorFile {
-            schema: ERROR.to_owned(),
-            exit_code: self.exit_code(),
-            errors: self.faults(),
-        }
-    }
-
-    fn faults(&self) -> Vec<FaultFile> {
+    /// Everything that is wrong.
+    pub fn faults(&self) -> Vec<FaultFile> {
         match self {
             Self::Model(error) | Self::Simulate(SimulateError::Model(error)) => of_model(error),
             Self::File(error) | Self::Simulate(SimulateError::Case(error)) => of_case(error),

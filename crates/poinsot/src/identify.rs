@@ -175,9 +175,9 @@ impl ModelFiles {
 }
 
 impl Identified {
-    /// Exit code of the command.
-    pub fn exit_code(&self) -> u8 {
-        self.estimate.exit_code()
+    /// Whether every requested number is determined and no evidence contradicts the answer.
+    pub fn passes(&self) -> bool {
+        self.estimate.passes()
     }
 }
 

@@ -36,7 +36,7 @@ pub mod validate;
 pub mod verdict;
 mod written;
 
-pub use error::Error;
+pub use error::{Error, ErrorKind};
 pub use estimate_file::estimate_file;
 pub use estimate_text::{Detail, estimate_document};
 pub use identify::{

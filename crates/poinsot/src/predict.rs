@@ -37,11 +37,11 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Exit code of the command: where the case wants something, whether that is met decides.
-    pub fn exit_code(&self) -> u8 {
+    /// Whether the case reaches what it wants; of a case without `[[want]]` whether every requested number is determined.
+    pub fn passes(&self) -> bool {
         match self.wants.is_empty() {
-            true => self.bound.exit_code(),
-            false => u8::from(!self.wants.iter().all(Met::is_met)),
+            true => self.bound.passes(),
+            false => self.wants.iter().all(Met::is_met),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::error::Error;
 use poinsot_formats::{
-    ExperimentFile, MethodFile, PLAN, PlanFile, SamplingFile, ScaleFile, SettingFile, VaryFile,
+    Address, ExperimentFile, MethodFile, PLAN, PlanFile, SamplingFile, ScaleFile, SettingFile,
+    VaryFile,
 };
 use std::collections::BTreeMap;
 
@@ -110,10 +111,8 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
     let (key, value) = text
         .split_once('=')
         .ok_or_else(|| usage("--set", text, wanted))?;
-    let (only, key) = match key.trim().split_once('.') {
-        Some((method, key)) => (Some(method), key),
-        None => (None, key.trim()),
-    };
+    let address = Address::parse(key.trim());
+    let (only, key) = (address.owner(), address.quantity());
     let known = crate::methods::methods();
     let has = |m: &MethodFile| {
         let found = known.iter().find(|k| k.name == m.name);
@@ -121,7 +120,7 @@ fn set(text: &str, methods: &mut [MethodFile]) -> Result<(), Error> {
     };
     let mut taken = 0;
     for method in methods.iter_mut() {
-        if only.is_none_or(|o| o == method.name) && has(method) {
+        if ["", method.name.as_str()].contains(&only) && has(method) {
             let value = SettingFile::Text(value.trim().to_owned());
             method.set.insert(key.to_owned(), value);
             taken += 1;

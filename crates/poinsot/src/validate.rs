@@ -139,10 +139,10 @@ pub struct Validation {
 }
 
 impl Validation {
-    /// Exit code of the command.
-    pub fn exit_code(&self) -> u8 {
+    /// Whether both motions agree, by an estimate that can be relied on.
+    pub fn passes(&self) -> bool {
         let failed = matches!(self.verdict, Verdict::Differs | Verdict::Undetermined);
-        u8::from(failed || !self.relied_on)
+        self.relied_on && !failed
     }
 }
 

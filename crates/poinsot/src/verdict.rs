@@ -38,8 +38,8 @@ pub struct Verdict {
     pub tone: Tone,
     /// Display word.
     pub word: &'static str,
-    /// Exit code of `identify`.
-    pub exit: u8,
+    /// Whether every requested number is determined and no evidence contradicts the answer.
+    pub passes: bool,
 }
 
 /// Every verdict; of those of a status the first whose condition holds.
@@ -48,25 +48,45 @@ pub static VERDICTS: [Verdict; 9] = [
         "converged",
         DOUBTED,
         (Tone::Bad, "Determined, not reliable"),
-        1,
+        false,
     ),
-    verdict("converged", UNSTATED, (Tone::Fair, "Determined"), 0),
-    verdict("converged", OTHERWISE, (Tone::Good, "Determined"), 0),
+    verdict("converged", UNSTATED, (Tone::Fair, "Determined"), true),
+    verdict("converged", OTHERWISE, (Tone::Good, "Determined"), true),
     verdict(
         "partial",
         DOUBTED,
         (Tone::Bad, "Partly determined, not reliable"),
-        1,
+        false,
     ),
-    verdict("partial", UNSTATED, (Tone::Fair, "Partly determined"), 1),
-    verdict("partial", OTHERWISE, (Tone::Fair, "Partly determined"), 1),
-    verdict("not_identifiable", ALWAYS, (Tone::Bad, "Not determined"), 1),
-    verdict("rejected", ALWAYS, (Tone::Bad, "Contradicted"), 1),
-    verdict("iteration_limit", ALWAYS, (Tone::Bad, "Not converged"), 1),
+    verdict(
+        "partial",
+        UNSTATED,
+        (Tone::Fair, "Partly determined"),
+        false,
+    ),
+    verdict(
+        "partial",
+        OTHERWISE,
+        (Tone::Fair, "Partly determined"),
+        false,
+    ),
+    verdict(
+        "not_identifiable",
+        ALWAYS,
+        (Tone::Bad, "Not determined"),
+        false,
+    ),
+    verdict("rejected", ALWAYS, (Tone::Bad, "Contradicted"), false),
+    verdict(
+        "iteration_limit",
+        ALWAYS,
+        (Tone::Bad, "Not converged"),
+        false,
+    ),
 ];
 
 /// Of a status that no answer of this program has.
-const UNKNOWN: Verdict = verdict("", ALWAYS, (Tone::Bad, "Unknown status"), 1);
+const UNKNOWN: Verdict = verdict("", ALWAYS, (Tone::Bad, "Unknown status"), false);
 
 type Condition = (&'static str, fn(&Standing) -> bool);
 
@@ -83,7 +103,7 @@ const fn verdict(
     status: &'static str,
     (condition, holds): Condition,
     (tone, word): (Tone, &'static str),
-    exit: u8,
+    passes: bool,
 ) -> Verdict {
     Verdict {
         status,
@@ -91,7 +111,7 @@ const fn verdict(
         holds,
         tone,
         word,
-        exit,
+        passes,
     }
 }
 
@@ -100,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exact_every_verdict_is_reached_and_its_exit_code_is_that_of_the_answer() {
+    fn exact_every_verdict_is_reached_and_passes_as_the_answer_does() {
         let doubts = ["a lag of the gyro would explain 90 % of the misfit".to_owned()];
         let mut reached = Vec::new();
         for status in VERDICTS.iter().map(|v| v.status) {
@@ -114,7 +134,7 @@ mod tests {
                 };
                 let verdict = standing.verdict();
                 let doubted = status != "converged" || !doubts.is_empty();
-                assert_eq!(verdict.exit, u8::from(doubted));
+                assert_eq!(verdict.passes, !doubted);
                 reached.push(std::ptr::from_ref(verdict));
             }
         }

@@ -1,6 +1,6 @@
 //! `poinsot campaign`
 
-use super::{Failure, Outcome, note, print, print_document, print_json};
+use super::{Failure, Outcome, exit_of, note, print, print_document, print_json};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
     CampaignRequest, Plan, Ran, campaign, campaign_cost, campaign_document, cost_document,
@@ -90,7 +90,7 @@ pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &Ran) -> Outcome {
     for path in ran.written.iter().filter(|_| !quiet) {
         note(&format!("written: {}", path.display()));
     }
-    Ok(ran.exit_code())
+    Ok(exit_of(ran.passes()))
 }
 
 /// The statistics so far, on standard error.

@@ -1,6 +1,6 @@
 //! `poinsot compare`
 
-use super::{Outcome, print_document, print_json};
+use super::{Outcome, exit_of, print_document, print_json};
 use crate::arguments::Compare;
 use poinsot::compare::{CompareRequest, compare, comparison_document};
 
@@ -13,6 +13,5 @@ pub fn run(arguments: &Compare) -> Outcome {
     } else if !arguments.quiet {
         print_document(&comparison_document(&comparison));
     }
-    let agree = comparison.verdict == "agree" && comparison.doubts.is_empty();
-    Ok(u8::from(!agree))
+    Ok(exit_of(comparison.passes()))
 }

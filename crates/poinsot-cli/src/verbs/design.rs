@@ -1,6 +1,6 @@
 //! `poinsot design`
 
-use super::{Outcome, note, print_document, print_json};
+use super::{Outcome, exit_of, note, print_document, print_json};
 use crate::arguments::Design;
 use poinsot::case::read_case;
 use poinsot::check_outputs;
@@ -35,5 +35,5 @@ pub fn run(arguments: &Design) -> Outcome {
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));
     }
-    Ok(designed.exit_code())
+    Ok(exit_of(designed.passes()))
 }

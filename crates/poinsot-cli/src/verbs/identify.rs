@@ -1,6 +1,8 @@
 //! `poinsot identify`
 
-use super::{Failure, Outcome, command_line, formats, note, print_document, print_json, step};
+use super::{
+    Failure, Outcome, command_line, exit_of, formats, note, print_document, print_json, step,
+};
 use crate::arguments::Identify;
 use poinsot::{
     Coordinates, Detail, IdentifyRequest, Question, Reading, check_outputs, estimate_document,
@@ -67,7 +69,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));
     }
-    Ok(identified.exit_code())
+    Ok(exit_of(identified.passes()))
 }
 
 /// The places of the answer, before an hour is spent on it.

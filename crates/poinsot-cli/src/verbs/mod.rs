@@ -24,6 +24,7 @@ pub mod validate;
 use std::sync::{Mutex, OnceLock};
 
 use crate::arguments::FigureFile;
+use poinsot::ErrorKind;
 use poinsot_files::{error_line, escaped_lines, json_escaped};
 use poinsot_formats::{ERROR, ErrorFile, FaultFile, WrittenFile};
 use poinsot_report::{Document, FigureFormat};
@@ -52,11 +53,25 @@ impl Failure {
 /// Exit code of an answer.
 pub type Outcome = Result<u8, Failure>;
 
+/// Exit code of an answer (CONTRACT): 0 where it passes, 1 where it does not.
+pub fn exit_of(passes: bool) -> u8 {
+    u8::from(!passes)
+}
+
 impl<E: Into<poinsot::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         let error = error.into();
+        let file = ErrorFile {
+            schema: ERROR.to_owned(),
+            exit_code: match error.kind() {
+                ErrorKind::Input => 2,
+                ErrorKind::System => 3,
+                ErrorKind::Internal => 4,
+            },
+            errors: error.faults(),
+        };
         Self {
-            file: error.file(),
+            file,
             message: error.to_string(),
         }
     }

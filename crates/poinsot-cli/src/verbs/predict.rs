@@ -1,6 +1,6 @@
 //! `poinsot predict`
 
-use super::{Outcome, print_document, print_json};
+use super::{Outcome, exit_of, print_document, print_json};
 use crate::arguments::Predict;
 use poinsot::predict::{predict, prediction_document, prediction_file};
 
@@ -12,5 +12,5 @@ pub fn run(arguments: &Predict) -> Outcome {
     } else if !arguments.quiet {
         print_document(&prediction_document(&prediction));
     }
-    Ok(prediction.exit_code())
+    Ok(exit_of(prediction.passes()))
 }

@@ -1,6 +1,6 @@
 //! `poinsot validate`
 
-use super::{Outcome, note, print_document, print_json};
+use super::{Outcome, exit_of, note, print_document, print_json};
 use crate::arguments::Validate;
 use poinsot::validate::{
     ValidateRequest, validate, validation_document, validation_file, write_validation,
@@ -48,5 +48,5 @@ pub fn run(arguments: &Validate) -> Outcome {
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));
     }
-    Ok(validation.exit_code())
+    Ok(exit_of(validation.passes()))
 }

@@ -223,7 +223,7 @@ thr4_N = {{ column = "THR_D", nominal_N = 0.9 }}
 [[telemetry.file]]
 name = "ephemeris*.csv"
 time = {{ column = "t", epoch = "unix" }}
-orbit = {{ position = ["rx", "ry", "rz"], frame = "earth_fixed" }}
+orbit = {{ position = ["rx", "ry", "rz"], velocity = ["vx", "vy", "vz"], frame = "earth_fixed" }}
 "#
     )
     .replace("\\#", "#")
@@ -323,17 +323,22 @@ fn write_exports(folder: &Path, sheet: &Sheet) {
         }
         thrusters.push('\n');
     }
-    let mut orbit = "# ITRF\nt,rx,ry,rz\ns,km,km,km\n".to_owned();
+    let mut orbit = "# ITRF\nt,rx,ry,rz,vx,vy,vz\ns,km,km,km,km/s,km/s,km/s\n".to_owned();
     for k in -4..18 {
         let after = f64::from(k) * 10.0;
         let r = earth_fixed_km(after);
+        // Relative to the axes of the Earth.
+        let v = (earth_fixed_km(after + 1.0) - earth_fixed_km(after - 1.0)) / 2.0;
         let _ = writeln!(
             orbit,
-            "{},{},{},{}",
+            "{},{},{},{},{},{},{}",
             START_UNIX as f64 + after,
             r.x,
             r.y,
-            r.z
+            r.z,
+            v.x,
+            v.y,
+            v.z
         );
     }
     for (name, text) in [

@@ -38,10 +38,9 @@ impl Estimate {
         self.covariance_trustworthy = false;
     }
 
-    /// Exit code of the command that gives this answer: 0 where every number asked for is determined and nothing speaks
-    /// against it.
-    pub fn exit_code(&self) -> u8 {
-        u8::from(self.status != Status::Converged || !self.doubts.is_empty())
+    /// Whether every requested number is determined and no evidence contradicts the answer.
+    pub fn passes(&self) -> bool {
+        self.status == Status::Converged && self.doubts.is_empty()
     }
 }
 

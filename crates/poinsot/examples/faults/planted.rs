@@ -377,7 +377,7 @@ pub fn diagnosed(study: &Study, tables: &[Table]) -> Result<(Vec<Said>, bool), S
         relative_accuracy: 1.0,
     })
     .map_err(|e| e.to_string())?;
-    let doubted = estimate.exit_code() != 0;
+    let doubted = !estimate.passes();
     let found = estimate.diagnostics.map(|d| d.findings).unwrap_or_default();
     let said = found.into_iter();
     let name = |f: &FaultKind| f.name().to_owned();

@@ -1,20 +1,20 @@
 //! Addresses of numbers in a case or model file: `body.arm.mass_kg`, `bus.inertia_kg_m2.xx`, `output.rate_hz`,
 //! `joint_motion.joint1.sine_rad.0`; and `noise` or `gyro.noise`, a factor on declared noise and rounding steps.
 //!
-//! The steps of an address are keys. In a list of tables a step is the name of an element (its `name`, `joint`, `wheel`
+//! The grammar is that of `poinsot_formats::Address`. The steps of an address are keys. In a list of tables a step is the name of an element (its `name`, `joint`, `wheel`
 //! or `thruster`) or its number from zero; in a list of numbers it is a number from zero, or x, y, z, w. An address may
 //! begin with the name of a body, joint, wheel, thruster or sensor, as addresses of results do (`bus.com_m.x`,
 //! `gyro.bias_rad_s.x`): where several parts have that name, the one with the key.
 
 use crate::case::did_you_mean;
+use poinsot_formats::{Address, element as number_of};
+use std::borrow::Cow;
 use toml::{Table, Value};
 
 /// Lists of the model whose elements may begin an address.
 const NAMED: [&str; 5] = ["body", "joint", "wheel", "thruster", "sensor"];
 /// Keys that name an element of a list.
 const NAMES: [&str; 4] = ["name", "joint", "wheel", "thruster"];
-/// Words for the elements of a list of numbers.
-const AXES: [&str; 4] = ["x", "y", "z", "w"];
 /// The last step of an address of declared noise.
 const NOISE: &str = "noise";
 /// Keys of a sensor that its noise scales.
@@ -51,9 +51,9 @@ pub(crate) fn edit(
     of: Of,
     change: Edit<'_>,
 ) -> Result<(), (String, String)> {
-    let steps: Vec<&str> = address.split('.').collect();
+    let address = Address::parse(address);
     if let Some(case) = documents.case.as_mut()
-        && let Some(way) = way_in_case(case, &steps)
+        && let Some(way) = way_in_case(case, address)
     {
         if !of.truth {
             let what =
@@ -77,72 +77,68 @@ pub(crate) fn edit(
                 "make a model file of it: poinsot import ROBOT.urdf -o MODEL.toml".to_owned(),
             ));
         };
-        edit_model(model, &steps, documents.case.as_ref(), change)?;
+        edit_model(model, address, documents.case.as_ref(), change)?;
     }
     Ok(())
 }
 
 /// The keys that lead to an address in the case: its own, or those of what it says of a sensor, `gyro.bias_rad_s.x`.
-fn way_in_case(case: &Table, steps: &[&str]) -> Option<Vec<String>> {
-    let own = |steps: &[&str]| steps.iter().map(|s| (*s).to_owned()).collect();
-    if case.contains_key(steps[0]) && !matches!(steps[0], "schema" | "model") {
-        return Some(own(steps));
+fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<Way<'a>> {
+    if case.contains_key(address.first()) && !matches!(address.first(), "schema" | "model") {
+        return Some(way(&[], address));
     }
     let sensors = case.get("output").and_then(|o| o.get("sensor"));
-    let (at, rest) = owned(sensors, steps)?;
-    let sensor = sensors?.as_array()?.get(at)?;
-    sensor.get(*rest.first()?)?;
-    let mut way = vec!["output".to_owned(), "sensor".to_owned(), at.to_string()];
-    way.extend(own(rest));
-    Some(way)
+    let (at, rest) = owned(sensors, address)?;
+    sensors?.as_array()?.get(at)?.get(rest.first())?;
+    Some(way(&["output", "sensor", &at.to_string()], rest))
 }
 
-/// The element of a list that an address begins with, and the keys below it. Names may hold dots.
-fn owned<'s>(list: Option<&Value>, steps: &'s [&'s str]) -> Option<(usize, &'s [&'s str])> {
-    let ends = (1..steps.len()).rev();
-    ends.into_iter().find_map(|end| {
-        let (name, rest) = steps.split_at(end);
-        Some((element(list, &name.join("."))?, rest))
-    })
+/// Keys from the top of a file down.
+type Way<'a> = Vec<Cow<'a, str>>;
+
+fn way<'a>(to: &[&str], rest: Address<'a>) -> Way<'a> {
+    let to = to.iter().map(|step| Cow::Owned((*step).to_owned()));
+    to.chain(rest.steps().map(Cow::Borrowed)).collect()
+}
+
+/// The element of a list that an address begins with, and the address below it. Names may hold dots.
+fn owned<'a>(list: Option<&Value>, address: Address<'a>) -> Option<(usize, Address<'a>)> {
+    let mut owners = address.owners();
+    owners.find_map(|(name, rest)| Some((element(list, name)?, rest)))
 }
 
 fn edit_model(
     model: &mut Table,
-    steps: &[&str],
+    address: Address<'_>,
     case: Option<&Table>,
     change: Edit<'_>,
 ) -> Result<(), (String, String)> {
-    let own = |steps: &[&str]| -> Vec<String> { steps.iter().map(|s| (*s).to_owned()).collect() };
-    match steps {
-        [NOISE] => return scale_noise(model, None, change),
-        ["sensor", sensor @ .., NOISE] | [sensor @ .., NOISE] => {
-            return scale_noise(model, Some(&sensor.join(".")), change);
-        }
-        _ => {}
+    if address.quantity() == NOISE && address.component().is_none() {
+        let sensor = address.owner();
+        let sensor = sensor.strip_prefix("sensor.").unwrap_or(sensor);
+        return scale_noise(model, (!sensor.is_empty()).then_some(sensor), change);
     }
-    if model.contains_key(steps[0]) {
-        return change_leaves(walk_table(model, &own(steps))?, change);
+    if model.contains_key(address.first()) {
+        return change_leaves(walk_table(model, &way(&[], address))?, change);
     }
-    let mut owners: Vec<(&str, usize, &[&str])> = NAMED
+    let mut owners: Vec<(&str, usize, Address<'_>)> = NAMED
         .into_iter()
         .filter_map(|list| {
-            let (at, rest) = owned(model.get(list), steps)?;
+            let (at, rest) = owned(model.get(list), address)?;
             Some((list, at, rest))
         })
         .collect();
     // A body and its joint may share a name: the key tells which is meant.
-    let has = |(list, at, rest): &(&str, usize, &[&str])| {
+    let has = |(list, at, rest): &(&str, usize, Address<'_>)| {
         let item = model.get(*list).and_then(|l| l.get(*at));
-        item.zip(rest.first())
-            .is_some_and(|(i, key)| i.get(*key).is_some())
+        item.is_some_and(|item| item.get(rest.first()).is_some())
     };
     if owners.iter().filter(|o| has(o)).count() == 1 {
         owners.retain(has);
     }
     match owners.as_slice() {
         [(list, at, rest)] => {
-            let mut way = vec![(*list).to_owned(), at.to_string()];
-            way.extend(own(rest));
+            let way = way(&[list, &at.to_string()], *rest);
             change_leaves(walk_table(model, &way)?, change)
         }
         [] => {
@@ -150,9 +146,9 @@ fn edit_model(
             Err((
                 format!(
                     "no key, body, joint, wheel, thruster or sensor \"{}\"",
-                    steps[0]
+                    address.first()
                 ),
-                did_you_mean(steps[0], known.iter().map(String::as_str)),
+                did_you_mean(address.first(), known.iter().map(String::as_str)),
             ))
         }
         several => {
@@ -160,13 +156,13 @@ fn edit_model(
             Err((
                 format!(
                     "\"{}\" is the name of a {}",
-                    steps[0],
+                    address.first(),
                     lists.join(" and a ")
                 ),
                 format!(
                     "begin the address with one of them: {}.{}",
                     lists[0],
-                    steps.join(".")
+                    address.text()
                 ),
             ))
         }
@@ -206,11 +202,11 @@ fn element(list: Option<&Value>, step: &str) -> Option<usize> {
 
 fn walk_table<'t>(
     table: &'t mut Table,
-    steps: &[String],
+    way: &[Cow<'_, str>],
 ) -> Result<&'t mut Value, (String, String)> {
-    let (first, rest) = match steps.split_first() {
-        Some((first, rest)) => (first.as_str(), rest),
-        None => ("", steps),
+    let (first, rest) = match way.split_first() {
+        Some((first, rest)) => (first.as_ref(), rest),
+        None => ("", way),
     };
     let keys: Vec<String> = table.keys().cloned().collect();
     let Some(mut value) = table.get_mut(first) else {
@@ -226,12 +222,7 @@ fn next<'v>(value: &'v mut Value, step: &str) -> Result<&'v mut Value, (String, 
     let known = known_below(value);
     let at = match value {
         Value::Array(items) if items.iter().any(Value::is_table) => element(Some(value), step),
-        Value::Array(items) => {
-            let by_word = AXES.iter().position(|a| *a == step);
-            by_word
-                .or_else(|| step.parse().ok())
-                .filter(|at| *at < items.len())
-        }
+        Value::Array(items) => number_of(step).filter(|at| *at < items.len()),
         _ => None,
     };
     let found = match (value, at) {

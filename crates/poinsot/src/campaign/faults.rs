@@ -1,6 +1,6 @@
 //! What is wrong with a plan, each fault with its line.
 
-use crate::case::{CaseError, CaseFault, CaseText, did_you_mean};
+use crate::case::{CaseError, CaseFault, CaseText};
 use crate::error::Error;
 use poinsot_formats::PlanFile;
 use std::ops::Range;
@@ -29,21 +29,13 @@ impl PlanText {
     /// The file as written.
     ///
     /// # Errors
-    /// No TOML, an unknown key, or a value of another kind.
+    /// No TOML, unknown keys, or values of another kind.
     pub fn parse(&self) -> Result<PlanFile, Error> {
-        toml::from_str(&self.text.text).map_err(|e: toml::de::Error| {
-            let message = e.message().lines().next().unwrap_or("").to_owned();
-            let mut quoted = message.split('`').skip(1).step_by(2);
-            let remedy = match (message.starts_with("unknown"), quoted.next()) {
-                (true, Some(name)) => did_you_mean(name, quoted),
-                _ => "correct it here; `poinsot schema plan` prints all keys".to_owned(),
-            };
-            let problem = message.split(", expected one of").next().unwrap_or("");
-            let span = e.span().unwrap_or(0..0);
-            let mut fault = self.text.fault("E0541", "", span, problem, remedy);
-            fault.value.clear();
+        PlanFile::parse(&self.text.text).map_err(|faults| {
+            let remedy = "correct it here; `poinsot schema plan` prints all keys";
+            let told = |f| self.text.shape("E0541", f, remedy);
             Error::File(CaseError {
-                faults: vec![fault],
+                faults: faults.iter().map(told).collect(),
                 environment: false,
             })
         })

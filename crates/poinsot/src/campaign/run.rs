@@ -50,15 +50,15 @@ pub struct Ran {
 }
 
 impl Ran {
-    /// Exit code of the command: 1 where a trial crashed, a shard is missing, or `until` was not reached.
-    pub fn exit_code(&self) -> u8 {
+    /// Whether no trial crashed, no shard is missing, and `until` was reached.
+    pub fn passes(&self) -> bool {
         let Some(result) = &self.result else {
-            return 0;
+            return true;
         };
         let methods = result.cells.iter().flat_map(|c| &c.methods);
         let mut failures = methods.flat_map(|m| &m.failures);
         let crashed = failures.any(|(_, why)| why.starts_with("crashed"));
-        u8::from(crashed || !result.missing.is_empty() || self.reached == Some(false))
+        !crashed && result.missing.is_empty() && self.reached != Some(false)
     }
 }
 

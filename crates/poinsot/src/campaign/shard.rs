@@ -242,11 +242,11 @@ fn rows(plan: &Plan, shard: &Shard, done: &[Done]) -> Vec<RowColumn> {
             Err(why) if why.starts_with(super::trial::CRASHED) => "crashed".to_owned(),
             Err(_) => "refused".to_owned(),
         }),
-        count("exit_code", &|d, m| match &d.trials[m].outcome {
-            Ok(a) => {
-                u64::from(a.status != poinsot_identify::Status::Converged || !a.doubts.is_empty())
-            }
-            Err(why) => 2 + 2 * u64::from(why.starts_with(super::trial::CRASHED)),
+        count("passes", &|d, m| {
+            let outcome = d.trials[m].outcome.as_ref();
+            u64::from(outcome.is_ok_and(|a| {
+                a.status == poinsot_identify::Status::Converged && a.doubts.is_empty()
+            }))
         }),
         text("why", &|d, m| match &d.trials[m].outcome {
             Ok(a) => a.doubts.join("; "),

@@ -1,6 +1,6 @@
 //! A case in words.
 
-use super::{Case, CaseError};
+use super::{Case, CaseError, CaseFault, refuse};
 use poinsot_formats::case::{CaseFile, InitialFile, JointTorqueFile, Placed, WheelMotionFile};
 use poinsot_model::Model;
 use poinsot_telemetry::rounded;
@@ -8,26 +8,43 @@ use poinsot_telemetry::rounded;
 /// Digits of numbers in words.
 const DIGITS: usize = 6;
 
-/// What a case does with a model, one statement a line.
+/// What a case does with a model, one statement a line; `faults` are those that show without the model.
 ///
 /// # Errors
-/// Everything that `simulate`, `predict` and `design` would refuse.
-pub(crate) fn describe_case(case: &Case, model: &Model) -> Result<Vec<String>, CaseError> {
-    let wants = case.wants(model)?;
-    case.limits(model)?;
-    let design = case.design(model)?;
+/// Everything that `simulate`, `predict` and `design` would refuse, in the order of the file.
+pub(crate) fn describe_case(
+    case: &Case,
+    model: &Model,
+    mut faults: Vec<CaseFault>,
+) -> Result<Vec<String>, CaseError> {
+    let wants = kept(case.wants(model), &mut faults);
+    kept(case.limits(model), &mut faults);
+    let design = kept(case.design(model), &mut faults);
     // A wheel that the design turns needs no motion of the case.
-    let turned = design.iter().flat_map(|d| &d.wheels);
-    let open: Vec<usize> = turned.map(|wheel| wheel.index).collect();
-    let scenario = case.bind_open(model, &open)?;
+    let open: Vec<usize> = match &design {
+        Some(design) => design
+            .iter()
+            .flat_map(|d| &d.wheels)
+            .map(|w| w.index)
+            .collect(),
+        None => (0..model.wheels.len()).collect(),
+    };
+    let scenario = kept(case.bind_open(model, &open), &mut faults);
+    let (Some(wants), Some(design), Some(scenario), []) =
+        (wants, design, scenario, faults.as_slice())
+    else {
+        faults.sort_by_key(|f| f.line);
+        faults.dedup();
+        return Err(refuse(faults));
+    };
     let file = &case.file;
     let mut lines = vec![
         format!("model: {} ({})", model.name, case.model.display()),
         format!(
-            "{} s at {} Hz: {} rows, seed {}",
+            "{} s at {} Hz: {}, seed {}",
             short(case.duration_s),
             short(case.rate_hz),
-            scenario.times.len(),
+            counted(scenario.times.len() as u64, "row"),
             case.seed
         ),
         format!("start: {}", start(&file.initial)),
@@ -44,9 +61,23 @@ pub(crate) fn describe_case(case: &Case, model: &Model) -> Result<Vec<String>, C
     }
     if let Some(design) = design {
         let (joints, wheels) = (design.joints.len(), design.wheels.len());
-        lines.push(format!("design: moves {joints} joints and {wheels} wheels"));
+        let (joints, wheels) = (
+            counted(joints as u64, "joint"),
+            counted(wheels as u64, "wheel"),
+        );
+        lines.push(format!("design: moves {joints} and {wheels}"));
     }
     Ok(lines)
+}
+
+/// What was read; its faults join the others.
+fn kept<T>(read: Result<T, CaseError>, faults: &mut Vec<CaseFault>) -> Option<T> {
+    read.map_err(|error| faults.extend(error.faults)).ok()
+}
+
+/// A number of things.
+pub(crate) fn counted(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 fn short(x: f64) -> String {
@@ -112,7 +143,7 @@ fn motions(file: &CaseFile, lines: &mut Vec<String>) {
         let targets = control.get_ref().target.len();
         let to = match targets {
             0 => "the axes of N".to_owned(),
-            n => format!("{n} targets"),
+            n => counted(n as u64, "target"),
         };
         lines.push(format!("control: the wheels turn the vehicle to {to}"));
     }
@@ -121,7 +152,7 @@ fn motions(file: &CaseFile, lines: &mut Vec<String>) {
 fn torque_words(torque: &JointTorqueFile) -> String {
     match (&torque.file, &torque.time_s, &torque.frequency_rad_s) {
         (Some(file), _, _) => format!("from {}", file.get_ref()),
-        (_, Some(times), _) => format!("{} nodes", times.get_ref().len()),
+        (_, Some(times), _) => counted(times.get_ref().len() as u64, "node"),
         (_, _, Some(frequency)) => format!("sinusoid of {} rad/s", short(*frequency.get_ref())),
         _ => "constant".to_owned(),
     }
@@ -134,7 +165,7 @@ fn wheel_words(motion: &WheelMotionFile) -> String {
     };
     match (&motion.file, &motion.time_s) {
         (Some(file), _) => format!("from {}", file.get_ref()),
-        (_, Some(times)) => format!("{what}, {} nodes", times.get_ref().len()),
+        (_, Some(times)) => format!("{what}, {}", counted(times.get_ref().len() as u64, "node")),
         _ => what.to_owned(),
     }
 }

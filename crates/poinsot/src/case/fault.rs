@@ -1,6 +1,7 @@
 //! Faults of a case file at their place in its text.
 
 use crate::error::CaseFault;
+use poinsot_formats::ShapeFault;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -30,6 +31,18 @@ impl CaseText {
             value: excerpt(self.text.get(span).unwrap_or("")),
             problem: problem.into(),
             remedy: remedy.into(),
+        }
+    }
+
+    /// A fault of the shape of the file; `remedy` is for those that no name mends.
+    pub fn shape(&self, code: &'static str, fault: &ShapeFault, remedy: &str) -> CaseFault {
+        let remedy = match &fault.unknown {
+            Some((name, known)) => did_you_mean(name, known.iter().map(String::as_str)),
+            None => remedy.to_owned(),
+        };
+        CaseFault {
+            value: String::new(),
+            ..self.fault(code, "", fault.span.clone(), fault.problem.clone(), remedy)
         }
     }
 }

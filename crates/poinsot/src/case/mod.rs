@@ -26,10 +26,11 @@ pub(crate) use sensor_output::unit_suffix;
 pub use wanted::Want;
 
 pub use crate::error::{CaseError, CaseFault};
-pub(crate) use describe::describe_case;
+pub(crate) use describe::{counted, describe_case};
 pub(crate) use fault::{CaseText, did_you_mean};
 use planner::Planner;
 use poinsot_dynamics::Tolerance;
+use poinsot_formats::ShapeFault;
 use poinsot_formats::case::{CASE, CASE_BEFORE, CaseFile, Placed};
 use poinsot_model::Model;
 use poinsot_telemetry::rounded;
@@ -84,11 +85,22 @@ pub fn read_case(path: &Path) -> Result<Case, CaseError> {
 /// # Errors
 /// All faults that show without the model.
 pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
+    match shaped_case(path, text)? {
+        (case, faults) if faults.is_empty() => Ok(case),
+        (_, faults) => Err(refuse(faults)),
+    }
+}
+
+/// The same of a case whose keys and types are right, with the faults that show without the model.
+pub(crate) fn shaped_case(path: &Path, text: String) -> Result<(Case, Vec<CaseFault>), CaseError> {
     let text = CaseText {
         path: path.to_owned(),
         text,
     };
-    let file: CaseFile = toml::from_str(&text.text).map_err(|e| refuse(vec![syntax(&text, &e)]))?;
+    let file = CaseFile::parse(&text.text).map_err(|faults| {
+        let told = |f: &ShapeFault| text.shape("E0502", f, "correct it here");
+        refuse(faults.iter().map(told).collect())
+    })?;
     let mut faults = Vec::new();
     if ![CASE, CASE_BEFORE].contains(&file.schema.get_ref().as_str()) {
         faults.push(text.fault(
@@ -140,17 +152,18 @@ pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
         text,
         file,
     };
-    if faults.is_empty() {
-        Ok(case)
-    } else {
-        Err(refuse(faults))
-    }
+    Ok((case, faults))
 }
 
 impl Case {
     /// The path the case was read from.
     pub fn path(&self) -> &Path {
         &self.text.path
+    }
+
+    /// The case as written.
+    pub fn file(&self) -> &CaseFile {
+        &self.file
     }
 
     /// The text of the file.
@@ -206,19 +219,4 @@ fn positive(text: &CaseText, faults: &mut Vec<CaseFault>, key: &str, x: &Placed<
         let problem = "must be a positive number";
         faults.push(text.fault("E0505", key, x.span(), problem, "give one"));
     }
-}
-
-/// A message of the TOML reader, with the nearest key where one is unknown.
-fn syntax(text: &CaseText, e: &toml::de::Error) -> CaseFault {
-    let message = e.message().lines().next().unwrap_or("").to_owned();
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let remedy = match (message.starts_with("unknown"), quoted.next()) {
-        (true, Some(name)) => did_you_mean(name, quoted),
-        _ => "correct it here".to_owned(),
-    };
-    let problem = message.split(", expected one of").next().unwrap_or("");
-    let span = e.span().unwrap_or(0..0);
-    let mut fault = text.fault("E0502", "", span, problem, remedy);
-    fault.value.clear();
-    fault
 }

@@ -216,7 +216,7 @@ impl Planner<'_> {
 
 fn is_group(address: &str) -> bool {
     let parts = Address::parse(address);
-    parts.component.is_none() && GROUPS.iter().any(|(key, _)| *key == parts.quantity)
+    parts.component().is_none() && GROUPS.iter().any(|(key, _)| *key == parts.quantity())
 }
 
 /// Every number of every body with its address and unit.

@@ -15,9 +15,9 @@ const FIGURES: i32 = 2;
 /// The prediction as a document.
 pub fn prediction_document(prediction: &Prediction) -> Document {
     let bound = &prediction.bound;
-    let tone = match prediction.exit_code() {
-        0 => Tone::Good,
-        _ => Tone::Fair,
+    let tone = match prediction.passes() {
+        true => Tone::Good,
+        false => Tone::Fair,
     };
     let mut document = Document::new(sentence(prediction)).toned(tone);
     if !prediction.wants.is_empty() {

@@ -179,7 +179,7 @@ fn exact_spin_inertia_without_a_scale_is_null() {
         }
         let bus = &answer.estimate.bodies[0];
         assert!(bus.mass.value.is_none() && bus.inertia.iter().all(|n| n.value.is_none()));
-        assert_eq!(answer.exit_code(), 1);
+        assert!(!answer.passes());
     }
 }
 
@@ -289,7 +289,7 @@ fn exact_a_product_of_unknowns_is_refused() {
         let (flight, ..) = drifting(&model, 18);
         let error = refusal(&model, vec![fly(&model, &flight)], "linear");
         assert!(error.to_string().contains("E0401"), "{error}");
-        assert_eq!(error.exit_code(), 2);
+        assert_eq!(error.kind(), poinsot::ErrorKind::Input);
     }
 }
 
@@ -302,7 +302,7 @@ fn exact_without_motion_nothing_is_said() {
     for method in METHODS {
         let answer = ask(&model, vec![fly(&model, &flight)], method);
         assert_eq!(answer.estimate.status, Status::NotIdentifiable, "{method}");
-        assert_eq!(answer.exit_code(), 1);
+        assert!(!answer.passes());
         assert_eq!(answer.estimate.identifiability.rank, 0);
         for body in &answer.estimate.bodies {
             let numbers = std::iter::once(&body.mass)

@@ -304,7 +304,7 @@ fn unit_a_plan_that_cannot_be_run_says_why() {
             Err(error) => {
                 let said = error.to_string();
                 assert!(explain(&said[..5]).is_some(), "{said}");
-                assert_eq!(error.exit_code(), 2, "{said}");
+                assert_eq!(error.kind(), poinsot::ErrorKind::Input, "{said}");
                 said
             }
             Ok(_) => panic!("{to} was accepted"),
@@ -390,7 +390,7 @@ fn exact_a_folder_that_cannot_be_written_loses_nothing() {
         panic!("written")
     };
     assert!(matches!(error, Error::Io { .. }), "{error}");
-    assert_eq!(error.exit_code(), 3);
+    assert_eq!(error.kind(), poinsot::ErrorKind::System);
     std::fs::remove_file(out.join("shards")).unwrap();
     std::fs::rename(out.join("kept"), out.join("shards")).unwrap();
     let folded = fold_shards(&plan, out, plan.trials).unwrap();

@@ -110,7 +110,26 @@ fn regress_overlapping_records_of_other_hashes_are_named() {
         "{said:?}"
     );
     let apart = ask(&[&first, &dated("2026-03-14T18:04:01", "b")]);
-    assert!(apart.doubts.is_empty(), "{:?}", apart.doubts);
+    assert_eq!(apart.doubts.len(), 1, "{:?}", apart.doubts);
+    // Without overlap the numbers themselves tell: here both answers are one.
+    assert!(apart.doubts[0].contains("agree better than independent answers"));
+}
+
+/// Without dates a common count tells; two halves of one file do not overlap.
+#[test]
+fn regress_records_without_dates_are_compared_by_their_counts() {
+    let (first, second) = (night([0.0, 240.0]), night([180.0, 420.0]));
+    let said = ask(&[&first, &second]).doubts;
+    assert!(
+        said.len() == 1 && said[0].contains("has no dates and overlaps by 60.00 s"),
+        "{said:?}"
+    );
+    let mut halves = [night([0.0, 240.0]), night([240.0, 480.0])];
+    halves
+        .iter_mut()
+        .for_each(|h| h.inputs[0].sha256 = "one".to_owned());
+    let [first, second] = &halves;
+    assert!(ask(&[first, second]).doubts.is_empty());
 }
 
 #[test]

@@ -648,14 +648,14 @@ fn unit_failure_leaves_nothing() {
     let case = folder.path().join("case.toml");
     std::fs::write(&case, format!("{HEAD}{TAIL}")).unwrap();
     let error = simulate(&case, &out).unwrap_err();
-    assert_eq!(error.exit_code(), 2);
+    assert_eq!(error.kind(), poinsot::ErrorKind::Input);
     assert!(!out.exists());
     let missing = simulate(&folder.path().join("none.toml"), &out).unwrap_err();
     assert!(missing.to_string().contains("E0501"), "{missing}");
     // A file where the folder should be.
     std::fs::write(&out, "").unwrap();
     let blocked = simulate(&examples().join("cases/stsat3_spin.toml"), &out).unwrap_err();
-    assert_eq!(blocked.exit_code(), 3, "{blocked}");
+    assert_eq!(blocked.kind(), poinsot::ErrorKind::System, "{blocked}");
 }
 
 /// `sensors_only` leaves out what an experiment does not know: the motion. What is commanded is known.

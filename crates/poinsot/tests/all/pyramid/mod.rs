@@ -42,7 +42,7 @@ fn score(case: &Case, seed: u64) -> Score {
     Score {
         z: std::array::from_fn(|k| off[k] / inertia[k].sigma.unwrap()),
         nees,
-        doubted: e.exit_code() != 0,
+        doubted: !e.passes(),
         assumptions: format!("{:?} {:?} {:?}", e.assumptions, e.doubts, e.warnings),
     }
 }

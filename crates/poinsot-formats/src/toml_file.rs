@@ -1,0 +1,113 @@
+//! From TOML to a typed file, with everything that is wrong with its shape and not the first fault alone.
+
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+use toml::Deserializer;
+use toml::de::{DeTable, DeValue, Error};
+
+/// Most faults of one file that are told.
+const MOST: usize = 20;
+
+/// One thing that is wrong with the shape of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShapeFault {
+    /// Its bytes in the file.
+    pub span: Range<usize>,
+    /// What is wrong.
+    pub problem: String,
+    /// Of an unknown key or word: what stands there, and what may stand there.
+    pub unknown: Option<(String, Vec<String>)>,
+}
+
+impl ShapeFault {
+    fn of(error: &Error) -> Self {
+        let message = error.message().lines().next().unwrap_or_default();
+        let mut quoted = message.split('`').skip(1).step_by(2).map(str::to_owned);
+        let unknown = match (message.starts_with("unknown"), quoted.next()) {
+            (true, Some(name)) => Some((name, quoted.collect())),
+            _ => None,
+        };
+        let problem = message.split(", expected one of").next();
+        Self {
+            span: error.span().unwrap_or_default(),
+            problem: problem.unwrap_or_default().to_owned(),
+            unknown,
+        }
+    }
+}
+
+/// Reads a file. What does not fit is noted and taken out, until the rest fits.
+///
+/// # Errors
+/// Everything that does not fit; a text that is no TOML has one fault. A missing key ends the list.
+pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>> {
+    let mut table = DeTable::parse(text).map_err(|e| vec![ShapeFault::of(&e)])?;
+    let mut faults = Vec::new();
+    let mut taken: Vec<String> = Vec::new();
+    loop {
+        let error = match T::deserialize(Deserializer::from(table.clone())) {
+            Ok(file) if faults.is_empty() => return Ok(file),
+            Ok(_) => return Err(faults),
+            Err(error) => error,
+        };
+        let fault = ShapeFault::of(&error);
+        let missing = fault.problem.strip_prefix("missing field");
+        // A key that was taken out is there.
+        if missing.is_some_and(|m| taken.iter().any(|t| m.contains(&format!("`{t}`")))) {
+            return Err(faults);
+        }
+        let key = missing.map_or_else(|| take_out(table.get_mut(), &fault.span), |_| None);
+        faults.push(fault);
+        match key {
+            Some(key) if faults.len() < MOST => taken.push(key),
+            _ => return Err(faults),
+        }
+    }
+}
+
+/// Takes out the innermost key that stands at these bytes or whose value does.
+fn take_out(table: &mut DeTable<'_>, at: &Range<usize>) -> Option<String> {
+    let inner = table.iter_mut().find_map(|(_, v)| within(v.get_mut(), at));
+    if inner.is_some() {
+        return inner;
+    }
+    let covers = |span: Range<usize>| span.start <= at.start && at.end <= span.end;
+    let found = table
+        .iter()
+        .find(|(key, value)| covers(key.span()) || covers(value.span()));
+    let key = found?.0.get_ref().to_string();
+    table.remove(key.as_str());
+    Some(key)
+}
+
+fn within(value: &mut DeValue<'_>, at: &Range<usize>) -> Option<String> {
+    match value {
+        DeValue::Table(table) => take_out(table, at),
+        DeValue::Array(items) => items.iter_mut().find_map(|item| within(item.get_mut(), at)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PlanFile;
+    use crate::case::CaseFile;
+
+    #[test]
+    fn unit_every_fault_of_a_file_is_told() {
+        let text = "schema = \"poinsot.case/2\"\nmodle = 1\nmodel = \"m.toml\"\nduration_s = \"long\"\n\
+            [output]\nrate_hz = 10\nrete_hz = 1\n[[firing]]\nthruster = \"a\"\non_s = 1\noff_s = 2\nforce_N = true\n";
+        let faults = parse_toml::<CaseFile>(text).unwrap_err();
+        let at = |f: &ShapeFault| text[..f.span.start].matches('\n').count() + 1;
+        let mut lines: Vec<usize> = faults.iter().map(at).collect();
+        lines.sort_unstable();
+        assert_eq!(lines, [2, 4, 7, 12], "{faults:?}");
+        let unknown = faults.iter().filter_map(|f| f.unknown.as_ref());
+        let unknown: Vec<&str> = unknown.map(|u| u.0.as_str()).collect();
+        assert_eq!(unknown, ["modle", "rete_hz"]);
+        let missing = parse_toml::<PlanFile>("schema = \"poinsot.plan/1\"\n").unwrap_err();
+        assert_eq!(missing[0].problem, "missing field `experiment`");
+        assert_eq!(parse_toml::<PlanFile>("schema = ").unwrap_err().len(), 1);
+    }
+}
