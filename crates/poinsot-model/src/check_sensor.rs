@@ -20,7 +20,7 @@ pub(crate) fn key_fits(word: &str, key: &str) -> bool {
         .or_else(|| key.strip_prefix("quantisation_"));
     let kind = SensorKind::ALL.iter().find(|kind| kind.word() == word);
     match (unit, kind) {
-        (Some(unit), Some(kind)) => units_of(*kind).contains(&unit),
+        (Some(unit), Some(kind)) => kind.units().contains(&unit),
         _ => true,
     }
 }
@@ -98,20 +98,6 @@ pub(crate) fn kind_of(file: SensorType) -> SensorKind {
     }
 }
 
-/// Units that a kind of sensor may have.
-fn units_of(kind: SensorKind) -> &'static [&'static str] {
-    match kind {
-        SensorKind::Gyro | SensorKind::WheelSpeed => &["rad_s"],
-        SensorKind::Attitude => &["rad"],
-        SensorKind::Position => &["m"],
-        SensorKind::Velocity | SensorKind::VelocityIncrement => &["m_s"],
-        SensorKind::Accelerometer => &["m_s2"],
-        SensorKind::JointPosition => &["rad", "m"],
-        SensorKind::JointRate => &["rad_s", "m_s"],
-        SensorKind::Thrust => &["N"],
-    }
-}
-
 fn readables(file: &ModelFile) -> [Readable<'_>; 4] {
     let joints = |revolute: &'static str, prismatic: &'static str| {
         let list = file.joint.as_deref().unwrap_or(&[]).iter().enumerate();
@@ -167,7 +153,7 @@ fn check_sensor(
                 .find(|(k, _, _)| k == first)
                 .map(|(_, _, unit)| *unit)
         })
-        .or_else(|| units_of(kind).first().copied())?;
+        .or_else(|| kind.units().first().copied())?;
     let noise_covariance = check_noise(file, kind, unit, key, findings);
     let quantisation = quantisation_of(file, unit).and_then(|lsb| {
         let here = key.at(&format!("quantisation_{unit}"));
@@ -249,7 +235,7 @@ fn check_unit(
     key: &Key,
     findings: &mut Findings<'_, '_>,
 ) -> Option<&'static str> {
-    let allowed = units_of(kind);
+    let allowed = kind.units();
     let mut declared: Option<&'static str> = None;
     for unit in UNITS {
         for (what, given) in [

@@ -17,7 +17,7 @@ pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
 
 use crate::bind::bind;
-use crate::case::{Case, unit_suffix};
+use crate::case::Case;
 use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
@@ -275,7 +275,7 @@ impl Study {
             };
             if bias.len() == 3 {
                 let bias = turned * nalgebra::Vector3::from_column_slice(bias);
-                let unit = unit_suffix(&self.model, sensor);
+                let unit = self.model.unit_of(sensor);
                 for k in 0..3 {
                     let name = format!("{}.bias_{}", sensor.name, axis_name(k));
                     all.insert(address(&name, unit), bias[k]);

@@ -4,11 +4,11 @@ use super::colour::Colour;
 use super::rate_noise::RateNoise;
 use super::{ChannelResidual, Compare};
 use crate::motion::{Instant, Motion, State};
-use crate::problem::parameters::{Parameters, UnknownKind, reading_unit};
+use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{SensorRecord, SensorSample, SensorValue};
 use crate::sensors::{Predicted, predict};
 use poinsot_dynamics::{SensorError, SensorErrors};
-use poinsot_model::SensorKind;
+use poinsot_model::{SensorKind, printed_unit};
 use poinsot_spatial::Vector3;
 
 /// A sensor of the segment in the course of an evaluation.
@@ -58,7 +58,7 @@ impl Follower {
                 colour: Colour::new(record.correlation_s),
                 channel: ChannelResidual {
                     name: record.name.clone(),
-                    unit: reading_unit(record.kind),
+                    unit: printed_unit(record.kind.unit(false)),
                     ..ChannelResidual::default()
                 },
                 unknown,

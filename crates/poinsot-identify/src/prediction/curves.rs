@@ -11,13 +11,13 @@ use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::{Ended, solve};
 use crate::motion::{Instant, Motion, State};
 use crate::motion::{Vehicle, tilted};
-use crate::problem::parameters::{Equations, Parameters, ParametersError, reading_unit};
+use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::problem::{Problem, ProblemError};
 use crate::sensors::{Ideal, gap, perfect, vector};
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
-use poinsot_model::SensorKind;
+use poinsot_model::{SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
@@ -433,20 +433,12 @@ impl<'a> Recorder<'a> {
 
 /// An empty channel of a sensor.
 fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
-    let unit = reading_unit(record.kind);
-    let components: &[&'static str] = match record.kind {
-        SensorKind::Attitude => &["q_x", "q_y", "q_z", "q_w"],
-        SensorKind::Gyro => &["omega_x", "omega_y", "omega_z"],
-        SensorKind::Velocity => &["v_x", "v_y", "v_z"],
-        SensorKind::Position => &["r_x", "r_y", "r_z"],
-        SensorKind::VelocityIncrement => &["dv_x", "dv_y", "dv_z"],
-        _ => &["acc_x", "acc_y", "acc_z"],
-    };
+    let unit = printed_unit(record.kind.unit(false));
     let measured = match record.kind {
         SensorKind::Attitude => "1",
         _ => unit,
     };
-    channel(&record.name, [measured, unit], components)
+    channel(&record.name, [measured, unit], record.kind.columns())
 }
 
 fn channel(

@@ -14,16 +14,6 @@ pub(super) const SAME: f64 = 1.0e-9;
 /// Longest interval of an increment, over the usual one; beyond it the sample before is missing.
 const WHOLE_INTERVAL: f64 = 1.5;
 
-/// Kinds in the order of the results.
-const KINDS: [SensorKind; 6] = [
-    SensorKind::Gyro,
-    SensorKind::Attitude,
-    SensorKind::Velocity,
-    SensorKind::Position,
-    SensorKind::Accelerometer,
-    SensorKind::VelocityIncrement,
-];
-
 /// The columns of one sensor in one table.
 pub(super) struct SensorColumns<'a> {
     /// Index in the model; `None` for an attitude that no sensor declares.
@@ -89,7 +79,7 @@ fn without_own<'a>(
 /// Every sensor that a table has columns of, in an order that their declaration does not change.
 pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorColumns<'a>> {
     let mut all = Vec::new();
-    for kind in KINDS {
+    for kind in SensorKind::with_axes() {
         let mut own: Vec<SensorColumns> = (0..model.sensors.len())
             .filter(|k| model.sensors[*k].kind == kind)
             .filter_map(|k| columns_of(model, table, k))
@@ -189,11 +179,8 @@ impl<'a> SensorColumns<'a> {
             // Sensors that report in body axes err in their own.
             ..SensorRecord::of_base(
                 self.kind,
-                match (declared, self.kind) {
-                    (
-                        Some(s),
-                        SensorKind::Gyro | SensorKind::Attitude | SensorKind::Accelerometer,
-                    ) => s.R_BS * noise * s.R_BS.transpose(),
+                match declared {
+                    Some(s) if s.turns() => s.R_BS * noise * s.R_BS.transpose(),
                     _ => noise,
                 },
             )
@@ -255,9 +242,7 @@ impl Leading {
                 order.then_with(|| b.2.cmp(a.2))
             })
         };
-        let of = KINDS
-            .iter()
-            .filter_map(|kind| Some((*kind, best(*kind)?.0)));
+        let of = SensorKind::with_axes().filter_map(|kind| Some((kind, best(kind)?.0)));
         Self { of: of.collect() }
     }
 
@@ -298,7 +283,7 @@ pub(super) fn check_sensors(
 ) -> Result<(), BindError> {
     for table in tables {
         let label = super::file_label(table);
-        for kind in KINDS {
+        for kind in SensorKind::with_axes() {
             refuse_ambiguous(model, table, kind)?;
         }
         unread(model, table, &label, repairs);
@@ -313,7 +298,7 @@ pub(super) fn check_sensors(
         at.is_some_and(|k| tables.any(|t| columns_of(model, t, k).is_some()))
     };
     refuse_links_alone(model, &read)?;
-    for kind in KINDS {
+    for kind in SensorKind::with_axes() {
         let all: Vec<&Sensor> = model.sensors_of(kind).collect();
         let with_columns: Vec<&&Sensor> = all.iter().filter(|s| read(s)).collect();
         for sensor in &with_columns {
@@ -395,7 +380,7 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
 /// A declared sensor without columns is not used.
 fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
     for (k, sensor) in model.sensors.iter().enumerate() {
-        if KINDS.contains(&sensor.kind) && columns_of(model, table, k).is_none() {
+        if !sensor.kind.is_scalar() && columns_of(model, table, k).is_none() {
             repairs.push(format!(
                 "{label}: no columns '{}' of the {} '{}': the sensor is not used",
                 names_of(model, sensor.kind).join(" "),
@@ -408,7 +393,7 @@ fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) 
 
 /// Columns that name a sensor which the model lacks, or none where every sensor has its own, are not used.
 fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
-    for kind in KINDS {
+    for kind in SensorKind::with_axes() {
         let first = &names_of(model, kind)[0];
         for channel in table.channels.iter().filter(|c| c.name == *first) {
             let declared = model.sensors_of(kind).any(|s| s.name == channel.sensor);

@@ -2,7 +2,7 @@
 
 use super::{Parameters, UnknownKind};
 use poinsot_dynamics::{SensorError, SensorErrors};
-use poinsot_model::{Nuisance, Sensor, SensorKind};
+use poinsot_model::{Nuisance, Sensor, SensorKind, printed_unit};
 
 /// Errors of one sensor that are declared with one key of the model file, and unknown together.
 #[derive(Debug, Clone, Copy)]
@@ -71,23 +71,11 @@ impl ErrorGroup {
     /// Unit of its numbers for a kind of sensor.
     pub fn unit(&self, kind: SensorKind) -> &'static str {
         match self.key {
-            "bias" => reading_unit(kind),
+            "bias" => printed_unit(kind.unit(false)),
             "scale" => "1",
             "lag" => "s",
             _ => "rad",
         }
-    }
-}
-
-/// Unit of a kind's readings.
-pub(crate) fn reading_unit(kind: SensorKind) -> &'static str {
-    match kind {
-        SensorKind::Gyro | SensorKind::JointRate | SensorKind::WheelSpeed => "rad/s",
-        SensorKind::Attitude | SensorKind::JointPosition => "rad",
-        SensorKind::Position => "m",
-        SensorKind::Velocity | SensorKind::VelocityIncrement => "m/s",
-        SensorKind::Accelerometer => "m/s2",
-        SensorKind::Thrust => "N",
     }
 }
 
