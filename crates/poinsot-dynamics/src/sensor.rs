@@ -31,6 +31,8 @@ pub enum SensorKind {
     VelocityIncrement,
     /// Specific force at a point, m/s2.
     Accelerometer,
+    /// Direction of a vector known in N, as a unit vector; noise as a small angle across it, rad.
+    Direction,
     /// Joint position, rad or m.
     JointPosition,
     /// Joint rate, rad/s or m/s.
@@ -79,13 +81,14 @@ const fn facts(
 
 impl SensorKind {
     /// Every kind, in the order of the results.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Gyro,
         Self::Attitude,
         Self::Velocity,
         Self::Position,
         Self::Accelerometer,
         Self::VelocityIncrement,
+        Self::Direction,
         Self::JointPosition,
         Self::JointRate,
         Self::WheelSpeed,
@@ -116,6 +119,12 @@ impl SensorKind {
                 Sensor,
                 &["acc_x", "acc_y", "acc_z"],
             ),
+            Self::Direction => facts(
+                "direction",
+                &["rad"],
+                Sensor,
+                &["direction_x", "direction_y", "direction_z"],
+            ),
             Self::JointPosition => facts("joint_position", &["rad", "m"], None, &[]),
             Self::JointRate => facts("joint_rate", &["rad_s", "m_s"], None, &[]),
             Self::WheelSpeed => facts("wheel_speed", &["rad_s"], None, &[]),
@@ -137,6 +146,14 @@ impl SensorKind {
     pub const fn unit(self, slides: bool) -> &'static str {
         let units = self.facts().units;
         units[if slides { units.len() - 1 } else { 0 }]
+    }
+
+    /// How many numbers one reading of a sensor with axes tells: a direction says nothing along itself.
+    pub const fn numbers(self) -> usize {
+        match self {
+            Self::Direction => 2,
+            _ => 3,
+        }
     }
 
     /// In which axes it measures.
@@ -201,6 +218,9 @@ pub struct Sensor {
     pub R_BS: Matrix3,
     /// Position of the sensor from the body's origin, in B, m.
     pub p_BoS_B: Vector3,
+    /// The vector in N whose direction is measured, of length one; `None` where the telemetry gives it, and for all other
+    /// kinds.
+    pub reference_N: Option<Vector3>,
     /// What a sensor of joints, wheels or thrusters reads: indices of joints, wheels or
     /// thrusters of the vehicle, ascending. Empty for all other kinds.
     pub of: Vec<usize>,

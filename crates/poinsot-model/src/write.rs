@@ -231,6 +231,9 @@ fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
     if sensor.p_BoS_B != Vector3::zeros() {
         line(out, "position_m", vector(&sensor.p_BoS_B));
     }
+    if let Some(reference) = &sensor.reference_N {
+        line(out, "reference_N", vector(reference));
+    }
 }
 
 fn write_environment(out: &mut String, model: &Model) {

@@ -14,7 +14,7 @@ use crate::motion::{Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::problem::{Problem, ProblemError};
-use crate::sensors::{Ideal, gap, perfect, vector};
+use crate::sensors::{Ideal, across, gap, perfect, vector};
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
 use poinsot_model::{SensorKind, printed_unit};
@@ -367,6 +367,14 @@ impl<'a> Recorder<'a> {
                 one.channel
                     .push(t, &own, &xyzw(&expected, Some(own)), &residual);
             }
+            (SensorValue::Direction { seen_B, .. }, _) => {
+                one.channel.push(
+                    t,
+                    &three(&seen_B),
+                    &three(&reading),
+                    &(across(&seen_B) * (seen_B - reading)),
+                );
+            }
             (SensorValue::Vector(measured), _) => {
                 let expected = match (increments, began) {
                     (false, _) => reading,
@@ -435,7 +443,7 @@ impl<'a> Recorder<'a> {
 fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
     let unit = printed_unit(record.kind.unit(false));
     let measured = match record.kind {
-        SensorKind::Attitude => "1",
+        SensorKind::Attitude | SensorKind::Direction => "1",
         _ => unit,
     };
     channel(&record.name, [measured, unit], record.kind.columns())
@@ -493,7 +501,7 @@ fn last(rows: &[Vec<f64>]) -> Option<[f64; 4]> {
 }
 
 fn statistics(channel: &mut PredictedChannel, all: &ChannelResidual) {
-    for axis in 0..3 {
+    for axis in 0..all.numbers {
         let mut bars = vec![0_u64; HISTOGRAM_BARS];
         for white in &all.white {
             let place = (white[axis] + HISTOGRAM_REACH) / (2.0 * HISTOGRAM_REACH);

@@ -1,7 +1,7 @@
 //! Finding the channels of a sensor in a table.
 
 use super::BindError;
-use super::sensors::Leading;
+use super::sensors::{Leading, REFERENCE};
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
@@ -78,6 +78,9 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
         .flat_map(SensorKind::columns)
         .map(|column| (*column).to_owned())
         .collect();
+    if model.sensors_of(SensorKind::Direction).next().is_some() {
+        wanted.extend(["x", "y", "z"].map(|k| format!("{REFERENCE}_{k}")));
+    }
     if model.environment.gravity_gradient {
         wanted.extend(["x", "y", "z"].map(|k| format!("orbit_{k}")));
     }

@@ -59,11 +59,12 @@ const LAG: ErrorGroup = ErrorGroup {
 
 impl ErrorGroup {
     /// What may be wrong with a sensor of three axes of this kind; nothing of one that reads joints, wheels or thrusters.
-    /// An attitude is a turn: it can be off and late.
+    /// An attitude is a turn: it can be off and late. A direction has no length that could be wrong.
     pub fn of(kind: SensorKind) -> &'static [Self] {
         match kind {
             kind if kind.is_scalar() => &[],
             SensorKind::Attitude => &[BIAS, LAG],
+            SensorKind::Direction => &[BIAS, MISALIGNMENT, LAG],
             _ => &[BIAS, SCALE, MISALIGNMENT, NONORTHOGONALITY, LAG],
         }
     }
