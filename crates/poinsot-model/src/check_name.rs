@@ -1,6 +1,6 @@
 //! Names: printable, unique, and no two things that would read one telemetry column.
 
-use crate::check_sensor::{kind_of, units_of};
+use crate::check_sensor::kind_of;
 use crate::file::{JointType, ModelFile, NuisanceFile, NuisanceWord, SensorFile, SensorType};
 use crate::finding::{Findings, Key};
 use poinsot_files::is_unprintable;
@@ -123,7 +123,7 @@ fn shared_error(one: &SensorFile, other: &SensorFile) -> Option<&'static str> {
     };
     // Offsets of joints bear the names of the joints.
     let vector = |s: &SensorFile| s.kind.map(kind_of).filter(|k| !k.is_scalar());
-    let units = [one, other].map(|s| vector(s).map(units_of));
+    let units = [one, other].map(|s| vector(s).map(|k| k.units()));
     let same_bias = units[0].is_some() && units[0] == units[1];
     let pairs = [
         ("bias", &one.bias, &other.bias, same_bias),
