@@ -1,17 +1,9 @@
 //! `[[sensor]]` tables with the noise that the data show: a place to begin where no data sheet is at hand.
 
+use poinsot_model::SensorKind;
 use poinsot_telemetry::{ChannelSummary, Inspection, rounded};
 use std::fmt::Write;
 
-/// Vector sensors: first letters of their channels, type, unit in keys.
-const VECTORS: [(&str, &str, &str); 6] = [
-    ("omega_", "gyro", "rad_s"),
-    ("q_", "attitude", "rad"),
-    ("r_", "position", "m"),
-    ("v_", "velocity", "m_s"),
-    ("dv_", "velocity_increment", "m_s"),
-    ("acc_", "accelerometer", "m_s2"),
-];
 /// Figures of an estimated noise.
 const DIGITS: usize = 2;
 /// Where rounding alone explains the scatter, that is its step over the root of 12 within this share.
@@ -28,24 +20,26 @@ pub(crate) fn proposed_sensors(inspection: &Inspection) -> Option<String> {
     owners.sort_unstable();
     owners.dedup();
     for owner in owners {
-        for (prefix, kind, unit) in VECTORS {
+        for kind in SensorKind::with_axes() {
             let of = |c: &&ChannelSummary| {
                 let (own, name) = self::owner(c);
-                own == owner && name.starts_with(prefix)
+                own == owner && kind.columns().contains(&name)
             };
             let channels: Vec<&ChannelSummary> = inspection.channels.iter().filter(of).collect();
-            if let Some(noise) = noise(&channels, kind, unit) {
-                let name = if owner.is_empty() { kind } else { owner };
+            if let Some(noise) = noise(&channels, kind) {
+                let word = kind.word();
+                let name = if owner.is_empty() { word } else { owner };
                 let _ = write!(
                     out,
-                    "[[sensor]]\nname = \"{name}\"\ntype = \"{kind}\"\n{noise}\n\n"
+                    "[[sensor]]\nname = \"{name}\"\ntype = \"{word}\"\n{noise}\n\n"
                 );
             }
         }
     }
     for channel in &inspection.channels {
-        let scalar = !VECTORS.iter().any(|v| owner(channel).1.starts_with(v.0));
-        if let (true, Some(noise)) = (scalar, channel.noise) {
+        let name = owner(channel).1;
+        let vector = SensorKind::with_axes().any(|kind| kind.columns().contains(&name));
+        if let (false, Some(noise)) = (vector, channel.noise) {
             let (name, noise) = (&channel.name, rounded(noise, DIGITS));
             let error = error(&[channel]);
             let _ = writeln!(out, "# {name}: {noise} {}, {error}", channel.unit);
@@ -63,7 +57,8 @@ fn owner(channel: &ChannelSummary) -> (&str, &str) {
 }
 
 /// The line of a sensor: noise, or the step where rounding explains it.
-fn noise(channels: &[&ChannelSummary], kind: &str, unit: &str) -> Option<String> {
+fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
+    let unit = kind.unit(false);
     let sigmas: Vec<f64> = channels.iter().filter_map(|c| c.noise).collect();
     if sigmas.is_empty() || sigmas.len() != channels.len() {
         return None;
@@ -76,10 +71,15 @@ fn noise(channels: &[&ChannelSummary], kind: &str, unit: &str) -> Option<String>
         .collect();
     let largest = steps.iter().copied().fold(0.0, f64::max);
     let error = error(channels);
-    if kind == "attitude" {
-        // Four components of a quaternion hold half of each of three small angles.
+    // Four components of a quaternion hold half of each of three small angles, those of a unit vector two angles.
+    let share = match kind {
+        SensorKind::Attitude => Some(2.0),
+        SensorKind::Direction => Some(1.0),
+        _ => None,
+    };
+    if let Some(share) = share {
         let sum: f64 = sigmas.iter().map(|s| s * s).sum();
-        let angle = 2.0 * (sum / 3.0).sqrt();
+        let angle = share * (sum / kind.numbers() as f64).sqrt();
         return Some(format!(
             "noise_{unit} = {}   # {error}",
             rounded(angle, DIGITS)
