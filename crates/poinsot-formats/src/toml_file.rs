@@ -2,8 +2,8 @@
 
 use serde::de::DeserializeOwned;
 use std::ops::Range;
-use toml::Deserializer;
 use toml::de::{DeTable, DeValue, Error};
+use toml::{Deserializer, Spanned};
 
 /// Most faults of one file that are told.
 const MOST: usize = 20;
@@ -39,7 +39,7 @@ impl ShapeFault {
 /// Reads a file. What does not fit is noted and taken out, until the rest fits.
 ///
 /// # Errors
-/// Everything that does not fit; a text that is no TOML has one fault. A missing key ends the list.
+/// Everything that does not fit; a text that is no TOML has one fault, and a key that is missing at the top ends the list.
 pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>> {
     let mut table = DeTable::parse(text).map_err(|e| vec![ShapeFault::of(&e)])?;
     let mut faults = Vec::new();
@@ -52,12 +52,12 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>>
         };
         let fault = ShapeFault::of(&error);
         let missing = fault.problem.strip_prefix("missing field");
-        // A key that was taken out is there.
-        if missing.is_some_and(|m| taken.iter().any(|t| m.contains(&format!("`{t}`")))) {
-            return Err(faults);
+        // A key that was taken out is there: its table is of no more use, the rest is.
+        let known = missing.is_some_and(|m| taken.iter().any(|t| m.contains(&format!("`{t}`"))));
+        let key = take_out(table.get_mut(), &fault.span);
+        if !known {
+            faults.push(fault);
         }
-        let key = missing.map_or_else(|| take_out(table.get_mut(), &fault.span), |_| None);
-        faults.push(fault);
         match key {
             Some(key) if faults.len() < MOST => taken.push(key),
             _ => return Err(faults),
@@ -65,7 +65,7 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, Vec<ShapeFault>>
     }
 }
 
-/// Takes out the innermost key that stands at these bytes or whose value does.
+/// Takes out the innermost key that stands at these bytes or whose value does, or the table of a list; gives its name.
 fn take_out(table: &mut DeTable<'_>, at: &Range<usize>) -> Option<String> {
     let inner = table.iter_mut().find_map(|(_, v)| within(v.get_mut(), at));
     if inner.is_some() {
@@ -83,7 +83,18 @@ fn take_out(table: &mut DeTable<'_>, at: &Range<usize>) -> Option<String> {
 fn within(value: &mut DeValue<'_>, at: &Range<usize>) -> Option<String> {
     match value {
         DeValue::Table(table) => take_out(table, at),
-        DeValue::Array(items) => items.iter_mut().find_map(|item| within(item.get_mut(), at)),
+        DeValue::Array(items) => {
+            let inner = items.iter_mut().find_map(|item| within(item.get_mut(), at));
+            inner.or_else(|| {
+                let table = |item: &Spanned<DeValue<'_>>| item.get_ref().is_table();
+                let mut items_there = items.iter();
+                let k = items_there.position(|item| table(item) && item.span() == *at)?;
+                let all = std::mem::replace(items, std::iter::empty().collect());
+                let others = all.into_iter().enumerate();
+                *items = others.filter(|(i, _)| *i != k).map(|(_, x)| x).collect();
+                Some(String::new())
+            })
+        }
         _ => None,
     }
 }
