@@ -112,6 +112,6 @@ fn exact_policies_do_what_they_say() {
     );
     assert_eq!(
         Policies::new(&["spikes=report"], false),
-        Err("there is no check 'spikes'; use one of gap, placeholder, held, saturation, stuck, outlier, lag, units".to_owned())
+        Err("there is no check 'spikes'; use one of gap, placeholder, held, saturation, stuck, outlier, lag, units, motor_torque".to_owned())
     );
 }

@@ -301,6 +301,7 @@ fn exact_a_column_that_names_the_channel_chooses_its_rows() {
         );
     }
     let wrong = map(vec![ColumnMap {
+        nominal_N: Some(0.9),
         rows: vec![("THRUSTR".to_owned(), "A".to_owned())],
         ..ColumnMap::new("thr1_N", "DURATION", "ms")
     }]);
