@@ -28,7 +28,7 @@ mod suspects;
 mod table;
 mod types;
 
-pub(crate) use channels::{OUTLIER, whiteness};
+pub(crate) use channels::whiteness;
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
     Suspect,
