@@ -85,7 +85,7 @@ fn warnings(json: &Value) -> String {
 }
 
 #[test]
-fn cli_baselines_print_beside_a_certificate_of_three_of_six() {
+fn unit_baselines_print_beside_a_certificate_of_three_of_six() {
     for variant in [
         "batch",
         "conventional",
@@ -175,7 +175,7 @@ fn xval_basilisk_rich_run_of_every_variant() {
 }
 
 #[test]
-fn cli_two_wheels_are_named() {
+fn unit_two_wheels_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(stsat3()).unwrap();
     let third = text.find("[[wheel]]\nname = \"wheel3\"").unwrap();
@@ -192,7 +192,7 @@ fn cli_two_wheels_are_named() {
 }
 
 #[test]
-fn cli_a_wheel_that_never_moves_is_named() {
+fn unit_a_wheel_that_never_moves_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         row[column(names, "wheel2_rad_s")] = 12.0;
@@ -207,7 +207,7 @@ fn cli_a_wheel_that_never_moves_is_named() {
 }
 
 #[test]
-fn cli_a_flipped_wheel_is_named() {
+fn unit_a_flipped_wheel_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         row[column(names, "wheel2_rad_s")] *= -1.0;
@@ -224,7 +224,7 @@ fn cli_a_flipped_wheel_is_named() {
 }
 
 #[test]
-fn cli_a_saturated_wheel_is_named() {
+fn unit_a_saturated_wheel_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         let k = column(names, "wheel1_rad_s");
@@ -240,7 +240,7 @@ fn cli_a_saturated_wheel_is_named() {
 }
 
 #[test]
-fn cli_a_quaternion_in_the_wrong_order_is_named() {
+fn unit_a_quaternion_in_the_wrong_order_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         let q = column(names, "q_x");
@@ -256,7 +256,7 @@ fn cli_a_quaternion_in_the_wrong_order_is_named() {
 }
 
 #[test]
-fn cli_what_the_method_cannot_do_is_refused() {
+fn unit_what_the_method_cannot_do_is_refused() {
     let model = examples().join("ma2008/model.toml");
     let data = examples().join("ma2008/traj1/telemetry.parquet");
     let (code, _, error) = identify(&model, &data, "suggested");
