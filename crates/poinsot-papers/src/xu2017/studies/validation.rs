@@ -81,6 +81,12 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         ("swarm, worst seed", &moved(worst)?),
         ("linear, n..1", &inward),
     ];
+    draw(&sources, &mut findings);
+    Ok(findings)
+}
+
+/// Fig. 12 and 13.
+fn draw(sources: &[(&str, &Vec<Difference>)], findings: &mut Findings) {
     for (name, title, unit, prefix) in [
         (
             "fig12_position",
@@ -101,9 +107,8 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
             "joint",
         ),
     ] {
-        findings.plot(name, plot(title, unit, prefix, &sources));
+        findings.plot(name, plot(title, unit, prefix, sources));
     }
-    Ok(findings)
 }
 
 fn masses(robot: &Robot, worst: &[InertialParameters]) -> Table {
