@@ -32,7 +32,7 @@ pub fn page() -> String {
          Where the data cannot tell two apart it names both.\n\n\
          | name in `estimate.json` | what it is | what to do |\n|---|---|---|\n",
     );
-    for fault in FaultKind::ALL {
+    for fault in FaultKind::ALL.iter().copied() {
         let advice = fault.advice().trim_start_matches("; ");
         let _ = writeln!(out, "| `{}` | {} | {advice} |", fault.name(), fault.what());
     }

@@ -31,6 +31,8 @@ pub enum SensorKind {
     VelocityIncrement,
     /// Specific force at a point, m/s2.
     Accelerometer,
+    /// Direction of a vector known in N, as a unit vector; noise as a small angle across it, rad.
+    Direction,
     /// Joint position, rad or m.
     JointPosition,
     /// Joint rate, rad/s or m/s.
@@ -41,43 +43,147 @@ pub enum SensorKind {
     Thrust,
 }
 
+/// In which axes a sensor measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axes {
+    /// Its own, which stand somehow on its body; its columns are in those of the body.
+    Sensor,
+    /// Inertial.
+    Inertial,
+    /// None: one number per joint, wheel or thruster.
+    None,
+}
+
+/// What distinguishes a kind of sensor from another: one row a kind.
+struct Facts {
+    /// Word in a model file.
+    word: &'static str,
+    /// Unit of its readings as it ends a key, and that of prismatic joints where it is another.
+    units: &'static [&'static str],
+    axes: Axes,
+    /// Standard names of the columns of a sensor with axes.
+    columns: &'static [&'static str],
+}
+
+const fn facts(
+    word: &'static str,
+    units: &'static [&'static str],
+    axes: Axes,
+    columns: &'static [&'static str],
+) -> Facts {
+    Facts {
+        word,
+        units,
+        axes,
+        columns,
+    }
+}
+
 impl SensorKind {
-    /// Every kind, in the order of the file format.
-    pub const ALL: [Self; 10] = [
+    /// Every kind, in the order of the results.
+    pub const ALL: [Self; 11] = [
         Self::Gyro,
         Self::Attitude,
-        Self::Position,
         Self::Velocity,
-        Self::VelocityIncrement,
+        Self::Position,
         Self::Accelerometer,
+        Self::VelocityIncrement,
+        Self::Direction,
         Self::JointPosition,
         Self::JointRate,
         Self::WheelSpeed,
         Self::Thrust,
     ];
 
-    /// The word for this kind in a model file.
-    pub fn word(self) -> &'static str {
+    const fn facts(self) -> Facts {
+        use Axes::{Inertial, None, Sensor};
         match self {
-            Self::Gyro => "gyro",
-            Self::Attitude => "attitude",
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::VelocityIncrement => "velocity_increment",
-            Self::Accelerometer => "accelerometer",
-            Self::JointPosition => "joint_position",
-            Self::JointRate => "joint_rate",
-            Self::WheelSpeed => "wheel_speed",
-            Self::Thrust => "thrust",
+            Self::Gyro => facts(
+                "gyro",
+                &["rad_s"],
+                Sensor,
+                &["omega_x", "omega_y", "omega_z"],
+            ),
+            Self::Attitude => facts("attitude", &["rad"], Sensor, &["q_x", "q_y", "q_z", "q_w"]),
+            Self::Position => facts("position", &["m"], Inertial, &["r_x", "r_y", "r_z"]),
+            Self::Velocity => facts("velocity", &["m_s"], Inertial, &["v_x", "v_y", "v_z"]),
+            Self::VelocityIncrement => facts(
+                "velocity_increment",
+                &["m_s"],
+                Inertial,
+                &["dv_x", "dv_y", "dv_z"],
+            ),
+            Self::Accelerometer => facts(
+                "accelerometer",
+                &["m_s2"],
+                Sensor,
+                &["acc_x", "acc_y", "acc_z"],
+            ),
+            Self::Direction => facts(
+                "direction",
+                &["rad"],
+                Sensor,
+                &["direction_x", "direction_y", "direction_z"],
+            ),
+            Self::JointPosition => facts("joint_position", &["rad", "m"], None, &[]),
+            Self::JointRate => facts("joint_rate", &["rad_s", "m_s"], None, &[]),
+            Self::WheelSpeed => facts("wheel_speed", &["rad_s"], None, &[]),
+            Self::Thrust => facts("thrust", &["N"], None, &[]),
         }
+    }
+
+    /// The word for this kind in a model file.
+    pub const fn word(self) -> &'static str {
+        self.facts().word
+    }
+
+    /// Units that its readings may have, as they end a key (`rad_s`): of revolute joints first, of prismatic ones last.
+    pub const fn units(self) -> &'static [&'static str] {
+        self.facts().units
+    }
+
+    /// The unit of a sensor of this kind that does, or does not, read prismatic joints.
+    pub const fn unit(self, slides: bool) -> &'static str {
+        let units = self.facts().units;
+        units[if slides { units.len() - 1 } else { 0 }]
+    }
+
+    /// How many numbers one reading of a sensor with axes tells: a direction says nothing along itself.
+    pub const fn numbers(self) -> usize {
+        match self {
+            Self::Direction => 2,
+            _ => 3,
+        }
+    }
+
+    /// In which axes it measures.
+    pub const fn axes(self) -> Axes {
+        self.facts().axes
+    }
+
+    /// Standard names of its columns; none for a kind that reads joints, wheels or thrusters.
+    pub const fn columns(self) -> &'static [&'static str] {
+        self.facts().columns
+    }
+
+    /// The kinds with axes.
+    pub fn with_axes() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|kind| !kind.is_scalar())
     }
 
     /// Whether it reads one number per joint, wheel or thruster, and so has no axes.
     pub fn is_scalar(self) -> bool {
-        matches!(
-            self,
-            Self::JointPosition | Self::JointRate | Self::WheelSpeed | Self::Thrust
-        )
+        self.axes() == Axes::None
+    }
+}
+
+/// A unit that ends a key, as it is printed: `rad_s` is `rad/s`.
+pub fn printed_unit(key: &'static str) -> &'static str {
+    match key {
+        "rad_s" => "rad/s",
+        "m_s" => "m/s",
+        "m_s2" => "m/s2",
+        other => other,
     }
 }
 
@@ -112,6 +218,9 @@ pub struct Sensor {
     pub R_BS: Matrix3,
     /// Position of the sensor from the body's origin, in B, m.
     pub p_BoS_B: Vector3,
+    /// The vector in N whose direction is measured, of length one; `None` where the telemetry gives it, and for all other
+    /// kinds.
+    pub reference_N: Option<Vector3>,
     /// What a sensor of joints, wheels or thrusters reads: indices of joints, wheels or
     /// thrusters of the vehicle, ascending. Empty for all other kinds.
     pub of: Vec<usize>,
@@ -120,9 +229,6 @@ pub struct Sensor {
 impl Sensor {
     /// Whether it measures in axes of its own, which stand somehow on its body.
     pub fn turns(&self) -> bool {
-        matches!(
-            self.kind,
-            SensorKind::Gyro | SensorKind::Attitude | SensorKind::Accelerometer
-        )
+        self.kind.axes() == Axes::Sensor
     }
 }

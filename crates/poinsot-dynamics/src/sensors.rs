@@ -1,7 +1,7 @@
 //! What the sensors of a vehicle report of a motion: the truth with all errors that the estimator knows, noise and
 //! rounding.
 
-use crate::sensor::{Nuisance, Sensor, SensorKind};
+use crate::sensor::{Axes, Nuisance, Sensor, SensorKind};
 use crate::sensor_errors::{SensorError, SensorErrors};
 use crate::stage::MotionSample;
 use crate::tree::Tree;
@@ -15,13 +15,15 @@ use rand_distr::{Distribution, StandardNormal};
 /// A sensor at work: its declared errors, its own random stream and its bias.
 ///
 /// A reading is `(1 + turn) truth + bias + noise`, rounded to the least significant bit ([`SensorErrors`]). Gyro,
-/// accelerometer and attitude err in the sensor's axes and report in those of its body; position and velocity err and
+/// accelerometer, direction and attitude err in the sensor's axes and report in those of its body; position and velocity err and
 /// report in N. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
 #[derive(Debug, Clone)]
 pub struct Instrument {
     kind: SensorKind,
     body: usize,
     p_BoS_B: Vector3,
+    /// Whose direction is measured.
+    reference_N: Vector3,
     /// Joint coordinates, wheels or thrusters read by a scalar sensor.
     of: Vec<usize>,
     /// Absent where the sensor's axes are the body's: no rounding from turning there and back.
@@ -73,6 +75,7 @@ impl Instrument {
             kind: sensor.kind,
             body: sensor.body,
             p_BoS_B: sensor.p_BoS_B,
+            reference_N: sensor.reference_N.unwrap_or_default(),
             of,
             R_BS: (sensor.R_BS != Matrix3::identity()).then_some(sensor.R_BS),
             noise: sensor.noise_covariance.as_ref().map(square_root),
@@ -141,6 +144,10 @@ impl Instrument {
                 let q = body_attitude(sample, self.body).coords;
                 self.disturb(sample.time, &[q.x, q.y, q.z, q.w], out);
             }
+            SensorKind::Direction => {
+                let seen = body_attitude(sample, self.body).inverse() * self.reference_N;
+                self.disturb(sample.time, seen.as_slice(), out);
+            }
             kind if kind.is_scalar() => {
                 let truth = scalars(kind, sample);
                 let of = |i: &usize| truth.get(*i).copied().unwrap_or(f64::NAN);
@@ -177,14 +184,19 @@ impl Instrument {
                     out.push(self.round(x + error, i));
                 }
             }
-            (_, &[x, y, z]) => out.extend(self.corrupt(time_s, Vector3::new(x, y, z)).iter()),
+            (kind, &[x, y, z]) => {
+                let mut own = self.corrupt(time_s, Vector3::new(x, y, z));
+                if kind == SensorKind::Direction {
+                    own.try_normalize_mut(0.0);
+                }
+                out.extend(own.iter());
+            }
             _ => {}
         }
     }
 
     fn corrupt(&mut self, time_s: f64, x: Vector3) -> Vector3 {
-        let in_body = matches!(self.kind, SensorKind::Gyro | SensorKind::Accelerometer);
-        let turn = self.R_BS.filter(|_| in_body);
+        let turn = self.R_BS.filter(|_| self.kind.axes() == Axes::Sensor);
         let own = turn.map_or(x, |R| R.transpose() * x);
         let mut own = self.errors.change(&own) + self.bias_and_noise(time_s);
         for (i, x) in own.iter_mut().enumerate() {

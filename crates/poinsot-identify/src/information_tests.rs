@@ -111,6 +111,15 @@ bias = "estimate"
 lag = "estimate"
 
 [[sensor]]
+name = "sun"
+type = "direction"
+body = "hand"
+noise_rad = 1.0e-2
+bias = "estimate"
+misalignment = "estimate"
+lag = "estimate"
+
+[[sensor]]
 name = "angle"
 type = "joint_position"
 of = "shoulder"
@@ -156,13 +165,14 @@ drag_torque = "estimate"
 "#;
 
 /// Index of a kind in the sensors of [`finer`], where translation is read; gyro and attitude come first anyway.
-const KINDS: [SensorKind; 6] = [
+const KINDS: [SensorKind; 7] = [
     SensorKind::Gyro,
     SensorKind::Attitude,
     SensorKind::Velocity,
     SensorKind::Position,
     SensorKind::Accelerometer,
     SensorKind::VelocityIncrement,
+    SensorKind::Direction,
 ];
 
 /// The sensor of a kind in the test's model, with covariance and place.
@@ -173,6 +183,7 @@ fn record(model: &Model, kind: SensorKind) -> SensorRecord {
         SensorKind::Velocity => ([2.0e-2; 3], 0, [0.1, 0.2, -0.3]),
         SensorKind::Position => ([3.0e-2, 1.0e-2, 2.0e-2], 0, [-0.2, 0.1, 0.1]),
         SensorKind::Accelerometer => ([1.0e-2, 2.0e-2, 3.0e-2], 2, [0.1, -0.2, 0.3]),
+        SensorKind::Direction => ([1.0e-2; 3], 2, [0.0; 3]),
         _ => ([1.0e-2; 3], 1, [0.3, 0.1, -0.1]),
     };
     let covariance = Matrix3::from_diagonal(&Vector3::from(variances));
@@ -203,6 +214,10 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
             SensorKind::Attitude => {
                 SensorValue::Attitude(UnitQuaternion::from_scaled_axis(wave(k, phase)))
             }
+            SensorKind::Direction => SensorValue::Direction {
+                seen_B: wave(k, phase).normalize(),
+                reference_N: wave(k, 0.9 * phase).normalize(),
+            },
             _ => SensorValue::Vector(wave(k, phase)),
         });
         let mut made = record(model, kind).at_every_time(values);
@@ -212,7 +227,7 @@ fn finer(model: &Model, tree: &Tree, translation: bool, fine: usize) -> Segment 
         }
         made
     };
-    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0];
+    let phases = [0.0, 0.4, 1.0, 2.0, 3.0, 4.0, 5.0];
     let moves = |kind| matches!(kind, SensorKind::Velocity | SensorKind::Position);
     let pairs = KINDS.into_iter().zip(phases);
     let sensors = pairs

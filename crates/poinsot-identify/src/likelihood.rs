@@ -68,12 +68,14 @@ impl Setting<'_> {
     }
 }
 
-/// One sensor in one segment: whitened residuals, three axes a sample.
+/// One sensor in one segment: whitened residuals.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ChannelResidual {
     /// As in its record.
     pub name: String,
     pub unit: &'static str,
+    /// Numbers that one reading tells: the first so many of the three are not zero.
+    pub numbers: usize,
     pub white: Vec<Vector3>,
     pub square: f64,
     /// Logarithm of the determinant that the colour of the noise adds.
@@ -218,6 +220,7 @@ fn evaluate_driven(
     compare.ideal = Ideal::new(&vehicle, segment, &state, &late)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
+    // One direction alone leaves the turn about itself open.
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
         compare.weak_attitude(&head.R_NB);
     }
@@ -349,7 +352,8 @@ impl<'a> Compare<'a> {
         let residual = self.inputs.expected(slopes, *rows.last()?);
         let white = root.solve_lower_triangular(&residual)?;
         // A reading with less weight is one with more noise: so the filter does not believe it either.
-        let weight = self.setting.loss.weight(white.norm_squared());
+        let numbers = self.followers[i].channel.numbers;
+        let weight = self.setting.loss.weight(white.norm_squared(), numbers);
         if weight != 1.0 {
             root = Cholesky::new(noise / weight + spread)?.l();
         }
@@ -364,7 +368,7 @@ impl<'a> Compare<'a> {
             qr.push(3, |i, j| rows[j][i]);
         }
         if self.setting.keep_rows {
-            let log_det = (0..3).map(|j| 2.0 * alone[(j, j)].ln()).sum::<f64>();
+            let log_det = self.segment.observations.sensors[i].log_det();
             let row = |i: usize| rows.iter().map(|r| r[i]).collect();
             self.kept.fresh = (0..3).map(|i| (row(i), log_det)).collect();
         }
@@ -406,7 +410,7 @@ impl<'a> Compare<'a> {
         let channel = &mut self.followers[i].channel;
         channel.square += residual.norm_squared();
         channel.white.push(white);
-        self.rows += 3;
+        self.rows += channel.numbers;
         let fresh = &mut self.kept.fresh;
         if fresh.len() >= 3 {
             let log_det = fresh[0].1;
@@ -430,10 +434,12 @@ impl<'a> Compare<'a> {
             .map(|f| f.channel)
             .filter(|c| !c.white.is_empty())
             .collect();
-        for white in channels.iter().flat_map(|c| &c.white) {
-            let square = white.norm_squared();
-            chi2 += loss.weight(square) * square;
-            cost += loss.cost(square);
+        for channel in &channels {
+            for white in &channel.white {
+                let square = white.norm_squared();
+                chi2 += loss.weight(square, channel.numbers) * square;
+                cost += loss.cost(square, channel.numbers);
+            }
         }
         chi2.is_finite().then(|| Evaluated {
             triangle: self.qr.map(BlockQr::finish),

@@ -9,57 +9,27 @@ use crate::check_rest::{check_environment, check_momentum, check_thrusters, chec
 use crate::check_sensor::check_sensors;
 use crate::check_telemetry::check_telemetry;
 use crate::check_tree::{Tree, check_tree};
-use crate::file::ModelFile;
+use crate::file::{BodyFile, ModelFile};
 use crate::finding::{Findings, Key};
 use crate::knowledge::Knowledge;
 use crate::vehicle::Model;
+use std::collections::HashMap;
 
 /// More bodies than this are refused.
 pub(crate) const MOST_BODIES: usize = 10_000;
 
 /// Checks the raw model. The answer means something only if there are no findings.
 pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> Option<Model> {
-    let top = |table: &str| Key::top(table);
     let bodies = file.body.as_deref().unwrap_or(&[]);
-    if bodies.is_empty() {
-        if file.body.is_some() {
-            findings.refuse(
-                "E0106",
-                &top("body"),
-                "there is no body".to_owned(),
-                "add [[body]]; the first one is the base",
-            );
-        }
-        return None;
-    }
-    if bodies.len() > MOST_BODIES {
-        findings.refuse(
-            "E0119",
-            &top("body").index(MOST_BODIES),
-            format!("the file has {} bodies", bodies.len()),
-            format!("keep to {MOST_BODIES} bodies"),
-        );
+    if !check_count(file, findings) {
         return None;
     }
     check_names(file, findings);
     let joint_files = file.joint.as_deref().unwrap_or(&[]);
     let Tree { order, carried_by } = check_tree(bodies, joint_files, findings);
 
-    // Place of each body of the file in the order of the model; parents stand before children.
-    let mut place = vec![usize::MAX; bodies.len()];
-    for (k, body) in order.iter().enumerate() {
-        if let Some(place) = place.get_mut(*body) {
-            *place = k;
-        }
-    }
-    let names: std::collections::HashMap<&str, usize> = bodies
-        .iter()
-        .enumerate()
-        .rev()
-        .filter_map(|(k, b)| Some((b.name.as_deref()?, k)))
-        .collect();
-    let resolve = |name: &str| names.get(name).and_then(|k| place.get(*k)).copied();
-
+    let places = places(bodies, &order);
+    let resolve = |name: &str| places.get(name).copied();
     let in_file_order = check_bodies(bodies, findings);
     let mut model_bodies = Vec::with_capacity(order.len());
     for k in &order {
@@ -106,4 +76,40 @@ pub(crate) fn check_model(file: &ModelFile, findings: &mut Findings<'_, '_>) -> 
         check_together(&model, &order, findings);
     }
     Some(model)
+}
+
+/// Whether there are bodies, and not too many.
+fn check_count(file: &ModelFile, findings: &mut Findings<'_, '_>) -> bool {
+    let top = Key::top("body");
+    match file.body.as_deref() {
+        None => {}
+        Some([]) => findings.refuse(
+            "E0106",
+            &top,
+            "there is no body".to_owned(),
+            "add [[body]]; the first one is the base",
+        ),
+        Some(bodies) if bodies.len() > MOST_BODIES => findings.refuse(
+            "E0119",
+            &top.index(MOST_BODIES),
+            format!("the file has {} bodies", bodies.len()),
+            format!("keep to {MOST_BODIES} bodies"),
+        ),
+        Some(_) => return true,
+    }
+    false
+}
+
+/// Place of each named body in the order of the model, in which parents stand before children; beyond all for one that hangs on
+/// nothing, of which something is said elsewhere.
+fn places<'f>(bodies: &'f [BodyFile], order: &[usize]) -> HashMap<&'f str, usize> {
+    let mut place = vec![usize::MAX; bodies.len()];
+    for (k, body) in order.iter().enumerate() {
+        if let Some(place) = place.get_mut(*body) {
+            *place = k;
+        }
+    }
+    let all = bodies.iter().zip(place).rev();
+    all.filter_map(|(b, place)| Some((b.name.as_deref()?, place)))
+        .collect()
 }

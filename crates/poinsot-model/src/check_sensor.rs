@@ -20,7 +20,7 @@ pub(crate) fn key_fits(word: &str, key: &str) -> bool {
         .or_else(|| key.strip_prefix("quantisation_"));
     let kind = SensorKind::ALL.iter().find(|kind| kind.word() == word);
     match (unit, kind) {
-        (Some(unit), Some(kind)) => units_of(*kind).contains(&unit),
+        (Some(unit), Some(kind)) => kind.units().contains(&unit),
         _ => true,
     }
 }
@@ -94,21 +94,8 @@ pub(crate) fn kind_of(file: SensorType) -> SensorKind {
         SensorType::JointPosition => SensorKind::JointPosition,
         SensorType::JointRate => SensorKind::JointRate,
         SensorType::WheelSpeed => SensorKind::WheelSpeed,
+        SensorType::Direction => SensorKind::Direction,
         SensorType::Thrust => SensorKind::Thrust,
-    }
-}
-
-/// Units that a kind of sensor may have.
-fn units_of(kind: SensorKind) -> &'static [&'static str] {
-    match kind {
-        SensorKind::Gyro | SensorKind::WheelSpeed => &["rad_s"],
-        SensorKind::Attitude => &["rad"],
-        SensorKind::Position => &["m"],
-        SensorKind::Velocity | SensorKind::VelocityIncrement => &["m_s"],
-        SensorKind::Accelerometer => &["m_s2"],
-        SensorKind::JointPosition => &["rad", "m"],
-        SensorKind::JointRate => &["rad_s", "m_s"],
-        SensorKind::Thrust => &["N"],
     }
 }
 
@@ -167,33 +154,17 @@ fn check_sensor(
                 .find(|(k, _, _)| k == first)
                 .map(|(_, _, unit)| *unit)
         })
-        .or_else(|| units_of(kind).first().copied())?;
+        .or_else(|| kind.units().first().copied())?;
     let noise_covariance = check_noise(file, kind, unit, key, findings);
-    let quantisation = quantisation_of(file, unit).and_then(|lsb| {
-        let here = key.at(&format!("quantisation_{unit}"));
-        if lsb > 0.0 && lsb < SMALLEST_NOISE {
-            let problem = "the quantisation is below 1e-100".to_owned();
-            findings.refuse("E0118", &here, problem, "give that of a real instrument");
-            return None;
-        }
-        positive(lsb, &here, "E0118", "the quantisation", findings)
-    });
-    let correlation_s = file.correlation_s.and_then(|time| {
-        let here = key.at("correlation_s");
-        if kind.is_scalar() {
-            let problem = format!("a {} has no coloured noise", kind.word());
-            let remedy = "leave it out; sensors of three axes can have it";
-            findings.refuse("E0106", &here, problem, remedy);
-            return None;
-        }
-        positive(time, &here, "E0118", "a correlation time", findings)
-    });
+    let quantisation = check_quantisation(file, unit, key, findings);
+    let correlation_s = check_correlation(file, kind, key, findings);
     let rotation = check_rotation(
         file.rotation_xyzw.as_ref(),
         file.rotation_matrix.as_ref(),
         key,
         findings,
     );
+    let reference_N = check_reference(file, kind, key, findings);
     let mut nuisance = |name: &str, value, unit_key: &str| -> Nuisance {
         check_nuisance(value, &key.at(name), unit_key, findings)
     };
@@ -214,6 +185,7 @@ fn check_sensor(
         lag: nuisance("lag", file.lag.as_ref(), "sigma_s"),
         R_BS: rotation.unwrap_or_else(Matrix3::identity),
         p_BoS_B: Vector3::from(file.position_m.unwrap_or([0.0; 3])),
+        reference_N,
         of,
         name: file.name.clone()?,
     };
@@ -249,7 +221,7 @@ fn check_unit(
     key: &Key,
     findings: &mut Findings<'_, '_>,
 ) -> Option<&'static str> {
-    let allowed = units_of(kind);
+    let allowed = kind.units();
     let mut declared: Option<&'static str> = None;
     for unit in UNITS {
         for (what, given) in [
@@ -304,6 +276,67 @@ fn refuse_axes(file: &SensorFile, kind: SensorKind, key: &Key, findings: &mut Fi
             );
         }
     }
+}
+
+fn check_quantisation(
+    file: &SensorFile,
+    unit: &str,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<f64> {
+    let lsb = quantisation_of(file, unit)?;
+    let here = key.at(&format!("quantisation_{unit}"));
+    if lsb > 0.0 && lsb < SMALLEST_NOISE {
+        let problem = "the quantisation is below 1e-100".to_owned();
+        findings.refuse("E0118", &here, problem, "give that of a real instrument");
+        return None;
+    }
+    positive(lsb, &here, "E0118", "the quantisation", findings)
+}
+
+fn check_correlation(
+    file: &SensorFile,
+    kind: SensorKind,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<f64> {
+    let time = file.correlation_s?;
+    let here = key.at("correlation_s");
+    if kind.is_scalar() {
+        let problem = format!("a {} has no coloured noise", kind.word());
+        let remedy = "leave it out; sensors of three axes can have it";
+        findings.refuse("E0106", &here, problem, remedy);
+        return None;
+    }
+    positive(time, &here, "E0118", "a correlation time", findings)
+}
+
+/// The vector whose direction is measured, made one long.
+fn check_reference(
+    file: &SensorFile,
+    kind: SensorKind,
+    key: &Key,
+    findings: &mut Findings<'_, '_>,
+) -> Option<Vector3> {
+    let given = file.reference_N?;
+    let here = key.at("reference_N");
+    if kind != SensorKind::Direction {
+        let problem = format!("a sensor of type \"{}\" has no reference", kind.word());
+        findings.refuse("E0118", &here, problem, "remove it");
+        return None;
+    }
+    let unit = Vector3::from(given).try_normalize(0.0);
+    if unit.is_none_or(|v| !v.iter().all(|x| x.is_finite())) {
+        let problem = "the vector has no direction".to_owned();
+        findings.refuse(
+            "E0118",
+            &here,
+            problem,
+            "write a finite vector that is not zero",
+        );
+        return None;
+    }
+    unit
 }
 
 fn check_of(
@@ -377,6 +410,15 @@ fn check_noise(
             "E0118",
             &here,
             format!("a sensor of type \"{}\" has no axes", kind.word()),
+            "write one number",
+        );
+        return None;
+    }
+    if kind == SensorKind::Direction && !matches!(noise, NoiseFile::Scalar(_)) {
+        findings.refuse(
+            "E0118",
+            &here,
+            "the noise of a direction is an angle, alike in every sense across it".to_owned(),
             "write one number",
         );
         return None;

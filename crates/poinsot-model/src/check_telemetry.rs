@@ -148,36 +148,9 @@ fn checked(
     FileMap {
         attitude: attitude.collect(),
         layout: check_layout(part, key, findings),
-        time: part.time.as_ref().and_then(|time| {
-            Some(TimeMap {
-                column: time.column.clone()?,
-                format: match time.format.unwrap_or(TimeFormatFile::Number) {
-                    TimeFormatFile::Number => TimeFormat::Number,
-                    TimeFormatFile::Iso8601 => TimeFormat::Iso8601,
-                    TimeFormatFile::DayOfYear => TimeFormat::DayOfYear,
-                    TimeFormatFile::GpsWeek => TimeFormat::GpsWeek,
-                },
-                week: time.week.clone(),
-                unit: time.unit.clone(),
-                epoch: time.epoch.clone(),
-                scale: time.scale.map(|scale| match scale {
-                    ScaleFile::Utc => Scale::Utc,
-                    ScaleFile::Tai => Scale::Tai,
-                    ScaleFile::Gps => Scale::Gps,
-                    ScaleFile::Tt => Scale::Tt,
-                }),
-            })
-        }),
+        time: time_map(part),
         columns,
-        orbit: part.orbit.as_ref().and_then(|orbit| {
-            Some(OrbitMap {
-                position: orbit.position.clone()?,
-                unit: orbit.unit.clone(),
-                velocity: orbit.velocity.clone(),
-                velocity_unit: orbit.velocity_unit.clone(),
-                earth_fixed: orbit.frame == Some(FrameFile::EarthFixed),
-            })
-        }),
+        orbit: orbit_map(part),
         row_filter: part
             .rows
             .iter()
@@ -185,6 +158,39 @@ fn checked(
             .map(|(c, t)| (c.clone(), t.clone()))
             .collect(),
     }
+}
+
+fn time_map(part: &Part<'_>) -> Option<TimeMap> {
+    let time = part.time.as_ref()?;
+    Some(TimeMap {
+        column: time.column.clone()?,
+        format: match time.format.unwrap_or(TimeFormatFile::Number) {
+            TimeFormatFile::Number => TimeFormat::Number,
+            TimeFormatFile::Iso8601 => TimeFormat::Iso8601,
+            TimeFormatFile::DayOfYear => TimeFormat::DayOfYear,
+            TimeFormatFile::GpsWeek => TimeFormat::GpsWeek,
+        },
+        week: time.week.clone(),
+        unit: time.unit.clone(),
+        epoch: time.epoch.clone(),
+        scale: time.scale.map(|scale| match scale {
+            ScaleFile::Utc => Scale::Utc,
+            ScaleFile::Tai => Scale::Tai,
+            ScaleFile::Gps => Scale::Gps,
+            ScaleFile::Tt => Scale::Tt,
+        }),
+    })
+}
+
+fn orbit_map(part: &Part<'_>) -> Option<OrbitMap> {
+    let orbit = part.orbit.as_ref()?;
+    Some(OrbitMap {
+        position: orbit.position.clone()?,
+        unit: orbit.unit.clone(),
+        velocity: orbit.velocity.clone(),
+        velocity_unit: orbit.velocity_unit.clone(),
+        earth_fixed: orbit.frame == Some(FrameFile::EarthFixed),
+    })
 }
 
 fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> Layout {

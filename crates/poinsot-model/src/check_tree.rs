@@ -52,39 +52,16 @@ pub(crate) fn check_tree(
             complete = false;
             continue;
         };
-        if child == 0 {
-            findings.refuse(
-                "E0112",
-                &key.at("child"),
-                "the base hangs on nothing".to_owned(),
-                "the first [[body]] is the base: name another child, or move the base to the top",
-            );
-            continue;
-        }
-        if parent == Some(child) {
-            findings.refuse(
-                "E0112",
-                &key.at("child"),
-                "the joint connects the body with itself".to_owned(),
-                "name another parent or child",
-            );
-            if let Some(carried) = carried_by.get_mut(child) {
+        let first = carried_by.get(child).copied().flatten();
+        let first = first.map(|f| joints.get(f).and_then(|j| j.name.as_deref()));
+        if let Some((problem, remedy)) = wrong_child(child, parent, first) {
+            findings.refuse("E0112", &key.at("child"), problem, remedy);
+            if parent == Some(child)
+                && child != 0
+                && let Some(carried) = carried_by.get_mut(child)
+            {
                 carried.get_or_insert(k);
             }
-            continue;
-        }
-        let first = carried_by.get(child).copied().flatten();
-        if let Some(first) = first {
-            let other = joints.get(first).and_then(|j| j.name.as_deref());
-            findings.refuse(
-                "E0112",
-                &key.at("child"),
-                format!(
-                    "the body has two parents: joint \"{}\" carries it too",
-                    excerpt(other.unwrap_or("?"), 60)
-                ),
-                "remove one of the joints; closed loops are not supported",
-            );
             continue;
         }
         if let Some(carried) = carried_by.get_mut(child) {
@@ -113,6 +90,33 @@ pub(crate) fn check_tree(
         order: topological(&parent_of),
         carried_by,
     }
+}
+
+/// What is wrong with a joint's child, and what to do; `first` is the name of a joint that carries it already.
+fn wrong_child(
+    child: usize,
+    parent: Option<usize>,
+    first: Option<Option<&str>>,
+) -> Option<(String, &'static str)> {
+    if child == 0 {
+        return Some((
+            "the base hangs on nothing".to_owned(),
+            "the first [[body]] is the base: name another child, or move the base to the top",
+        ));
+    }
+    if parent == Some(child) {
+        return Some((
+            "the joint connects the body with itself".to_owned(),
+            "name another parent or child",
+        ));
+    }
+    first.map(|other| {
+        let other = excerpt(other.unwrap_or("?"), 60);
+        (
+            format!("the body has two parents: joint \"{other}\" carries it too"),
+            "remove one of the joints; closed loops are not supported",
+        )
+    })
 }
 
 /// Follows every body to its root once; what comes back to itself is a cycle.

@@ -1,7 +1,7 @@
 //! A vehicle in words and tables: what `poinsot check` prints.
 
 use crate::number::{list, short};
-use crate::vehicle::{JointKind, Model, MomentumKnowledge, Nuisance, SensorKind};
+use crate::vehicle::{JointKind, Model, MomentumKnowledge, Nuisance, SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -228,8 +228,6 @@ fn describe_sensors(model: &Model) -> Vec<SensorDescription> {
             SensorKind::Thrust => model.thrusters.get(*k).map(|t| t.name.clone()),
             _ => model.joints.get(*k).map(|j| j.name.clone()),
         });
-        let slides = s.of.first().and_then(|k| model.joints.get(*k));
-        let slides = slides.is_some_and(|j| j.kind == JointKind::Prismatic);
         SensorDescription {
             name: s.name.clone(),
             kind: s.kind.word(),
@@ -237,18 +235,7 @@ fn describe_sensors(model: &Model) -> Vec<SensorDescription> {
                 .bodies
                 .get(s.body)
                 .map_or_else(String::new, |b| b.name.clone()),
-            unit: match s.kind {
-                SensorKind::Gyro | SensorKind::WheelSpeed => "rad/s",
-                SensorKind::Attitude => "rad",
-                SensorKind::Position => "m",
-                SensorKind::Velocity | SensorKind::VelocityIncrement => "m/s",
-                SensorKind::Accelerometer => "m/s2",
-                SensorKind::Thrust => "N",
-                SensorKind::JointPosition if slides => "m",
-                SensorKind::JointPosition => "rad",
-                SensorKind::JointRate if slides => "m/s",
-                SensorKind::JointRate => "rad/s",
-            },
+            unit: printed_unit(model.unit_of(s)),
             noise: s
                 .noise_covariance
                 .map(|c| c.diagonal().map(f64::sqrt).into()),

@@ -145,50 +145,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
                 }
                 self.wrong_type(&alternatives, value, key)
             }
-            DeValue::Array(items) => {
-                // Numbers or rows of numbers: the first element tells which is meant.
-                let nested = items
-                    .first()
-                    .is_some_and(|first| first.get_ref().is_array());
-                let chosen = alternatives
-                    .iter()
-                    .copied()
-                    .filter(|a| type_of(a) == Some("array"))
-                    .min_by_key(|a| {
-                        let inner = a.get("items").map(|items| self.resolve(items));
-                        (inner.and_then(type_of) == Some("array")) != nested
-                    });
-                let Some(chosen) = chosen else {
-                    return self.wrong_type(&alternatives, value, key);
-                };
-                let bound = |name: &str| chosen.get(name).and_then(Schema::as_u64);
-                let length = items.len() as u64;
-                if bound("minItems").is_some_and(|n| length < n)
-                    || bound("maxItems").is_some_and(|n| length > n)
-                {
-                    self.findings.refuse(
-                        "E0107",
-                        key,
-                        format!("the list has {length} entries"),
-                        format!("write {}", self.expected(&[chosen])),
-                    );
-                    return None;
-                }
-                let inner = chosen.get("items")?;
-                let mut clean = Vec::with_capacity(items.len());
-                let mut whole = true;
-                for (index, item) in items.iter().enumerate() {
-                    let mut here = key.index(index);
-                    if let Some(table) = item.get_ref().as_table() {
-                        here.subject = subject_of(&key.path, table);
-                    }
-                    match self.value(inner, item, &here) {
-                        Some(item) => clean.push(item),
-                        None => whole = false,
-                    }
-                }
-                whole.then_some(Value::Array(clean))
-            }
+            DeValue::Array(items) => self.array(&alternatives, items, value, key),
             DeValue::Table(table) => match accepts(&alternatives, "object") {
                 Some(inner) => Some(Value::Table(self.table(
                     inner,
@@ -200,6 +157,54 @@ impl<'s> Shape<'s, '_, '_, '_> {
             },
             DeValue::Datetime(_) => self.wrong_type(&alternatives, value, key),
         }
+    }
+
+    fn array(
+        &mut self,
+        alternatives: &[&'s Schema],
+        items: &[Spanned<DeValue<'_>>],
+        value: &Spanned<DeValue<'_>>,
+        key: &Key,
+    ) -> Option<Value> {
+        // Numbers or rows of numbers: the first element tells which is meant.
+        let first = items.first();
+        let nested = first.is_some_and(|first| first.get_ref().is_array());
+        let lists = alternatives.iter().copied();
+        let lists = lists.filter(|a| type_of(a) == Some("array"));
+        let chosen = lists.min_by_key(|a| {
+            let inner = a.get("items").map(|items| self.resolve(items));
+            (inner.and_then(type_of) == Some("array")) != nested
+        });
+        let Some(chosen) = chosen else {
+            return self.wrong_type(alternatives, value, key);
+        };
+        let bound = |name: &str| chosen.get(name).and_then(Schema::as_u64);
+        let length = items.len() as u64;
+        if bound("minItems").is_some_and(|n| length < n)
+            || bound("maxItems").is_some_and(|n| length > n)
+        {
+            self.findings.refuse(
+                "E0107",
+                key,
+                format!("the list has {length} entries"),
+                format!("write {}", self.expected(&[chosen])),
+            );
+            return None;
+        }
+        let inner = chosen.get("items")?;
+        let mut clean = Vec::with_capacity(items.len());
+        let mut whole = true;
+        for (index, item) in items.iter().enumerate() {
+            let mut here = key.index(index);
+            if let Some(table) = item.get_ref().as_table() {
+                here.subject = subject_of(&key.path, table);
+            }
+            match self.value(inner, item, &here) {
+                Some(item) => clean.push(item),
+                None => whole = false,
+            }
+        }
+        whole.then_some(Value::Array(clean))
     }
 
     fn string(

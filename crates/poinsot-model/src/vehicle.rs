@@ -1,7 +1,7 @@
 //! The vehicle as the rest of the program sees it: checked, in SI, names resolved to indices.
 
 use crate::knowledge::{Knowledge, across};
-pub use poinsot_dynamics::{Nuisance, Orbit, Sensor, SensorKind};
+pub use poinsot_dynamics::{Axes, Nuisance, Orbit, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
 
@@ -230,6 +230,14 @@ pub struct RandomTorque {
 }
 
 impl Model {
+    /// Unit of a sensor's readings as it ends a key: `rad_s`.
+    pub fn unit_of(&self, sensor: &Sensor) -> &'static str {
+        let read = sensor.of.first().and_then(|j| self.joints.get(*j));
+        sensor
+            .kind
+            .unit(read.is_some_and(|j| j.kind == JointKind::Prismatic))
+    }
+
     /// Index of the body with this name.
     pub fn body(&self, name: &str) -> Option<usize> {
         self.bodies.iter().position(|b| b.name == name)

@@ -186,27 +186,6 @@ fn write_joint(out: &mut String, model: &Model, joint: &Joint) {
     }
 }
 
-/// Unit of a sensor's channels as its keys write it.
-fn unit_of(model: &Model, sensor: &Sensor) -> &'static str {
-    let slides = sensor
-        .of
-        .first()
-        .and_then(|j| model.joints.get(*j))
-        .is_some_and(|j| j.kind == JointKind::Prismatic);
-    match sensor.kind {
-        SensorKind::Gyro | SensorKind::WheelSpeed => "rad_s",
-        SensorKind::Attitude => "rad",
-        SensorKind::Position => "m",
-        SensorKind::Velocity | SensorKind::VelocityIncrement => "m_s",
-        SensorKind::Accelerometer => "m_s2",
-        SensorKind::Thrust => "N",
-        SensorKind::JointPosition if slides => "m",
-        SensorKind::JointPosition => "rad",
-        SensorKind::JointRate if slides => "m_s",
-        SensorKind::JointRate => "rad_s",
-    }
-}
-
 fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
     section(out, "[[sensor]]");
     line(out, "name", quoted(&sensor.name));
@@ -222,7 +201,7 @@ fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
             .collect();
         line(out, "of", format!("[{}]", names.join(", ")));
     }
-    let unit = unit_of(model, sensor);
+    let unit = model.unit_of(sensor);
     if let Some(covariance) = &sensor.noise_covariance {
         line(out, &format!("noise_{unit}"), noise(covariance));
     }
@@ -251,6 +230,9 @@ fn write_sensor(out: &mut String, model: &Model, sensor: &Sensor) {
     }
     if sensor.p_BoS_B != Vector3::zeros() {
         line(out, "position_m", vector(&sensor.p_BoS_B));
+    }
+    if let Some(reference) = &sensor.reference_N {
+        line(out, "reference_N", vector(reference));
     }
 }
 

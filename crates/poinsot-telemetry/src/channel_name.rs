@@ -23,6 +23,10 @@ pub enum Quantity {
     VelocityIncrement(usize),
     /// `acc_x..`: specific force, body axes.
     SpecificForce(usize),
+    /// `direction_x..`: a direction seen from a body, body axes.
+    Direction(usize),
+    /// `reference_x..`: the vector whose direction is seen, inertial axes.
+    Reference(usize),
     /// `orbit_x..`: position of the reference orbit from the attracting body, inertial axes.
     OrbitPosition(usize),
     /// `<name>_rad`: angle of a joint.
@@ -79,7 +83,7 @@ pub fn full_name(sensor: &str, name: &str) -> String {
 type Vector = (&'static str, fn(usize) -> Quantity, Dimension, &'static str);
 
 /// Prefix of a three-vector's columns, quantity, dimension, axes.
-const VECTORS: [Vector; 8] = [
+const VECTORS: [Vector; 10] = [
     (
         "omega",
         Quantity::AngularVelocity,
@@ -112,6 +116,8 @@ const VECTORS: [Vector; 8] = [
         Dimension::Acceleration,
         "body",
     ),
+    ("direction", Quantity::Direction, Dimension::One, "body"),
+    ("reference", Quantity::Reference, Dimension::One, "inertial"),
     ("q", Quantity::Attitude, Dimension::One, "inertial"),
 ];
 

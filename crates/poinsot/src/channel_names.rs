@@ -6,7 +6,6 @@ pub(crate) const XYZ: [&str; 3] = ["x", "y", "z"];
 
 /// Channel names of a sensor kind; `of` for scalars.
 pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String> {
-    let xyz = |prefix: &str| XYZ.map(|axis| format!("{prefix}_{axis}")).to_vec();
     let joints = |suffix: &str| {
         of.iter()
             .filter_map(|j| model.joints.get(*j))
@@ -18,14 +17,6 @@ pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String
             .collect()
     };
     match kind {
-        SensorKind::Gyro => xyz("omega"),
-        SensorKind::Attitude => ["x", "y", "z", "w"]
-            .map(|axis| format!("q_{axis}"))
-            .to_vec(),
-        SensorKind::Position => xyz("r"),
-        SensorKind::Velocity => xyz("v"),
-        SensorKind::VelocityIncrement => xyz("dv"),
-        SensorKind::Accelerometer => xyz("acc"),
         SensorKind::JointPosition => joints(""),
         SensorKind::JointRate => joints("_s"),
         SensorKind::WheelSpeed => wheels(model, of, "rad_s"),
@@ -34,6 +25,7 @@ pub(crate) fn names(model: &Model, kind: SensorKind, of: &[usize]) -> Vec<String
             .filter_map(|i| model.thrusters.get(*i))
             .map(|thruster| format!("{}_N", thruster.name))
             .collect(),
+        kind => kind.columns().iter().map(|c| (*c).to_owned()).collect(),
     }
 }
 

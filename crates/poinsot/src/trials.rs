@@ -17,7 +17,7 @@ pub use sums::{NumberSums, SUMS_SCHEMA, Sums};
 pub use text::statistics_document;
 
 use crate::bind::bind;
-use crate::case::{Case, unit_suffix};
+use crate::case::Case;
 use crate::channel_names::names;
 use crate::error::Error;
 use crate::identify::{Question, estimate_by};
@@ -29,7 +29,7 @@ use poinsot_formats::address;
 use poinsot_identify::{
     BodyEstimate, Estimate, Problem, Source, Status, TENSOR, axis_name, cramer_rao, tensor_name,
 };
-use poinsot_model::{JointKind, Model, Sensor, SensorKind};
+use poinsot_model::{Axes, JointKind, Model, Sensor, SensorKind};
 use poinsot_spatial::MassProperties;
 use poinsot_telemetry::Table;
 use rayon::prelude::*;
@@ -255,12 +255,10 @@ impl Study {
             all.extend(mass_names(&body.name).into_iter().zip(values));
         }
         for (sensor, bias) in self.sensors.iter().zip(biases) {
-            let turned = match sensor.kind {
-                SensorKind::Gyro | SensorKind::Accelerometer | SensorKind::Attitude => sensor.R_BS,
-                SensorKind::VelocityIncrement | SensorKind::Velocity | SensorKind::Position => {
-                    nalgebra::Matrix3::identity()
-                }
-                SensorKind::JointPosition => {
+            let turned = match (sensor.kind.axes(), sensor.kind) {
+                (Axes::Sensor, _) => sensor.R_BS,
+                (Axes::Inertial, _) => nalgebra::Matrix3::identity(),
+                (Axes::None, SensorKind::JointPosition) => {
                     let joints = sensor.of.iter().filter_map(|j| self.model.joints.get(*j));
                     for (joint, bias) in joints.zip(bias) {
                         let unit = match joint.kind {
@@ -275,7 +273,7 @@ impl Study {
             };
             if bias.len() == 3 {
                 let bias = turned * nalgebra::Vector3::from_column_slice(bias);
-                let unit = unit_suffix(&self.model, sensor);
+                let unit = self.model.unit_of(sensor);
                 for k in 0..3 {
                     let name = format!("{}.bias_{}", sensor.name, axis_name(k));
                     all.insert(address(&name, unit), bias[k]);

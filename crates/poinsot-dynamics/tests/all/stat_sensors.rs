@@ -23,6 +23,7 @@ fn sensor(kind: SensorKind) -> Sensor {
         correlation_s: 0.0,
         R_BS: Matrix3::identity(),
         p_BoS_B: Vector3::zeros(),
+        reference_N: None,
         of: Vec::new(),
     }
 }

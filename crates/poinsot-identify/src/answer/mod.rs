@@ -5,6 +5,7 @@ pub(crate) mod covariance;
 pub(crate) mod determined;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum;
+mod rejection;
 pub(crate) mod trust;
 pub(crate) mod write;
 

@@ -233,7 +233,7 @@ mod tests {
             rms: 0.0,
             chi2_per_number: None,
             whiteness_p: None,
-            octaves: octaves(white, Loss::Gaussian, 0.0),
+            octaves: octaves(white, 3, Loss::Gaussian),
         };
         SegmentFit {
             label: "run".to_owned(),

@@ -5,9 +5,9 @@ use crate::answer::covariance::{covariance, covariance_rows};
 use crate::answer::determined;
 use crate::answer::known_numbers::known_numbers;
 use crate::answer::momentum::{momentum, nuisances};
+use crate::answer::rejection::Rejection;
 use crate::answer::trust::{NOISE_FREE, Trust};
 use crate::certify::words;
-use crate::fit::degrees_of_freedom::MISFIT;
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::remedies;
@@ -17,16 +17,9 @@ use crate::solution::estimate::{
 use crate::solution::solved::Solved;
 use poinsot_model::NOMINAL_WITHIN;
 use poinsot_spatial::MassProperties;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
-/// correlated in time: three times the noise at every reading, where no widened sigma bounds what the numbers err.
-const REJECT: f64 = 9.0;
-/// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
-/// contradict the model: three sigma where one condition holds a body.
-const PRESSED: f64 = 2.7e-3;
-/// Share of the signal that a model must explain not to be rejected then.
-const LEAST_EXPLAINED: f64 = 0.5;
+/// Bias of the linear answer, over the nominal, of which nothing is said.
+const NO_BIAS: f64 = 1.0e-6;
 
 /// The answer with remedies that were tried: for readers, not for the trials of a campaign.
 pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimate {
@@ -38,78 +31,50 @@ pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimat
 }
 
 pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
-    let chi2 = solved.chi2_per_dof();
-    let unexplained = solved
-        .explained
-        .is_some_and(|share| share < LEAST_EXPLAINED);
-    let not_rigid = solved.not_rigid && chi2 > MISFIT;
     let mut trust = Trust::of(solved);
-    let answered = |rejected: bool| {
-        let judge = Judge::new(solved, trust.widening, rejected);
+    let answered = |withheld: bool| {
+        let judge = Judge::new(solved, trust.widening, withheld);
         let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
             .map(|at| body(&judge, solved, at))
             .collect();
         (judge, bodies)
     };
     let (judge, bodies) = answered(false);
-    let impossible = bodies
-        .iter()
-        .any(|b| unphysical(b, chi2 > MISFIT || unexplained))
-        || pressed(solved, chi2 > MISFIT || unexplained);
-    let rejected = (chi2 > REJECT && unexplained)
-        || not_rigid
-        || impossible
-        || contradicted(solved, &trust)
-        || misled(solved);
+    let rejection = Rejection::of(solved, &trust, &bodies);
     // What is rejected, and what did not settle, gets no numbers.
-    let (judge, bodies) = if rejected || !solved.settled {
-        answered(true)
-    } else {
-        (judge, bodies)
+    let (judge, bodies) = match rejection.is_some() || !solved.settled {
+        true => answered(true),
+        false => (judge, bodies),
     };
-    if rejected {
-        let why = "the data contradict the rigid model".to_owned();
-        trust.doubts.insert(0, why);
-    }
-    if !rejected {
-        let given = problem.model.bodies.iter().map(|b| &b.nominal);
-        let within = problem.model.knowledge.nominal_within;
-        let within = within.unwrap_or(NOMINAL_WITHIN);
-        let pairs = bodies.iter().zip(given);
-        let far = pairs.filter_map(|(found, given)| far_from_nominal(found, given, within));
-        trust.doubts.extend(far);
+    match rejection {
+        Some(_) => {
+            let why = "the data contradict the rigid model".to_owned();
+            trust.doubts.insert(0, why);
+        }
+        None => trust.doubts.extend(all_far_from_nominal(problem, &bodies)),
     }
     let identifiability = identifiability(problem, solved, &judge);
-    let status = status(&bodies, &identifiability, rejected, solved.settled);
+    let status = status(
+        &bodies,
+        &identifiability,
+        rejection.is_some(),
+        solved.settled,
+    );
     let nuisance = nuisances(&judge, solved);
-    let mut all = warnings(solved, &trust, (rejected, impossible), &bodies, &nuisance);
-    all.extend(determined::withheld(&identifiability));
+    let mut warnings = warnings(solved, &trust, rejection);
+    warnings.extend(said_of_numbers(solved, rejection, &bodies, &nuisance));
+    warnings.extend(determined::withheld(&identifiability));
     let rows = covariance_rows(solved, &bodies, &nuisance);
-    let momentum = solved.starts.iter().map(|s| momentum(&judge, s)).collect();
-    let system = match solved.parameters.equations {
-        Equations::Momentum => whole(problem, solved, &judge),
-        // One body: the vehicle is that body.
-        Equations::Rotation => bodies.first().map(|body| {
-            let name = "system".to_owned();
-            (
-                BodyEstimate {
-                    name,
-                    ..body.clone()
-                },
-                Vec::new(),
-            )
-        }),
-    };
     Estimate {
         method: solved.method.to_owned(),
         variant: None,
         status,
         iterations: solved.iterations,
         assumptions: solved.assumptions.clone(),
-        warnings: all,
+        warnings,
+        system: whole(problem, solved, (&judge, &bodies)),
         bodies,
-        system,
-        momentum,
+        momentum: solved.starts.iter().map(|s| momentum(&judge, s)).collect(),
         covariance: covariance(solved, &rows, trust.widening * trust.widening),
         covariance_names: rows.iter().map(|r| r.name.clone()).collect(),
         covariance_units: rows.iter().map(|r| r.unit).collect(),
@@ -124,46 +89,15 @@ pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
     }
 }
 
-/// Whether residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that
-/// the model lacks. Only maximum likelihood compares readings one by one. Where a prior stands against the data, it and
-/// not the vehicle is at fault.
-fn contradicted(solved: &Solved, trust: &Trust) -> bool {
-    solved.chi2_per_dof() > REJECT && trust.coloured && solved.conflict.is_none()
-}
-
-/// Whether noise that adds up under thrust shows in chi-square: sigmas that take it as fresh are then wrong by any
-/// factor, and so are the numbers.
-fn misled(solved: &Solved) -> bool {
-    solved.adds_up && solved.chi2_per_dof() > MISFIT
-}
-
-/// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
-/// bad besides.
-fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
-    if !body.asked || body.physically_consistent != Some(false) {
-        return false;
-    }
-    let Some(principal) = &body.principal else {
-        return false;
-    };
-    let [a, b, c] = principal.moments;
-    let violation = (c - a - b).max(-a);
-    let sigma = body
-        .inertia
-        .iter()
-        .filter_map(|n| n.sigma)
-        .fold(0.0, f64::max);
-    bad_fit || violation > 3.0 * sigma
-}
-
-/// Whether the fit is held at the edge of the physical bodies although the data stand further beyond it than noise
-/// explains, or at all where the fit is bad besides.
-fn pressed(solved: &Solved, bad_fit: bool) -> bool {
-    let held = solved.held.as_ref();
-    held.is_some_and(|h| {
-        let beyond = ChiSquared::new(h.conditions as f64);
-        bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)
-    })
+/// What of the bodies lies further from nominal than the model allows.
+fn all_far_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<String> {
+    let given = problem.model.bodies.iter().map(|b| &b.nominal);
+    let within = problem.model.knowledge.nominal_within;
+    let within = within.unwrap_or(NOMINAL_WITHIN);
+    let pairs = bodies.iter().zip(given);
+    pairs
+        .filter_map(|(found, given)| far_from_nominal(found, given, within))
+        .collect()
 }
 
 /// What of a body lies further from nominal than the model allows, by more than two sigma.
@@ -209,15 +143,20 @@ fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -
     })
 }
 
-fn whole(problem: &Problem, solved: &Solved, judge: &Judge) -> Option<(BodyEstimate, Vec<f64>)> {
-    let dof = problem.tree.dof();
-    let position = problem
-        .segments
-        .first()?
-        .samples
-        .joint_position
-        .get(..dof)?
-        .to_vec();
+/// The vehicle as one body, at its joints' first positions.
+fn whole(
+    problem: &Problem,
+    solved: &Solved,
+    (judge, bodies): (&Judge, &[BodyEstimate]),
+) -> Option<(BodyEstimate, Vec<f64>)> {
+    if solved.parameters.equations == Equations::Rotation {
+        // One body: the vehicle is that body.
+        let name = "system".to_owned();
+        let body = bodies.first()?.clone();
+        return Some((BodyEstimate { name, ..body }, Vec::new()));
+    }
+    let samples = &problem.segments.first()?.samples;
+    let position = samples.joint_position.get(..problem.tree.dof())?.to_vec();
     Some((system(judge, solved, problem.tree, &position), position))
 }
 
@@ -272,47 +211,20 @@ fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identif
     }
 }
 
-fn warnings(
-    solved: &Solved,
-    trust: &Trust,
-    (rejected, impossible): (bool, bool),
-    bodies: &[BodyEstimate],
-    nuisance: &[NamedNumber],
-) -> Vec<String> {
+/// What is said of the fit as a whole.
+fn warnings(solved: &Solved, trust: &Trust, rejection: Option<Rejection>) -> Vec<String> {
     let chi2 = solved.chi2_per_dof();
     let mut list = solved.warnings.clone();
-    if impossible {
-        list.push(format!(
-            "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty; residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); check units, signs, wheel axes, external torques",
-            chi2.sqrt()
-        ));
-    } else if rejected && misled(solved) {
-        list.push(format!(
-            "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample (chi-square per degree of freedom {chi2:.1}), which its sigmas take as fresh: numbers are withheld; use --method auto"
-        ));
-    } else if rejected && solved.not_rigid {
-        list.push(format!(
-            "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
-        ));
-    } else if rejected && contradicted(solved, trust) {
-        list.push(format!(
-            "rigid model rejected: residuals are {:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}) and correlated in time; check units, signs, wheel axes, external torques",
-            chi2.sqrt()
-        ));
-    } else if rejected {
-        let share = 100.0 * solved.explained.unwrap_or(0.0);
-        list.push(format!(
-            "rigid model rejected: it explains {share:.0} % of the measured change of momentum and misses the rest by {:.0} sigma; check units, signs, wheel axes, external torques",
-            chi2.sqrt()
-        ));
-    } else if !trust.doubts.is_empty() {
-        list.push(format!(
+    match rejection {
+        Some(rejection) => list.push(rejection.words(solved)),
+        None if trust.doubts.is_empty() => {}
+        None => list.push(format!(
             "the covariance is not trustworthy (chi-square per degree of freedom {chi2:.2}): {}; sigmas are widened {:.1} times",
             trust.doubts.join("; "),
             trust.widening
-        ));
+        )),
     }
-    if solved.adds_up && !rejected && chi2 > NOISE_FREE {
+    if solved.adds_up && rejection.is_none() && chi2 > NOISE_FREE {
         list.push(
             "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample, which its sigmas take as fresh: the covariance is not trustworthy; use --method auto"
                 .to_owned(),
@@ -325,31 +237,39 @@ fn warnings(
             held.cost
         ));
     }
-    let z_bias = solved
-        .spectrum
-        .bias
-        .iter()
-        .fold(0.0_f64, |worst, b| worst.max(b.abs()));
-    if z_bias > 1.0e-6 {
+    let biases = solved.spectrum.bias.iter();
+    let bias = biases.fold(0.0_f64, |worst, b| worst.max(b.abs()));
+    if bias > NO_BIAS {
         list.push(format!(
-            "linear method: noise in the regressor biases the answer by up to {z_bias:.1e} of the nominal; that is inside the sigmas, and maximum likelihood is free of it"
+            "linear method: noise in the regressor biases the answer by up to {bias:.1e} of the nominal; that is inside the sigmas, and maximum likelihood is free of it"
         ));
     }
-    for body in bodies
+    list
+}
+
+/// What is said of single bodies and numbers.
+fn said_of_numbers(
+    solved: &Solved,
+    rejection: Option<Rejection>,
+    bodies: &[BodyEstimate],
+    nuisance: &[NamedNumber],
+) -> Vec<String> {
+    let impossible = bodies
         .iter()
-        .filter(|b| b.physically_consistent == Some(false))
-    {
-        list.push(format!(
-            "{}: no distribution of positive mass has this inertia tensor",
-            body.name
-        ));
-    }
-    let withheld = rejected || !solved.settled;
-    let open = nuisance
-        .iter()
-        .filter(|n| n.number == Number::open(n.number.nominal));
-    for item in open.filter(|_| !withheld) {
-        list.push(format!("{} is not identifiable from these data", item.name));
+        .filter(|b| b.physically_consistent == Some(false));
+    let mut list: Vec<String> = impossible
+        .map(|body| {
+            format!(
+                "{}: no distribution of positive mass has this inertia tensor",
+                body.name
+            )
+        })
+        .collect();
+    if rejection.is_none() && solved.settled {
+        let open = nuisance
+            .iter()
+            .filter(|n| n.number == Number::open(n.number.nominal));
+        list.extend(open.map(|n| format!("{} is not identifiable from these data", n.name)));
     }
     list
 }

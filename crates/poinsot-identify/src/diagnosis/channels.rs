@@ -6,12 +6,21 @@ use crate::likelihood::ChannelResidual;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Squared length of a whitened reading, three numbers, beyond which it is an outlier: one in 10^6.
-pub(crate) const OUTLIER: f64 = 30.7;
-/// Median of chi-square with three degrees of freedom.
-const MEDIAN: f64 = 2.366;
+/// Chance that a reading of pure noise counts as an outlier.
+const BY_CHANCE: f64 = 1.0e-6;
 /// Lags of the whiteness test.
 const WHITENESS_LAGS: usize = 10;
+
+/// Squared length of a whitened reading of so many numbers beyond which it is an outlier.
+pub(crate) fn outlier(numbers: usize) -> f64 {
+    chi_square(numbers, 1.0 - BY_CHANCE)
+}
+
+/// What chi-square with so many degrees of freedom stays below with this probability.
+fn chi_square(numbers: usize, probability: f64) -> f64 {
+    let known = ChiSquared::new(numbers as f64).ok();
+    known.map_or(f64::INFINITY, |c| c.inverse_cdf(probability))
+}
 
 /// One entry per sensor, all segments together.
 pub(super) fn channels(fitted: &Fitted) -> Vec<ChannelDiagnosis> {
@@ -36,15 +45,18 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
         .flat_map(|c: &ChannelResidual| c.white.iter().map(|w| w.norm_squared()))
         .collect();
     let readings = squares.len();
-    let mean = squares.iter().sum::<f64>() / (3.0 * readings.max(1) as f64);
+    let each = own().next().map_or(3, |c| c.numbers);
+    let numbers = each * readings.max(1);
+    let mean = squares.iter().sum::<f64>() / numbers as f64;
     squares.sort_by(f64::total_cmp);
-    let typical = squares.get(readings / 2).copied().unwrap_or(0.0) / MEDIAN;
-    let limit = OUTLIER * typical.max(1.0);
-    let whiteness: Vec<f64> = own().filter_map(|c| whiteness(&c.white)).collect();
+    let typical = squares.get(readings / 2).copied().unwrap_or(0.0) / chi_square(each, 0.5);
+    let limit = outlier(each) * typical.max(1.0);
+    let whiteness: Vec<f64> = own().filter_map(|c| whiteness(&c.white, each)).collect();
     let least = whiteness.iter().copied().reduce(f64::min);
     ChannelDiagnosis {
         name: name.to_owned(),
         readings,
+        numbers,
         chi2_per_number: mean,
         typical_chi2_per_number: typical,
         outliers: readings - squares.partition_point(|s| *s <= limit),
@@ -54,13 +66,13 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
 
 /// Ljung and Box 1978: `Q = n (n + 2) sum r_k^2 / (n - k)` over ten lags, summed over the axes, against
 /// chi-square. `None` for records too short or without residual.
-pub(crate) fn whiteness(white: &[Vector3]) -> Option<f64> {
+pub(crate) fn whiteness(white: &[Vector3], numbers: usize) -> Option<f64> {
     let n = white.len();
     if n < 4 * WHITENESS_LAGS {
         return None;
     }
     let mut q = 0.0;
-    for axis in 0..3 {
+    for axis in 0..numbers {
         let mean = white.iter().map(|w| w[axis]).sum::<f64>() / n as f64;
         let series: Vec<f64> = white.iter().map(|w| w[axis] - mean).collect();
         let variance: f64 = series.iter().map(|e| e * e).sum();
@@ -73,6 +85,6 @@ pub(crate) fn whiteness(white: &[Vector3]) -> Option<f64> {
             q += n as f64 * (n as f64 + 2.0) * r * r / (n - lag) as f64;
         }
     }
-    let chi2 = ChiSquared::new(3.0 * WHITENESS_LAGS as f64).ok()?;
+    let chi2 = ChiSquared::new((numbers * WHITENESS_LAGS) as f64).ok()?;
     Some(chi2.sf(q))
 }

@@ -17,8 +17,8 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
         let records = &segment.observations.sensors;
         for channel in &one.channels {
             let own = records.iter().find(|r| r.name == channel.name);
-            let determinant = own.map_or(1.0, |r| r.covariance.determinant());
-            sum += channel.white.len() as f64 * determinant.ln() + channel.log_det;
+            let log_det = own.map_or(0.0, |r| r.log_det());
+            sum += channel.white.len() as f64 * log_det + channel.log_det;
         }
     }
     let calibration = prior::calibration(experiment.problem, experiment.parameters, &fitted.at.x);

@@ -94,7 +94,7 @@ fn value(name: &str, value: f64, unit: &str) -> String {
 
 /// A sensor whose residual is larger than declared, whatever the cause.
 fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
-    let numbers = 3.0 * c.readings.max(1) as f64;
+    let numbers = c.numbers as f64;
     let ratio = c.typical_chi2_per_number;
     // A median scatters 1.5 times as much as a mean.
     if ratio <= 1.0 + 1.5 * EXCESS * (2.0 / numbers).sqrt() {
@@ -115,7 +115,7 @@ fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
 
 /// A sensor whose residual is far smaller than declared.
 fn too_small(c: &ChannelDiagnosis) -> Option<Finding> {
-    let numbers = 3.0 * c.readings.max(1) as f64;
+    let numbers = c.numbers as f64;
     let ratio = c.chi2_per_number;
     let by_chance = 1.0 - EXCESS * (2.0 / numbers).sqrt();
     (ratio < OVERSTATED.min(by_chance)).then(|| {

@@ -29,7 +29,7 @@ mod suspects;
 mod table;
 mod types;
 
-pub(crate) use channels::{OUTLIER, whiteness};
+pub(crate) use channels::whiteness;
 pub use types::{
     ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
     SpectralLine, Suspect,

@@ -7,6 +7,7 @@
 //! properties, momentum, biases) feels the slow levels, so what is too large there makes sigmas too small even where
 //! chi-square as a whole looks right.
 
+use super::channels::outlier;
 use crate::problem::loss::Loss;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -19,7 +20,7 @@ const EXACT_TAIL: usize = 1000;
 pub struct Octave {
     /// Readings over which the residual is averaged and compared with its neighbour: 1, 2, 4 and so on.
     pub readings: usize,
-    /// Coefficients, three axes together.
+    /// Coefficients, all axes together.
     pub numbers: usize,
     /// Sum of their squares.
     pub square: f64,
@@ -57,14 +58,15 @@ impl Octave {
 }
 
 /// The levels of a whitened residual, the fastest first, the mean last. A loss that bounds single readings weighs them here
-/// as it did in the fit, and what it takes for an outlier (squared length above `outlier`) is left out.
-pub(crate) fn octaves(white: &[Vector3], loss: Loss, outlier: f64) -> Vec<Octave> {
+/// as it did in the fit, and outliers are left out.
+pub(crate) fn octaves(white: &[Vector3], numbers: usize, loss: Loss) -> Vec<Octave> {
     let mut series: Vec<Vector3> = match loss {
         Loss::Gaussian => white.to_vec(),
         _ => {
-            let usual = white.iter().filter(|w| w.norm_squared() <= outlier);
+            let limit = outlier(numbers);
+            let usual = white.iter().filter(|w| w.norm_squared() <= limit);
             usual
-                .map(|w| w * loss.weight(w.norm_squared()).sqrt())
+                .map(|w| w * loss.weight(w.norm_squared(), numbers).sqrt())
                 .collect()
         }
     };
@@ -80,7 +82,7 @@ pub(crate) fn octaves(white: &[Vector3], loss: Loss, outlier: f64) -> Vec<Octave
             .sum();
         list.push(Octave {
             readings,
-            numbers: 3 * (series.len() / 2),
+            numbers: numbers * (series.len() / 2),
             square,
         });
         series = pairs.map(|p| half * (p[0] + p[1])).collect();
@@ -88,7 +90,7 @@ pub(crate) fn octaves(white: &[Vector3], loss: Loss, outlier: f64) -> Vec<Octave
     }
     list.extend(series.first().map(|mean| Octave {
         readings,
-        numbers: 3,
+        numbers,
         square: mean.norm_squared(),
     }));
     list
@@ -112,7 +114,7 @@ pub(crate) mod tests {
     fn exact_the_levels_hold_all_of_the_energy() {
         let w = white(1024, 1);
         let all: f64 = w.iter().map(Vector3::norm_squared).sum();
-        let levels = octaves(&w, Loss::Gaussian, 0.0);
+        let levels = octaves(&w, 3, Loss::Gaussian);
         let sum: f64 = levels.iter().map(|o| o.square).sum();
         assert!((sum / all - 1.0).abs() < 1.0e-12);
         assert_eq!(levels.len(), 11);
@@ -125,7 +127,7 @@ pub(crate) mod tests {
         for n in [41, 300, 3000] {
             let (mut low, mut count) = (0, 0);
             for seed in 0..400 {
-                for level in octaves(&white(n, seed), Loss::Gaussian, 0.0) {
+                for level in octaves(&white(n, seed), 3, Loss::Gaussian) {
                     low += usize::from(level.chance(1.0) < 0.01);
                     count += 1;
                 }
@@ -138,7 +140,7 @@ pub(crate) mod tests {
 
     #[test]
     fn exact_a_constant_stands_in_the_mean_alone() {
-        let levels = octaves(&[Vector3::new(0.5, 0.0, 0.0); 64], Loss::Gaussian, 0.0);
+        let levels = octaves(&[Vector3::new(0.5, 0.0, 0.0); 64], 3, Loss::Gaussian);
         let (mean, rest) = levels.split_last().unwrap();
         assert!(rest.iter().all(|o| o.square < 1.0e-20));
         assert!((mean.square - 64.0 * 0.25).abs() < 1.0e-12);

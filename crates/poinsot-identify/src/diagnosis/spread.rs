@@ -81,12 +81,14 @@ fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
     }
     let residuals = fitted.evaluated.iter().flat_map(|e| &e.channels);
     let own = residuals.filter(|c| c.name == channel.name);
-    let limit = super::channels::OUTLIER * channel.typical_chi2_per_number.max(1.0);
+    let each = channel.numbers / channel.readings.max(1);
+    let limit = super::channels::outlier(each) * channel.typical_chi2_per_number.max(1.0);
     let squares = own.flat_map(|c| &c.white).map(|w| w.norm_squared());
     let bad: f64 = squares.filter(|s| *s > limit).sum();
     let (count, all) = (channel.outliers as f64, channel.readings as f64);
-    let larger = (bad / (3.0 * count)).max(1.0);
-    let decrease = bad * (1.0 - 1.0 / larger) - count * (3.0 * larger.ln() - 2.0 * share.ln())
+    let each = each as f64;
+    let larger = (bad / (each * count)).max(1.0);
+    let decrease = bad * (1.0 - 1.0 / larger) - count * (each * larger.ln() - 2.0 * share.ln())
         + 2.0 * (all - count) * (1.0 - share).ln();
     let name = format!(
         "outliers, {} of {} samples of the {} ({:.1} %) beyond one in a million,",
@@ -100,7 +102,7 @@ fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
 
 /// Noise larger than declared, or the rounding that makes it so.
 fn noise(experiment: &Experiment, channel: &ChannelDiagnosis) -> Option<Scored> {
-    let numbers = 3.0 * channel.readings.max(1) as f64;
+    let numbers = channel.numbers as f64;
     let ratio = channel.typical_chi2_per_number;
     if ratio <= 1.0 + MEDIAN_SCATTER * EXCESS * (2.0 / numbers).sqrt() {
         return None;
@@ -137,7 +139,7 @@ fn step(record: &SensorRecord) -> Option<f64> {
     let of_axis = |axis: usize| {
         let values = record.samples.iter().filter_map(|s| match s.value {
             SensorValue::Vector(v) => Some(v[axis]),
-            SensorValue::Attitude(_) => None,
+            _ => None,
         });
         let mut values: Vec<f64> = values.collect();
         values.sort_by(f64::total_cmp);
@@ -161,6 +163,7 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
     let own = candidates.iter().flat_map(|c| &c.unknowns);
     let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
     let mut list = Vec::new();
+    let model = experiment.problem.model;
     for (sensor, name) in sensors_read(experiment.problem) {
         let lag = UnknownKind::Sensor {
             sensor,
@@ -182,7 +185,8 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
                 (residual, three(rows.head + place))
             }));
         }
-        if let Some((decrease, sigma)) = scatter(&pairs) {
+        let numbers = model.sensors[sensor].kind.numbers();
+        if let Some((decrease, sigma)) = scatter(&pairs, numbers) {
             let what = format!("scatter of the times of the {}", name.replace('_', " "));
             let values = vec![(format!("{name}.jitter"), sigma, "s")];
             list.push(scored(what, FaultKind::TimeJitter, (decrease, 1), values));
@@ -192,7 +196,7 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
 }
 
 /// The fall of `-2 ln L` with the best sigma of the times, and that sigma; `None` where the residual is not white with it.
-fn scatter(pairs: &[(Vector3, Vector3)]) -> Option<(f64, f64)> {
+fn scatter(pairs: &[(Vector3, Vector3)], numbers: usize) -> Option<(f64, f64)> {
     let squares = pairs.iter().map(|p| p.1.norm_squared());
     let mean = squares.sum::<f64>() / pairs.len().max(1) as f64;
     let along = |(residual, slope): &(Vector3, Vector3)| {
@@ -223,6 +227,6 @@ fn scatter(pairs: &[(Vector3, Vector3)]) -> Option<(f64, f64)> {
         residual - slope * (residual.dot(slope) / square * shrunk)
     };
     let scaled: Vec<Vector3> = pairs.iter().map(scaled).collect();
-    let white = whiteness(&scaled).is_none_or(|p| p > COLOURED);
+    let white = whiteness(&scaled, numbers).is_none_or(|p| p > COLOURED);
     (best > 0.0 && white).then_some((best, variance.sqrt()))
 }

@@ -41,8 +41,10 @@ pub struct Diagnostics {
 pub struct ChannelDiagnosis {
     /// As in [`crate::ChannelFit`].
     pub name: String,
-    /// Readings (of three numbers).
+    /// Readings.
     pub readings: usize,
+    /// Numbers that they tell: three each, two of a direction.
+    pub numbers: usize,
     /// Mean square of the whitened residual; 1 where the declared noise is right.
     pub chi2_per_number: f64,
     /// The same from the median, which a few bad readings do not move.

@@ -24,7 +24,7 @@ pub struct EvaluatedUnknown {
     pub unit: &'static str,
 }
 
-/// What one sensor says of one segment: three numbers a sample.
+/// What one sensor says of one segment: three numbers a sample, the third of a direction zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorResiduals {
     /// Segment.
@@ -275,7 +275,7 @@ impl<'a> Evaluator<'a> {
                     residuals.time_s.push(segment.observations.time_s[row.at]);
                     residuals.raw.push(row.raw);
                     residuals.white.push(row.white);
-                    deviance += row.log_det + 3.0 * std::f64::consts::TAU.ln();
+                    deviance += row.log_det + channel.numbers as f64 * std::f64::consts::TAU.ln();
                     row.rows.iter().for_each(|r| rows.push(r, place));
                 }
                 sensors.push(residuals);

@@ -57,7 +57,9 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         noise.joint_position = vec![4.0e-5, 1.0e-5];
         noise.wheel_speed = vec![4.0];
     } else {
-        made.observations.sensors.retain(|r| !points(r));
+        // With directions the coarse gap is as small as the fine one, by chance; they stay beside the points.
+        let seen = |r: &SensorRecord| r.kind == SensorKind::Direction;
+        made.observations.sensors.retain(|r| !points(r) && !seen(r));
     }
     if case.derived {
         made.observations.derived_rates = vec![true, true];
@@ -143,7 +145,14 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
                 {
                     SensorValue::Vector(x - was + error * larger)
                 }
-                (SensorValue::Vector(x), _) => SensorValue::Vector(x + error * larger),
+                (SensorValue::Vector(x), _) => match here.value {
+                    SensorValue::Direction { reference_N, .. } => SensorValue::Direction {
+                        seen_B: (x + error).normalize(),
+                        reference_N,
+                    },
+                    _ => SensorValue::Vector(x + error * larger),
+                },
+                (other, _) => other,
             };
         }
         before = values;

@@ -4,12 +4,12 @@ use super::colour::Colour;
 use super::rate_noise::RateNoise;
 use super::{ChannelResidual, Compare};
 use crate::motion::{Instant, Motion, State};
-use crate::problem::parameters::{Parameters, UnknownKind, reading_unit};
+use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{SensorRecord, SensorSample, SensorValue};
-use crate::sensors::{Predicted, predict};
+use crate::sensors::{Predicted, across, predict};
 use poinsot_dynamics::{SensorError, SensorErrors};
-use poinsot_model::SensorKind;
-use poinsot_spatial::Vector3;
+use poinsot_model::{SensorKind, printed_unit};
+use poinsot_spatial::{Matrix3, Vector3};
 
 /// A sensor of the segment in the course of an evaluation.
 pub(super) struct Follower {
@@ -58,7 +58,8 @@ impl Follower {
                 colour: Colour::new(record.correlation_s),
                 channel: ChannelResidual {
                     name: record.name.clone(),
-                    unit: reading_unit(record.kind),
+                    unit: printed_unit(record.kind.unit(false)),
+                    numbers: record.kind.numbers(),
                     ..ChannelResidual::default()
                 },
                 unknown,
@@ -83,6 +84,16 @@ struct Difference {
     errors: Vec<Vector3>,
     /// Over the rates of the joints.
     gains: Vec<Vector3>,
+}
+
+impl Difference {
+    /// The same in other axes.
+    fn turn(&mut self, R: &Matrix3) {
+        let lists = [&mut self.columns, &mut self.errors, &mut self.gains];
+        for x in lists.into_iter().flatten().chain([&mut self.residual]) {
+            *x = R * *x;
+        }
+    }
 }
 
 impl Compare<'_> {
@@ -171,7 +182,7 @@ impl Compare<'_> {
         let t = self.segment.observations.time_s[k];
         let mut block: Vec<Vector3> = rows.iter().chain(slopes.iter()).copied().collect();
         let log_det = follower.colour.take(t, &mut block);
-        follower.channel.log_det += 3.0 * log_det;
+        follower.channel.log_det += follower.channel.numbers as f64 * log_det;
         for (row, new) in rows.iter_mut().chain(slopes).zip(block) {
             *row = new;
         }
@@ -197,10 +208,14 @@ fn difference(
             columns[*column] += errors.slope(*error, &x, rate);
         }
     }
-    Difference {
+    let mut new = Difference {
         residual,
         columns,
         errors: changed(&predicted.errors),
         gains: changed(&predicted.gains),
+    };
+    if let SensorValue::Direction { seen_B, .. } = &sample.value {
+        new.turn(&across(seen_B));
     }
+    new
 }

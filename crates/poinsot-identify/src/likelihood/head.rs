@@ -32,10 +32,10 @@ impl HeadColumns {
         let seen = sight == Sight::Translation;
         let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
-            // Without any attitude, motion in N still says how the base stands in N.
+            // Without any attitude, directions or motion in N still say how the base stands in N.
             attitude: match o.reads(SensorKind::Attitude) {
                 true => noisy(SensorKind::Attitude),
-                false => seen && o.reads_translation(),
+                false => o.reads(SensorKind::Direction) || seen && o.reads_translation(),
             },
             position: seen && o.reads(SensorKind::Position) && noisy(SensorKind::Position),
             linear: seen && momentum.linear == MomentumKnowledge::Estimate,

@@ -9,7 +9,7 @@ use crate::answer;
 use crate::certify::walk::open_set;
 use crate::diagnosis::conflict::{self, conflict};
 use crate::diagnosis::octaves::octaves;
-use crate::diagnosis::{Diagnostics, FaultKind, OUTLIER, diagnose, whiteness};
+use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::fit::coordinates::FitOptions;
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::{Experiment, Point};
@@ -414,14 +414,15 @@ pub(crate) fn segment_fits(experiment: &Experiment, fitted: &Fitted) -> Vec<Segm
 }
 
 fn channel_fit(channel: &ChannelResidual, loss: Loss) -> ChannelFit {
-    let count = 3.0 * channel.white.len().max(1) as f64;
+    let numbers = channel.numbers;
+    let count = (numbers * channel.white.len().max(1)) as f64;
     let chi2: f64 = channel.white.iter().map(|w| w.norm_squared()).sum();
     ChannelFit {
         name: channel.name.clone(),
         unit: channel.unit,
         rms: (channel.square / count).sqrt(),
         chi2_per_number: Some(chi2 / count),
-        whiteness_p: whiteness(&channel.white),
-        octaves: octaves(&channel.white, loss, OUTLIER),
+        whiteness_p: whiteness(&channel.white, numbers),
+        octaves: octaves(&channel.white, numbers, loss),
     }
 }

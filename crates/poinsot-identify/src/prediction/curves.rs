@@ -11,13 +11,13 @@ use crate::methods::linear::{linear, solve_linear};
 use crate::methods::maximum_likelihood::{Ended, solve};
 use crate::motion::{Instant, Motion, State};
 use crate::motion::{Vehicle, tilted};
-use crate::problem::parameters::{Equations, Parameters, ParametersError, reading_unit};
+use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::problem::{Problem, ProblemError};
-use crate::sensors::{Ideal, gap, perfect, vector};
+use crate::sensors::{Ideal, across, gap, perfect, vector};
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
-use poinsot_model::SensorKind;
+use poinsot_model::{SensorKind, printed_unit};
 use poinsot_spatial::{MassProperties, UnitQuaternion, Vector3};
 
 /// Bars of a histogram of whitened residuals, from -4 to 4 sigma; what lies outside is in the last bars.
@@ -367,6 +367,14 @@ impl<'a> Recorder<'a> {
                 one.channel
                     .push(t, &own, &xyzw(&expected, Some(own)), &residual);
             }
+            (SensorValue::Direction { seen_B, .. }, _) => {
+                one.channel.push(
+                    t,
+                    &three(&seen_B),
+                    &three(&reading),
+                    &(across(&seen_B) * (seen_B - reading)),
+                );
+            }
             (SensorValue::Vector(measured), _) => {
                 let expected = match (increments, began) {
                     (false, _) => reading,
@@ -433,20 +441,12 @@ impl<'a> Recorder<'a> {
 
 /// An empty channel of a sensor.
 fn sensor_channel(record: &SensorRecord) -> PredictedChannel {
-    let unit = reading_unit(record.kind);
-    let components: &[&'static str] = match record.kind {
-        SensorKind::Attitude => &["q_x", "q_y", "q_z", "q_w"],
-        SensorKind::Gyro => &["omega_x", "omega_y", "omega_z"],
-        SensorKind::Velocity => &["v_x", "v_y", "v_z"],
-        SensorKind::Position => &["r_x", "r_y", "r_z"],
-        SensorKind::VelocityIncrement => &["dv_x", "dv_y", "dv_z"],
-        _ => &["acc_x", "acc_y", "acc_z"],
-    };
+    let unit = printed_unit(record.kind.unit(false));
     let measured = match record.kind {
-        SensorKind::Attitude => "1",
+        SensorKind::Attitude | SensorKind::Direction => "1",
         _ => unit,
     };
-    channel(&record.name, [measured, unit], components)
+    channel(&record.name, [measured, unit], record.kind.columns())
 }
 
 fn channel(
@@ -501,7 +501,7 @@ fn last(rows: &[Vec<f64>]) -> Option<[f64; 4]> {
 }
 
 fn statistics(channel: &mut PredictedChannel, all: &ChannelResidual) {
-    for axis in 0..3 {
+    for axis in 0..all.numbers {
         let mut bars = vec![0_u64; HISTOGRAM_BARS];
         for white in &all.white {
             let place = (white[axis] + HISTOGRAM_REACH) / (2.0 * HISTOGRAM_REACH);

@@ -8,7 +8,7 @@ mod sensor_errors;
 
 pub use kind::{KnownUnknown, UnknownKind};
 pub use sensor_errors::ErrorGroup;
-pub(crate) use sensor_errors::{declared, reading_unit};
+pub(crate) use sensor_errors::declared;
 
 use poinsot_dynamics::{Kinematics, Tree, composite};
 use poinsot_model::{EstimateSet, Model};

@@ -51,6 +51,13 @@ pub enum SensorValue {
     Vector(Vector3),
     /// Attitude of the sensor's body in N.
     Attitude(UnitQuaternion),
+    /// Direction of a vector known in N: as seen, in the axes of the sensor's body, and in N; both of length one.
+    Direction {
+        /// Measured.
+        seen_B: Vector3,
+        /// Known.
+        reference_N: Vector3,
+    },
 }
 
 /// One sample of a sensor.
@@ -118,6 +125,24 @@ impl SensorRecord {
             .map(|(k, value)| SensorSample::new(k, value))
             .collect();
         self
+    }
+
+    /// The vector in N whose direction is seen, at the sample nearest to grid time k from there on.
+    pub(crate) fn reference_N(&self, k: usize) -> Option<Vector3> {
+        let next = self.samples.partition_point(|s| s.to < k);
+        match self.samples.get(next).or(self.samples.last())?.value {
+            SensorValue::Direction { reference_N, .. } => Some(reference_N),
+            _ => None,
+        }
+    }
+
+    /// Logarithm of the determinant of the covariance of the numbers that one sample tells.
+    pub(crate) fn log_det(&self) -> f64 {
+        match self.kind.numbers() {
+            3 => self.covariance.determinant().ln(),
+            // Alike in every sense across the direction.
+            n => n as f64 * self.covariance[(0, 0)].ln(),
+        }
     }
 
     /// Whether it is taken as exact: its first sample is the start, and no sample is compared.
@@ -212,7 +237,7 @@ impl Observations {
         let samples = most.into_iter().flat_map(|r| &r.samples);
         samples.filter_map(|s| match s.value {
             SensorValue::Attitude(R) => Some((s.to, R)),
-            SensorValue::Vector(_) => None,
+            _ => None,
         })
     }
 
@@ -221,7 +246,7 @@ impl Observations {
         let samples = self.best_gyro().into_iter().flat_map(|r| &r.samples);
         samples.filter_map(|s| match s.value {
             SensorValue::Vector(w) => Some((s.to, w)),
-            SensorValue::Attitude(_) => None,
+            _ => None,
         })
     }
 }

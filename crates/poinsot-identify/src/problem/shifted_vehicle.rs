@@ -98,6 +98,13 @@ fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, chang
                                 SensorValue::Attitude(R * turn.inverse())
                             }
                             SensorValue::Vector(v) if !attitude => SensorValue::Vector(turn * v),
+                            SensorValue::Direction {
+                                seen_B,
+                                reference_N,
+                            } => SensorValue::Direction {
+                                seen_B: turn * seen_B,
+                                reference_N,
+                            },
                             other => other,
                         };
                     }

@@ -15,7 +15,10 @@ pub(crate) struct Ideal {
 
 /// Whether the instant alone tells how fast the reading of a kind changes.
 fn knows_rate(kind: SensorKind) -> bool {
-    matches!(kind, SensorKind::Attitude | SensorKind::Position)
+    matches!(
+        kind,
+        SensorKind::Attitude | SensorKind::Position | SensorKind::Direction
+    )
 }
 
 impl Ideal {

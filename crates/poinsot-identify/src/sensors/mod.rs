@@ -6,11 +6,13 @@
 
 mod accelerometer;
 mod attitude;
+mod direction;
 mod gyro;
 mod ideal;
 mod position;
 mod velocity;
 
+pub(crate) use direction::across;
 pub(crate) use ideal::Ideal;
 
 use crate::motion::input_noise::InputNoise;
@@ -97,6 +99,7 @@ pub(crate) fn vector(value: &SensorValue) -> Vector3 {
     match value {
         SensorValue::Vector(x) => *x,
         SensorValue::Attitude(_) => Vector3::zeros(),
+        SensorValue::Direction { seen_B, .. } => *seen_B,
     }
 }
 
@@ -104,6 +107,7 @@ pub(crate) fn vector(value: &SensorValue) -> Vector3 {
 pub(crate) fn gap(truth: &SensorValue, measured: &SensorValue) -> Vector3 {
     match (truth, measured) {
         (SensorValue::Vector(x), SensorValue::Vector(y)) => y - x,
+        (SensorValue::Vector(x), SensorValue::Direction { seen_B, .. }) => seen_B - x,
         (SensorValue::Attitude(R), SensorValue::Attitude(S)) => small_turn(R, S),
         // A record of mixed values has no meaning.
         _ => Vector3::from_element(f64::NAN),
@@ -115,7 +119,7 @@ pub(crate) fn gap(truth: &SensorValue, measured: &SensorValue) -> Vector3 {
 fn see(
     record: &SensorRecord,
     motion: &mut Motion,
-    state: &State,
+    (state, k): (&State, usize),
     instant: &Instant,
 ) -> Option<Seen> {
     let place = motion.place(&instant.twist, (record.body, &record.p_BoS_B));
@@ -123,6 +127,9 @@ fn see(
     match record.kind {
         SensorKind::Gyro => Some(gyro::see(&place)),
         SensorKind::Attitude => Some(attitude::see(&place, state, record.body)),
+        SensorKind::Direction => {
+            direction::see(&place, state, record.body, &record.reference_N(k)?)
+        }
         SensorKind::Position => Some(position::see(&place, state, &R_NB)),
         SensorKind::Velocity | SensorKind::VelocityIncrement => Some(velocity::see(&place, &R_NB)),
         _ => None,
@@ -136,7 +143,7 @@ pub(crate) fn perfect(
     (state, k): (&State, usize),
     instant: &Instant,
 ) -> (SensorValue, Option<Vector3>) {
-    match see(record, motion, state, instant) {
+    match see(record, motion, (state, k), instant) {
         Some(seen) => (seen.value, seen.rate),
         None => {
             let force = accelerometer::value(record, motion, (state, k), instant);
@@ -157,7 +164,7 @@ pub(crate) fn predict(
         value,
         rate,
         slopes,
-    }) = see(record, motion, state, instant)
+    }) = see(record, motion, (state, k), instant)
     else {
         return accelerometer::predict(record, motion, (state, k), instant, inputs);
     };

@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A sensor. The unit of `noise_<unit>` and `quantisation_<unit>` is that of its channels: gyro rad_s;
-/// attitude rad; position m; velocity and velocity_increment m_s; accelerometer m_s2; joint_position rad
+/// attitude and direction rad; position m; velocity and velocity_increment m_s; accelerometer m_s2; joint_position rad
 /// or m; joint_rate rad_s or m_s; wheel_speed rad_s; thrust N. A noise is one sigma per sample: a number,
 /// three numbers (one per sensor axis), or the 3 x 3 symmetric positive definite square root S of the
 /// covariance S S.
@@ -23,7 +23,7 @@ pub(crate) struct SensorFile {
     /// Names of the joints, wheels or thrusters that a joint_position, joint_rate, wheel_speed or thrust
     /// sensor reads: one name or a list. Default: all whose unit fits.
     pub of: Option<NamesFile>,
-    /// One sigma per sample of an attitude (small rotation in body axes) or a revolute joint's position, rad.
+    /// One sigma per sample of an attitude (small rotation in body axes), a direction (angle across it; one number) or a revolute joint's position, rad.
     pub noise_rad: Option<NoiseFile>,
     /// One sigma per sample of an angular velocity, a revolute joint's rate or a wheel speed, rad/s.
     pub noise_rad_s: Option<NoiseFile>,
@@ -65,6 +65,8 @@ pub(crate) struct SensorFile {
     pub rotation_matrix: Option<[[f64; 3]; 3]>,
     /// Position of the sensor from the origin of the body's frame, m. Default zero.
     pub position_m: Option<[f64; 3]>,
+    /// Direction: the vector in inertial axes whose direction it measures, of any length. Without it the columns `reference_x reference_y reference_z` of the sensor give it.
+    pub reference_N: Option<[f64; 3]>,
     /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
@@ -95,6 +97,8 @@ pub(crate) enum SensorType {
     JointRate,
     /// Wheel speeds relative to the host, rad/s.
     WheelSpeed,
+    /// Direction of a vector known in inertial axes (sun, magnetic field), in body axes: a vector of any length.
+    Direction,
     /// Thrusts, N.
     Thrust,
 }

@@ -1,6 +1,6 @@
 //! Mass properties as written: those of real bodies, in the link's own axes.
 
-use super::raw::{Kind, Link, Robot};
+use super::raw::{Inertial, Kind, Link, Robot};
 use super::tree::Order;
 use super::{Remark, UrdfDefect};
 use crate::check_body::PHYSICAL_TOLERANCE;
@@ -41,24 +41,15 @@ pub(super) fn check(
 }
 
 fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
-    let subject = format!("link \"{}\"", excerpt(&link.name, 60));
-    let mut push = |defect, code, byte, problem: String, remedy: &str| {
-        remarks.push(Remark {
-            defect,
-            code,
-            byte,
-            subject: subject.clone(),
-            value: String::new(),
-            problem,
-            remedy: remedy.to_owned(),
-        });
-    };
+    let mut judge = Remarks { link, remarks };
     let Some(inertial) = &link.inertial else {
         let problem = "no <inertial>: taken as without mass".to_owned();
-        push(UrdfDefect::NoInertial, None, link.byte, problem, "");
+        judge.push(UrdfDefect::NoInertial, None, problem, "");
         return MassProperties::ZERO;
     };
-    let byte = inertial.byte;
+    if !judge.has_mass(inertial) {
+        return MassProperties::ZERO;
+    }
     let [xx, xy, xz, yy, yz, zz] = inertial.elements;
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let turn = rotation(inertial.rpy);
@@ -69,44 +60,17 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
         p_BoBcm_B: Vector3::from(inertial.xyz),
         I_BBcm_B: (turned + turned.transpose()) * 0.5,
     };
-    if inertial.mass < 0.0 {
-        let problem = format!("the mass is negative: {} kg", short(inertial.mass));
-        push(
-            UrdfDefect::Number,
-            Some("E0115"),
-            byte,
-            problem,
-            "give a positive mass",
-        );
-        return MassProperties::ZERO;
-    }
-    if inertial.mass == 0.0 {
-        let empty = inertial.elements == [0.0; 6];
-        let problem = "the mass is zero".to_owned();
-        let code = (!empty).then_some("E0116");
-        push(
-            UrdfDefect::ZeroMass,
-            code,
-            byte,
-            problem,
-            "give it a mass, or zero inertia",
-        );
-        if !empty {
-            return MassProperties::ZERO;
-        }
-    }
     if inertial.elements == [0.0; 6] {
         let problem = "the inertia is zero in all elements: a point mass".to_owned();
-        push(UrdfDefect::ZeroInertia, None, byte, problem, "");
-        return if inertial.mass == 0.0 {
-            MassProperties::ZERO
-        } else {
-            found
+        judge.push(UrdfDefect::ZeroInertia, None, problem, "");
+        return match inertial.mass {
+            0.0 => MassProperties::ZERO,
+            _ => found,
         };
     }
     if [xx, yy, zz] == [1.0; 3] && xy == 0.0 {
         let problem = "the inertia is 1 kg m2 about every axis; is it a placeholder?".to_owned();
-        push(UrdfDefect::Placeholder, None, byte, problem, "");
+        judge.push(UrdfDefect::Placeholder, None, problem, "");
     }
     // The moments do not depend on the axes; those as written round least.
     let (moments, _) = MassProperties {
@@ -114,44 +78,108 @@ fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
         ..found
     }
     .principal();
-    let largest = moments.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let [a, b, c] = moments;
-    let remedy = "correct the numbers; they are tensor elements (ixy = -integral x y dm) about the mass centre";
-    if inertial.mass > 0.0 && (largest / inertial.mass).sqrt() > 5.0 {
-        let gyration = (largest / inertial.mass).sqrt();
-        let problem = format!(
-            "the radius of gyration is {} m; are mass in kg and inertia in kg m2?",
-            short(gyration)
-        );
-        push(UrdfDefect::LargeGyration, None, byte, problem, "");
-    }
-    if inertial.mass > 0.0 && largest > 0.0 && (largest / inertial.mass).sqrt() < 1e-3 {
-        let problem = format!(
-            "the radius of gyration is {} mm; are mass in kg and inertia in kg m2?",
-            short(1e3 * (largest / inertial.mass).sqrt())
-        );
-        push(UrdfDefect::SmallGyration, None, byte, problem, "");
-    }
-    if a < -1e-12 * largest {
-        let problem = format!(
-            "the smallest principal moment is negative: {} kg m2",
-            list(&moments)
-        );
-        push(UrdfDefect::Indefinite, Some("E0115"), byte, problem, remedy);
-        return found;
-    }
-    if a <= 1e-12 * largest {
-        let problem = format!("a principal moment is zero: {} kg m2", list(&moments));
-        push(UrdfDefect::Singular, None, byte, problem, "");
-    }
-    if a + b < c * (1.0 - PHYSICAL_TOLERANCE) {
-        let problem = format!(
-            "no body has these principal moments: {} kg m2, the largest exceeds the sum of the other two",
-            list(&moments)
-        );
-        push(UrdfDefect::Triangle, Some("E0115"), byte, problem, remedy);
-    }
+    judge.gyration(inertial.mass, &moments);
+    judge.moments(&moments);
     found
+}
+
+/// Radii of gyration that a link in metres and kilograms has, m.
+const GYRATION: [f64; 2] = [1.0e-3, 5.0];
+/// Moment that counts as zero beside the largest.
+const ZERO_MOMENT: f64 = 1.0e-12;
+
+/// What is said of the numbers of one link.
+struct Remarks<'a> {
+    link: &'a Link,
+    remarks: &'a mut Vec<Remark>,
+}
+
+impl Remarks<'_> {
+    fn push(
+        &mut self,
+        defect: UrdfDefect,
+        code: Option<&'static str>,
+        problem: String,
+        remedy: &str,
+    ) {
+        let inertial = self.link.inertial.as_ref();
+        self.remarks.push(Remark {
+            defect,
+            code,
+            byte: inertial.map_or(self.link.byte, |i| i.byte),
+            subject: format!("link \"{}\"", excerpt(&self.link.name, 60)),
+            value: String::new(),
+            problem,
+            remedy: remedy.to_owned(),
+        });
+    }
+
+    /// Whether its mass goes with its inertia.
+    fn has_mass(&mut self, inertial: &Inertial) -> bool {
+        if inertial.mass < 0.0 {
+            let problem = format!("the mass is negative: {} kg", short(inertial.mass));
+            let remedy = "give a positive mass";
+            self.push(UrdfDefect::Number, Some("E0115"), problem, remedy);
+            return false;
+        }
+        if inertial.mass == 0.0 {
+            let empty = inertial.elements == [0.0; 6];
+            let code = (!empty).then_some("E0116");
+            let remedy = "give it a mass, or zero inertia";
+            self.push(
+                UrdfDefect::ZeroMass,
+                code,
+                "the mass is zero".to_owned(),
+                remedy,
+            );
+            return empty;
+        }
+        true
+    }
+
+    /// Units of mass and inertia that do not go together.
+    fn gyration(&mut self, mass: f64, moments: &[f64; 3]) {
+        let largest = largest(moments);
+        if mass <= 0.0 || largest == 0.0 {
+            return;
+        }
+        let radius = (largest / mass).sqrt();
+        let (defect, size) = match radius {
+            r if r > GYRATION[1] => (UrdfDefect::LargeGyration, format!("{} m", short(r))),
+            r if r < GYRATION[0] => (UrdfDefect::SmallGyration, format!("{} mm", short(1e3 * r))),
+            _ => return,
+        };
+        let problem =
+            format!("the radius of gyration is {size}; are mass in kg and inertia in kg m2?");
+        self.push(defect, None, problem, "");
+    }
+
+    /// Principal moments that no body has.
+    fn moments(&mut self, moments: &[f64; 3]) {
+        let [a, b, c] = *moments;
+        let zero = ZERO_MOMENT * largest(moments);
+        let remedy = "correct the numbers; they are tensor elements (ixy = -integral x y dm) about the mass centre";
+        let listed = list(moments);
+        if a < -zero {
+            let problem = format!("the smallest principal moment is negative: {listed} kg m2");
+            self.push(UrdfDefect::Indefinite, Some("E0115"), problem, remedy);
+            return;
+        }
+        if a <= zero {
+            let problem = format!("a principal moment is zero: {listed} kg m2");
+            self.push(UrdfDefect::Singular, None, problem, "");
+        }
+        if a + b < c * (1.0 - PHYSICAL_TOLERANCE) {
+            let problem = format!(
+                "no body has these principal moments: {listed} kg m2, the largest exceeds the sum of the other two"
+            );
+            self.push(UrdfDefect::Triangle, Some("E0115"), problem, remedy);
+        }
+    }
+}
+
+fn largest(moments: &[f64; 3]) -> f64 {
+    moments.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
 }
 
 /// Refuses what moves without mass: a joint rate that no momentum depends on.

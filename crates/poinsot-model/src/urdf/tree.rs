@@ -1,11 +1,11 @@
 //! The links make one tree. Names are unique among links and among joints.
 
-use super::raw::Robot;
+use super::raw::{Joint, Robot};
 use super::{Remark, UrdfDefect};
 use crate::check::MOST_BODIES;
 use crate::check_name::misspelt;
 use poinsot_files::excerpt;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The tree in indices of the file.
 pub(super) struct Order {
@@ -16,8 +16,63 @@ pub(super) struct Order {
 }
 
 pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
-    let mut push = |defect, code, byte, subject: String, problem: String, remedy: &str| {
-        remarks.push(Remark {
+    let mut tree = Tree::new(robot, remarks);
+    if robot.links.len() > MOST_BODIES {
+        let problem = format!("the file has {} links", robot.links.len());
+        tree.refuse(WHOLE, problem, "keep to 10000 links");
+        return Order {
+            links: Vec::new(),
+            carried_by: Vec::new(),
+        };
+    }
+    tree.check_names();
+    let (carried_by, children) = tree.attach();
+    let roots = tree.roots(&carried_by);
+    let mut links: Vec<usize> = roots.iter().copied().take(1).collect();
+    let mut at = 0;
+    while let Some(&link) = links.get(at) {
+        at += 1;
+        links.extend(children.get(link).into_iter().flatten().copied());
+    }
+    if roots.len() == 1 {
+        tree.refuse_unreached(&links);
+    }
+    Order { links, carried_by }
+}
+
+/// Defect, code and place of a remark.
+type Place = (UrdfDefect, &'static str, usize);
+
+/// Too many links.
+const WHOLE: Place = (UrdfDefect::Roots, "E0119", 0);
+/// Links that do not hang on one base.
+const NO_TREE: Place = (UrdfDefect::Roots, "E0112", 0);
+
+/// Names of this many links stand in a message.
+const LISTED: usize = 8;
+/// Characters of a name in a message.
+const NAME: usize = 60;
+
+struct Tree<'a> {
+    robot: &'a Robot,
+    /// The first link of each name.
+    index: HashMap<&'a str, usize>,
+    remarks: &'a mut Vec<Remark>,
+}
+
+impl<'a> Tree<'a> {
+    fn new(robot: &'a Robot, remarks: &'a mut Vec<Remark>) -> Self {
+        let links = robot.links.iter().enumerate().rev();
+        Self {
+            robot,
+            index: links.map(|(k, l)| (l.name.as_str(), k)).collect(),
+            remarks,
+        }
+    }
+
+    fn push(&mut self, place: Place, subject: String, problem: String, remedy: &str) {
+        let (defect, code, byte) = place;
+        self.remarks.push(Remark {
             defect,
             code: Some(code),
             byte,
@@ -26,183 +81,127 @@ pub(super) fn check(robot: &Robot, remarks: &mut Vec<Remark>) -> Order {
             problem,
             remedy: remedy.to_owned(),
         });
-    };
-    if robot.links.len() > MOST_BODIES {
-        let problem = format!("the file has {} links", robot.links.len());
-        push(
-            UrdfDefect::Roots,
-            "E0119",
-            0,
-            "robot".to_owned(),
-            problem,
-            "keep to 10000 links",
-        );
-        return Order {
-            links: Vec::new(),
-            carried_by: Vec::new(),
-        };
     }
-    let links = robot.links.iter().map(|l| (l.name.as_str(), l.byte));
-    let joints = robot.joints.iter().map(|j| (j.name.as_str(), j.byte));
-    for (what, list) in [
-        ("link", links.collect::<Vec<_>>()),
-        ("joint", joints.collect()),
-    ] {
-        let mut seen: HashMap<&str, usize> = HashMap::new();
-        for (name, byte) in list {
-            let subject = format!("{what} \"{}\"", excerpt(name, 60));
-            if name.trim().is_empty() {
-                let problem = format!("a {what} without name");
-                push(
-                    UrdfDefect::Names,
-                    "E0109",
-                    byte,
-                    subject,
-                    problem,
-                    "give it a name",
-                );
-            } else if let Some(problem) = misspelt(name) {
-                push(
-                    UrdfDefect::Names,
-                    "E0109",
-                    byte,
-                    subject,
-                    problem.to_owned(),
-                    "give it a plain name",
-                );
-            } else if seen.insert(name, byte).is_some() {
-                let problem = format!("two {what}s have this name");
-                push(
-                    UrdfDefect::Names,
-                    "E0110",
-                    byte,
-                    subject,
-                    problem,
-                    "rename one",
-                );
+
+    fn refuse(&mut self, place: Place, problem: String, remedy: &str) {
+        self.push(place, "robot".to_owned(), problem, remedy);
+    }
+
+    /// Links and joints have names that a model file can have, each once.
+    fn check_names(&mut self) {
+        let links = self.robot.links.iter().map(|l| (l.name.as_str(), l.byte));
+        let joints = self.robot.joints.iter().map(|j| (j.name.as_str(), j.byte));
+        for (what, list) in [
+            ("link", links.collect::<Vec<_>>()),
+            ("joint", joints.collect()),
+        ] {
+            let mut seen = HashSet::new();
+            for (name, byte) in list {
+                let (code, problem, remedy) = if name.trim().is_empty() {
+                    ("E0109", format!("a {what} without name"), "give it a name")
+                } else if let Some(problem) = misspelt(name) {
+                    ("E0109", problem.to_owned(), "give it a plain name")
+                } else if !seen.insert(name) {
+                    ("E0110", format!("two {what}s have this name"), "rename one")
+                } else {
+                    continue;
+                };
+                let subject = format!("{what} \"{}\"", excerpt(name, NAME));
+                self.push((UrdfDefect::Names, code, byte), subject, problem, remedy);
             }
         }
     }
-    let index: HashMap<&str, usize> = robot
-        .links
-        .iter()
-        .enumerate()
-        .rev()
-        .map(|(k, l)| (l.name.as_str(), k))
-        .collect();
-    let mut carried_by: Vec<Option<usize>> = vec![None; robot.links.len()];
-    let mut children: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
-    for (k, joint) in robot.joints.iter().enumerate() {
-        let subject = || format!("joint \"{}\"", excerpt(&joint.name, 60));
-        let mut find = |which: &str, name: &str| {
-            let found = index.get(name).copied();
-            if found.is_none() && !name.is_empty() {
-                push(
-                    UrdfDefect::MissingLink,
-                    "E0111",
-                    joint.byte,
-                    format!("{} <{which}>", subject()),
-                    format!("there is no link \"{}\"", excerpt(name, 60)),
-                    "name a link of the file",
-                );
-            }
-            found
-        };
-        let (parent, child) = (find("parent", &joint.parent), find("child", &joint.child));
-        let Some(child) = child else { continue };
-        let Some(slot) = carried_by.get_mut(child) else {
-            continue;
-        };
-        if let Some(first) = *slot {
-            let other = robot.joints.get(first).map_or("", |j| j.name.as_str());
-            push(
-                UrdfDefect::TwoParents,
-                "E0112",
-                joint.byte,
-                subject(),
-                format!(
+
+    /// The joint that carries each link, and the children of each.
+    fn attach(&mut self) -> (Vec<Option<usize>>, Vec<Vec<usize>>) {
+        let robot = self.robot;
+        let mut carried_by: Vec<Option<usize>> = vec![None; robot.links.len()];
+        let mut children: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
+        for (k, joint) in robot.joints.iter().enumerate() {
+            let parent = self.find(joint, "parent", &joint.parent);
+            let child = self.find(joint, "child", &joint.child);
+            let Some((child, slot)) = child.and_then(|c| Some((c, carried_by.get_mut(c)?))) else {
+                continue;
+            };
+            if let Some(first) = *slot {
+                let other = robot.joints.get(first).map_or("", |j| j.name.as_str());
+                let problem = format!(
                     "link \"{}\" has two parents: joint \"{}\" carries it too",
-                    excerpt(&joint.child, 60),
-                    excerpt(other, 60)
-                ),
-                "remove one of the joints; closed loops are not supported",
-            );
-            continue;
+                    excerpt(&joint.child, NAME),
+                    excerpt(other, NAME)
+                );
+                let remedy = "remove one of the joints; closed loops are not supported";
+                let place = (UrdfDefect::TwoParents, "E0112", joint.byte);
+                self.push(place, named(joint), problem, remedy);
+                continue;
+            }
+            *slot = Some(k);
+            if let Some(list) = parent.and_then(|p| children.get_mut(p)) {
+                list.push(child);
+            }
         }
-        *slot = Some(k);
-        if let Some(list) = parent.and_then(|p| children.get_mut(p)) {
-            list.push(child);
-        }
+        (carried_by, children)
     }
-    // A second link of one name hangs on nothing because of that name.
-    let is_first = |k: usize| {
-        let link = robot.links.get(k);
-        link.and_then(|l| index.get(l.name.as_str())) == Some(&k)
-    };
-    let roots: Vec<usize> = (0..robot.links.len())
-        .filter(|&k| carried_by.get(k) == Some(&None) && is_first(k))
-        .collect();
-    let named = |list: &[usize]| {
-        let names = list.iter().take(8).filter_map(|&k| robot.links.get(k));
-        let names: Vec<String> = names
-            .map(|l| format!("\"{}\"", excerpt(&l.name, 60)))
+
+    fn find(&mut self, joint: &Joint, which: &str, name: &str) -> Option<usize> {
+        let found = self.index.get(name).copied();
+        if found.is_none() && !name.is_empty() {
+            let subject = format!("{} <{which}>", named(joint));
+            let problem = format!("there is no link \"{}\"", excerpt(name, NAME));
+            let place = (UrdfDefect::MissingLink, "E0111", joint.byte);
+            self.push(place, subject, problem, "name a link of the file");
+        }
+        found
+    }
+
+    /// Whether a link is the first of its name: a second one hangs on nothing because of that name.
+    fn is_first(&self, k: usize) -> bool {
+        let link = self.robot.links.get(k);
+        link.and_then(|l| self.index.get(l.name.as_str())) == Some(&k)
+    }
+
+    /// Links that hang on nothing; anything but one is refused.
+    fn roots(&mut self, carried_by: &[Option<usize>]) -> Vec<usize> {
+        let roots: Vec<usize> = (0..self.robot.links.len())
+            .filter(|&k| carried_by.get(k) == Some(&None) && self.is_first(k))
             .collect();
-        names.join(", ")
-    };
-    if roots.len() != 1 {
         let (problem, remedy) = match roots.len() {
-            0 if robot.links.is_empty() => ("the robot has no link".to_owned(), "add <link>"),
+            1 => return roots,
+            0 if self.robot.links.is_empty() => ("the robot has no link".to_owned(), "add <link>"),
             0 => (
                 "no link is the base: the joints run in a circle".to_owned(),
                 "remove one of the joints",
             ),
             n => (
-                format!("{n} links hang on nothing: {}", named(&roots)),
+                format!("{n} links hang on nothing: {}", self.names(&roots)),
                 "connect them by joints of type fixed; one link is the base",
             ),
         };
-        push(
-            UrdfDefect::Roots,
-            "E0112",
-            0,
-            "robot".to_owned(),
-            problem,
-            remedy,
-        );
+        self.refuse(NO_TREE, problem, remedy);
+        roots
     }
-    let mut order: Vec<usize> = roots.iter().copied().take(1).collect();
-    let mut at = 0;
-    while let Some(&link) = order.get(at) {
-        at += 1;
-        order.extend(children.get(link).into_iter().flatten().copied());
-    }
-    if roots.len() == 1 && order.len() < robot.links.len() {
-        let mut reached = vec![false; robot.links.len()];
-        for &k in &order {
-            if let Some(mark) = reached.get_mut(k) {
-                *mark = true;
-            }
-        }
-        let lost: Vec<usize> = (0..robot.links.len())
-            .filter(|&k| reached.get(k) == Some(&false) && is_first(k))
+
+    fn refuse_unreached(&mut self, reached: &[usize]) {
+        let reached: HashSet<usize> = reached.iter().copied().collect();
+        let lost: Vec<usize> = (0..self.robot.links.len())
+            .filter(|k| !reached.contains(k) && self.is_first(*k))
             .collect();
-        if lost.is_empty() {
-            return Order {
-                links: order,
-                carried_by,
-            };
+        if !lost.is_empty() {
+            let problem = format!("the joints of {} run in a circle", self.names(&lost));
+            self.refuse(NO_TREE, problem, "remove one of the joints");
         }
-        push(
-            UrdfDefect::Roots,
-            "E0112",
-            0,
-            "robot".to_owned(),
-            format!("the joints of {} run in a circle", named(&lost)),
-            "remove one of the joints",
-        );
     }
-    Order {
-        links: order,
-        carried_by,
+
+    fn names(&self, list: &[usize]) -> String {
+        let links = list.iter().take(LISTED);
+        let links = links.filter_map(|&k| self.robot.links.get(k));
+        let names: Vec<String> = links
+            .map(|l| format!("\"{}\"", excerpt(&l.name, NAME)))
+            .collect();
+        names.join(", ")
     }
+}
+
+fn named(joint: &Joint) -> String {
+    format!("joint \"{}\"", excerpt(&joint.name, NAME))
 }

@@ -81,7 +81,7 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
 fn vector(sample: &SensorSample) -> Vector3 {
     match sample.value {
         SensorValue::Vector(x) => x,
-        SensorValue::Attitude(_) => Vector3::zeros(),
+        SensorValue::Attitude(_) | SensorValue::Direction { .. } => Vector3::zeros(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Finding the channels of a sensor in a table.
 
 use super::BindError;
-use super::sensors::Leading;
+use super::sensors::{Leading, REFERENCE};
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
@@ -70,20 +70,16 @@ impl<'a> Channels<'a> {
 
 /// Names of all channels that a model can use; translation and specific force only where the model has a sensor for it.
 pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
-    let mut wanted: BTreeSet<String> =
-        ["q_x", "q_y", "q_z", "q_w", "omega_x", "omega_y", "omega_z"]
-            .map(str::to_owned)
-            .into();
-    // Translation counts only where a sensor declares how well it is known.
-    for (kind, prefix) in [
-        (SensorKind::Position, "r"),
-        (SensorKind::Velocity, "v"),
-        (SensorKind::VelocityIncrement, "dv"),
-        (SensorKind::Accelerometer, "acc"),
-    ] {
-        if model.sensors_of(kind).next().is_some() {
-            wanted.extend(["x", "y", "z"].map(|k| format!("{prefix}_{k}")));
-        }
+    // Translation and the like count only where a sensor declares how well they are known.
+    let always = [SensorKind::Gyro, SensorKind::Attitude];
+    let used = SensorKind::with_axes()
+        .filter(|kind| always.contains(kind) || model.sensors_of(*kind).next().is_some());
+    let mut wanted: BTreeSet<String> = used
+        .flat_map(SensorKind::columns)
+        .map(|column| (*column).to_owned())
+        .collect();
+    if model.sensors_of(SensorKind::Direction).next().is_some() {
+        wanted.extend(["x", "y", "z"].map(|k| format!("{REFERENCE}_{k}")));
     }
     if model.environment.gravity_gradient {
         wanted.extend(["x", "y", "z"].map(|k| format!("orbit_{k}")));

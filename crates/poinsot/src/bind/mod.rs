@@ -3,6 +3,7 @@
 //! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
 
 mod acceleration;
+mod attitude_start;
 mod channels;
 mod cut;
 mod faults;
@@ -187,7 +188,11 @@ fn bind_piece(
 /// # Errors
 /// Momentum, velocity or position are given in N while no attitude is measured.
 fn needs_attitude(model: &Model, channels: &channels::Channels) -> Result<(), BindError> {
-    if channels.leading(model, SensorKind::Attitude).is_some() {
+    let seen = [SensorKind::Attitude, SensorKind::Direction];
+    if seen
+        .iter()
+        .any(|kind| channels.leading(model, *kind).is_some())
+    {
         return Ok(());
     }
     let fault = |what: String, remedy| BindError::NoAttitude {

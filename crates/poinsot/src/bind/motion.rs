@@ -1,6 +1,7 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
 use super::BindError;
+use super::attitude_start::{attitude_from_directions, base_directions};
 use super::channels::{Channels, VectorChannels, joint_columns};
 use super::free_fall::ORBITAL;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -139,11 +140,21 @@ fn attitude(
             })
             .collect();
     }
+    let mut integrated = integrate_rate(times, rate);
+    let directions = base_directions(model, channels.table);
+    let start = match directions.is_empty() {
+        true => "from the identity at its first sample",
+        false => "from the attitude that fits the directions best",
+    };
     repairs.push(format!(
-        "{}: no attitude channel: attitude integrated from the gyro, from the identity at its first sample",
+        "{}: no attitude channel: attitude integrated from the gyro, {start}",
         channels.label
     ));
-    integrate_rate(times, rate)
+    let R = attitude_from_directions(times, &integrated, &directions);
+    for attitude in integrated.iter_mut().flatten() {
+        *attitude = R * *attitude;
+    }
+    integrated
 }
 
 /// Attitude from body rates: per step the rotation vector of the fourth-order Magnus expansion for a

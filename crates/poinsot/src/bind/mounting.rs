@@ -1,20 +1,12 @@
 //! Which columns are in the axes of a sensor that is turned on its body.
 
-use poinsot_model::{Model, SensorKind};
+use poinsot_model::{Axes, Model, SensorKind};
 use poinsot_spatial::Matrix3;
 use poinsot_telemetry::Mounting;
 
-/// Kinds of sensors that measure in their own axes, and what their columns are called.
-const KINDS: [(SensorKind, &str); 4] = [
-    (SensorKind::Gyro, "omega"),
-    (SensorKind::Gyro, "domega"),
-    (SensorKind::Accelerometer, "acc"),
-    (SensorKind::Attitude, "q"),
-];
-
 /// Every sensor of the model that is turned on its body.
 pub fn mountings(model: &Model) -> Vec<Mounting> {
-    let of_kind = |&(kind, prefix): &(SensorKind, &'static str)| {
+    let of_columns = |(kind, prefix): (SensorKind, &'static str)| {
         let alone = model.sensors_of(kind).nth(1).is_none();
         let first = model.sensors_of(kind).find(|s| s.body == 0);
         let turned = model
@@ -27,5 +19,12 @@ pub fn mountings(model: &Model) -> Vec<Mounting> {
             R_BS: [0, 1, 2].map(|i| [0, 1, 2].map(|j| sensor.R_BS[(i, j)])),
         })
     };
-    KINDS.iter().flat_map(of_kind).collect()
+    let in_own_axes = SensorKind::with_axes().filter(|kind| kind.axes() == Axes::Sensor);
+    let prefixed = in_own_axes.flat_map(|kind| {
+        let prefix = kind.columns().first().and_then(|c| c.strip_suffix("_x"));
+        // Angular accelerations have no sensor of their own.
+        let more = (kind == SensorKind::Gyro).then_some("domega");
+        prefix.into_iter().chain(more).map(move |p| (kind, p))
+    });
+    prefixed.flat_map(of_columns).collect()
 }

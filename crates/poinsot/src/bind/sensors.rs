@@ -1,12 +1,12 @@
 //! Sensors of three axes: which columns are whose, and their samples on the grid. Any number of a kind, on any body.
 
 use super::BindError;
-use crate::channel_names::names;
+use crate::channel_names::{XYZ, names};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use poinsot_identify::{ErrorGroup, SensorRecord, SensorSample, SensorValue};
 use poinsot_model::{Model, Nuisance, Sensor, SensorKind};
 use poinsot_spatial::Matrix3;
-use poinsot_telemetry::{Channel, Table, full_name, median_step};
+use poinsot_telemetry::{Channel, Table, full_name, median_step, resample};
 
 /// Times closer than this are one time, s.
 pub(super) const SAME: f64 = 1.0e-9;
@@ -14,15 +14,8 @@ pub(super) const SAME: f64 = 1.0e-9;
 /// Longest interval of an increment, over the usual one; beyond it the sample before is missing.
 const WHOLE_INTERVAL: f64 = 1.5;
 
-/// Kinds in the order of the results.
-const KINDS: [SensorKind; 6] = [
-    SensorKind::Gyro,
-    SensorKind::Attitude,
-    SensorKind::Velocity,
-    SensorKind::Position,
-    SensorKind::Accelerometer,
-    SensorKind::VelocityIncrement,
-];
+/// Columns of the vector in N whose direction a sensor sees.
+pub(super) const REFERENCE: &str = "reference";
 
 /// The columns of one sensor in one table.
 pub(super) struct SensorColumns<'a> {
@@ -31,6 +24,8 @@ pub(super) struct SensorColumns<'a> {
     pub kind: SensorKind,
     /// Three axes, or the four numbers of a quaternion.
     pub parts: Vec<&'a Channel>,
+    /// Where the telemetry says whose direction is seen: its three axes in N.
+    reference: Option<[&'a Channel; 3]>,
     /// Times at which every part has a sample, s.
     time_s: Vec<f64>,
     /// Index of the sample in each part, at these times.
@@ -55,7 +50,19 @@ pub(super) fn columns_of<'a>(
             }
         }
     };
-    Some(SensorColumns::new(Some(sensor), of.kind, parts))
+    let axis = |axis: &str| {
+        let name = format!("{REFERENCE}_{axis}");
+        let own = table.sensor_channel(&of.name, &name);
+        own.or_else(|| table.sensor_channel("", &name))
+    };
+    let axes = XYZ.map(axis);
+    Some(SensorColumns {
+        reference: match (of.kind, axes) {
+            (SensorKind::Direction, [Some(x), Some(y), Some(z)]) => Some([x, y, z]),
+            _ => None,
+        },
+        ..SensorColumns::new(Some(sensor), of.kind, parts)
+    })
 }
 
 fn named<'a>(
@@ -89,7 +96,7 @@ fn without_own<'a>(
 /// Every sensor that a table has columns of, in an order that their declaration does not change.
 pub(super) fn sensor_columns<'a>(model: &Model, table: &'a Table) -> Vec<SensorColumns<'a>> {
     let mut all = Vec::new();
-    for kind in KINDS {
+    for kind in SensorKind::with_axes() {
         let mut own: Vec<SensorColumns> = (0..model.sensors.len())
             .filter(|k| model.sensors[*k].kind == kind)
             .filter_map(|k| columns_of(model, table, k))
@@ -131,6 +138,7 @@ impl<'a> SensorColumns<'a> {
             sensor,
             kind,
             parts,
+            reference: None,
             time_s,
             at,
         }
@@ -169,15 +177,16 @@ impl<'a> SensorColumns<'a> {
             SensorKind::VelocityIncrement => self.starts(),
             _ => Vec::new(),
         };
+        let declared = self.sensor.map(|k| &model.sensors[k]);
+        let references = declared.map(|s| self.references(s)).unwrap_or_default();
         let samples = self.time_s.iter().enumerate();
         let samples = samples.filter_map(|(i, t)| {
             Some(SensorSample {
                 from: at(starts.get(i).copied().unwrap_or(*t))?,
                 to: at(*t)?,
-                value: self.value(i, origin)?,
+                value: self.value(i, (origin, &references))?,
             })
         });
-        let declared = self.sensor.map(|k| &model.sensors[k]);
         let noise = declared.and_then(covariance).unwrap_or_default();
         SensorRecord {
             sensor: self.sensor,
@@ -189,18 +198,50 @@ impl<'a> SensorColumns<'a> {
             // Sensors that report in body axes err in their own.
             ..SensorRecord::of_base(
                 self.kind,
-                match (declared, self.kind) {
-                    (
-                        Some(s),
-                        SensorKind::Gyro | SensorKind::Attitude | SensorKind::Accelerometer,
-                    ) => s.R_BS * noise * s.R_BS.transpose(),
+                match declared {
+                    Some(s) if s.turns() => s.R_BS * noise * s.R_BS.transpose(),
                     _ => noise,
                 },
             )
         }
     }
 
-    fn value(&self, i: usize, origin: &Vector3<f64>) -> Option<SensorValue> {
+    /// Directions seen from the base, each with its time and the vector in N.
+    pub fn directions(&self, model: &Model) -> Vec<(f64, Vector3<f64>, Vector3<f64>)> {
+        let declared = self.sensor.map(|k| &model.sensors[k]);
+        let references = declared.map(|s| self.references(s)).unwrap_or_default();
+        let origin = Vector3::zeros();
+        let all = self.time_s.iter().enumerate();
+        let seen = all.filter_map(|(i, t)| match self.value(i, (&origin, &references))? {
+            SensorValue::Direction {
+                seen_B,
+                reference_N,
+            } => Some((*t, seen_B, reference_N)),
+            _ => None,
+        });
+        seen.collect()
+    }
+
+    /// The vector in N whose direction each sample is, of length one; empty for other kinds.
+    fn references(&self, sensor: &Sensor) -> Vec<Option<Vector3<f64>>> {
+        let unit = |v: Vector3<f64>| v.try_normalize(0.0);
+        match (self.kind, sensor.reference_N, self.reference) {
+            (SensorKind::Direction, Some(constant), _) => vec![Some(constant); self.time_s.len()],
+            (SensorKind::Direction, None, Some(axes)) => {
+                let [x, y, z] = axes.map(|c| resample(c, &self.time_s, None));
+                let all = x.iter().zip(&y).zip(&z);
+                all.map(|((x, y), z)| unit(Vector3::new((*x)?, (*y)?, (*z)?)))
+                    .collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn value(
+        &self,
+        i: usize,
+        (origin, references): (&Vector3<f64>, &[Option<Vector3<f64>>]),
+    ) -> Option<SensorValue> {
         let at = self.at.get(i)?;
         let part = |k: usize| self.parts.get(k)?.values.get(*at.get(k)?).copied();
         let (x, y, z) = (part(0)?, part(1)?, part(2)?);
@@ -210,6 +251,10 @@ impl<'a> SensorColumns<'a> {
                 SensorValue::Attitude(UnitQuaternion::from_quaternion(q))
             }
             SensorKind::Position => SensorValue::Vector(Vector3::new(x, y, z) - origin),
+            SensorKind::Direction => SensorValue::Direction {
+                seen_B: Vector3::new(x, y, z).try_normalize(0.0)?,
+                reference_N: (*references.get(i)?)?,
+            },
             _ => SensorValue::Vector(Vector3::new(x, y, z)),
         })
     }
@@ -255,9 +300,7 @@ impl Leading {
                 order.then_with(|| b.2.cmp(a.2))
             })
         };
-        let of = KINDS
-            .iter()
-            .filter_map(|kind| Some((*kind, best(*kind)?.0)));
+        let of = SensorKind::with_axes().filter_map(|kind| Some((kind, best(kind)?.0)));
         Self { of: of.collect() }
     }
 
@@ -298,7 +341,8 @@ pub(super) fn check_sensors(
 ) -> Result<(), BindError> {
     for table in tables {
         let label = super::file_label(table);
-        for kind in KINDS {
+        refuse_without_reference(model, table, &label)?;
+        for kind in SensorKind::with_axes() {
             refuse_ambiguous(model, table, kind)?;
         }
         unread(model, table, &label, repairs);
@@ -313,7 +357,7 @@ pub(super) fn check_sensors(
         at.is_some_and(|k| tables.any(|t| columns_of(model, t, k).is_some()))
     };
     refuse_links_alone(model, &read)?;
-    for kind in KINDS {
+    for kind in SensorKind::with_axes() {
         let all: Vec<&Sensor> = model.sensors_of(kind).collect();
         let with_columns: Vec<&&Sensor> = all.iter().filter(|s| read(s)).collect();
         for sensor in &with_columns {
@@ -364,6 +408,26 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
     })
 }
 
+/// A direction tells nothing without the vector in N that it belongs to.
+fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), BindError> {
+    for (k, sensor) in model.sensors.iter().enumerate() {
+        let columns = columns_of(model, table, k);
+        let lost = columns.is_some_and(|c| c.references(sensor).is_empty());
+        if sensor.kind == SensorKind::Direction && lost {
+            let own = |axis| full_name(&sensor.name, &format!("{REFERENCE}_{axis}"));
+            return Err(BindError::Missing {
+                file: label.to_owned(),
+                channel: XYZ.map(own).join(" "),
+                why: format!(
+                    "the direction '{}' tells nothing without the vector in inertial axes that it belongs to; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
+                    sensor.name
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// What the fit starts from is measured on the base: rate, attitude, and position or velocity where there is any.
 fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
     let groups: [&[SensorKind]; 3] = [
@@ -395,7 +459,7 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
 /// A declared sensor without columns is not used.
 fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
     for (k, sensor) in model.sensors.iter().enumerate() {
-        if KINDS.contains(&sensor.kind) && columns_of(model, table, k).is_none() {
+        if !sensor.kind.is_scalar() && columns_of(model, table, k).is_none() {
             repairs.push(format!(
                 "{label}: no columns '{}' of the {} '{}': the sensor is not used",
                 names_of(model, sensor.kind).join(" "),
@@ -408,7 +472,7 @@ fn unread(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) 
 
 /// Columns that name a sensor which the model lacks, or none where every sensor has its own, are not used.
 fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String>) {
-    for kind in KINDS {
+    for kind in SensorKind::with_axes() {
         let first = &names_of(model, kind)[0];
         for channel in table.channels.iter().filter(|c| c.name == *first) {
             let declared = model.sensors_of(kind).any(|s| s.name == channel.sensor);
@@ -436,6 +500,7 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
     let (kind, key) = match sensor.kind {
         SensorKind::Accelerometer => ("accelerometer", "noise_m_s2"),
         SensorKind::VelocityIncrement => ("velocity_increment", "noise_m_s"),
+        SensorKind::Direction => ("direction", "noise_rad"),
         _ if of_its_kind < 2 => return Ok(()),
         kind => {
             return Err(BindError::Unsupported {

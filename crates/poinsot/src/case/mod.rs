@@ -22,7 +22,6 @@ pub use designed::{Design, Form, Moved};
 pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
 pub use poinsot_formats::case::{Format, Objective};
 pub use sensor_output::SensorOutput;
-pub(crate) use sensor_output::unit_suffix;
 pub use wanted::Want;
 
 pub use crate::error::{CaseError, CaseFault};

@@ -5,7 +5,7 @@ use super::planner::Planner;
 use poinsot_dynamics::SensorError;
 use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
-use poinsot_model::{JointKind, Model, Sensor, SensorKind};
+use poinsot_model::Sensor;
 
 /// What one sensor of the model does.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,7 +138,7 @@ fn bias(
     sensor: &Sensor,
     key: &str,
 ) -> Option<Vec<f64>> {
-    let wanted = unit_suffix(planner.model, sensor);
+    let wanted = planner.model.unit_of(sensor);
     let all: [(&str, &Option<Placed<Vec<f64>>>); 6] = [
         ("rad", &table.bias_rad),
         ("rad_s", &table.bias_rad_s),
@@ -177,25 +177,4 @@ fn bias(
         }
     }
     found
-}
-
-/// The unit of a sensor's readings as it ends a key.
-pub(crate) fn unit_suffix(model: &Model, sensor: &Sensor) -> &'static str {
-    let slides = sensor
-        .of
-        .first()
-        .and_then(|j| model.joints.get(*j))
-        .is_some_and(|joint| joint.kind == JointKind::Prismatic);
-    match sensor.kind {
-        SensorKind::Gyro | SensorKind::WheelSpeed => "rad_s",
-        SensorKind::Attitude => "rad",
-        SensorKind::Position => "m",
-        SensorKind::Velocity | SensorKind::VelocityIncrement => "m_s",
-        SensorKind::Accelerometer => "m_s2",
-        SensorKind::JointPosition if slides => "m",
-        SensorKind::JointPosition => "rad",
-        SensorKind::JointRate if slides => "m_s",
-        SensorKind::JointRate => "rad_s",
-        SensorKind::Thrust => "N",
-    }
 }

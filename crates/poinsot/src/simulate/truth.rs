@@ -2,7 +2,7 @@
 
 use super::record::Recorder;
 use super::{every, stream};
-use crate::case::{Case, Scenario, unit_suffix};
+use crate::case::{Case, Scenario};
 use crate::estimate_file::{position_key, reference};
 use indexmap::IndexMap;
 use poinsot_dynamics::{MotionSample, WheelUse, composite};
@@ -73,7 +73,7 @@ impl Drawn<'_> {
             );
         }
         for (i, sensor) in self.model.sensors.iter().enumerate() {
-            let (name, unit) = (&sensor.name, unit_suffix(self.model, sensor));
+            let (name, unit) = (&sensor.name, self.model.unit_of(sensor));
             match self.recorder.bias(i) {
                 [one] => put(format!("{name}.bias"), unit, *one),
                 all => {
@@ -104,7 +104,7 @@ impl Drawn<'_> {
         });
         TrueSensorFile {
             kind: sensor.kind.word().to_owned(),
-            unit: unit_suffix(self.model, sensor).to_owned(),
+            unit: self.model.unit_of(sensor).to_owned(),
             stream: stream(self.trial, i),
             rate_hz: self.case.rate_hz / every(self.scenario, i) as f64,
             covariance,

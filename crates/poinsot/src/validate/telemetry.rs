@@ -13,7 +13,7 @@ use poinsot_dynamics::Tree;
 use poinsot_identify::{
     CompletedVehicle, HeldBack, PredictedChannel, Prediction, Problem, SegmentFit, held_back,
 };
-use poinsot_model::{JointKind, Model, Sensor, SensorKind};
+use poinsot_model::{JointKind, Model, Sensor, SensorKind, printed_unit};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 use poinsot_telemetry::{Channel, Table};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -67,39 +67,29 @@ struct Group<'m> {
 
 /// What a base and its joints may be measured by.
 fn groups(model: &Model) -> Vec<Group<'_>> {
-    let kinds = [
-        (SensorKind::Attitude, "rad"),
-        (SensorKind::Gyro, "rad/s"),
-        (SensorKind::Position, "m"),
-        (SensorKind::Velocity, "m/s"),
-        (SensorKind::Accelerometer, "m/s2"),
-    ];
-    let mut list: Vec<Group> = kinds
-        .into_iter()
-        .map(|(kind, unit)| Group {
+    let mut list: Vec<Group> = SensorKind::with_axes()
+        // Increments have no value at a time.
+        .filter(|kind| *kind != SensorKind::VelocityIncrement)
+        .map(|kind| Group {
             name: kind.word().to_owned(),
-            unit,
+            unit: printed_unit(kind.unit(false)),
             channels: names(model, kind, &[]),
             sensor: model.sensors_of(kind).find(|s| s.body == 0),
         })
         .collect();
     for (k, joint) in model.joints.iter().enumerate() {
-        let (position, rate) = match joint.kind {
-            JointKind::Fixed => continue,
-            JointKind::Prismatic => ("m", "m/s"),
-            JointKind::Revolute => ("rad", "rad/s"),
-        };
-        for (kind, unit) in [
-            (SensorKind::JointPosition, position),
-            (SensorKind::JointRate, rate),
-        ] {
+        if joint.kind == JointKind::Fixed {
+            continue;
+        }
+        let slides = joint.kind == JointKind::Prismatic;
+        for kind in [SensorKind::JointPosition, SensorKind::JointRate] {
             let what = match kind {
                 SensorKind::JointRate => "rate of joint",
                 _ => "joint",
             };
             list.push(Group {
                 name: format!("{what} {}", joint.name),
-                unit,
+                unit: printed_unit(kind.unit(slides)),
                 channels: names(model, kind, &[k]),
                 sensor: model.sensors_of(kind).find(|s| s.of.contains(&k)),
             });

@@ -4,7 +4,7 @@ use poinsot::case::{Case, parse_case, read_case};
 use poinsot::simulate::simulate_case;
 use poinsot::{Identified, Question, identify_tables};
 use poinsot_identify::{BodyEstimate, Number, Status};
-use poinsot_model::{Model, MomentumKnowledge, SensorKind, read_model};
+use poinsot_model::{Model, MomentumKnowledge, SensorKind, printed_unit, read_model};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::Table;
 use std::path::{Path, PathBuf};
@@ -112,15 +112,7 @@ impl Units {
         }
         for sensor in &mut scaled.sensors {
             sensor.p_BoS_B *= length;
-            let unit = match sensor.kind {
-                SensorKind::Gyro | SensorKind::WheelSpeed | SensorKind::JointRate => "rad/s",
-                SensorKind::Attitude | SensorKind::JointPosition => "rad",
-                SensorKind::Position => "m",
-                SensorKind::Velocity | SensorKind::VelocityIncrement => "m/s",
-                SensorKind::Accelerometer => "m/s2",
-                SensorKind::Thrust => "N",
-            };
-            let unit = self.of_unit(unit);
+            let unit = self.of_unit(printed_unit(sensor.kind.unit(false)));
             sensor.quantisation *= unit;
             if let Some(covariance) = &mut sensor.noise_covariance {
                 *covariance *= unit * unit;

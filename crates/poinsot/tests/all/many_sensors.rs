@@ -9,6 +9,7 @@ use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Number, Problem, Status};
 use poinsot_model::{Model, SensorKind, parse_model};
 use poinsot_telemetry::{Channel, Table};
+use poinsot_testkit::Vector3;
 use std::path::Path;
 
 /// A tug with an arm; the true numbers.
@@ -84,6 +85,25 @@ const FINE: Declared = ("fine", "gyro", 1.0e-5, "");
 const COARSE: Declared = ("coarse", "gyro", 4.0e-5, "");
 const STAR: Declared = ("star", "attitude", 2.0e-5, "");
 const SUN: Declared = ("sun", "attitude", 1.0e-4, "");
+const SUNLIGHT: Declared = (
+    "sunlight",
+    "direction",
+    2.0e-4,
+    "reference_N = [3.0, -1.0, 2.0]\n",
+);
+/// Turned on its body, and off by a little.
+const FIELD: Declared = (
+    "field",
+    "direction",
+    1.0e-3,
+    "reference_N = [0.1, 0.4, -0.2]\nrotation_xyzw = [0.5, 0.5, -0.5, 0.5]\nbias = { sigma_rad = 0.01 }\n",
+);
+const ARM_SUN: Declared = (
+    "arm sun",
+    "direction",
+    1.0e-4,
+    "body = \"arm\"\nreference_N = [3.0, -1.0, 2.0]\n",
+);
 const SPEED: Declared = ("speed", "velocity", 1.0e-4, "");
 const ON_ARM: Declared = (
     "on arm",
@@ -98,7 +118,7 @@ fn model(sensors: &[Declared]) -> Model {
     for (name, kind, sigma, more) in sensors {
         let unit = match *kind {
             "gyro" => "rad_s",
-            "attitude" => "rad",
+            "attitude" | "direction" => "rad",
             _ => "m_s",
         };
         text += &format!(
@@ -109,8 +129,17 @@ fn model(sensors: &[Declared]) -> Model {
 }
 
 fn case() -> Case {
+    written_case(CASE)
+}
+
+fn written_case(text: &str) -> Case {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
-    parse_case(&folder.join("arm.toml"), CASE.to_owned()).unwrap()
+    parse_case(&folder.join("arm.toml"), text.to_owned()).unwrap()
+}
+
+/// The same motion without exact columns beside the sensors'.
+fn sensed() -> Case {
+    written_case(&CASE.replace("seed = 7", "seed = 7\nsensors_only = true"))
 }
 
 fn bound(model: &Model, tables: &[Table]) -> Result<Bound, BindError> {
@@ -133,9 +162,13 @@ fn solved(model: &Model, table: &Table) -> Estimate {
 }
 
 fn study(model: &Model) -> Study {
+    study_of(&case(), model)
+}
+
+fn study_of(case: &Case, model: &Model) -> Study {
     Study {
         diagnose: false,
-        ..Study::of_case(&case(), model, model.clone()).unwrap()
+        ..Study::of_case(case, model, model.clone()).unwrap()
     }
 }
 
@@ -278,8 +311,7 @@ fn exact_simulate_writes_every_sensor_with_its_errors() {
     let text = format!(
         "{CASE}\n[[output.sensor]]\nname = \"coarse\"\nbias_rad_s = [0.0, 0.0, 0.0]\nscale = [0.1, 0.0, 0.0]\nnonorthogonality_rad = [0.0, 0.0, 0.02]\nlag_s = 0.05\n"
     );
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
-    let case = parse_case(&folder.join("arm.toml"), text).unwrap();
+    let case = written_case(&text);
     let table = simulate_trial(&case, &model, 0).unwrap().table;
     for (sensor, count) in [("coarse", 3), ("fine", 3), ("star", 4), ("sun", 4)] {
         assert_eq!(columns(&table, sensor).len(), count, "{sensor}");
@@ -336,4 +368,97 @@ fn regress_a_sensor_without_data_and_data_without_sensor_are_said() {
     });
     let refused = said(&silent, &table).unwrap_err().to_string();
     assert!(refused.contains("'coarse' declares no noise"), "{refused}");
+}
+
+/// A direction is the vector in N, turned by the attitude that the same run writes.
+#[test]
+fn exact_a_direction_is_the_turned_reference() {
+    let mut quiet = model(&[STAR, SUNLIGHT]);
+    quiet
+        .sensors
+        .iter_mut()
+        .for_each(|s| s.noise_covariance = None);
+    let table = simulate_trial(&case(), &quiet, 0).unwrap().table;
+    // The only one of a kind writes columns without a name.
+    let axis = |name: String| &table.channel(&name).unwrap().values;
+    let seen = ["x", "y", "z"].map(|k| axis(format!("direction_{k}")));
+    let q = ["x", "y", "z", "w"].map(|k| axis(format!("q_{k}")));
+    let reference = Vector3::new(3.0, -1.0, 2.0).normalize();
+    for k in 0..seen[0].len() {
+        let [x, y, z, w] = q.map(|c| c[k]);
+        let vector = Vector3::new(x, y, z);
+        // Rodrigues with the conjugate: from N to the body.
+        let turned = reference - 2.0 * w * vector.cross(&reference)
+            + 2.0 * vector.cross(&vector.cross(&reference));
+        let gap = turned - Vector3::new(seen[0][k], seen[1][k], seen[2][k]);
+        assert!(gap.amax() < 1.0e-12, "{k}: {gap}");
+    }
+}
+
+/// No tracker: two directions, one of a turned sensor that is off by an unknown vector, and a third on the arm.
+#[test]
+fn stat_directions_without_a_tracker_are_calibrated() {
+    let model = model(&[FINE, SUNLIGHT, FIELD, ARM_SUN, SPEED]);
+    let study = study_of(&sensed(), &model);
+    let bound = study.bound().unwrap();
+    let result = statistics(&study.run(0..60), Some(&bound));
+    println!("NEES {:?}", result.nees);
+    assert!(result.nees.is_some());
+    let faults = result.faults();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Three directions at right angles weigh as much as a tracker: each tells two of three turns, so together twice all.
+#[test]
+fn exact_three_directions_are_a_tracker_of_half_the_variance() {
+    let axes = ["[1.0, 0.0, 0.0]", "[0.0, 2.0, 0.0]", "[0.0, 0.0, -3.0]"]
+        .map(|v| format!("reference_N = {v}\n"));
+    let [x, y, z] = ["x", "y", "z"];
+    let three = model(&[
+        FINE,
+        (x, "direction", 1.0e-4, &axes[0]),
+        (y, "direction", 1.0e-4, &axes[1]),
+        (z, "direction", 1.0e-4, &axes[2]),
+        SPEED,
+    ]);
+    let one = model(&[
+        FINE,
+        ("star", "attitude", 1.0e-4 / 2.0_f64.sqrt(), ""),
+        SPEED,
+    ]);
+    let bound = |model| numbers(&study_of(&sensed(), model).bound().unwrap());
+    let (_, sigma) = gaps(&bound(&three), &bound(&one));
+    println!("sigmas {sigma:.1e}");
+    assert!(sigma < 1.0e-3, "{sigma:e}");
+}
+
+/// The vector in N as columns that change in time gives the same answer, bit by bit, as one that stands in the model.
+#[test]
+fn exact_a_reference_in_columns_is_that_of_the_model() {
+    let declared = model(&[FINE, SUNLIGHT, FIELD, SPEED]);
+    let table = simulate_trial(&sensed(), &declared, 0).unwrap().table;
+    let mut without = declared.clone();
+    let sensor = without
+        .sensors
+        .iter_mut()
+        .find(|s| s.name == "sunlight")
+        .unwrap();
+    sensor.reference_N = None;
+    let mut with_columns = table.clone();
+    let times = columns(&table, "sunlight")[0].time_s.clone();
+    for (axis, value) in ["x", "y", "z"].iter().zip([3.0, -1.0, 2.0]) {
+        with_columns.channels.push(Channel {
+            name: format!("reference_{axis}"),
+            sensor: "sunlight".to_owned(),
+            unit: String::new(),
+            frame: String::new(),
+            time_s: times.clone(),
+            values: vec![value; times.len()],
+        });
+    }
+    let (a, b) = (solved(&declared, &table), solved(&without, &with_columns));
+    assert_eq!(numbers(&a), numbers(&b));
+    let lost = bound(&without, &[table]).map(|b| b.repairs);
+    let lost = lost.unwrap_err().to_string();
+    assert!(lost.contains("sunlight.reference_x"), "{lost}");
 }

@@ -5,6 +5,7 @@ use crate::fit::coordinates::Coordinates;
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::segment::{Segment, SensorValue};
+use crate::sensors::across;
 use poinsot_spatial::UnitQuaternion;
 
 /// Rounds in which readings become those predicted: the turn of an attitude is exact after the first.
@@ -46,6 +47,13 @@ pub(crate) fn take_predictions(
                         SensorValue::Attitude(R) => {
                             SensorValue::Attitude(R * UnitQuaternion::from_scaled_axis(-row.raw))
                         }
+                        SensorValue::Direction {
+                            seen_B,
+                            reference_N,
+                        } => SensorValue::Direction {
+                            seen_B: (seen_B - across(&seen_B).transpose() * row.raw).normalize(),
+                            reference_N,
+                        },
                     };
                 }
             }

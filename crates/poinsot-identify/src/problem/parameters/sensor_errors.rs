@@ -2,7 +2,7 @@
 
 use super::{Parameters, UnknownKind};
 use poinsot_dynamics::{SensorError, SensorErrors};
-use poinsot_model::{Nuisance, Sensor, SensorKind};
+use poinsot_model::{Nuisance, Sensor, SensorKind, printed_unit};
 
 /// Errors of one sensor that are declared with one key of the model file, and unknown together.
 #[derive(Debug, Clone, Copy)]
@@ -59,11 +59,12 @@ const LAG: ErrorGroup = ErrorGroup {
 
 impl ErrorGroup {
     /// What may be wrong with a sensor of three axes of this kind; nothing of one that reads joints, wheels or thrusters.
-    /// An attitude is a turn: it can be off and late.
+    /// An attitude is a turn: it can be off and late. A direction has no length that could be wrong.
     pub fn of(kind: SensorKind) -> &'static [Self] {
         match kind {
             kind if kind.is_scalar() => &[],
             SensorKind::Attitude => &[BIAS, LAG],
+            SensorKind::Direction => &[BIAS, MISALIGNMENT, LAG],
             _ => &[BIAS, SCALE, MISALIGNMENT, NONORTHOGONALITY, LAG],
         }
     }
@@ -71,23 +72,11 @@ impl ErrorGroup {
     /// Unit of its numbers for a kind of sensor.
     pub fn unit(&self, kind: SensorKind) -> &'static str {
         match self.key {
-            "bias" => reading_unit(kind),
+            "bias" => printed_unit(kind.unit(false)),
             "scale" => "1",
             "lag" => "s",
             _ => "rad",
         }
-    }
-}
-
-/// Unit of a kind's readings.
-pub(crate) fn reading_unit(kind: SensorKind) -> &'static str {
-    match kind {
-        SensorKind::Gyro | SensorKind::JointRate | SensorKind::WheelSpeed => "rad/s",
-        SensorKind::Attitude | SensorKind::JointPosition => "rad",
-        SensorKind::Position => "m",
-        SensorKind::Velocity | SensorKind::VelocityIncrement => "m/s",
-        SensorKind::Accelerometer => "m/s2",
-        SensorKind::Thrust => "N",
     }
 }
 

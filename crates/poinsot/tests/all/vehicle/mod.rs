@@ -165,6 +165,7 @@ pub fn sensor(kind: SensorKind, sigma: f64) -> Sensor {
         lag: Nuisance::Known,
         R_BS: Matrix3::identity(),
         p_BoS_B: Vector3::zeros(),
+        reference_N: None,
         of: Vec::new(),
     }
 }

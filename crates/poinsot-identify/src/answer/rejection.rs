@@ -1,0 +1,108 @@
+//! Why the rigid model is rejected: one row a reason, the most telling first.
+
+use crate::answer::trust::Trust;
+use crate::fit::degrees_of_freedom::MISFIT;
+use crate::solution::estimate::BodyEstimate;
+use crate::solution::solved::Solved;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
+/// correlated in time: three times the noise at every reading, where no widened sigma bounds what the numbers err.
+const REJECT: f64 = 9.0;
+/// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
+/// contradict the model: three sigma where one condition holds a body.
+const PRESSED: f64 = 2.7e-3;
+/// Share of the signal that a model must explain not to be rejected then.
+const LEAST_EXPLAINED: f64 = 0.5;
+
+/// A reason to reject the rigid model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rejection {
+    /// The answer is no distribution of positive mass.
+    Impossible,
+    /// Noise that adds up under thrust shows in chi-square: sigmas that take it as fresh are wrong by any factor, and so are
+    /// the numbers.
+    NoiseAddsUp,
+    /// A line stands in the residual.
+    NotRigid,
+    /// Residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that the model lacks.
+    /// Only maximum likelihood compares readings one by one. Where a prior stands against the data, it and not the vehicle is at
+    /// fault.
+    Contradicted,
+    /// The model misses most of the signal.
+    Unexplained,
+}
+
+impl Rejection {
+    /// The first reason that holds.
+    pub fn of(solved: &Solved, trust: &Trust, bodies: &[BodyEstimate]) -> Option<Self> {
+        let chi2 = solved.chi2_per_dof();
+        let share = solved.explained;
+        let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
+        let bad_fit = chi2 > MISFIT || unexplained;
+        let impossible = bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solved, bad_fit);
+        let coloured = trust.coloured && solved.conflict.is_none();
+        let reasons = [
+            (Self::Impossible, impossible),
+            (Self::NoiseAddsUp, chi2 > MISFIT && solved.adds_up),
+            (Self::NotRigid, chi2 > MISFIT && solved.not_rigid),
+            (Self::Contradicted, chi2 > REJECT && coloured),
+            (Self::Unexplained, chi2 > REJECT && unexplained),
+        ];
+        reasons.into_iter().find(|r| r.1).map(|r| r.0)
+    }
+
+    /// What is said of it.
+    pub fn words(self, solved: &Solved) -> String {
+        let chi2 = solved.chi2_per_dof();
+        let times = chi2.sqrt();
+        let check = "check units, signs, wheel axes, external torques";
+        match self {
+            Self::Impossible => format!(
+                "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty; residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); {check}"
+            ),
+            Self::NoiseAddsUp => format!(
+                "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample (chi-square per degree of freedom {chi2:.1}), which its sigmas take as fresh: numbers are withheld; use --method auto"
+            ),
+            Self::NotRigid => format!(
+                "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
+            ),
+            Self::Contradicted => format!(
+                "rigid model rejected: residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}) and correlated in time; {check}"
+            ),
+            Self::Unexplained => format!(
+                "rigid model rejected: it explains {:.0} % of the measured change of momentum and misses the rest by {times:.0} sigma; {check}",
+                100.0 * solved.explained.unwrap_or(0.0)
+            ),
+        }
+    }
+}
+
+/// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
+/// bad besides.
+fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
+    if !body.asked || body.physically_consistent != Some(false) {
+        return false;
+    }
+    let Some(principal) = &body.principal else {
+        return false;
+    };
+    let [a, b, c] = principal.moments;
+    let violation = (c - a - b).max(-a);
+    let sigma = body
+        .inertia
+        .iter()
+        .filter_map(|n| n.sigma)
+        .fold(0.0, f64::max);
+    bad_fit || violation > 3.0 * sigma
+}
+
+/// Whether the fit is held at the edge of the physical bodies although the data stand further beyond it than noise
+/// explains, or at all where the fit is bad besides.
+fn pressed(solved: &Solved, bad_fit: bool) -> bool {
+    let held = solved.held.as_ref();
+    held.is_some_and(|h| {
+        let beyond = ChiSquared::new(h.conditions as f64);
+        bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)
+    })
+}
