@@ -345,6 +345,25 @@ mod tests {
     }
 
     #[test]
+    fn unit_what_all_names_begin_with_is_said_once_on_the_axis() {
+        let names = ["bus.inertia_kg_m2.xx", "bus.inertia_kg_m2.yy"].map(str::to_owned);
+        let plot = Plot {
+            x: Axis::new("number", ""),
+            names: names.to_vec(),
+            series: vec![Series::new("", Mark::Points, 0, &[1.0, 2.0], &[1.0, 3.0])],
+            ..Plot::default()
+        };
+        let html = plot.html();
+        assert!(html.as_str().contains(">number of bus.inertia_kg_m2<"));
+        assert!(html.as_str().contains(">yy</text>"));
+        let mixed = Plot {
+            names: vec!["bus.mass_kg".to_owned(), "arm.mass_kg".to_owned()],
+            ..plot
+        };
+        assert!(mixed.html().as_str().contains(">arm.mass_kg</text>"));
+    }
+
+    #[test]
     fn unit_nothing_finite_is_said() {
         let plot = Plot {
             series: vec![Series::new("", Mark::Line, 0, &[f64::NAN], &[1.0])],

@@ -15,6 +15,7 @@ mod open;
 mod picture;
 mod poles;
 mod provenance;
+mod repairs;
 mod results;
 mod tensor;
 mod trust;

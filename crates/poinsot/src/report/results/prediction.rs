@@ -24,7 +24,11 @@ pub(super) fn result(p: &PredictionFile) -> Shown {
     let all = found.rank == found.parameters;
     let (tone, yes) = answer(all);
     let of = format!("{} of {} combinations", found.rank, found.parameters);
-    let mut lights = vec![light("Everything identifiable?", tone, yes, of)];
+    let mut identifiable = light("Everything identifiable?", tone, yes, of);
+    if !all {
+        identifiable.place = "open";
+    }
+    let mut lights = vec![identifiable];
     if !p.wants.is_empty() {
         let (tone, yes) = answer(met == p.wants.len());
         let of = format!("{met} of {} wanted numbers", p.wants.len());
