@@ -19,7 +19,7 @@ _MERIDIAN = 40
 _INTERVAL = 1.96
 
 
-class Drawn(Protocol):
+class _Drawn(Protocol):
     """What a figure needs of a :class:`poinsot.Answer`, which calls this module and so is not imported by it."""
 
     @property
@@ -43,7 +43,7 @@ def _figure(rows: int = 1, columns: int = 1, width: float = 4.0, height: float =
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def _body(answer: Drawn, body: str | None) -> Any:
+def _body(answer: _Drawn, body: str | None) -> Any:
     """The body asked for, else the first of which something was unknown."""
     if body is not None:
         if body not in answer.bodies:
@@ -53,7 +53,7 @@ def _body(answer: Drawn, body: str | None) -> Any:
     return (asked or list(answer.bodies.values()))[0]
 
 
-def tensor(answer: Drawn, body: str | None = None) -> Figure:
+def tensor(answer: _Drawn, body: str | None = None) -> Figure:
     """Draw the elements of an inertia tensor with their intervals of 95 % beside the model's.
 
     Parameters
@@ -66,7 +66,7 @@ def tensor(answer: Drawn, body: str | None = None) -> Figure:
     return compare({"estimate": answer}, body)
 
 
-def compare(answers: Mapping[str, Drawn] | Sequence[Drawn], body: str | None = None) -> Figure:
+def compare(answers: Mapping[str, _Drawn] | Sequence[_Drawn], body: str | None = None) -> Figure:
     """Draw the tensor elements of several answers side by side, relative to the model's.
 
     Parameters
@@ -97,7 +97,7 @@ def compare(answers: Mapping[str, Drawn] | Sequence[Drawn], body: str | None = N
     return figure
 
 
-def ellipsoid(answer: Drawn, body: str | None = None) -> Figure:
+def ellipsoid(answer: _Drawn, body: str | None = None) -> Figure:
     """Draw the ellipsoid of gyration of a body: semi-axes are the radii of gyration of equivalent mass planes.
 
     Parameters
@@ -126,7 +126,7 @@ def ellipsoid(answer: Drawn, body: str | None = None) -> Figure:
     return figure
 
 
-def residuals(answer: Drawn, sensor: str | None = None, segment: int = 0) -> Figure:
+def residuals(answer: _Drawn, sensor: str | None = None, segment: int = 0) -> Figure:
     """Draw measured less predicted of every sensor, or of one, over time.
 
     Parameters
@@ -151,7 +151,7 @@ def residuals(answer: Drawn, sensor: str | None = None, segment: int = 0) -> Fig
     return figure
 
 
-def undetermined(answer: Drawn) -> Figure:
+def undetermined(answer: _Drawn) -> Figure:
     """Draw the coefficients of every direction that the data do not determine.
 
     Parameters
@@ -176,7 +176,7 @@ def undetermined(answer: Drawn) -> Figure:
     return figure
 
 
-def draw(answer: Drawn, kind: str = "all", **options: Any) -> Figure:
+def draw(answer: _Drawn, kind: str = "all", **options: Any) -> Figure:
     """Draw a kind of figure; see :meth:`poinsot.Answer.plot`."""
     kinds: dict[str, Callable[..., Figure]] = {"tensor": tensor, "ellipsoid": ellipsoid, "residuals": residuals, "undetermined": undetermined}
     if kind in kinds:
