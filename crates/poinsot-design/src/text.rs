@@ -1,7 +1,7 @@
 //! A design in one sentence.
 
 use crate::result::Designed;
-use poinsot_report::{Document, significant};
+use poinsot_report::significant;
 
 /// The answer in one sentence.
 pub(crate) fn sentence(designed: &Designed) -> String {
@@ -47,9 +47,4 @@ pub(crate) fn sentence(designed: &Designed) -> String {
             )
         }
     }
-}
-
-/// The design as a document.
-pub fn design_document(designed: &Designed) -> Document {
-    poinsot::design_document(&crate::design_file(designed))
 }
