@@ -166,7 +166,8 @@ pub struct Identify {
     #[arg(long)]
     pub recover: bool,
     /// What is done about a finding of a telemetry check: held, stuck, saturation, outlier (exclude, report,
-    /// refuse), placeholder (report, exclude, refuse), gap, lag (report, refuse), units (refuse, report).
+    /// refuse), placeholder (report, exclude, refuse), gap, lag, motor_torque
+    /// (report, refuse), units (refuse, report).
     #[arg(long, value_name = "CHECK=POLICY")]
     pub policy: Vec<String>,
     /// How telemetry is taken out of its files.

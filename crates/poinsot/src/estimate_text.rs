@@ -166,7 +166,8 @@ fn known(e: &Estimate) -> Option<Section> {
         let line = "all taken as exact, as the model declares".to_owned();
         Section::list("known numbers", vec![line])
     };
-    sensitivities(e).or_else(|| e.known_numbers.exact.then(exact))
+    let declared = e.known_numbers.exact && !e.known_numbers.assumed;
+    sensitivities(e).or_else(|| declared.then(exact))
 }
 
 fn telemetry_findings(identified: &Identified) -> Vec<String> {

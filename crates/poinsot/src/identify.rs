@@ -4,8 +4,8 @@ use crate::bind::{BindError, Bound, acceleration_channels, bind, mountings, want
 use crate::digest::sha256;
 use crate::error::Error;
 use crate::methods::{is_own, methods};
-use crate::mixups;
 use crate::progress::step;
+use crate::{mixups, motor_torque};
 use poinsot_dynamics::Tree;
 use poinsot_formats::ModelInputFile;
 use poinsot_identify::{
@@ -468,12 +468,10 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
         }
     };
     known_as_exact(&model, &mut estimate);
-    let findings = match is_own(&question.method) {
-        true => mixups::rates(&problem, &tables, &estimate)
-            .into_iter()
-            .collect(),
-        false => Vec::new(),
-    };
+    let mut findings = motor_torque::contradictions(&model, &tables);
+    if is_own(&question.method) {
+        findings.extend(mixups::rates(&problem, &tables, &estimate));
+    }
     if bound.dropped > ALLOWED_LOSS {
         not_acceptable(&mut estimate, bound.dropped, "a segment");
     }

@@ -18,6 +18,7 @@ mod fault_file;
 pub mod identify;
 pub mod methods;
 mod mixups;
+mod motor_torque;
 mod output;
 pub mod predict;
 mod progress;

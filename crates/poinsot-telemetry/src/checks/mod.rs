@@ -36,6 +36,8 @@ pub enum Check {
     Lag,
     /// Numbers that ask for another unit; found against the model.
     Units,
+    /// Motor torque and speed of a wheel that contradict each other; found against the model.
+    MotorTorque,
 }
 
 /// What is done about a finding.
@@ -69,7 +71,7 @@ impl Policy {
 
 impl Check {
     /// Every check, in the order in which they are made.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Gap,
         Self::Placeholder,
         Self::Held,
@@ -78,6 +80,7 @@ impl Check {
         Self::Outlier,
         Self::Lag,
         Self::Units,
+        Self::MotorTorque,
     ];
 
     /// Name on the command line and in the result.
@@ -91,6 +94,7 @@ impl Check {
             Self::Saturation => "saturation",
             Self::Lag => "lag",
             Self::Units => "units",
+            Self::MotorTorque => "motor_torque",
         }
     }
 
@@ -101,7 +105,7 @@ impl Check {
                 &[Policy::Exclude, Policy::Report, Policy::Refuse]
             }
             Self::Placeholder => &[Policy::Report, Policy::Exclude, Policy::Refuse],
-            Self::Gap | Self::Lag => &[Policy::Report, Policy::Refuse],
+            Self::Gap | Self::Lag | Self::MotorTorque => &[Policy::Report, Policy::Refuse],
             Self::Units => &[Policy::Refuse, Policy::Report],
         }
     }
@@ -268,7 +272,7 @@ fn look(table: &Table, check: Check) -> Vec<Found> {
             .filter_map(|sensor| stuck::find(table, sensor, check))
             .collect(),
         Check::Lag => lag::find(table).into_iter().collect(),
-        Check::Units => Vec::new(),
+        Check::Units | Check::MotorTorque => Vec::new(),
     }
 }
 
@@ -339,8 +343,8 @@ fn exclude(table: &mut Table, found: &Found) {
 }
 
 fn gaps(channel: &Channel) -> Option<Found> {
-    // Thrust holds from a sample to the next, whenever that comes.
-    if channel.unit == Dimension::Force.si() {
+    // Thrust and torque hold from a sample to the next, whenever that comes.
+    if [Dimension::Force.si(), Dimension::Torque.si()].contains(&channel.unit.as_str()) {
         return None;
     }
     let step = median_step(&channel.time_s)?;

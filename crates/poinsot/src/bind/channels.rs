@@ -89,7 +89,9 @@ pub fn wanted_channels(model: &Model) -> BTreeSet<String> {
         wanted.insert(position);
         wanted.insert(rate);
     }
-    wanted.extend(model.wheels.iter().map(|w| format!("{}_rad_s", w.name)));
+    for unit in ["rad_s", "Nm"] {
+        wanted.extend(model.wheels.iter().map(|w| format!("{}_{unit}", w.name)));
+    }
     wanted.extend(model.thrusters.iter().map(|t| format!("{}_N", t.name)));
     wanted
 }

@@ -411,9 +411,10 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
 /// A direction tells nothing without the vector in N that it belongs to.
 fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), BindError> {
     for (k, sensor) in model.sensors.iter().enumerate() {
-        let columns = columns_of(model, table, k);
-        let lost = columns.is_some_and(|c| c.references(sensor).is_empty());
-        if sensor.kind == SensorKind::Direction && lost {
+        if sensor.kind != SensorKind::Direction || sensor.reference_N.is_some() {
+            continue;
+        }
+        if columns_of(model, table, k).is_some_and(|c| c.reference.is_none()) {
             let own = |axis| full_name(&sensor.name, &format!("{REFERENCE}_{axis}"));
             return Err(BindError::Missing {
                 file: label.to_owned(),

@@ -39,6 +39,7 @@ mod many_nuisances;
 mod many_sensors;
 mod methods;
 mod mixed_up;
+mod motor_torque;
 mod noisy_files;
 mod nutation;
 mod open_set;

@@ -6,7 +6,7 @@ pub const CASES: &[Case] = &[
     (
         r#"type = "gyro""#,
         r#"type = "gyroscope""#,
-        r#"E0107 m.toml:34:8: sensor[0].type (sensor "gyro") = "gyroscope": the word is not one of those allowed here; write "gyro", "attitude", "position", "velocity", "velocity_increment", "accelerometer", "joint_position", "joint_rate", "wheel_speed", "thrust"; did you mean "gyro"?"#,
+        r#"E0107 m.toml:34:8: sensor[0].type (sensor "gyro") = "gyroscope": the word is not one of those allowed here; write "gyro", "attitude", "position", "velocity", "velocity_increment", "accelerometer", "joint_position", "joint_rate", "wheel_speed", "direction", "thrust"; did you mean "gyro"?"#,
     ),
     (
         r#"noise_rad_s = 1.0e-4"#,

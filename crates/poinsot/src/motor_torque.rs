@@ -1,0 +1,123 @@
+//! Telemetered motor torque of wheels against their speed: two readings of one thing, of which the fit uses the speed.
+
+use nalgebra::{DMatrix, DVector};
+use poinsot_model::{Model, Wheel};
+use poinsot_telemetry::checks::{Check, Finding, Policy};
+use poinsot_telemetry::{Channel, Table, resample};
+
+/// Sigma of the scale of a torque that nobody calibrated: it is a current times a nominal constant.
+const SCALE: f64 = 0.05;
+/// Sigmas from which the two contradict each other.
+const CONTRADICTED: f64 = 5.0;
+/// Readings of the speed over which one change is taken: its noise is then small beside the change.
+const WINDOW: usize = 10;
+/// Unknowns: scale, offset, two kinds of friction.
+const UNKNOWNS: usize = 4;
+/// Changes needed for the unknowns and a scatter.
+const FEWEST: usize = 3 * UNKNOWNS;
+/// Share of the identity that keeps columns apart which are alike: a wheel that keeps its sense.
+const APART: f64 = 1.0e-9;
+
+/// Wheels whose speed does not change as their motor torque says.
+///
+/// `Js dOmega = s int tau dt - b dt - c0 int sign(Omega) dt - c1 int Omega dt` over windows: scale and offset of the torque, Coulomb
+/// and viscous friction. What the body's own turn adds to the axial speed is left out: it is below a thousandth.
+pub(crate) fn contradictions(model: &Model, tables: &[Table]) -> Vec<Finding> {
+    // A spin inertia that is asked for comes from the body's reaction.
+    let known = model.wheels.iter().filter(|w| !w.estimate);
+    known.filter_map(|w| contradiction(w, tables)).collect()
+}
+
+fn contradiction(wheel: &Wheel, tables: &[Table]) -> Option<Finding> {
+    let speed = format!("{}_rad_s", wheel.name);
+    let torque = format!("{}_Nm", wheel.name);
+    let read = tables
+        .iter()
+        .filter_map(|t| Some((t.channel(&speed)?, t.channel(&torque)?)));
+    let changes: Vec<Change> = read.flat_map(|(w, t)| changes(w, t)).collect();
+    let (scale, sigma) = scale(&changes, wheel.spin_inertia)?;
+    let sigma = sigma.hypot(SCALE);
+    ((scale - 1.0).abs() > CONTRADICTED * sigma).then(|| Finding {
+        check: Check::MotorTorque,
+        channel: speed.clone(),
+        count: 0,
+        of: 0,
+        first_times_s: Vec::new(),
+        text: format!(
+            "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque says ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
+            wheel.name, wheel.spin_inertia
+        ),
+        policy: Policy::Report,
+    })
+}
+
+/// Change of a wheel's speed over a window, and integrals over it: torque, one, sense of rotation, speed.
+struct Change {
+    speed: f64,
+    of: [f64; UNKNOWNS],
+}
+
+fn changes(speed: &Channel, torque: &Channel) -> Vec<Change> {
+    let at = |channel: &Channel| resample(&integral(channel), &speed.time_s, None);
+    let sense = Channel {
+        values: speed.values.iter().map(|x| x.signum()).collect(),
+        ..speed.clone()
+    };
+    let (impulse, sense, angle) = (at(torque), at(&sense), at(speed));
+    let ends: Vec<usize> = (0..speed.time_s.len()).step_by(WINDOW).collect();
+    let pairs = ends.windows(2);
+    let one = |pair: &[usize]| {
+        let [a, b] = *pair else { return None };
+        let between = |column: &[Option<f64>]| Some((*column.get(b)?)? - (*column.get(a)?)?);
+        Some(Change {
+            speed: speed.values[b] - speed.values[a],
+            of: [
+                between(&impulse)?,
+                speed.time_s[b] - speed.time_s[a],
+                between(&sense)?,
+                between(&angle)?,
+            ],
+        })
+    };
+    pairs.filter_map(one).collect()
+}
+
+/// A channel's integral over time by the trapezium, from its first sample.
+fn integral(channel: &Channel) -> Channel {
+    let mut sum = 0.0;
+    let mut values = vec![0.0];
+    for k in 1..channel.values.len() {
+        let step = channel.time_s[k] - channel.time_s[k - 1];
+        sum += 0.5 * step * (channel.values[k] + channel.values[k - 1]);
+        values.push(sum);
+    }
+    values.truncate(channel.values.len());
+    Channel {
+        values,
+        ..channel.clone()
+    }
+}
+
+/// Scale of the speed's change over the torque's, and its sigma by the scatter; `None` where the torque does not tell.
+fn scale(changes: &[Change], spin_inertia: f64) -> Option<(f64, f64)> {
+    if changes.len() < FEWEST {
+        return None;
+    }
+    let y = DVector::from_iterator(
+        changes.len(),
+        changes.iter().map(|c| spin_inertia * c.speed),
+    );
+    let sizes: [f64; UNKNOWNS] =
+        std::array::from_fn(|k| changes.iter().map(|c| c.of[k].abs()).fold(0.0, f64::max));
+    // Columns of unit size; a column of zeros says nothing and takes nothing.
+    let size = |k: usize| if sizes[k] > 0.0 { sizes[k] } else { 1.0 };
+    let A = DMatrix::from_fn(changes.len(), UNKNOWNS, |i, k| changes[i].of[k] / size(k));
+    let normal = A.tr_mul(&A) + DMatrix::identity(UNKNOWNS, UNKNOWNS) * APART;
+    let inverse = normal.try_inverse()?;
+    let x = &inverse * A.tr_mul(&y);
+    let left = (&y - &A * &x).norm_squared();
+    let variance = left / (changes.len() - UNKNOWNS) as f64;
+    let sigma = (variance * inverse[(0, 0)]).max(0.0).sqrt();
+    let (scale, sigma) = (x[0] / size(0), sigma / size(0));
+    (sizes[0] > 0.0 && scale.is_finite() && sigma.is_finite()).then_some((scale, sigma))
+}
