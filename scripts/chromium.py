@@ -122,9 +122,9 @@ class Page:
     def __init__(self, browser, address, width, height, dark, still):
         self.browser = browser
         self.address = address
-        target = browser.call("Target.createTarget", url="about:blank")["targetId"]
-        self.session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ["Page", "Runtime", "Network", "Log"]:
+        self.target = browser.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = browser.call("Target.attachToTarget", targetId=self.target, flatten=True)["sessionId"]
+        for domain in ["Page", "Runtime", "Network", "Log", "DOM", "CSS"]:
             self.call(f"{domain}.enable")
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         features = [
@@ -157,6 +157,14 @@ class Page:
         """Two frames: what was drawn is on the screen."""
         self.value("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))")
 
+    def style(self, rules):
+        """Adds rules to the page as its maker could; its policy does not hold for them."""
+        made = self.call("CSS.createStyleSheet", frameId=self.call("Page.getFrameTree")["frameTree"]["frame"]["id"])
+        self.call("CSS.setStyleSheetText", styleSheetId=made["styleSheetId"], text=rules)
+
+    def close(self):
+        self.browser.call("Target.closeTarget", targetId=self.target)
+
     def drag(self, start, end):
         """Presses, moves in steps, lets go."""
         self.mouse("mousePressed", start)
@@ -186,9 +194,9 @@ class Page:
             self.call("Input.dispatchKeyEvent", type=kind, key=key, **(text if kind == "keyDown" else {}))
         self.settle()
 
-    def picture(self, box=None):
+    def picture(self, box=None, scale=1):
         """PNG of the whole page, or of a box on it."""
-        clip = {"clip": {**box, "scale": 1}} if box else {}
+        clip = {"clip": {**box, "scale": scale}} if box else {}
         made = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, **clip)
         return base64.b64decode(made["data"])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -12,13 +12,26 @@ from ._errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ._answer import Answer, Body
-
 _ELEMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 # Points of a meridian of an ellipsoid: smooth at the size of a figure.
 _MERIDIAN = 40
 # Half-width of an interval of 95 %, in standard deviations.
 _INTERVAL = 1.96
+
+
+class _Drawn(Protocol):
+    """What a figure needs of a :class:`poinsot.Answer`, which calls this module and so is not imported by it."""
+
+    @property
+    def bodies(self) -> Mapping[str, Any]: ...
+
+    @property
+    def predictions(self) -> Sequence[Any]: ...
+
+    @property
+    def undetermined(self) -> Sequence[Any]: ...
+
+    def residuals(self, sensor: str, segment: int = 0) -> Any: ...
 
 
 def _figure(rows: int = 1, columns: int = 1, width: float = 4.0, height: float = 3.0, **options: Any) -> tuple[Figure, Any]:
@@ -30,7 +43,7 @@ def _figure(rows: int = 1, columns: int = 1, width: float = 4.0, height: float =
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def _body(answer: Answer, body: str | None) -> Body:
+def _body(answer: _Drawn, body: str | None) -> Any:
     """The body asked for, else the first of which something was unknown."""
     if body is not None:
         if body not in answer.bodies:
@@ -40,7 +53,7 @@ def _body(answer: Answer, body: str | None) -> Body:
     return (asked or list(answer.bodies.values()))[0]
 
 
-def tensor(answer: Answer, body: str | None = None) -> Figure:
+def tensor(answer: _Drawn, body: str | None = None) -> Figure:
     """Draw the elements of an inertia tensor with their intervals of 95 % beside the model's.
 
     Parameters
@@ -53,7 +66,7 @@ def tensor(answer: Answer, body: str | None = None) -> Figure:
     return compare({"estimate": answer}, body)
 
 
-def compare(answers: Mapping[str, Answer] | Sequence[Answer], body: str | None = None) -> Figure:
+def compare(answers: Mapping[str, _Drawn] | Sequence[_Drawn], body: str | None = None) -> Figure:
     """Draw the tensor elements of several answers side by side, relative to the model's.
 
     Parameters
@@ -84,7 +97,7 @@ def compare(answers: Mapping[str, Answer] | Sequence[Answer], body: str | None =
     return figure
 
 
-def ellipsoid(answer: Answer, body: str | None = None) -> Figure:
+def ellipsoid(answer: _Drawn, body: str | None = None) -> Figure:
     """Draw the ellipsoid of gyration of a body: semi-axes are the radii of gyration of equivalent mass planes.
 
     Parameters
@@ -113,7 +126,7 @@ def ellipsoid(answer: Answer, body: str | None = None) -> Figure:
     return figure
 
 
-def residuals(answer: Answer, sensor: str | None = None, segment: int = 0) -> Figure:
+def residuals(answer: _Drawn, sensor: str | None = None, segment: int = 0) -> Figure:
     """Draw measured less predicted of every sensor, or of one, over time.
 
     Parameters
@@ -138,7 +151,7 @@ def residuals(answer: Answer, sensor: str | None = None, segment: int = 0) -> Fi
     return figure
 
 
-def undetermined(answer: Answer) -> Figure:
+def undetermined(answer: _Drawn) -> Figure:
     """Draw the coefficients of every direction that the data do not determine.
 
     Parameters
@@ -163,7 +176,7 @@ def undetermined(answer: Answer) -> Figure:
     return figure
 
 
-def draw(answer: Answer, kind: str = "all", **options: Any) -> Figure:
+def draw(answer: _Drawn, kind: str = "all", **options: Any) -> Figure:
     """Draw a kind of figure; see :meth:`poinsot.Answer.plot`."""
     kinds: dict[str, Callable[..., Figure]] = {"tensor": tensor, "ellipsoid": ellipsoid, "residuals": residuals, "undetermined": undetermined}
     if kind in kinds:

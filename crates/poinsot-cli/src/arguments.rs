@@ -72,7 +72,8 @@ pub enum Verb {
     Campaign(Campaign),
     /// Vary numbers of one case and compare methods: errors, bounds, figures. A campaign of one case.
     Sweep(Sweep),
-    /// Make the answer of `identify` in a folder into one page, report.html, that needs no network.
+    /// Make a result into one page, report.html, that needs no network: of identify, validate, predict, compare, design or
+    /// campaign.
     Report(Report),
     /// Say what a telemetry file holds and whether its conventions fit the gyro.
     Inspect(Inspect),
@@ -551,9 +552,10 @@ pub struct Schema {
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct Report {
-    /// Folder with estimate.json and report_data.json, as `identify --out` writes them.
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
+    /// Folder of `identify --out`, `validate --out`, `design --out` or `campaign --out`, or the file of a result: what `predict --json`
+    /// and `compare --json` print, kept as prediction.json or comparison.json.
+    #[arg(value_name = "DIR|FILE")]
+    pub result: PathBuf,
     /// Earlier answer of the same vehicle to compare with, in a section of its own; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub compare: Vec<PathBuf>,

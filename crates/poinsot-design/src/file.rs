@@ -1,4 +1,4 @@
-//! A design as `design.json` (`poinsot.design/1`).
+//! A design as `design.json` (`poinsot.design/1`), and as a document made of it.
 
 use crate::result::Designed;
 use crate::text::sentence;
@@ -6,6 +6,7 @@ use poinsot_formats::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
     SearchFile, VerifiedNumberFile, finite,
 };
+use poinsot_report::Document;
 
 /// The design as its file.
 pub fn design_file(designed: &Designed) -> DesignFile {
@@ -70,4 +71,9 @@ pub fn design_file(designed: &Designed) -> DesignFile {
                 .collect(),
         }),
     }
+}
+
+/// The design as a document.
+pub fn design_document(designed: &Designed) -> Document {
+    poinsot::design_document(&design_file(designed))
 }

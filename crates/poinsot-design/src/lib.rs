@@ -23,9 +23,8 @@ mod watch;
 mod written;
 
 pub use design::{DesignRequest, design, design_case};
-pub use file::design_file;
+pub use file::{design_document, design_file};
 pub use result::{Designed, LimitUse, Reach, Relaxed, Verification, VerifiedNumber};
-pub use text::design_document;
 pub use vehicles::{drawn, has_prior};
 
 pub use written::{manoeuvre_case, write_design};

@@ -52,17 +52,32 @@ pub struct MassFile<N> {
     pub inertia_kg_m2: Elements<N>,
 }
 
+impl<N: Clone> MassFile<N> {
+    /// Mass, mass centre and inertia with name and unit.
+    pub fn numbers(&self) -> Vec<(String, &'static str, N)> {
+        numbers(&self.mass_kg, &self.com_m, &self.inertia_kg_m2)
+    }
+}
+
+fn numbers<N: Clone>(
+    mass: &N,
+    com: &Axes<N>,
+    inertia: &Elements<N>,
+) -> Vec<(String, &'static str, N)> {
+    let mut all = vec![("mass".to_owned(), "kg", mass.clone())];
+    for (axis, number) in com.named() {
+        all.push((format!("com {axis}"), "m", number.clone()));
+    }
+    for (element, number) in inertia.named() {
+        all.push((format!("I {element}"), "kg m²", number.clone()));
+    }
+    all
+}
+
 impl BodyFile {
     /// Mass, mass centre and inertia with name and unit.
     pub fn numbers(&self) -> Vec<(String, &'static str, NumberFile)> {
-        let mut all = vec![("mass".to_owned(), "kg", self.mass_kg.clone())];
-        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            all.push((format!("com {axis}"), "m", self.com_m.number(k)));
-        }
-        for (element, number) in self.inertia_kg_m2.named() {
-            all.push((format!("I {element}"), "kg m²", number.clone()));
-        }
-        all
+        numbers(&self.mass_kg, &self.com_m, &self.inertia_kg_m2)
     }
 
     /// The same by address, for a body of this name, with the unit in ASCII.

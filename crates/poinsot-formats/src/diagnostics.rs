@@ -17,6 +17,9 @@ pub struct DiagnosticsFile {
     pub excess_sigmas: Option<f64>,
     /// Sensors by name.
     pub channels: BTreeMap<String, ChannelFile>,
+    /// The end of every record against the prediction of a fit without it. Absent where it is not tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOutFile>,
     /// Change of momentum that no declared force or torque explains.
     pub momentum_drift: Vec<DriftFile>,
     /// Delays between sensors.
@@ -45,6 +48,19 @@ pub struct ChannelFile {
     /// Probability that a white residual is as correlated in time. Absent where it is not tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness_p: Option<f64>,
+}
+
+/// The end of every record against the prediction of a fit without it, to first order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HeldOutFile {
+    /// Share of every record that was held out.
+    pub share: f64,
+    /// Numbers held out.
+    pub numbers: usize,
+    /// Square of the prediction error in its covariance, noise and uncertainty of the fit together.
+    pub chi2: f64,
+    /// Probability of an error as large by chance.
+    pub p: f64,
 }
 
 /// Unexplained force and torque.

@@ -46,7 +46,8 @@ pub use design::{
     SearchFile, VerifiedNumberFile,
 };
 pub use diagnostics::{
-    ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile, ValueFile,
+    ChannelFile, DiagnosticsFile, DriftFile, FindingFile, HeldOutFile, LagFile, LineFile,
+    SuspectFile, ValueFile,
 };
 pub use estimate::{
     CheckFile, CovarianceFile, DeterminedFile, ESTIMATE, EpochFile, EstimateFile,

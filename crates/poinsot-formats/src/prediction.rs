@@ -33,6 +33,9 @@ pub struct PredictionFile {
     pub wants: Vec<WantedFile>,
     /// Bodies with something unknown, by name.
     pub bodies: IndexMap<String, MassFile<PredictedNumberFile>>,
+    /// The whole vehicle at the first sample, base axes, from the base origin. Absent of a single body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<MassFile<PredictedNumberFile>>,
     /// Everything else that is estimated, by address.
     pub nuisance: IndexMap<String, PredictedNumberFile>,
     /// Addresses, units and matrix of all determined numbers.

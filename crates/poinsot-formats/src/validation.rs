@@ -50,6 +50,14 @@ pub struct EstimateRefFile {
     pub path: String,
     /// Its status.
     pub status: String,
+    /// Whether the estimate says that its covariance may be relied on.
+    #[serde(default = "relied_on")]
+    pub covariance_trustworthy: bool,
+}
+
+/// Of files before this was written.
+fn relied_on() -> bool {
+    true
 }
 
 /// Limits that were given.

@@ -24,8 +24,8 @@ pub use certify::barycentre::Barycentric;
 pub use certify::combination::{Combination, Combinations, split};
 pub use diagnosis::octaves::Octave;
 pub use diagnosis::{
-    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
-    Suspect,
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
+    SpectralLine, Suspect,
 };
 pub use evaluation::wanted::{Information, WantedNumber, WantedTerm};
 pub use evaluation::{EvaluatedUnknown, Evaluation, EvaluationError, Evaluator, SensorResiduals};

@@ -119,9 +119,10 @@ pub fn predict(
 ) -> PyResult<Printed> {
     run(py, progress.as_ref(), move || {
         let found = poinsot::predict::predict(&case, relative_accuracy)?;
+        let file = prediction_file(&found);
         Ok((
-            json(&prediction_file(&found))?,
-            text(&prediction_document(&found)),
+            json(&file)?,
+            text(&prediction_document(&file)),
             poinsot_cli::exit_of(found.passes()),
         ))
     })
@@ -160,9 +161,10 @@ pub fn validate(
         if let Some(folder) = &out {
             write_validation(folder, &found)?;
         }
+        let file = validation_file(&found);
         Ok((
-            json(&validation_file(&found))?,
-            text(&validation_document(&found)),
+            json(&file)?,
+            text(&validation_document(&file)),
             poinsot_cli::exit_of(found.passes()),
         ))
     })

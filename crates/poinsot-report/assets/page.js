@@ -48,5 +48,8 @@
     bar.appendChild(said);
   }
   document.addEventListener("toggle", () => document.dispatchEvent(new CustomEvent("poinsot:shown")), true);
+  // The bytes of a page do not depend on the time; its file has a date.
+  const written = new Date(document.lastModified).toISOString().slice(0, 16).replace("T", " ");
+  document.querySelector("footer p").append(` File written ${written} UTC.`);
   window.poinsotSave = save;
 })();

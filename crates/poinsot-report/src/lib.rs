@@ -6,6 +6,7 @@ mod error;
 mod figure;
 mod figures;
 mod markup;
+mod opening;
 mod packed;
 mod page;
 #[cfg(feature = "png")]
@@ -20,6 +21,7 @@ pub use error::PageError;
 pub use figure::{Figure, FigureFormat, Picture};
 pub use figures::{number_with_sigma, probability, significant};
 pub use markup::{Html, escape, island, render};
+pub use opening::{Light, Opening};
 pub use page::{Page, Part};
 pub use scene::{Arrow, Curve, Ellipsoid, Hinge, Morph, Point, Rolling, Scene, Spot, Tree};
 pub use series::{Axis, Mark, Plot, Series};

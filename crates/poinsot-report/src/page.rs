@@ -1,7 +1,7 @@
 //! One self-contained page: no network, and a content security policy that names its own style and
 //! scripts by hash.
 
-use crate::document::{Content, Document, Section};
+use crate::document::{Content, Document, Section, Table};
 use crate::error::PageError;
 use crate::figure::Figure;
 use crate::markup::{Html, render};
@@ -40,7 +40,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// The sections of a document as tables.
+    /// The sections of a document: tables with captions, lists with titles.
     ///
     /// # Errors
     /// The template is faulty.
@@ -50,15 +50,12 @@ impl Part {
         about: &str,
         document: &Document,
     ) -> Result<Self, PageError> {
-        let section = |s: &Section| {
-            let (head, rows) = match &s.content {
-                Content::Table(t) => (t.head.clone(), t.rows.clone()),
-                Content::List(lines) => {
-                    let rows = lines.iter().map(|line| vec![line.clone()]);
-                    (Vec::new(), rows.collect())
-                }
-            };
-            context! { title => s.title, head, rows, note => s.note }
+        let section = |s: &Section| match &s.content {
+            Content::Table(t) => {
+                let text: Vec<bool> = (0..t.head.len()).map(|k| is_text(t, k)).collect();
+                context! { title => s.title, head => t.head, rows => t.rows, note => s.note, text }
+            }
+            Content::List(lines) => context! { title => s.title, lines, note => s.note },
         };
         let sections: Vec<_> = document.sections.iter().map(section).collect();
         Ok(Self {
@@ -119,6 +116,14 @@ impl Page {
         )?;
         Ok(format!("{}\n", page.as_str()))
     }
+}
+
+/// Whether no cell of a column begins as a number does.
+fn is_text(table: &Table, column: usize) -> bool {
+    let numeric =
+        |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+-±".contains(c));
+    let mut cells = table.rows.iter().filter_map(|row| row.get(column));
+    !cells.any(numeric)
 }
 
 fn hash(text: &str) -> String {

@@ -7,6 +7,8 @@ use crate::series::{Axis, Mark, Plot, Series};
 use std::fmt::Write;
 
 const WIDTH: f64 = 860.0;
+/// Width of a letter of a name on an axis with its space, px.
+const LETTER: f64 = 8.5;
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 8.0;
@@ -204,7 +206,10 @@ impl Plot {
             unit if unit.is_empty() => escape(&axis.label),
             unit => format!("{} [{}]", escape(&axis.label), escape(&unit)),
         };
-        let (x, y) = (label(&self.x, 0), label(&self.y, frame.exponent));
+        let (mut x, y) = (label(&self.x, 0), label(&self.y, frame.exponent));
+        if let Some(owner) = self.common_prefix().strip_suffix('.') {
+            x = format!("{x} of {}", escape(owner));
+        }
         let (middle, floor, half) = (LEFT + w / 2.0, height - 6.0, TOP + h / 2.0);
         if !x.is_empty() {
             let _ = write!(
@@ -218,6 +223,19 @@ impl Plot {
         );
     }
 
+    /// What all names begin with, to the last point in it: said once, on the axis.
+    fn common_prefix(&self) -> &str {
+        let Some((first, others)) = self.names.split_first() else {
+            return "";
+        };
+        let mut prefix = first.rfind('.').map_or("", |at| &first[..=at]);
+        while !others.iter().all(|n| n.starts_with(prefix)) {
+            let inner = prefix.strip_suffix('.').unwrap_or_default();
+            prefix = inner.rfind('.').map_or("", |at| &first[..=at]);
+        }
+        prefix
+    }
+
     fn draw_ticks(&self, frame: &Frame, w: f64, h: f64, out: &mut String) {
         let floor = TOP + h + 14.0;
         let mut along = ticks(frame.x[0], frame.x[1], if self.half { 5 } else { 9 });
@@ -228,10 +246,15 @@ impl Plot {
         if !self.names.is_empty() {
             along = (1..=self.names.len()).map(|k| k as f64).collect();
         }
+        let common = self.common_prefix().len();
+        let longest = self.names.iter().map(|n| n.len() - common).max();
+        let needed = (longest.unwrap_or(0) * self.names.len()) as f64 * LETTER;
+        let step = (needed / w).ceil().max(1.0) as usize;
         for (k, t) in along.iter().enumerate() {
             let x = LEFT + w * frame.share_x(*t);
             let text = match self.names.get(k) {
-                Some(name) => escape(name),
+                Some(name) if k % step == 0 => escape(&name[common..]),
+                Some(_) => String::new(),
                 None => tick_text(*t, &along),
             };
             let _ = write!(
@@ -319,6 +342,25 @@ mod tests {
         assert!(html.as_str().contains("omega [10⁻⁶ rad/s]"));
         assert!(html.as_str().contains("time [s]"));
         assert!(html.as_str().contains("a&lt;b"));
+    }
+
+    #[test]
+    fn unit_what_all_names_begin_with_is_said_once_on_the_axis() {
+        let names = ["bus.inertia_kg_m2.xx", "bus.inertia_kg_m2.yy"].map(str::to_owned);
+        let plot = Plot {
+            x: Axis::new("number", ""),
+            names: names.to_vec(),
+            series: vec![Series::new("", Mark::Points, 0, &[1.0, 2.0], &[1.0, 3.0])],
+            ..Plot::default()
+        };
+        let html = plot.html();
+        assert!(html.as_str().contains(">number of bus.inertia_kg_m2<"));
+        assert!(html.as_str().contains(">yy</text>"));
+        let mixed = Plot {
+            names: vec!["bus.mass_kg".to_owned(), "arm.mass_kg".to_owned()],
+            ..plot
+        };
+        assert!(mixed.html().as_str().contains(">arm.mass_kg</text>"));
     }
 
     #[test]

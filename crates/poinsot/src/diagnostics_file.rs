@@ -1,10 +1,10 @@
 //! The evidence for and against the fit: in the result file, in the terminal, on the page.
 
 use poinsot_formats::{
-    ChannelFile, DiagnosticsFile, DriftFile, FindingFile, LagFile, LineFile, SuspectFile,
-    ValueFile, address, finite,
+    ChannelFile, DiagnosticsFile, DriftFile, FindingFile, HeldOutFile, LagFile, LineFile,
+    SuspectFile, ValueFile, address, finite,
 };
-use poinsot_identify::{Diagnostics, MomentumDrift};
+use poinsot_identify::{Diagnostics, HeldOut, MomentumDrift};
 use poinsot_report::{Tone, probability, significant};
 
 /// Probability below which a drift or a lag is worth a word.
@@ -18,6 +18,7 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
         deviance: finite(d.deviance),
         excess_sigmas: finite(d.excess_sigmas),
         channels: d.channels.iter().map(channel).collect(),
+        held_out: d.held_out.as_ref().map(held_out),
         momentum_drift: d.drift.iter().map(drift).collect(),
         lags: d.lags.iter().map(lag).collect(),
         suspects: d.suspects.iter().map(suspect).collect(),
@@ -59,6 +60,7 @@ const CAUSES: usize = 3;
 pub(crate) fn checks(d: &DiagnosticsFile) -> Vec<Check> {
     let mut all = vec![chi_square(d)];
     all.extend(d.channels.iter().map(|(name, c)| residual(name, c)));
+    all.extend(d.held_out.iter().map(held_out_row));
     let small = |p: Option<f64>| p.is_some_and(|p| p < SIGNIFICANT);
     let drifts = d.momentum_drift.iter();
     let worth_a_row = drifts.filter(|d| d.segment.is_none() || small(d.p));
@@ -111,6 +113,15 @@ fn channel(c: &poinsot_identify::ChannelDiagnosis) -> (String, ChannelFile) {
         whiteness_p: c.whiteness_p,
     };
     (c.name.to_owned(), file)
+}
+
+fn held_out(h: &HeldOut) -> HeldOutFile {
+    HeldOutFile {
+        share: h.share,
+        numbers: h.numbers,
+        chi2: h.chi2,
+        p: h.p,
+    }
 }
 
 fn drift(d: &MomentumDrift) -> DriftFile {
@@ -182,6 +193,29 @@ fn residual(name: &str, c: &ChannelFile) -> Check {
         format!("residual of the {name}"),
         found,
         residual_verdict(c),
+    )
+}
+
+/// The end of every record against its prediction.
+pub(crate) fn held_out_verdict(h: &HeldOutFile) -> Verdict {
+    match h.p < SIGNIFICANT {
+        true => (Tone::Bad, "no"),
+        false => (Tone::Good, "yes"),
+    }
+}
+
+fn held_out_row(h: &HeldOutFile) -> Check {
+    let percent = 100.0 * h.share;
+    let found = format!(
+        "chi-square {:.0} for {} expected, p = {}",
+        h.chi2,
+        h.numbers,
+        probability(h.p)
+    );
+    Check::new(
+        format!("last {percent:.0} % of every record predicted by the rest"),
+        found,
+        held_out_verdict(h),
     )
 }
 

@@ -5,9 +5,8 @@ use crate::estimate_file::{component, estimate_file, inertia_entries};
 use crate::identify::Identified;
 use crate::summary;
 use crate::verdict::Standing;
-use poinsot_identify::{
-    BodyEstimate, DeterminedCombination, Estimate, Number, OpenCombination, Source, Status,
-};
+use poinsot_formats::{EstimateFile, UndeterminedFile};
+use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
@@ -46,7 +45,7 @@ pub fn estimate_document(identified: &Identified, detail: Detail) -> Document {
         document.push(Section::list("known numbers", line).toned(Tone::Fair));
     }
     numbers(&mut document, e);
-    evidence(&mut document, identified);
+    evidence(&mut document, e, &file);
     let checks: Vec<Check> = file.diagnostics.iter().flat_map(checks).collect();
     let failed: Vec<&Check> = checks.iter().filter(|c| c.tone == Tone::Bad).collect();
     if !failed.is_empty() && detail == Detail::Answer {
@@ -122,8 +121,7 @@ fn numbers(document: &mut Document, e: &Estimate) {
 }
 
 /// What the data do not determine, what is determined instead, and the warnings.
-fn evidence(document: &mut Document, identified: &Identified) {
-    let e = &identified.estimate;
+fn evidence(document: &mut Document, e: &Estimate, file: &EstimateFile) {
     if e.status == Status::Rejected {
         document.push(Section::list("why it is rejected", e.warnings.clone()).toned(Tone::Bad));
         return;
@@ -131,7 +129,7 @@ fn evidence(document: &mut Document, identified: &Identified) {
     if !e.identifiability.open.is_empty() {
         document.push(Section::list(
             "not identifiable from these data",
-            open_sentences(&e.identifiability.open),
+            open_sentences(&file.identifiability.not_identifiable),
         ));
         document.sections.extend(determined(e));
     }
@@ -259,11 +257,11 @@ fn difference(n: &Number) -> String {
 }
 
 /// One line a direction; below those with one reason the reason, and below those with one remedy the remedy.
-pub(crate) fn open_sentences(open: &[OpenCombination]) -> Vec<String> {
+pub(crate) fn open_sentences(open: &[UndeterminedFile]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for alike in open.chunk_by(|a, b| a.reason == b.reason) {
         for group in alike.chunk_by(|a, b| a.remedy == b.remedy) {
-            lines.extend(group.iter().map(|item| item.text.clone()));
+            lines.extend(group.iter().map(|item| item.combination.clone()));
             lines.push(format!("    to resolve it: {}.", group[0].remedy));
         }
         lines.push(format!("    why: {}.", alike[0].reason));

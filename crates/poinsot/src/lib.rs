@@ -48,7 +48,7 @@ pub use output::{estimate_text, write_estimate, write_result};
 pub use poinsot_formats::EstimateFile;
 pub use poinsot_identify::Coordinates;
 pub use propose::{InspectionAnswer, inspect, inspection_file, proposed_map};
-pub use report::write_report;
+pub use report::{design_document, write_report};
 pub use schema::{schema, schema_names};
 pub use threads::start_threads;
 pub use units::units_file;

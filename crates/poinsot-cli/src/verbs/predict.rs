@@ -7,10 +7,11 @@ use poinsot::predict::{predict, prediction_document, prediction_file};
 pub fn run(arguments: &Predict) -> Outcome {
     poinsot::start_threads()?;
     let prediction = predict(&arguments.case, arguments.relative_accuracy)?;
+    let file = prediction_file(&prediction);
     if arguments.json {
-        print_json(&prediction_file(&prediction));
+        print_json(&file);
     } else if !arguments.quiet {
-        print_document(&prediction_document(&prediction));
+        print_document(&prediction_document(&file));
     }
     Ok(exit_of(prediction.passes()))
 }

@@ -6,7 +6,7 @@ use poinsot::write_report;
 
 pub fn run(arguments: &Report) -> Outcome {
     let paths = write_report(
-        &arguments.folder,
+        &arguments.result,
         &arguments.compare,
         &formats(&arguments.figures),
     )?;

@@ -40,10 +40,11 @@ pub fn run(arguments: &Validate) -> Outcome {
         Some(folder) => write_validation(folder, &validation)?,
         None => Vec::new(),
     };
+    let file = validation_file(&validation);
     if arguments.json {
-        print_json(&validation_file(&validation));
+        print_json(&file);
     } else if !arguments.quiet {
-        print_document(&validation_document(&validation));
+        print_document(&validation_document(&file));
     }
     for path in written.iter().filter(|_| !arguments.quiet) {
         note(&format!("written: {}", path.display()));

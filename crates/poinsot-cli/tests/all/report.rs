@@ -56,3 +56,57 @@ fn cli_a_folder_without_an_answer_is_refused() {
     assert_eq!(poinsot(&["report", &out]).status.code(), Some(2));
     assert!(!folder.path().join("report.html").exists());
 }
+
+/// What other verbs gave, from their files alone: the same page with the answer first.
+#[test]
+fn cli_results_of_other_verbs_have_the_same_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (model, six, one) = (
+        example("stsat3/model.toml"),
+        example("stsat3/multiaxis/telemetry_noisy.csv"),
+        example("stsat3/paper/telemetry_noisy.csv"),
+    );
+    let out = at("six");
+    let asked = ["identify", "--model", &model, "--out", &out];
+    let done = poinsot(&[&asked[..], &["--telemetry", &six]].concat());
+    assert_eq!(done.status.code(), Some(0));
+    let validate = ["validate", "--model", &model, "--estimate", &out];
+    let validation = at("validation");
+    poinsot(&[&validate[..], &["--against", &one, "--out", &validation]].concat());
+    let keep = |name: &str, arguments: &[&str]| {
+        let path = at(name);
+        std::fs::write(&path, poinsot(arguments).stdout).unwrap();
+        path
+    };
+    let case = example("cases/stsat3_kim2010.toml");
+    let prediction = keep("prediction.json", &["predict", &case, "--json"]);
+    let comparison = keep("comparison.json", &["compare", &out, &out, "--json"]);
+    for (result, word, section) in [
+        (&validation, "Agrees", "Differences"),
+        (
+            &prediction,
+            "Partly determined",
+            "What the data cannot tell",
+        ),
+        (&comparison, "Agree, not reliable", "Notes"),
+    ] {
+        assert_eq!(poinsot(&["report", result]).status.code(), Some(0));
+        let path = Path::new(result);
+        let folder = match path.is_dir() {
+            true => path,
+            false => path.parent().unwrap(),
+        };
+        let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
+        assert!(
+            page.contains(&format!("<p class=\"status\">{word}</p>")),
+            "{result}"
+        );
+        assert!(page.contains(&format!("<h2>{section}</h2>")), "{result}");
+    }
+    let other = at("other.json");
+    std::fs::write(&other, "{\"schema\": \"poinsot.truth/2\"}").unwrap();
+    let refused = poinsot(&["report", &other]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("has no page"));
+}

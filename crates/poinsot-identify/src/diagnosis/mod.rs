@@ -15,6 +15,7 @@ mod drift;
 mod fault;
 mod findings;
 mod gross;
+mod held_out;
 mod line;
 mod naming;
 pub(crate) mod octaves;
@@ -30,8 +31,8 @@ mod types;
 
 pub(crate) use channels::whiteness;
 pub use types::{
-    ChannelDiagnosis, Diagnostics, FaultKind, Finding, MomentumDrift, SensorLag, SpectralLine,
-    Suspect,
+    ChannelDiagnosis, Diagnostics, FaultKind, Finding, HeldOut, MomentumDrift, SensorLag,
+    SpectralLine, Suspect,
 };
 
 use crate::fit::Fitted;
@@ -65,6 +66,7 @@ pub(crate) fn diagnose(
         deviance: crate::diagnosis::deviance::deviance(experiment, fitted),
         excess_sigmas: excess / (2.0 * dof.max(1) as f64).sqrt(),
         channels: channels::channels(fitted),
+        held_out: held_out::held_out(experiment, fitted, fitted_numbers),
         ..Diagnostics::default()
     };
     let misfit = out.excess_sigmas > EXCESS;

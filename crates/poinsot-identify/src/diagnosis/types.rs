@@ -22,6 +22,8 @@ pub struct Diagnostics {
     pub shift_between_readings: f64,
     /// One entry per sensor, all segments together.
     pub channels: Vec<ChannelDiagnosis>,
+    /// Whether a fit to the beginning of each record predicts its end; `None` where it was not tried.
+    pub held_out: Option<HeldOut>,
     /// Drift of the total momentum that would fit best on top of the answer: all segments, then each.
     pub drift: Vec<MomentumDrift>,
     /// Lags between sensors, one per pair.
@@ -64,6 +66,19 @@ impl ChannelDiagnosis {
     pub fn outlier_share(&self) -> f64 {
         self.outliers as f64 / self.readings.max(1) as f64
     }
+}
+
+/// The end of every record against the prediction of a fit without it, to first order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldOut {
+    /// Share of every record that was held out.
+    pub share: f64,
+    /// Numbers held out.
+    pub numbers: usize,
+    /// Square of the prediction error in its covariance, noise and uncertainty of the fit together.
+    pub chi2: f64,
+    /// Probability of so large an error by chance, the size of the other residuals taken as seen.
+    pub p: f64,
 }
 
 /// A constant torque and force in N on top of the answer, everything else fitted again, to first order.

@@ -36,6 +36,8 @@ mod text;
 mod trial;
 mod until;
 
+pub(crate) use page::campaign_page;
+
 pub use engine::{Damaged, missing_shards, run_shard, run_shards};
 pub use estimate::{CampaignCost, campaign_cost, cost_document};
 pub use pairs::{PairNumberSums, PairSums};

@@ -2,7 +2,9 @@
 
 use super::text::{headline, short, table_document};
 use poinsot_formats::{BandedFile, CampaignFile, NumberResultFile};
-use poinsot_report::{Axis, Figure, Mark, Page, PageError, Part, Plot, Series};
+use poinsot_report::{
+    Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
+};
 
 /// Most numbers that have a figure of their own.
 const FIGURES: usize = 12;
@@ -11,10 +13,24 @@ const FIGURES: usize = 12;
 ///
 /// # Errors
 /// A template is faulty.
-pub(super) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
+pub(crate) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     let figures = match axis_of(result) {
         Some(address) => swept(result, &address),
         None => fixed(result),
+    };
+    let first = Figure::page(figures.get(..1).unwrap_or_default())?;
+    let complete = result.missing.is_empty() && result.trials >= result.planned;
+    let (tone, word) = match complete {
+        true => (Tone::Good, "Complete"),
+        false => (Tone::Fair, "Incomplete"),
+    };
+    let opening = Opening {
+        tone,
+        word: word.to_owned(),
+        sentence: headline(result),
+        action: (!complete).then(|| "Run the missing shards with --resume.".to_owned()),
+        lights: vec![held(result)],
+        beside: first,
     };
     let drawn = Part {
         id: "figures",
@@ -27,8 +43,25 @@ pub(super) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
         title: format!("Campaign {}", result.name),
         subtitle: format!("{}; plan {}; poinsot {}", headline(result), &result.digest.get(..12).unwrap_or(""), result.poinsot),
         footer: "Intervals hold in 95 of 100 campaigns: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file is complete in itself and loads nothing.".to_owned(),
-        parts: vec![drawn, tables],
+        parts: vec![opening.part()?, drawn, tables],
     })
+}
+
+/// Whether every method holds what a calibrated estimator must.
+fn held(result: &CampaignFile) -> Light {
+    let methods = || result.cells.iter().flat_map(|c| &c.methods);
+    let missed = methods().filter(|m| !m.misses.is_empty()).count();
+    let (tone, word) = match missed {
+        0 => (Tone::Good, "yes"),
+        _ => (Tone::Bad, "no"),
+    };
+    Light {
+        question: "Calibrated?",
+        place: "tables",
+        tone,
+        word: word.to_owned(),
+        found: format!("{missed} of {} methods miss an aim", methods().count()),
+    }
 }
 
 /// The address that varies most, where one takes at least two values.

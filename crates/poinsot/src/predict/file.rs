@@ -32,6 +32,11 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         in_words: sentence(prediction),
         wants: wants.collect(),
         bodies: bodies.map(|b| (b.name.clone(), body(b))).collect(),
+        system: bound
+            .system
+            .as_ref()
+            .filter(|_| bound.bodies.len() > 1)
+            .map(|(whole, _)| body(whole)),
         nuisance: nuisance
             .map(|n| (address(&n.name, n.unit), number(&n.number)))
             .collect(),

@@ -4,7 +4,10 @@ use super::Prediction;
 use crate::estimate_file::{component, inertia_entries};
 use crate::estimate_text::open_sentences;
 use crate::trials::numbers_of;
-use poinsot_identify::{BodyEstimate, Number, Source};
+use poinsot_formats::{
+    IdentifiabilityFile, MassFile, PredictedNumberFile, PredictionFile, WantedFile,
+};
+use poinsot_identify::{BodyEstimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, significant};
 
 /// Combinations listed in the terminal; the file has all.
@@ -13,74 +16,128 @@ const LISTED: usize = 12;
 const FIGURES: i32 = 2;
 
 /// The prediction as a document.
-pub fn prediction_document(prediction: &Prediction) -> Document {
-    let bound = &prediction.bound;
-    let tone = match prediction.passes() {
-        true => Tone::Good,
-        false => Tone::Fair,
+pub fn prediction_document(prediction: &PredictionFile) -> Document {
+    let mut document = accuracy(prediction);
+    let found = &prediction.identifiability;
+    if !found.not_identifiable.is_empty() {
+        document.push(Section::list(
+            "what this manoeuvre cannot tell",
+            open_sentences(&found.not_identifiable),
+        ));
+        document.push(instead(found));
+    }
+    document
+}
+
+/// The document without what the manoeuvre cannot tell.
+pub(crate) fn accuracy(prediction: &PredictionFile) -> Document {
+    let enough = match prediction.wants.is_empty() {
+        true => prediction.status == Status::Converged.name(),
+        false => prediction.wants.iter().all(|w| w.met),
     };
-    let mut document = Document::new(sentence(prediction)).toned(tone);
+    let tone = if enough { Tone::Good } else { Tone::Fair };
+    let mut document = Document::new(prediction.in_words.clone()).toned(tone);
     if !prediction.wants.is_empty() {
-        let mut table = Table::new(&["", "1 sigma", "wanted", "verdict", "unit"]);
-        for met in &prediction.wants {
-            let sigma = met.sigma.map(|s| significant(s, FIGURES));
-            table.push(vec![
-                met.want.name.clone(),
-                sigma.unwrap_or_else(|| "not identifiable".to_owned()),
-                significant(met.want.sigma, FIGURES),
-                if met.is_met() { "met" } else { "missed" }.to_owned(),
-                met.want.unit.to_owned(),
-            ]);
-        }
-        document.push(Section::table("wanted", table));
+        document.push(wanted(&prediction.wants));
     }
-    for body in bound.bodies.iter().filter(|b| b.asked && tells(b)) {
-        document.push(body_section(body));
+    for (name, body) in prediction.bodies.iter().filter(|b| is_shown(b.1)) {
+        document.push(body_section(name, body));
     }
-    if let Some((whole, _)) = whole(prediction) {
-        let mut section = body_section(whole);
+    if let Some(whole) = prediction.system.as_ref().filter(|b| is_shown(b)) {
+        let mut section = body_section("", whole);
         section.title =
             "whole vehicle at the first sample (base axes, from the base origin)".to_owned();
         document.push(section);
     }
-    if !bound.nuisance.is_empty() {
-        let mut table = Table::new(&["", "1 sigma", "unit"]);
-        for item in &bound.nuisance {
-            table.push(vec![
-                item.name.clone(),
-                sigma_text(&item.number),
-                item.unit.to_owned(),
-            ]);
+    if !prediction.nuisance.is_empty() {
+        let mut table = Table::new(&["", "1 sigma"]);
+        for (address, number) in &prediction.nuisance {
+            table.push(vec![address.clone(), sigma_text(number)]);
         }
         document.push(Section::table("also found", table));
-    }
-    let found = &bound.identifiability;
-    if !found.open.is_empty() {
-        document.push(Section::list(
-            "what this manoeuvre cannot tell",
-            open_sentences(&found.open),
-        ));
-        let mut table = Table::new(&["combination", "1 sigma", "unit"]);
-        for c in found.determined.iter().take(LISTED) {
-            table.push(vec![
-                c.text.clone(),
-                significant(c.sigma, FIGURES),
-                c.unit.to_owned(),
-            ]);
-        }
-        let mut section = Section::table("what it tells instead", table);
-        if found.determined.len() > LISTED {
-            section.note = Some(format!(
-                "and {} more combinations with --json",
-                found.determined.len() - LISTED
-            ));
-        }
-        document.push(section);
     }
     if !prediction.assumptions.is_empty() {
         document.push(Section::list("assumed", prediction.assumptions.clone()));
     }
     document
+}
+
+fn wanted(wants: &[WantedFile]) -> Section {
+    let mut table = Table::new(&["", "1 sigma", "wanted", "verdict", "unit"]);
+    for w in wants {
+        let sigma = w.sigma.map(|s| significant(s, FIGURES));
+        table.push(vec![
+            w.name.clone(),
+            sigma.unwrap_or_else(|| "not identifiable".to_owned()),
+            significant(w.wanted_sigma, FIGURES),
+            if w.met { "met" } else { "missed" }.to_owned(),
+            w.unit.clone(),
+        ]);
+    }
+    Section::table("wanted", table)
+}
+
+/// Combinations that are determined where single numbers are not.
+fn instead(found: &IdentifiabilityFile) -> Section {
+    let mut table = Table::new(&["combination", "1 sigma", "unit"]);
+    for c in found.identifiable.iter().take(LISTED) {
+        let sigma = c.sigma.map(|s| significant(s, FIGURES));
+        table.push(vec![
+            c.combination.clone(),
+            sigma.unwrap_or_default(),
+            c.unit.clone(),
+        ]);
+    }
+    let mut section = Section::table("what it tells instead", table);
+    if found.identifiable.len() > LISTED {
+        section.note = Some(format!(
+            "and {} more combinations with --json",
+            found.identifiable.len() - LISTED
+        ));
+    }
+    section
+}
+
+/// Whether any single number of a body will be determined.
+fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
+    body.numbers().iter().any(|n| told(&n.2).is_some())
+}
+
+/// The sigma that the manoeuvre gives.
+pub(crate) fn told(n: &PredictedNumberFile) -> Option<f64> {
+    let source = n.source.as_deref();
+    n.sigma.filter(|_| source.is_some_and(|s| s != "known"))
+}
+
+fn sigma_text(n: &PredictedNumberFile) -> String {
+    match (n.source.as_deref(), n.sigma) {
+        (Some("known"), _) => "known".to_owned(),
+        (None, _) => "not identifiable".to_owned(),
+        (_, sigma) => sigma.map_or_else(String::new, |s| significant(s, FIGURES)),
+    }
+}
+
+fn body_section(name: &str, body: &MassFile<PredictedNumberFile>) -> Section {
+    let mut table = Table::new(&["", "truth", "1 sigma", "95 %", "relative", "unit"]);
+    for (number, unit, n) in body.numbers() {
+        let s = told(&n);
+        let of_all = |s: f64| format!("{} %", significant(100.0 * s / n.nominal.abs(), FIGURES));
+        table.push(vec![
+            number.replace(' ', "_"),
+            significant(n.nominal, 6),
+            sigma_text(&n),
+            s.map_or_else(String::new, |s| {
+                format!("+- {}", significant(1.96 * s, FIGURES))
+            }),
+            s.filter(|_| n.nominal != 0.0)
+                .map_or_else(String::new, of_all),
+            unit.replace('²', "2"),
+        ]);
+    }
+    Section::table(
+        &format!("{name} (inertia about its mass centre, tensor elements)"),
+        table,
+    )
 }
 
 /// "2 min of this manoeuvre: bus mass to 0.1 %, mass centre to 4 mm, Ixx to 0.3 %, ...; Ixy not identifiable."
@@ -202,46 +259,4 @@ fn length(m: f64) -> String {
         _ => (1.0e6, "um"),
     };
     format!("{} {unit}", significant(m * factor, FIGURES))
-}
-
-fn sigma_text(n: &Number) -> String {
-    match n.source {
-        Source::Known => "known".to_owned(),
-        Source::Open => "not identifiable".to_owned(),
-        _ => n
-            .sigma
-            .map_or_else(String::new, |s| significant(s, FIGURES)),
-    }
-}
-
-fn body_section(body: &BodyEstimate) -> Section {
-    let mut table = Table::new(&["", "truth", "1 sigma", "95 %", "relative", "unit"]);
-    let mut row = |name: String, n: &Number, unit: &str| {
-        let s = sigma(n);
-        table.push(vec![
-            name,
-            significant(n.nominal, 6),
-            sigma_text(n),
-            s.map_or_else(String::new, |s| {
-                format!("+- {}", significant(1.96 * s, FIGURES))
-            }),
-            s.filter(|_| n.nominal != 0.0)
-                .map_or_else(String::new, |_| relative(n, n.nominal)),
-            unit.to_owned(),
-        ]);
-    };
-    row("mass".to_owned(), &body.mass, "kg");
-    for k in 0..3 {
-        row(component("com", k), &body.com[k], "m");
-    }
-    for (k, name) in inertia_entries() {
-        row(format!("I_{name}"), &body.inertia[k], "kg m2");
-    }
-    Section::table(
-        &format!(
-            "{} (inertia about its mass centre, tensor elements)",
-            body.name
-        ),
-        table,
-    )
 }

@@ -8,7 +8,7 @@ use crate::summary::{action, sentence};
 use crate::verdict::Standing;
 use minijinja::{Value, context};
 use poinsot_formats::{BodyFile, NumberFile};
-use poinsot_report::{PageError, Part, island, render};
+use poinsot_report::{Opening, PageError, Part, island, render};
 
 /// Half widths of 95 % intervals over the largest inertia at which the shade grows lighter.
 const SHADES: [f64; 4] = [1.0e-4, 1.0e-3, 1.0e-2, 1.0e-1];
@@ -26,23 +26,20 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         .iter()
         .map(|(name, b)| context! { name, rows => matrix(b, e.is_withheld()), beside => beside(b, e.is_withheld()) })
         .collect();
-    let body = render(
+    let beside = render(
         "answer.html",
         include_str!("templates/answer.html"),
-        context! {
-            tone => tone.name(), word, bodies,
-            sentence => sentence(e).replace("m2", "m\u{b2}"),
-            action => action(e),
-            lights => lights(answer),
-            exports => island(&exports(e))?.value(),
-        },
+        context! { bodies, exports => island(&exports(e))?.value() },
     )?;
-    Ok(Part {
-        id: "answer",
-        title: "Answer",
-        body,
-        figures: Vec::new(),
-    })
+    Opening {
+        tone,
+        word: word.to_owned(),
+        sentence: sentence(e).replace("m2", "m\u{b2}"),
+        action: action(e),
+        lights: lights(answer),
+        beside,
+    }
+    .part()
 }
 
 /// Bodies that were asked for and the whole vehicle: the one with most of its tensor determined first.

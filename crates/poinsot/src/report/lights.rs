@@ -1,41 +1,40 @@
 //! Three questions about the evidence, each with a link to it. None is answered for a rejected model.
 
 use super::Answer;
-use crate::diagnostics_file::{SIGNIFICANT, chi_square_verdict, residual_verdict};
-use minijinja::{Value, context};
+use crate::diagnostics_file::{
+    SIGNIFICANT, chi_square_verdict, held_out_verdict, residual_verdict,
+};
 use poinsot_formats::DiagnosticsFile;
-use poinsot_report::Tone;
+use poinsot_identify::FaultKind;
+use poinsot_report::{Light, Tone, probability};
 
 /// Tone, word, and what was found.
-type Light = (&'static str, &'static str, String);
+type Found = (Tone, &'static str, String);
 
-pub(super) fn lights(answer: &Answer) -> Vec<Value> {
+pub(super) fn lights(answer: &Answer) -> Vec<Light> {
     let tested = answer.estimate.diagnostics.as_ref();
     let rejected = answer.estimate.is_withheld();
-    let of = |judge: fn(&DiagnosticsFile) -> Light| match (rejected, tested) {
-        (true, _) => ("off", "not asked", "the model is rejected".to_owned()),
-        (false, None) => ("off", "not tested", "by this method".to_owned()),
+    let of = |judge: fn(&DiagnosticsFile) -> Found| match (rejected, tested) {
+        (true, _) => (Tone::Plain, "not asked", "the model is rejected".to_owned()),
+        (false, None) => (Tone::Plain, "not tested", "by this method".to_owned()),
         (false, Some(d)) => judge(d),
     };
-    let held_out = match rejected {
-        true => "the model is rejected",
-        false => "poinsot validate tests it on another record",
-    };
     [
-        ("Noise as declared?", "tests", of(noise)),
-        ("Rigid?", "tests", of(rigid)),
-        (
-            "Predicts what was held out?",
-            "held_out",
-            ("off", "not tested", held_out.to_owned()),
-        ),
+        ("Noise as declared?", of(noise)),
+        ("Rigid?", of(rigid)),
+        ("Predicts what was held out?", of(held_out)),
     ]
-    .into_iter()
-    .map(|(question, place, (tone, word, found))| context! { question, place, tone, word, found })
-    .collect()
+    .map(|(question, (tone, word, found))| Light {
+        question,
+        place: "tests",
+        tone,
+        word: word.to_owned(),
+        found,
+    })
+    .to_vec()
 }
 
-fn noise(d: &DiagnosticsFile) -> Light {
+fn noise(d: &DiagnosticsFile) -> Found {
     let (tone, _) = chi_square_verdict(d);
     let chi2 = d.chi2.unwrap_or(f64::NAN);
     let found = format!("chi-square {chi2:.0} for {} expected", d.dof);
@@ -45,35 +44,53 @@ fn noise(d: &DiagnosticsFile) -> Light {
         .map(|(name, c)| (name, residual_verdict(c)))
         .find(|(_, (tone, _))| *tone == Tone::Bad);
     match (tone, worst) {
-        (Tone::Bad, _) => ("bad", "no, larger", found),
-        (_, Some((name, (_, what)))) => ("bad", "no", format!("{name}: {what}")),
-        (Tone::Fair, _) => ("fair", "smaller", found),
-        _ => ("good", "yes", found),
+        (Tone::Bad, _) => (Tone::Bad, "no, larger", found),
+        (_, Some((name, (_, what)))) => (Tone::Bad, "no", format!("{name}: {what}")),
+        (Tone::Fair, _) => (Tone::Fair, "smaller", found),
+        _ => (Tone::Good, "yes", found),
     }
 }
 
-fn rigid(d: &DiagnosticsFile) -> Light {
+fn rigid(d: &DiagnosticsFile) -> Found {
     let drifts = d.momentum_drift.iter();
     let drift = drifts
         .filter(|d| d.p.is_some_and(|p| p < SIGNIFICANT))
         .count();
     if let Some(line) = d.lines.first() {
         let found = format!("a line at {:.3} Hz in the residual", line.frequency_hz);
-        return ("bad", "no", found);
+        return (Tone::Bad, "no", found);
     }
     if drift > 0 {
         let found = format!(
             "momentum drifts in {drift} of {} tests",
             d.momentum_drift.len()
         );
-        return ("bad", "no", found);
+        return (Tone::Bad, "no", found);
     }
-    match d.findings.first() {
-        Some(f) => ("bad", "no", f.text.clone()),
+    // The size of the noise is the question before.
+    let of_noise =
+        [FaultKind::NoiseOverstated, FaultKind::NoiseUnderstated].map(|kind| kind.name());
+    let mut findings = d.findings.iter();
+    match findings.find(|f| !of_noise.contains(&f.fault.as_str())) {
+        Some(f) if f.fault == FaultKind::NotRigid.name() => (Tone::Bad, "no", f.text.clone()),
+        Some(f) => (Tone::Fair, "unclear", f.text.clone()),
         None => (
-            "good",
+            Tone::Good,
             "yes",
             "no spectral line, no momentum drift".to_owned(),
         ),
     }
+}
+
+fn held_out(d: &DiagnosticsFile) -> Found {
+    let Some(held) = &d.held_out else {
+        return (Tone::Plain, "not tested", "too few samples".to_owned());
+    };
+    let (tone, word) = held_out_verdict(held);
+    let found = format!(
+        "last {:.0} % of every record, p = {}",
+        100.0 * held.share,
+        probability(held.p)
+    );
+    (tone, word, found)
 }

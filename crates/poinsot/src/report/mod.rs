@@ -15,12 +15,15 @@ mod open;
 mod picture;
 mod poles;
 mod provenance;
+mod repairs;
+mod results;
 mod tensor;
 mod trust;
 mod truth;
 mod vehicle;
 
 pub use data::{REPORT_SCHEMA, ReportData, TrueNumbers, report_data};
+pub use results::design_document;
 
 use crate::compare::{CompareRequest, compare, comparison_document, format_error};
 use crate::error::{Error, no_page, unreadable};
@@ -28,6 +31,7 @@ use crate::written::{OutputFile, write_files};
 use poinsot_files::read;
 use poinsot_formats::{EstimateFile, LARGEST_RESULT, parse_estimate};
 use poinsot_report::{FigureFormat, Page, PageError, Part};
+use results::{NAMES, result_page};
 use std::path::{Path, PathBuf};
 use truth::Truth;
 
@@ -38,25 +42,38 @@ pub(crate) struct Answer {
     pub truth: Truth,
 }
 
-/// Writes `report.html` from the files of `identify` in a folder, compared with `earlier` answers, and every figure of the page as a file of its own
-/// into `figures` below it, in each format given. All of them or none. Returns their paths.
+/// Writes `report.html` beside a result: that of `identify` in a folder, compared with `earlier` answers, or that of another verb,
+/// given as its file or its folder. Writes every figure of the page as a file of its own into `figures` below it too, in each
+/// format given. All of them or none. Returns their paths.
 ///
 /// # Errors
 /// A file is missing, of another format, or of another run.
 pub fn write_report(
-    folder: &Path,
+    result: &Path,
     earlier: &[PathBuf],
     figures: &[FigureFormat],
 ) -> Result<Vec<PathBuf>, Error> {
-    let bytes = |name: &str| {
-        let path = folder.join(name);
-        read(&path, LARGEST_RESULT).map_err(|e| unreadable(&path, e))
+    let bytes = |path: &Path| read(path, LARGEST_RESULT).map_err(|e| unreadable(path, e));
+    let inside = |name: &str| result.join(name);
+    let of_other = || NAMES.into_iter().map(inside).find(|path| path.is_file());
+    let file = match (result.is_dir(), inside("estimate.json").is_file()) {
+        (true, true) => None,
+        (true, false) => of_other(),
+        (false, _) if result.file_name().is_some_and(|n| n == "estimate.json") => None,
+        (false, _) => result.is_file().then(|| result.to_owned()),
     };
-    let mut page = page_of(
-        folder,
-        &bytes("estimate.json")?,
-        &bytes("report_data.json")?,
-    )?;
+    let folder = match result.is_dir() || !result.is_file() {
+        true => result,
+        false => result.parent().unwrap_or(Path::new("")),
+    };
+    let mut page = match &file {
+        Some(path) => result_page(path, &bytes(path)?)?,
+        None => page_of(
+            folder,
+            &bytes(&folder.join("estimate.json"))?,
+            &bytes(&folder.join("report_data.json"))?,
+        )?,
+    };
     let fault = |e: PageError| Error::Report {
         path: folder.to_owned(),
         why: no_page(&e),

@@ -4,6 +4,7 @@ use super::Answer;
 use super::numbers::{plus_minus, value};
 use indexmap::IndexMap;
 use minijinja::{Value, context};
+use poinsot_formats::{IdentifiabilityFile, UndeterminedFile, unknown_name};
 use poinsot_report::{PageError, Part, render, significant};
 
 /// Combinations listed; the result file has all.
@@ -12,26 +13,42 @@ const LISTED: usize = 80;
 const SHOWN: usize = 6;
 /// Terms of a combination that are typeset; the rest are counted.
 const TERMS: usize = 8;
+/// Most parameters that are columns of a table.
+const COLUMNS: usize = 12;
+/// Shades of a cell beside the lightest.
+const SHADES: f64 = 4.0;
 /// Coefficients nearer to one than this are not written; terms smaller than it, of the largest, neither.
 const SMALL: f64 = 1.0e-3;
 
 pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
     let e = &answer.estimate;
-    let i = &e.identifiability;
-    if i.not_identifiable.is_empty() || e.is_withheld() {
+    match e.is_withheld() {
+        true => Ok(None),
+        false => of(&e.identifiability, e.bodies.len() > 1),
+    }
+}
+
+/// The same of any result; `several` bodies are named with each parameter.
+pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>, PageError> {
+    if i.not_identifiable.is_empty() {
         return Ok(None);
     }
-    let several = e.bodies.len() > 1;
     // One remedy often serves many directions: one row for them.
-    let mut remedies: IndexMap<(&str, &str), Vec<Value>> = IndexMap::new();
+    let mut remedies: IndexMap<(&str, &str), (&str, Vec<Value>)> = IndexMap::new();
     for open in &i.not_identifiable {
-        let key = (without_detail(&open.remedy), without_detail(&open.reason));
-        let row = remedies.entry(key).or_default();
-        row.push(algebra(&open.coefficients, several));
+        let (remedy, then) = without_detail(&open.remedy);
+        let (reason, _) = without_detail(&open.reason);
+        let row = remedies.entry((remedy, reason)).or_default();
+        row.0 = then;
+        row.1.push(algebra(&open.coefficients, several));
     }
+    // What resolves most stands first.
+    remedies.sort_by(|_, a, _, b| b.1.len().cmp(&a.1.len()));
     let rows: Vec<Value> = remedies
         .into_iter()
-        .map(|((remedy, reason), directions)| context! { remedy, reason, directions })
+        .map(|((remedy, reason), (then, directions))| {
+            context! { remedy, reason, then => then.strip_prefix("then ").unwrap_or(then), directions }
+        })
         .collect();
     let determined: Vec<Value> = i
         .identifiable
@@ -45,6 +62,7 @@ pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
         "open.html",
         include_str!("templates/open.html"),
         context! {
+            matrix => matrix(&i.not_identifiable, several),
             rows => rows.get(..SHOWN.min(rows.len())), rest => rows.get(SHOWN..), all => rows, determined,
             open => i.not_identifiable.len(),
             rank => i.rank,
@@ -61,16 +79,10 @@ pub(super) fn part(answer: &Answer) -> Result<Option<Part>, PageError> {
     }))
 }
 
-/// A sentence without the figures in brackets at its end.
-fn without_detail(text: &str) -> &str {
-    match text
-        .trim_end()
-        .strip_suffix(')')
-        .and_then(|t| t.rsplit_once(" ("))
-    {
-        Some((head, _)) => head,
-        None => text,
-    }
+/// A sentence and the figures in brackets at its end.
+fn without_detail(text: &str) -> (&str, &str) {
+    let open = text.trim_end().strip_suffix(')');
+    open.and_then(|t| t.rsplit_once(" (")).unwrap_or((text, ""))
 }
 
 /// A combination as terms to typeset, largest first.
@@ -84,18 +96,61 @@ fn algebra(coefficients: &IndexMap<String, f64>, several: bool) -> Value {
         .take(TERMS)
         .enumerate()
         .map(|(at, (name, k))| {
-            let (body, symbol) = name.rsplit_once('.').unwrap_or(("", name));
-            let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
-            // About the mass centre is the usual point; the frame origin is named.
-            let index = index.replace("BBcm_", "").replace("BBo_", "Bo ");
+            let sign = match (at, *k < 0.0) {
+                (0, false) => "",
+                (0, true) => "-",
+                (_, false) => " + ",
+                (_, true) => " - ",
+            };
             let factor = (k.abs() - 1.0).abs() >= SMALL;
-            context! {
-                sign => match (at, *k < 0.0) { (0, false) => "", (0, true) => "-", (_, false) => " + ", (_, true) => " - " },
-                factor => factor.then(|| significant(k.abs(), 3)),
-                letter, index,
-                body => several.then_some(body),
-            }
+            term(sign, factor.then_some(k.abs()), name, several)
         })
         .collect();
     context! { shown, more => terms.len().saturating_sub(TERMS) }
+}
+
+/// A parameter with its factor, to typeset.
+fn term(sign: &str, factor: Option<f64>, address: &str, several: bool) -> Value {
+    let name = unknown_name(address);
+    let (body, symbol) = name.rsplit_once('.').unwrap_or(("", &name));
+    let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
+    // About the mass centre is the usual point; the frame origin is named.
+    let index = index.replace("BBcm_", "").replace("BBo_", "Bo ");
+    context! {
+        sign, letter, index,
+        factor => factor.map(|k| significant(k, 3)),
+        body => several.then_some(body),
+    }
+}
+
+/// Open directions over parameters: the share of each parameter in the largest of the row. `None` where the parameters are too
+/// many for a page.
+fn matrix(open: &[UndeterminedFile], several: bool) -> Option<Value> {
+    let mut names: Vec<&String> = Vec::new();
+    for name in open.iter().flat_map(|o| o.coefficients.keys()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.sort();
+    let row = |o: &UndeterminedFile| {
+        let largest = o
+            .coefficients
+            .values()
+            .fold(0.0, |a: f64, b| a.max(b.abs()));
+        let cells = names.iter().map(|name| {
+            let share = o.coefficients.get(*name).map_or(0.0, |k| k / largest);
+            let shown = share.abs() >= SMALL;
+            let class = format!("s{}", (share.abs() * SHADES).round());
+            context! { class => shown.then_some(class), text => shown.then(|| format!("{share:.2}")) }
+        });
+        let cells: Vec<Value> = cells.collect();
+        context! { name => algebra(&o.coefficients, several), cells }
+    };
+    let head: Vec<Value> = names
+        .iter()
+        .map(|name| context! { shown => [term("", None, name, several)] })
+        .collect();
+    let rows: Vec<Value> = open.iter().map(row).collect();
+    (names.len() <= COLUMNS).then(|| context! { head, rows })
 }

@@ -1,6 +1,6 @@
 //! Warnings, repairs, and where everything comes from.
 
-use super::Answer;
+use super::{Answer, repairs};
 use minijinja::{Value, context};
 use poinsot_report::{PageError, Part, render, significant};
 
@@ -20,7 +20,9 @@ pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {
         include_str!("templates/provenance.html"),
         context! {
             warnings => e.warnings,
-            repairs => e.repairs,
+            repairs => e.repairs.len(),
+            rows => repairs::rows(answer),
+            several => e.fit.len() > 1,
             ignored => e.ignored_columns,
             inputs,
             model => e.model_file.as_ref().map(|m| context! { path => m.path, sha256 => m.sha256 }),

@@ -18,7 +18,7 @@ const REACH: f64 = 4.0;
 /// Chi-square per number within which a residual has the size of the declared noise.
 const AS_DECLARED: std::ops::RangeInclusive<f64> = 0.5..=1.2;
 /// Sigmas of the band about a residual.
-const BAND: f64 = 2.0;
+pub(super) const BAND: f64 = 2.0;
 const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 pub(super) fn part(answer: &Answer) -> Result<Part, PageError> {

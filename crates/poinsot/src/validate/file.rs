@@ -24,7 +24,11 @@ pub fn validation_file(validation: &Validation) -> ValidationFile {
         kind: kind.to_owned(),
         verdict: validation.verdict.name().to_owned(),
         model: validation.model.clone(),
-        estimate: estimate.map(|(path, status)| EstimateRefFile { path, status }),
+        estimate: estimate.map(|(path, status)| EstimateRefFile {
+            path,
+            status,
+            covariance_trustworthy: validation.relied_on,
+        }),
         against: validation.against.clone(),
         case: validation.case.clone(),
         limits: ValidationLimitsFile {

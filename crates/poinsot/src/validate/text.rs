@@ -1,7 +1,7 @@
 //! A validation in words: one sentence first, then the numbers behind it.
 
-use super::{Against, Compared, Completed, Validation, Verdict};
-use poinsot_report::{Document, Section, Table, probability, significant};
+use poinsot_formats::{ComparedQuantityFile, CompletedFile, ValidationFile};
+use poinsot_report::{Document, Section, Table, Tone, probability, significant};
 
 /// Figures of a difference.
 const FIGURES: i32 = 3;
@@ -9,8 +9,14 @@ const FIGURES: i32 = 3;
 const LISTED: usize = 6;
 
 /// The validation as a document.
-pub fn validation_document(validation: &Validation) -> Document {
-    let mut document = Document::new(sentence(validation));
+pub fn validation_document(validation: &ValidationFile) -> Document {
+    let tone = match (validation.verdict.as_str(), is_reliable(validation)) {
+        ("compared", true) => Tone::Plain,
+        ("agrees", true) => Tone::Good,
+        ("undetermined", true) => Tone::Fair,
+        _ => Tone::Bad,
+    };
+    let mut document = Document::new(sentence(validation)).toned(tone);
     document.push(differences(validation));
     if let Some(completed) = &validation.completed {
         document.push(completion(completed));
@@ -26,23 +32,30 @@ pub fn validation_document(validation: &Validation) -> Document {
     document
 }
 
-fn sentence(validation: &Validation) -> String {
+/// Whether the estimate, where there is one, may be relied on.
+fn is_reliable(validation: &ValidationFile) -> bool {
+    let estimate = validation.estimate.as_ref();
+    estimate.is_none_or(|e| e.covariance_trustworthy)
+}
+
+fn sentence(validation: &ValidationFile) -> String {
     let own = match &validation.estimate {
-        Some((path, status)) => format!("{path} ({status}) with {}", validation.model),
+        Some(e) => format!("{} ({}) with {}", e.path, e.status, validation.model),
         None => validation.model.clone(),
     };
     let against = &validation.against;
-    let verdict = match (validation.verdict, validation.kind) {
-        (Verdict::Undetermined, _) => {
+    let of_models = validation.kind == "model";
+    let verdict = match (validation.verdict.as_str(), of_models) {
+        ("undetermined", _) => {
             "the motion depends on what the estimate leaves open: not determined"
         }
-        (Verdict::Compared, _) => "compared, no limit given",
-        (Verdict::Agrees, Against::Model) => "within the limits",
-        (Verdict::Differs, Against::Model) => "beyond the limits",
-        (Verdict::Agrees, _) => "agree within the declared noise",
-        (Verdict::Differs, _) => "differ by more than the declared noise",
+        ("compared", _) => "compared, no limit given",
+        ("agrees", true) => "within the limits",
+        ("agrees", false) => "agree within the declared noise",
+        (_, true) => "beyond the limits",
+        (_, false) => "differ by more than the declared noise",
     };
-    let verdict = match validation.relied_on {
+    let verdict = match is_reliable(validation) {
         true => verdict.to_owned(),
         false => format!("{verdict}; the estimate itself says that it is not to be relied on"),
     };
@@ -56,7 +69,7 @@ fn sentence(validation: &Validation) -> String {
     }
 }
 
-fn differences(validation: &Validation) -> Section {
+fn differences(validation: &ValidationFile) -> Section {
     let sigmas = validation.compared.iter().any(|c| c.sigmas.is_some());
     let mut head = vec!["", "largest", "at", "rms", "unit"];
     if sigmas {
@@ -68,7 +81,7 @@ fn differences(validation: &Validation) -> Section {
     }
     let mut section = Section::table("difference, model less the other side", table);
     let mut notes = Vec::new();
-    if validation.kind == Against::HeldBack {
+    if validation.kind == "held_back_telemetry" {
         notes.push("nothing of the vehicle was fitted; pose, momentum and declared biases of the record were");
     }
     if sigmas {
@@ -78,55 +91,55 @@ fn differences(validation: &Validation) -> Section {
     section
 }
 
-fn row(one: &Compared, sigmas: bool) -> Vec<String> {
+fn row(one: &ComparedQuantityFile, sigmas: bool) -> Vec<String> {
     let mut row = vec![
-        one.name.clone(),
+        one.quantity.clone(),
         significant(one.largest, FIGURES),
         format!("{} s", significant(one.largest_at_s, 4)),
         significant(one.rms, FIGURES),
-        one.unit.to_owned(),
+        one.unit.clone(),
     ];
     if sigmas {
+        let sigmas_of = one.sigmas.as_ref();
         let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, FIGURES));
-        row.push(cell(one.sigmas.map(|s| s.rms)));
-        row.push(cell(one.sigmas.map(|s| s.largest)));
-        let white = one.sigmas.and_then(|s| s.whiteness_p);
+        row.push(cell(sigmas_of.map(|s| s.rms)));
+        row.push(cell(sigmas_of.map(|s| s.largest)));
+        let white = sigmas_of.and_then(|s| s.whiteness_p);
         row.push(white.map_or("-".to_owned(), |p| format!("p = {}", probability(p))));
     }
     row
 }
 
-fn completion(completed: &Completed) -> Section {
-    let effect = &completed.effect;
+fn completion(completed: &CompletedFile) -> Section {
     let mut lines = vec![format!(
         "the estimate determines {} combinations and leaves {} directions open; there the nominal numbers of the model stand, moved as little as the combinations allow ({} in natural units): these are numbers to predict with and no estimate of single bodies",
         completed.determined,
         completed.open,
-        significant(completed.distance, 2)
+        significant(completed.distance_natural, 2)
     )];
-    let changes: Vec<String> = effect
-        .changes
+    let changes: Vec<String> = completed
+        .prediction_changes
         .iter()
-        .map(|(name, unit, x)| {
-            format!("{name} {} {unit}", significant(*x, 2))
+        .map(|c| {
+            format!("{} {} {}", c.quantity, significant(c.largest, 2), c.unit)
                 .trim_end()
                 .to_owned()
         })
         .collect();
-    let moved = 100.0 * effect.moved;
+    let moved = 100.0 * completed.open_moved_by_natural;
     let tried = format!(
         "each open direction was moved by {moved:.0} % of its parameter: the prediction changes by at most {}",
         changes.join(", ")
     );
     lines.push(tried);
-    if effect.matters() {
-        let some: Vec<&str> = effect
-            .dependent
+    if !completed.depends_on.is_empty() {
+        let some: Vec<&str> = completed
+            .depends_on
             .iter()
             .take(LISTED)
             .map(String::as_str)
             .collect();
-        let more = effect.dependent.len().saturating_sub(LISTED);
+        let more = completed.depends_on.len().saturating_sub(LISTED);
         let more = if more > 0 {
             format!(" and {more} more")
         } else {

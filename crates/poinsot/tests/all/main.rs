@@ -29,6 +29,7 @@ mod formats;
 mod gaps;
 mod gate;
 mod gravity_gradient;
+mod held_out;
 mod identify_examples;
 mod input_faults;
 mod known_numbers;

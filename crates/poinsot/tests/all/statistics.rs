@@ -293,7 +293,7 @@ fn exact_prediction_of_a_case_is_the_sigma_that_its_identification_states() {
     let mass = stated.numbers.iter().find(|n| n.name == "bus.mass_kg");
     let predicted = prediction.bound.bodies[0].mass.sigma.unwrap();
     assert!((mass.unwrap().sigma / predicted - 1.0).abs() < 0.02);
-    let text = prediction_document(&prediction).to_string();
+    let text = prediction_document(&prediction_file(&prediction)).to_string();
     assert!(text.starts_with("2 min of this manoeuvre (tug, 10 of 10 combinations): bus mass to"));
 }
 

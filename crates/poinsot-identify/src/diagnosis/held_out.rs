@@ -1,0 +1,65 @@
+//! Does a fit to the beginning of each record predict its end? The predictive failure test of Chow (1960).
+//!
+//! With `K` the least sum of squares of the kept rows and `F` that of all rows, `F - K` is the square of the prediction error of
+//! the held-out rows in its own covariance, noise and uncertainty of the fit together: chi-square distributed with one degree of
+//! freedom for each of them. To first order about the answer, so that nothing is fitted again.
+
+use super::types::HeldOut;
+use crate::fit::Fitted;
+use crate::fit::experiment::Experiment;
+use crate::likelihood::Evaluated;
+use crate::problem::Problem;
+use crate::problem::segment::Segment;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Share of the grid times at the end of every record that are held out: enough for a test, few enough to leave the fit its
+/// manoeuvre.
+const SHARE: f64 = 0.2;
+
+/// The test; `None` where no sample is left on one of the sides. `fitted_numbers` were fitted in all.
+pub(super) fn held_out(
+    experiment: &Experiment,
+    fitted: &Fitted,
+    fitted_numbers: usize,
+) -> Option<HeldOut> {
+    let problem = experiment.problem;
+    let segments: Vec<Segment> = problem.segments.iter().map(beginning).collect();
+    let kept = Problem {
+        segments: &segments,
+        ..*problem
+    };
+    let kept = experiment.of_vehicle(&kept, experiment.parameters);
+    let kept = kept.evaluate(&fitted.at, true)?;
+    let rows = |all: &[Evaluated]| all.iter().map(|e| e.rows).sum::<usize>();
+    let numbers = rows(&fitted.evaluated).checked_sub(rows(&kept))?;
+    let dof = rows(&kept).checked_sub(fitted_numbers)?;
+    let least = least_square(experiment, fitted, &kept)?;
+    let chi2 = (least_square(experiment, fitted, &fitted.evaluated)? - least).max(0.0);
+    // A residual larger than declared is another test's business.
+    let per_number = (least / dof.max(1) as f64).max(1.0);
+    let chance = ChiSquared::new(numbers as f64).ok()?;
+    Some(HeldOut {
+        share: SHARE,
+        numbers,
+        chi2,
+        p: chance.sf(chi2 / per_number),
+    })
+}
+
+/// A record without the samples at its end; what drives the vehicle stays.
+fn beginning(segment: &Segment) -> Segment {
+    let mut segment = segment.clone();
+    let times = segment.observations.time_s.len() as f64;
+    for sensor in &mut segment.observations.sensors {
+        let ends = ((1.0 - SHARE) * times) as usize;
+        sensor.samples.retain(|sample| sample.to < ends);
+    }
+    segment
+}
+
+/// Least sum of squares of rows and priors over all unknowns: what the triangle leaves below them.
+fn least_square(experiment: &Experiment, fitted: &Fitted, rows: &[Evaluated]) -> Option<f64> {
+    let r = experiment.stack(&fitted.at, rows, true).r;
+    let last = r.ncols().checked_sub(1)?;
+    (r.nrows() > last).then(|| r[(last, last)].powi(2))
+}

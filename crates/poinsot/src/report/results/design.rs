@@ -1,0 +1,205 @@
+//! A designed manoeuvre: what it reaches, which limits hold it back, how it is flown.
+
+use super::curves::commands;
+use super::{Shown, ratio_figure};
+use poinsot_formats::{DesignFile, DesignVerificationFile};
+use poinsot_report::{Document, Light, Opening, Section, Table, Tone, significant};
+use std::path::Path;
+
+/// Figures of a sigma.
+const FIGURES: i32 = 2;
+/// Share of a limit by which rounding may pass it.
+const ROUNDED: f64 = 1.0e-4;
+
+/// The design as a document.
+pub fn design_document(design: &DesignFile) -> Document {
+    let agrees = design.verification.as_ref().is_none_or(|v| v.agrees);
+    let tone = match (design.verdict == "reached", agrees) {
+        (true, true) => Tone::Good,
+        _ => Tone::Fair,
+    };
+    let mut document = Document::new(design.in_words.clone()).toned(tone);
+    document.push(wanted(design));
+    if !design.limits.is_empty() {
+        document.push(limits(design));
+    }
+    if !design.relaxed.is_empty() {
+        let mut table = Table::new(&["limit", "times", "largest sigma over wanted"]);
+        for r in &design.relaxed {
+            let factor = significant(r.factor, 3);
+            table.push(vec![r.what.clone(), factor, significant(r.worst_ratio, 3)]);
+        }
+        document.push(Section::table("what a relaxed limit would give", table));
+    }
+    if let Some(v) = &design.verification {
+        document.push(flights(v));
+    }
+    let settled = match design.search.settled {
+        true => "no further step promises more than 0.1 %",
+        false => "stopped before it settled: more evaluations or minutes may find a better one",
+    };
+    let mut lines = vec![format!(
+        "{} manoeuvres evaluated, {settled}",
+        design.search.evaluations
+    )];
+    if let Some(robust) = design.robust_log_ratio {
+        lines.push(format!(
+            "worst tenth of the vehicles of the prior: largest sigma {} of the wanted one",
+            significant(robust.exp(), 3)
+        ));
+    }
+    document.push(Section::list("search", lines));
+    document
+}
+
+fn wanted(design: &DesignFile) -> Section {
+    let compared = design.wants.iter().any(|r| r.reference_sigma.is_some());
+    let mut header = vec!["", "1 sigma", "wanted", "ratio"];
+    if compared {
+        header.push("manoeuvre of the case");
+    }
+    header.push("unit");
+    let mut table = Table::new(&header);
+    for r in &design.wants {
+        let sigma = r.sigma.map(|s| significant(s, FIGURES));
+        let ratio = r.sigma.map(|s| significant(s / r.wanted_sigma, 3));
+        let mut row = vec![
+            r.name.clone(),
+            sigma.unwrap_or_else(|| "not identifiable".to_owned()),
+            significant(r.wanted_sigma, FIGURES),
+            ratio.unwrap_or_default(),
+        ];
+        if compared {
+            let reference = r.reference_sigma.map(|s| significant(s, FIGURES));
+            row.push(reference.unwrap_or_default());
+        }
+        row.push(r.unit.clone());
+        table.push(row);
+    }
+    Section::table("wanted", table)
+}
+
+fn limits(design: &DesignFile) -> Section {
+    let mut table = Table::new(&["", "value", "limit", "room", "unit"]);
+    for l in &design.limits {
+        let room = match (l.margin < -ROUNDED, l.active) {
+            (true, _) => "broken".to_owned(),
+            (false, true) => "active".to_owned(),
+            (false, false) => format!("{} %", significant(100.0 * l.margin, FIGURES)),
+        };
+        table.push(vec![
+            l.what.clone(),
+            significant(l.value, 4),
+            significant(l.limit, 4),
+            room,
+            l.unit.clone(),
+        ]);
+    }
+    Section::table("limits", table)
+}
+
+fn flights(v: &DesignVerificationFile) -> Section {
+    let mut table = Table::new(&["", "error over predicted sigma (rms)", "99.9 % band"]);
+    for n in &v.numbers {
+        let [low, high] = n.band.map(|x| significant(x, 3));
+        table.push(vec![
+            n.name.clone(),
+            significant(n.rms_ratio, 3),
+            format!("{low} to {high}"),
+        ]);
+    }
+    let title = format!(
+        "{} trial flights: {} without an answer, {} with a broken limit",
+        v.flights,
+        v.failed.len(),
+        v.limits_broken
+    );
+    let mut section = Section::table(&title, table);
+    section.note = v.failed.first().cloned();
+    section
+}
+
+pub(super) fn result(design: &DesignFile, folder: &Path) -> Shown {
+    let document = design_document(design);
+    let reached = design.verdict == "reached";
+    let best = design
+        .relaxed
+        .iter()
+        .min_by(|a, b| a.worst_ratio.total_cmp(&b.worst_ratio));
+    let opening = Opening {
+        tone: document.tone,
+        word: if reached { "Reached" } else { "Not reached" }.to_owned(),
+        sentence: document.verdict.clone(),
+        action: best.filter(|_| !reached).map(|r| {
+            format!(
+                "Relax {} by a factor of {}: the largest sigma is then {} of the wanted one.",
+                r.what,
+                significant(r.factor, 3),
+                significant(r.worst_ratio, 3)
+            )
+        }),
+        lights: vec![within_limits(design), confirmed(design)],
+        ..Opening::default()
+    };
+    let rows = design.wants.iter().map(|w| {
+        let ratio = |s: Option<f64>| s.map_or(f64::NAN, |s| s / w.wanted_sigma);
+        (
+            w.name.as_str(),
+            vec![ratio(w.sigma), ratio(w.reference_sigma)],
+        )
+    });
+    Shown {
+        title: format!("Manoeuvre for {}", design.model),
+        poinsot: design.poinsot.clone(),
+        beside: ratio_figure(&["designed manoeuvre", "manoeuvre of the case"], rows),
+        curves: ("Manoeuvre", commands(&folder.join("commands.csv"))),
+        open: None,
+        several: false,
+        inputs: vec![("case", design.case.clone())],
+        opening,
+        document,
+    }
+}
+
+fn within_limits(design: &DesignFile) -> Light {
+    let broken = design.limits.iter().find(|l| l.margin < -ROUNDED);
+    let active = design.limits.iter().filter(|l| l.active).count();
+    let (tone, word, found) = match broken {
+        Some(l) => (Tone::Bad, "no", l.what.clone()),
+        None => {
+            let all = design.limits.len();
+            (
+                Tone::Good,
+                "yes",
+                format!("{active} of {all} limits hold it back"),
+            )
+        }
+    };
+    Light {
+        question: "Within the limits?",
+        place: "numbers",
+        tone,
+        word: word.to_owned(),
+        found,
+    }
+}
+
+fn confirmed(design: &DesignFile) -> Light {
+    let (tone, word, found) = match &design.verification {
+        None => (Tone::Plain, "not flown", "--verify flies it".to_owned()),
+        Some(v) => {
+            let (tone, word) = match v.agrees {
+                true => (Tone::Good, "yes"),
+                false => (Tone::Bad, "no"),
+            };
+            (tone, word, format!("{} trial flights", v.flights))
+        }
+    };
+    Light {
+        question: "Confirmed by trial flights?",
+        place: "numbers",
+        tone,
+        word: word.to_owned(),
+        found,
+    }
+}

@@ -1,0 +1,201 @@
+//! Pages of the results of `validate`, `predict`, `compare`, `design` and `campaign`: the page of an answer with their own sections,
+//! made from their files alone.
+
+mod comparison;
+mod curves;
+mod design;
+mod prediction;
+mod validation;
+
+pub use design::design_document;
+
+use super::open;
+use crate::campaign::campaign_page;
+use crate::error::{Error, no_page};
+use poinsot_formats::{CAMPAIGN, COMPARISON, DESIGN, IdentifiabilityFile, PREDICTION, VALIDATION};
+use poinsot_report::{
+    Axis, Content, Document, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Section,
+    Series, Table, Tone,
+};
+use serde::Deserialize;
+use std::path::Path;
+
+/// Names under which the results lie in a folder, in the order in which they are looked for.
+pub(super) const NAMES: [&str; 5] = [
+    "validation.json",
+    "prediction.json",
+    "comparison.json",
+    "design.json",
+    "campaign.json",
+];
+
+/// Most rows of the figure on the first screen.
+const ROWS: usize = 24;
+/// Largest over smallest ratio from which their axis is logarithmic.
+const DECADE: f64 = 10.0;
+
+/// A result as its page shows it.
+struct Shown {
+    title: String,
+    /// Version of the program that wrote it.
+    poinsot: String,
+    opening: Opening,
+    /// Beside the opening.
+    beside: Option<Figure>,
+    document: Document,
+    /// A section of curves with its title.
+    curves: (&'static str, Vec<Figure>),
+    /// What is not determined.
+    open: Option<IdentifiabilityFile>,
+    /// Whether the vehicle has several bodies.
+    several: bool,
+    /// What it was made of: kind and path.
+    inputs: Vec<(&'static str, String)>,
+}
+
+/// What every result file has.
+#[derive(Deserialize)]
+struct Named {
+    schema: String,
+}
+
+/// The page of a result file.
+///
+/// # Errors
+/// It is of no format that has a page, or damaged.
+pub(super) fn result_page(path: &Path, bytes: &[u8]) -> Result<Page, Error> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let shown = match super::parse::<Named>(path, bytes)?.schema.as_str() {
+        VALIDATION => validation::result(&super::parse(path, bytes)?, folder),
+        PREDICTION => prediction::result(&super::parse(path, bytes)?),
+        COMPARISON => comparison::result(&super::parse(path, bytes)?),
+        DESIGN => design::result(&super::parse(path, bytes)?, folder),
+        CAMPAIGN => {
+            let made = campaign_page(&super::parse(path, bytes)?);
+            return made.map_err(|e| fault(path, &e));
+        }
+        other => {
+            return Err(Error::Report {
+                path: path.to_owned(),
+                why: format!(
+                    "a file of schema '{other}' has no page; give the folder of identify --out, or one of {}",
+                    NAMES.join(", ")
+                ),
+            });
+        }
+    };
+    page(shown).map_err(|e| fault(path, &e))
+}
+
+fn fault(path: &Path, error: &PageError) -> Error {
+    Error::Report {
+        path: path.to_owned(),
+        why: no_page(error),
+    }
+}
+
+fn page(shown: Shown) -> Result<Page, PageError> {
+    let mut opening = shown.opening;
+    if let Some(figure) = &shown.beside {
+        opening.beside = figure.html()?;
+    }
+    let mut parts = vec![opening.part()?];
+    parts[0].figures.extend(shown.beside);
+    let (title, figures) = shown.curves;
+    if !figures.is_empty() {
+        parts.push(Part {
+            id: "curves",
+            title,
+            body: Figure::page(&figures)?,
+            figures,
+        });
+    }
+    if let Some(found) = shown.open {
+        parts.extend(open::of(&found, shown.several)?);
+    }
+    let (mut tables, mut notes) = (shown.document.clone(), shown.document);
+    tables
+        .sections
+        .retain(|s| matches!(s.content, Content::Table(_)));
+    notes
+        .sections
+        .retain(|s| matches!(s.content, Content::List(_)));
+    for (id, title, document) in [("numbers", "Numbers", tables), ("notes", "Notes", notes)] {
+        if !document.sections.is_empty() {
+            parts.push(Part::of_document(id, title, "", &document)?);
+        }
+    }
+    let mut from = Table::new(&["input", "file"]);
+    for (kind, path) in shown.inputs {
+        from.push(vec![kind.to_owned(), path]);
+    }
+    let mut document = Document::new(String::new());
+    document.push(Section::table("made from", from));
+    parts.push(Part::of_document(
+        "provenance",
+        "Provenance",
+        "",
+        &document,
+    )?);
+    Ok(Page {
+        title: shown.title,
+        subtitle: format!("Computed by poinsot {}.", shown.poinsot),
+        footer: "This file is complete and loads nothing.".to_owned(),
+        parts,
+    })
+}
+
+/// Ratios about one: marks of each kind, one place a row. `None` without a finite ratio.
+fn ratio_figure<'a>(
+    kinds: &[&str],
+    rows: impl Iterator<Item = (&'a str, Vec<f64>)>,
+) -> Option<Figure> {
+    let rows: Vec<_> = rows.take(ROWS).collect();
+    let series: Vec<Series> = kinds
+        .iter()
+        .enumerate()
+        .filter_map(|(k, kind)| {
+            let at = (1..).map(f64::from).zip(&rows);
+            let at = at.filter_map(|(x, row)| Some((x, *row.1.get(k)?)));
+            let (x, y): (Vec<f64>, Vec<f64>) = at.filter(|p| p.1.is_finite()).unzip();
+            (!x.is_empty()).then(|| Series::new(kind, Mark::Points, k, &x, &y))
+        })
+        .collect();
+    let names = rows.iter().map(|row| row.0.to_owned()).collect();
+    let all = series.iter().flat_map(|s| &s.points).map(|p| p.1);
+    let ends = all.fold([1.0, 1.0], |e: [f64; 2], y| [e[0].min(y), e[1].max(y)]);
+    (!series.is_empty()).then(|| {
+        Figure::plot(
+            "wanted",
+            Plot {
+                title: "predicted sigma over wanted sigma".to_owned(),
+                x: Axis::new("number", ""),
+                y: Axis::new("ratio", ""),
+                names,
+                log: ends[1] > DECADE * ends[0],
+                series,
+                levels: vec![(1.0, "wanted".to_owned())],
+                half: true,
+                ..Plot::default()
+            },
+        )
+    })
+}
+
+/// Tone and word of yes and no.
+fn answer(holds: bool) -> (Tone, String) {
+    match holds {
+        true => (Tone::Good, "yes".to_owned()),
+        false => (Tone::Bad, "no".to_owned()),
+    }
+}
+
+fn light(question: &'static str, tone: Tone, word: String, found: String) -> Light {
+    Light {
+        question,
+        place: "numbers",
+        tone,
+        word,
+        found,
+    }
+}
