@@ -6,7 +6,7 @@
 
 use poinsot_papers::xu2017::swarm::{Objective, Range, Swarm, fly};
 use poinsot_papers::xu2017::{
-    Form, Part, Push, SingleObjective, accelerations, particle, solve_single,
+    Form, Part, Push, SingleObjective, SingleRow, accelerations, particle, solve_single,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use std::time::Instant;
@@ -104,7 +104,12 @@ fn main() {
         });
     }
     println!("poinsot_swarm_iteration_50x600,{:.2},us", 1.0e6 * fastest);
-    let x = particle(&body);
+    accuracy(&body, &rows, &range, &objective);
+}
+
+/// Iterations to several errors, and the linear solution.
+fn accuracy(body: &MassProperties, rows: &[SingleRow], range: &Range, objective: &SingleObjective) {
+    let x = particle(body);
     let error = |y: &[f64; 10]| {
         (0..10)
             .map(|d| (y[d] - x[d]).abs() / x[d].abs().max(1.0e-2))
@@ -119,7 +124,7 @@ fn main() {
         let mut reached = [None; 4];
         let goals = [1.0e-2, 1.0e-4, 1.0e-8, 1.0e-11];
         let start = Instant::now();
-        let end = fly(&swarm, &range, &objective, |k, best, _| {
+        let end = fly(&swarm, range, objective, |k, best, _| {
             for (slot, goal) in reached.iter_mut().zip(goals) {
                 if slot.is_none() && error(best) < goal {
                     *slot = Some(k);
@@ -141,11 +146,11 @@ fn main() {
             end.history.len() - 1
         );
     }
-    let mut nominal = body;
+    let mut nominal = *body;
     nominal.mass *= 1.1;
     let mut least = f64::INFINITY;
     let mut found = 0.0;
-    let rows = vec![rows];
+    let rows = [rows.to_vec()];
     for _ in 0..50 {
         let start = Instant::now();
         let answer = solve_single(&rows, Form::Acceleration, &nominal, Part::All);

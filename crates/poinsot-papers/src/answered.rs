@@ -1,8 +1,9 @@
-//! The vehicle to predict with.
+//! The vehicle to predict with, and bodies as one.
 
+use poinsot_dynamics::{Kinematics, composite};
 use poinsot_identify::{Estimate, Number, tensor_name};
 use poinsot_model::Model;
-use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, Vector3};
 
 /// The bodies as a published method states them: determined numbers, else the numbers the method prints, else nominal.
 pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
@@ -31,4 +32,14 @@ pub fn answered(model: &Model, estimate: &Estimate) -> Vec<MassProperties> {
             }
         })
         .collect()
+}
+
+/// All bodies as one about the base origin, where they stand.
+pub(crate) fn as_one(bodies: &[InertialParameters], kinematics: &Kinematics) -> InertialParameters {
+    let c = composite(bodies, kinematics);
+    InertialParameters {
+        mass: c.mass,
+        mc_B: c.mc,
+        I_BBo_B: c.I_SBo_B,
+    }
 }

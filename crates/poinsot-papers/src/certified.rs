@@ -5,7 +5,8 @@
 //! with the certificate's sigma and the difference of both answers: the error of an estimator is that of an efficient one
 //! plus an independent difference (Hausman 1978).
 
-use poinsot_dynamics::{Kinematics, composite};
+use crate::answered::as_one;
+use poinsot_dynamics::Kinematics;
 use poinsot_identify::{
     BodyEstimate, Estimate, Number, Problem, Source, TENSOR, axis_name, tensor_name,
 };
@@ -58,12 +59,7 @@ pub(crate) fn put(
     if let Some((system, q)) = &mut estimate.system {
         let mut kinematics = Kinematics::new(problem.tree);
         kinematics.place(problem.tree, q);
-        let c = composite(bodies, &kinematics);
-        let whole = InertialParameters {
-            mass: c.mass,
-            mc_B: c.mc,
-            I_BBo_B: c.I_SBo_B,
-        };
+        let whole = as_one(bodies, &kinematics);
         *system = replaced(system, &whole, withheld);
     }
     for combination in &mut estimate.identifiability.determined {

@@ -39,6 +39,8 @@ pub struct About {
     pub summary: &'static str,
     /// Where it was published.
     pub citation: &'static str,
+    /// How many equations, tables and figures the paper numbers: its page has a row for each.
+    pub numbered: [usize; 3],
     /// Variants; the first is the default.
     pub variants: Vec<VariantText>,
     /// Settings that `--set` takes.

@@ -7,6 +7,7 @@ use crate::Error;
 use crate::bind::{acceleration_channels, bind};
 use crate::case::{Case, parse_case, read_case};
 use crate::identify::{Question, identify_tables, read_options};
+use crate::predict::predict_case;
 use crate::simulate::{SimulateError, simulate_trial};
 use crate::validate::{Mover, compare_motion};
 use poinsot_dynamics::Tree;
@@ -24,6 +25,9 @@ use poinsot_report::{Document, FigureFormat, Section, Table as TextTable};
 use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
+
+/// What counts as determined in a bound: the default of `--relative-accuracy`.
+const ACCURACY: f64 = 1.0;
 
 /// The tools of this crate.
 pub struct Verbs;
@@ -83,6 +87,10 @@ impl Tools for Verbs {
             ..Question::by(method)
         };
         Ok(identify_tables(model.clone(), tables, &question)?.estimate)
+    }
+
+    fn bound(&self, case: &CaseText, vehicle: &Model) -> Result<Estimate, StudyError> {
+        Ok(predict_case(&parsed(case)?, vehicle.clone(), ACCURACY)?.bound)
     }
 
     fn differences(

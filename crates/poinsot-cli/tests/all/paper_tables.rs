@@ -7,16 +7,16 @@
 use clap::CommandFactory;
 use poinsot::study::{Findings, Study, run, studies};
 use poinsot_cli::arguments::Arguments;
+use poinsot_papers::METHODS;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Page, and how many equations, tables and figures the paper numbers.
-const PAPERS: [(&str, [usize; 3]); 3] = [
-    ("kim2010", [17, 3, 4]),
-    ("ma2008", [45, 1, 14]),
-    ("xu2017", [75, 13, 13]),
-];
+/// Papers by name, and how many equations, tables and figures each numbers.
+fn papers() -> impl Iterator<Item = (&'static str, [usize; 3])> {
+    let abouts = METHODS.iter().map(|m| m.about());
+    abouts.map(|a| (a.name, a.numbered))
+}
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -87,7 +87,7 @@ fn head(cell: &str) -> &str {
 
 #[test]
 fn paper_tables_name_every_equation_table_and_figure() {
-    for (paper, counts) in PAPERS {
+    for (paper, counts) in papers() {
         let rows = rows_of(paper);
         let mut found = [BTreeSet::new(), BTreeSet::new(), BTreeSet::new()];
         for [cell, ..] in &rows {
@@ -139,7 +139,7 @@ fn has_test(package: &str, name: &str) -> bool {
 
 #[test]
 fn cli_every_command_of_the_papers_tables_exists() {
-    for (paper, _) in PAPERS {
+    for (paper, _) in papers() {
         for [what, _, cell] in rows_of(paper) {
             let commands = commands(&cell);
             assert!(!commands.is_empty(), "{paper}, {what}: no command");
@@ -361,7 +361,7 @@ fn paper_pages_have_what_the_slow_studies_say() {
 /// Every mark of a page names a table of a study that there is; every table stands below a mark once.
 #[test]
 fn paper_marks_of_the_pages_name_studies() {
-    for (paper, _) in PAPERS {
+    for (paper, _) in papers() {
         let text = std::fs::read_to_string(page(paper)).unwrap();
         let mut seen = BTreeSet::new();
         for mark in text.split("<!-- study ").skip(1) {
@@ -380,7 +380,7 @@ fn paper_marks_of_the_pages_name_studies() {
 #[test]
 fn cli_poinsot_commands_of_the_papers_tables_answer() {
     let mut done = BTreeSet::new();
-    for (paper, _) in PAPERS {
+    for (paper, _) in papers() {
         for [_, _, cell] in rows_of(paper) {
             for command in commands(&cell)
                 .into_iter()

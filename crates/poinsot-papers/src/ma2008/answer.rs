@@ -2,16 +2,19 @@
 
 use super::arm::{Raw, Vehicle};
 use super::both::{Solved, solve_both};
-use super::data::{Variant, check, raws, sources};
+use super::bounds::Bound;
+use super::data::{Variant, check, raws};
 use super::equations::Given;
 use super::error::Ma2008Error;
+use super::sources::sources;
 use super::ten::{MISFIT, Ten, properties, unit};
 use super::words::{identifiability, warnings};
+use crate::answered::as_one;
 use crate::method::Named;
 use nalgebra::DMatrix;
-use poinsot_dynamics::{Kinematics, composite};
+use poinsot_dynamics::Kinematics;
 use poinsot_identify::{
-    BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem,
+    BodyEstimate, Estimate, MethodReport, MomentumEstimate, NamedNumber, Number, Problem, Segment,
     SegmentFit, Source as From, Status, axis_name, tensor_name,
 };
 use poinsot_spatial::{InertialParameters, MassProperties};
@@ -59,14 +62,9 @@ fn write(
     let model = problem.model;
     let rejected = contradicted.is_some() || (solved.chi2 > REJECT && solved.explained < 0.5);
     let ten = Ten::new(solved, solved.chi2.sqrt().max(1.0), rejected);
-    let nominal = model
-        .bodies
-        .first()
-        .map_or(MassProperties::ZERO, |b| b.nominal);
-    let name = model
-        .bodies
-        .first()
-        .map_or(String::new(), |b| b.name.clone());
+    let first = model.bodies.first();
+    let nominal = first.map_or(MassProperties::ZERO, |b| b.nominal);
+    let name = first.map_or(String::new(), |b| b.name.clone());
     let base = body(&ten, name.clone(), &nominal, properties);
     let numbers = || {
         std::iter::once(&base.mass)
@@ -103,39 +101,14 @@ fn write(
         covariance_units,
         covariance,
         identifiability: identifiability(&name, solved, &ten, rejected),
-        fit: problem
-            .segments
-            .iter()
-            .zip(&solved.chi2_segment)
-            .map(|(s, chi2)| SegmentFit {
-                label: s.label.clone(),
-                samples: s.samples.time_s.len(),
-                chi2_per_dof: *chi2,
-                channels: Vec::new(),
-            })
-            .collect(),
+        fit: fit(problem, solved),
         covariance_trustworthy: solved.chi2 <= MISFIT && !rejected,
         doubts: doubts(solved.chi2, rejected),
         warnings: warnings(problem, solved, &ten, contradicted, rejected, &bodies[0]),
         assumptions: Vec::new(),
         diagnostics: None,
         known_numbers: Default::default(),
-        method_report: Some(MethodReport {
-            note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
-            numbers: report(solved)
-                .into_iter()
-                .map(|(name, value, unit)| NamedNumber {
-                    name,
-                    unit,
-                    number: Number {
-                        value: value.is_finite().then_some(value),
-                        sigma: None,
-                        nominal: 0.0,
-                        source: From::Data,
-                    },
-                })
-                .collect(),
-        }),
+        method_report: Some(report(solved)),
         iterations: 1,
         bodies,
     }
@@ -193,12 +166,8 @@ fn system(
         if let Some(first) = all.first_mut() {
             *first = base.parameters();
         }
-        let c = composite(&all, &kinematics);
-        MassProperties {
-            mass: c.mass,
-            p_BoBcm_B: c.p_BoScm_B(),
-            I_BBcm_B: c.I_SScm_B(),
-        }
+        let whole = as_one(&all, &kinematics).mass_properties();
+        whole.unwrap_or(MassProperties::ZERO)
     };
     let of = |u: &[f64; 10]| whole(&properties(u));
     Some((body(ten, "system".to_owned(), &whole(nominal), of), q))
@@ -255,37 +224,46 @@ fn momentum(given: Given, solved: &Solved, ten: &Ten) -> Vec<MomentumEstimate> {
         .collect()
 }
 
+fn fit(problem: &Problem, solved: &Solved) -> Vec<SegmentFit> {
+    let segments = problem.segments.iter().zip(&solved.chi2_segment);
+    let of = |(s, chi2): (&Segment, &f64)| SegmentFit {
+        label: s.label.clone(),
+        samples: s.samples.time_s.len(),
+        chi2_per_dof: *chi2,
+        channels: Vec::new(),
+    };
+    segments.map(of).collect()
+}
+
 /// Sec. IV with the declared noise: errors, bounds, condition numbers of both steps.
-fn report(solved: &Solved) -> Vec<(String, f64, &'static str)> {
-    let mut out = Vec::new();
-    for (step, bound) in solved.bounds.iter().enumerate() {
-        let n = step + 1;
-        let unit = ["mixed (1, m)", "kg m2"][step.min(1)];
-        out.push((
-            format!("step {n}: condition number of the matrix"),
-            bound.condition,
-            "1",
-        ));
-        out.push((
-            format!("step {n}: size of the matrix error, limit"),
-            bound.epsilon_A,
-            ["mixed", "rad/s"][step.min(1)],
-        ));
-        out.push((
-            format!("step {n}: size of the right-hand side error, limit"),
-            bound.epsilon_b,
-            ["m/s", "N m s"][step.min(1)],
-        ));
-        out.push((
-            format!("step {n}: first-order bound of the error, eq. (35)"),
-            bound.absolute,
+fn report(solved: &Solved) -> MethodReport {
+    let units = [
+        ["1", "mixed", "m/s", "mixed (1, m)", "1"],
+        ["1", "rad/s", "N m s", "kg m2", "1"],
+    ];
+    let steps = solved.bounds.iter().zip(units).zip(1..);
+    let of = |((bound, units), n): ((&Bound, [&'static str; 5]), i32)| {
+        let numbers = [
+            ("condition number of the matrix", bound.condition),
+            ("size of the matrix error, limit", bound.epsilon_A),
+            ("size of the right-hand side error, limit", bound.epsilon_b),
+            ("first-order bound of the error, eq. (35)", bound.absolute),
+            ("relative bound, eq. (36)", bound.relative),
+        ];
+        let named = move |((what, value), unit): ((&str, f64), &'static str)| NamedNumber {
+            name: format!("step {n}: {what}"),
             unit,
-        ));
-        out.push((
-            format!("step {n}: relative bound, eq. (36)"),
-            bound.relative,
-            "1",
-        ));
+            number: Number {
+                value: value.is_finite().then_some(value),
+                sigma: None,
+                nominal: 0.0,
+                source: From::Data,
+            },
+        };
+        numbers.into_iter().zip(units).map(named)
+    };
+    MethodReport {
+        note: "Ma, Dang and Pham 2008, Sec. IV: first-order bounds of the errors and condition numbers of both steps. The sizes of the error matrices are limits that the declared noise exceeds with a probability below 0.1 %".to_owned(),
+        numbers: steps.flat_map(of).collect(),
     }
-    out
 }

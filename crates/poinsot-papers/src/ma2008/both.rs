@@ -7,8 +7,10 @@ use super::equations::{
     linear_rows,
 };
 use super::error::Ma2008Error;
-use super::influence::{Directions, Influence, Setting, Solution, Source, influence};
+use super::influence::{Influence, Setting, influence};
+use super::solution::{Directions, Solution};
 use super::solve::{Step, solve};
+use super::sources::Source;
 use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Problem;
 use poinsot_spatial::{MassProperties, elements};

@@ -1,15 +1,13 @@
-//! What the method reads of a problem: what it needs, samples, noise sources.
+//! What the method reads of a problem: what it needs, and its samples.
 
 use super::arm::Raw;
 use super::equations::Given;
 use super::error::Ma2008Error;
 use super::increments::relative;
-use super::influence::Source;
 use crate::method::Named;
-use nalgebra::SymmetricEigen;
-use poinsot_identify::{Noise, Problem, Segment};
+use poinsot_identify::{Problem, Segment};
 use poinsot_model::{EstimateSet, MomentumKnowledge};
-use poinsot_spatial::{Matrix3, Vector3};
+use poinsot_spatial::Matrix3;
 
 /// Which option of both steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,60 +129,4 @@ pub(super) fn raws(
         return Err(Ma2008Error::NoVelocity { label });
     }
     Ok((raws, summed.map(|r| r.step)))
-}
-
-/// Independent one-sigma errors of one sample, with the share of their variance that the data show.
-///
-/// `velocity` tells whether a segment measures it; `step` is the covariance of velocity increments, whose noise is taken
-/// as really there.
-pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
-    let axes = |covariance: &Matrix3| -> Vec<Vector3> {
-        let e = SymmetricEigen::new(*covariance);
-        (0..3)
-            .filter(|&k| e.eigenvalues[k] > 0.0)
-            .map(|k| e.eigenvectors.column(k) * e.eigenvalues[k].sqrt())
-            .collect()
-    };
-    let scalars = |list: &[f64]| -> Vec<(usize, f64)> {
-        list.iter()
-            .enumerate()
-            .filter(|(_, v)| **v > 0.0)
-            .map(|(k, v)| (k, v.sqrt()))
-            .collect()
-    };
-    let mut out = Vec::new();
-    let rate = noise.seen_gyro;
-    out.extend(
-        axes(&noise.gyro)
-            .into_iter()
-            .map(|s| (Source::Rate(s), rate)),
-    );
-    let v = noise.seen_velocity;
-    out.extend(
-        axes(&noise.velocity)
-            .into_iter()
-            .filter(|_| velocity)
-            .map(|s| (Source::Velocity(s), v)),
-    );
-    out.extend(
-        axes(&noise.attitude)
-            .into_iter()
-            .map(|s| (Source::Attitude(s), v)),
-    );
-    out.extend(
-        axes(&step.unwrap_or_default())
-            .into_iter()
-            .map(|s| (Source::VelocityStep(s), 1.0)),
-    );
-    let joint = noise.seen_joint_rate;
-    for (k, s) in scalars(&noise.joint_position) {
-        out.push((Source::JointPosition(k, s), joint));
-    }
-    for (k, s) in scalars(&noise.joint_rate) {
-        out.push((Source::JointRate(k, s), joint));
-    }
-    for (k, s) in scalars(&noise.wheel_speed) {
-        out.push((Source::WheelSpeed(k, s), joint));
-    }
-    out
 }

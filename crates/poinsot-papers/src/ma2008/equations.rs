@@ -71,11 +71,7 @@ impl TwoStep {
 /// With known momentum (options 1) the rows are those of (13) and (20), else (options 2) the difference
 /// of every sample to the first of its segment.
 pub fn two_step(segments: &[Vec<Reading>], known: Option<Known>) -> TwoStep {
-    two_step_given(segments, known.into())
-}
-
-/// The same with each part of the momentum known or not.
-pub fn two_step_given(segments: &[Vec<Reading>], given: Given) -> TwoStep {
+    let given = Given::from(known);
     let arm_mass = segments.iter().flatten().next().map_or(0.0, |s| s.arm.mass);
     // Step 1: A x = b, (11)-(13) or (15)-(17). The natural scale of x is not known yet: equal columns.
     let rows = differences(

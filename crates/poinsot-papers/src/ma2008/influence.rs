@@ -7,112 +7,11 @@
 //! and minus one sigma.
 
 use super::arm::{Raw, Reading, Vehicle};
-use super::equations::{
-    AngularRows, Given, LinearRows, angular_known, angular_rows, linear_known, linear_rows,
-};
-use super::solve::{Step, decompose};
+use super::equations::{AngularRows, Given, LinearRows, angular_known, linear_known, linear_rows};
+use super::solution::{AtSolution, Solution};
+use super::sources::Source;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use poinsot_spatial::{UnitQuaternion, Vector3};
-
-/// One independent error of one sample, one sigma.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Source {
-    /// Of the angular velocity, in B, rad/s.
-    Rate(Vector3),
-    /// Of the velocity, in N, m/s.
-    Velocity(Vector3),
-    /// Of the change of velocity since the sample before, in N, m/s: it stays in all later samples.
-    VelocityStep(Vector3),
-    /// Of the attitude, a small rotation in B, rad.
-    Attitude(Vector3),
-    /// Of a joint's position, rad or m.
-    JointPosition(usize, f64),
-    /// Of a joint's rate.
-    JointRate(usize, f64),
-    /// Of a wheel's speed, rad/s.
-    WheelSpeed(usize, f64),
-}
-
-impl Source {
-    fn moved(&self, raw: &Raw, sign: f64) -> Raw {
-        let mut raw = raw.clone();
-        let push = |list: &mut Vec<f64>, k: usize, s: f64| {
-            if let Some(x) = list.get_mut(k) {
-                *x += sign * s;
-            }
-        };
-        match *self {
-            Self::Rate(s) => raw.w_NB_B += s * sign,
-            Self::Velocity(s) | Self::VelocityStep(s) => raw.v_NBo_N += s * sign,
-            Self::Attitude(s) => raw.R_NB *= UnitQuaternion::from_scaled_axis(s * sign),
-            Self::JointPosition(k, s) => push(&mut raw.q, k, s),
-            Self::JointRate(k, s) => push(&mut raw.rates, k, s),
-            Self::WheelSpeed(k, s) => push(&mut raw.wheel_speed, k, s),
-        }
-        raw
-    }
-}
-
-/// A solved step as directions in natural units.
-#[derive(Debug, Clone)]
-pub struct Directions<const N: usize> {
-    /// Natural unit of each unknown.
-    pub natural: [f64; N],
-    /// Singular values, descending.
-    pub singular: [f64; N],
-    /// Directions, one column each.
-    pub V: SMatrix<f64, N, N>,
-    /// Where each shows in the rotated right-hand side.
-    pub U: SMatrix<f64, N, N>,
-    /// Which of them may be used.
-    pub usable: [bool; N],
-}
-
-impl<const N: usize> Directions<N> {
-    /// Directions of a step; those below `round_off` are not usable. `None` where numbers overflow.
-    pub fn new(step: &Step<N>, natural: [f64; N], round_off: f64) -> Option<Self> {
-        let (singular, V, U) = decompose(&step.triangle, &natural)?;
-        let floor = (32.0 * N as f64 * f64::EPSILON * singular[0]).max(round_off);
-        Some(Self {
-            natural,
-            usable: singular.map(|s| s > floor),
-            singular,
-            V,
-            U,
-        })
-    }
-
-    /// Error along each direction for the normal-equation right-hand side `A^T e`.
-    pub(super) fn along(&self, normal: &SVector<f64, N>) -> SVector<f64, N> {
-        let scaled = SVector::<f64, N>::from_fn(|i, _| normal[i] * self.natural[i]);
-        SVector::from_fn(|j, _| {
-            if self.usable[j] {
-                -self.V.column(j).dot(&scaled) / (self.singular[j] * self.singular[j])
-            } else {
-                0.0
-            }
-        })
-    }
-
-    /// A move along the directions in the units of the unknowns.
-    pub fn in_units(&self, along: &SVector<f64, N>) -> SVector<f64, N> {
-        let z = self.V * along;
-        SVector::from_fn(|i, _| z[i] * self.natural[i])
-    }
-
-    /// Least-squares solution that leaves `nominal` only along usable directions.
-    pub fn solve(&self, step: &Step<N>, nominal: &SVector<f64, N>) -> SVector<f64, N> {
-        let rest = step.rotated - step.triangle * nominal;
-        let along = SVector::<f64, N>::from_fn(|j, _| {
-            if self.usable[j] {
-                self.U.column(j).dot(&rest) / self.singular[j]
-            } else {
-                0.0
-            }
-        });
-        nominal + self.in_units(&along)
-    }
-}
+use poinsot_spatial::Vector3;
 
 /// First-order effect of the declared noise on one step.
 #[derive(Debug, Clone)]
@@ -173,16 +72,6 @@ pub struct Influence {
     pub inherited: f64,
     /// `E ||C dx||^2`: size of the right-hand side of step 2 that the error of step 1 moves.
     pub passed_on: f64,
-}
-
-/// Both solved steps as the influence needs them.
-pub struct Solution<'a> {
-    /// Step 1.
-    pub x: SVector<f64, 4>,
-    /// Its directions.
-    pub linear: &'a Directions<4>,
-    /// Step 2, where step 1 is complete.
-    pub angular: Option<(SVector<f64, 6>, &'a Directions<6>)>,
 }
 
 /// The question: data of every segment, what is known, noise sources with the share of their variance
@@ -476,40 +365,4 @@ struct SegmentSums {
     t2: SMatrix<f64, 3, 7>,
     first: Option<(SMatrix<f64, 3, 5>, SMatrix<f64, 3, 7>, SMatrix<f64, 3, 4>)>,
     count: f64,
-}
-
-/// Rows of step 2 at the answer of step 1, and their slope over it.
-struct AtSolution {
-    arm_mass: f64,
-    x: SVector<f64, 4>,
-    y1: SVector<f64, 7>,
-}
-
-impl AtSolution {
-    fn angular(&self, reading: &Reading) -> AngularRows {
-        self.angular_at(reading, &self.x)
-    }
-
-    fn angular_at(&self, reading: &Reading, x: &SVector<f64, 4>) -> AngularRows {
-        angular_rows(
-            reading,
-            self.arm_mass / x[0],
-            &x.fixed_rows::<3>(1).into_owned(),
-        )
-    }
-
-    /// `C = d(B y + g)/dx` by central differences; exact but for the last digits, `g` is nearly quadratic.
-    fn slope(&self, reading: &Reading) -> SMatrix<f64, 3, 4> {
-        let mut C = SMatrix::<f64, 3, 4>::zeros();
-        for j in 0..4 {
-            let h = if j == 0 { 1.0e-4 * self.x[0] } else { 1.0e-4 };
-            let at = |sign: f64| {
-                let mut x = self.x;
-                x[j] += sign * h;
-                self.angular_at(reading, &x) * self.y1
-            };
-            C.set_column(j, &((at(1.0) - at(-1.0)) / (2.0 * h)));
-        }
-        C
-    }
 }

@@ -47,7 +47,9 @@ mod increments;
 mod influence;
 mod lanes;
 pub mod printed;
+mod solution;
 mod solve;
+mod sources;
 pub mod studies;
 mod ten;
 mod trials;
@@ -58,11 +60,13 @@ pub use arm::{Arm, Raw, Reading, Vehicle};
 pub use data::Variant;
 pub use equations::{
     AngularRows, Given, Known, LinearRows, TwoStep, angular_known, angular_rows, differences,
-    linear_known, linear_rows, two_step, two_step_given,
+    linear_known, linear_rows, two_step,
 };
 pub use error::Ma2008Error;
-pub use influence::{Directions, Influence, Setting, Solution, Source as NoiseSource, influence};
+pub use influence::{Influence, Setting, influence};
+pub use solution::{Directions, Solution};
 pub use solve::{Step, solve};
+pub use sources::Source as NoiseSource;
 pub use trials::{Results, Trials};
 
 use crate::error::MethodError;
@@ -80,6 +84,7 @@ impl Method for Ma2008 {
             name: "ma2008",
             summary: "mass, mass centre and inertia of the base from the motion of a known arm",
             citation: "Ma, Dang, Pham, J. Guidance Control Dynamics 31(6), 2008, doi 10.2514/1.35188",
+            numbered: [45, 1, 14],
             variants: Variant::texts(),
             settings: &[],
             reads_accelerations: false,

@@ -1,7 +1,7 @@
 //! The ten numbers of the base with their covariance, and which of them are undetermined.
 
 use super::both::Solved;
-use super::influence::Directions;
+use super::solution::Directions;
 use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Number;
 use poinsot_spatial::{MassProperties, Vector3, tensor};

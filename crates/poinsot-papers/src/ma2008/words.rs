@@ -1,7 +1,7 @@
 //! What is determined and what is open, and the warnings, in words.
 
 use super::both::Solved;
-use super::influence::Directions;
+use super::solution::Directions;
 use super::ten::{MISFIT, Ten, unit};
 use poinsot_identify::{
     DeterminedCombination, Identifiability, OpenCombination, Problem, axis_name, tensor_name,
@@ -121,48 +121,36 @@ pub(super) fn describe<const N: usize>(
         }
         let lead = (0..N).fold(0, |a, b| if v[b].abs() > v[a].abs() { b } else { a });
         let scale = natural[lead] / v[lead];
-        let coefficients: Vec<(String, f64)> = (0..N)
-            .filter(|&i| v[i].abs() > 1.0e-3)
-            .map(|i| {
-                // A determined combination weighs parameters, an open one moves them.
-                let c = if usable {
-                    v[i] / natural[i] * scale
-                } else {
-                    v[i] * natural[i]
-                };
-                (names[i].clone(), c)
-            })
-            .collect();
+        // A determined combination weighs parameters, an open one moves them.
+        let weigh = |i: usize| match usable {
+            true => v[i] / natural[i] * scale,
+            false => v[i] * natural[i],
+        };
+        let terms = || (0..N).filter(|&i| v[i].abs() > 1.0e-3);
+        let coefficients: Vec<(String, f64)> =
+            terms().map(|i| (names[i].clone(), weigh(i))).collect();
         let text = sentence(&coefficients);
         if usable {
-            let value = (0..N)
-                .filter(|&i| v[i].abs() > 1.0e-3)
-                .map(|i| v[i] / natural[i] * scale * ten.value[at + i])
-                .sum();
             found.determined.push(DeterminedCombination {
                 text,
                 coefficients,
                 unit: unit(at + lead),
-                value,
+                value: terms().map(|i| weigh(i) * ten.value[at + i]).sum(),
                 sigma: ten.inflation * variance.sqrt() * scale.abs(),
             });
-        } else {
-            found.open.push(OpenCombination {
-                text,
-                coefficients,
-                reason: if rejected {
-                    "the answer is rejected".to_owned()
-                } else {
-                    reason.to_owned()
-                },
-                remedy: if rejected {
-                    "see the warnings".to_owned()
-                } else {
-                    remedy.to_owned()
-                },
-                walk: Vec::new(),
-            });
+            continue;
         }
+        let (reason, remedy) = match rejected {
+            true => ("the answer is rejected", "see the warnings"),
+            false => (reason, remedy),
+        };
+        found.open.push(OpenCombination {
+            text,
+            coefficients,
+            reason: reason.to_owned(),
+            remedy: remedy.to_owned(),
+            walk: Vec::new(),
+        });
     }
 }
 

@@ -81,6 +81,12 @@ pub trait Tools: Sync {
         variant: Option<&str>,
     ) -> Result<Estimate, StudyError>;
 
+    /// The Cramer-Rao bound of a case flown by this vehicle, as the command `predict` gives it.
+    ///
+    /// # Errors
+    /// The case does not fit the vehicle.
+    fn bound(&self, case: &CaseText, vehicle: &Model) -> Result<Estimate, StudyError>;
+
     /// Motion of two sets of bodies, one per body of the case's vehicle, under the actuation of a case.
     ///
     /// # Errors

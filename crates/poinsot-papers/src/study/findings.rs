@@ -17,7 +17,7 @@ pub struct Findings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Name of its file, and of its place on the paper's page.
-    pub name: &'static str,
+    pub name: String,
     /// Title with what the numbers mean and their units.
     pub title: String,
     /// Column titles.
@@ -103,12 +103,12 @@ impl Cell {
 }
 
 impl Table {
-    /// An empty table.
-    pub fn new(name: &'static str, title: &str, head: &[&str]) -> Self {
+    /// An empty table; column titles as `a | b`.
+    pub fn new(name: impl Into<String>, title: &str, head: &str) -> Self {
         Self {
-            name,
+            name: name.into(),
             title: title.to_owned(),
-            head: head.iter().map(|h| (*h).to_owned()).collect(),
+            head: head.split(" | ").map(str::to_owned).collect(),
             rows: Vec::new(),
         }
     }
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn exact_a_table_as_the_page_has_it() {
-        let mut table = Table::new("a", "title", &["", "x"]);
+        let mut table = Table::new("a", "title", " | x");
         table.row("one", [percent(0.5, 2)]);
         assert_eq!(table.markdown(), "| | x |\n|---|---|\n| one | 50 |\n");
     }

@@ -125,6 +125,7 @@ impl Method for Xu2017 {
             name: "xu2017",
             summary: "every body of an arm, joint after joint, from thrust and conserved momentum",
             citation: "Xu, Hu, Zhang, Liang, Acta Astronautica, 2017",
+            numbered: [75, 13, 13],
             variants: Variant::texts(),
             settings: settings::SETTINGS,
             reads_accelerations: true,
@@ -175,6 +176,16 @@ pub fn properties(x: &Particle) -> MassProperties {
         I_BBcm_B: Matrix3::new(x[1], x[4], x[5], x[4], x[2], x[6], x[5], x[6], x[3]),
         p_BoBcm_B: Vector3::new(x[7], x[8], x[9]),
     }
+}
+
+/// Natural units m, m L, m L^2 of the ten parameters.
+fn natural(body: &MassProperties) -> [f64; 10] {
+    let (m, L) = (body.mass, body.radius_of_gyration().max(1.0e-3));
+    std::array::from_fn(|k| match k {
+        0 => m,
+        1..=3 => m * L,
+        _ => m * L * L,
+    })
 }
 
 /// Sum of bodies about one origin, in one set of axes.

@@ -1,8 +1,9 @@
 //! Sec. 5.6: how momentum changes with each parameter, (63)-(75), and which joint path makes that large.
 
 use super::least_squares::shown;
-use super::sum;
-use super::two_body::{MomentumRow, Side, TwoBodyReading, rows, transported, transported_back};
+use super::two_body::{MomentumRow, TwoBodyReading, equations, rows, transported_back};
+use super::{natural, sum};
+use crate::answered::as_one;
 use faer::Mat;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{Kinematics, Tree, composite, momentum, twist_from_momentum};
@@ -73,20 +74,19 @@ pub fn path_sensitivity(
     let mut kinematics = Kinematics::new(tree);
     kinematics.place(tree, normal);
     let (R, p) = (kinematics.R[child], kinematics.p[child]);
-    let whole = composite(bodies, &kinematics);
-    let total = InertialParameters {
-        mass: whole.mass,
-        mc_B: whole.mc,
-        I_BBo_B: whole.I_SBo_B,
-    };
+    let total = as_one(bodies, &kinematics);
     let compose = |x: &InertialParameters| [*x, transported_back(&sum(&total, x, -1.0), &R, &p)];
-    let inner = inner_of(tree, bodies, &kinematics, child).mass_properties()?;
-    let (m, L) = (inner.mass, inner.radius_of_gyration());
-    let natural: [f64; 10] = std::array::from_fn(|k| match k {
-        0 => m,
-        1..=3 => m * L,
-        _ => m * L * L,
-    });
+    let carried = |mut b: usize| {
+        while b != child && b != 0 {
+            b = tree.links[b].parent;
+        }
+        b == child
+    };
+    let mut inner = bodies.to_vec();
+    for (_, body) in inner.iter_mut().enumerate().filter(|(b, _)| carried(*b)) {
+        *body = InertialParameters::ZERO;
+    }
+    let natural = natural(&as_one(&inner, &kinematics).mass_properties()?);
     let mut largest_rate: f64 = 0.0;
     let mut q = normal.to_vec();
     let mut rates = vec![0.0; normal.len()];
@@ -105,29 +105,14 @@ pub fn path_sensitivity(
         let twist = twist_from_momentum(&composite(bodies, &kinematics), &zero, &zero, &l, &h)?;
         largest_rate = largest_rate.max(twist.w.norm());
         kinematics.set_velocities(tree, &twist.v, &twist.w, &rates);
-        let side = |b: usize| Side {
-            R: kinematics.R[b],
-            p: kinematics.p[b],
-            v: kinematics.v[b],
-            w: kinematics.w[b],
-        };
-        readings.push(TwoBodyReading {
-            R_NB: Default::default(),
-            p_NoBo_N: zero,
-            inner: side(0),
-            outer: side(child),
-            rest: [zero; 3],
-        });
+        readings.push(TwoBodyReading::in_base(&kinematics, child));
     }
     let list = rows(&readings, compose);
     Some(summary(&list, &natural, largest_rate))
 }
 
 fn summary(list: &[MomentumRow], natural: &[f64; 10], largest_rate: f64) -> PathSensitivity {
-    let flat: Vec<[f64; 10]> = list
-        .iter()
-        .flat_map(|row| [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| row.slope[(i, j)])))
-        .collect();
+    let flat = equations(list);
     let coefficients = std::array::from_fn(|j| {
         let square: f64 = flat.iter().map(|r| (r[j] * natural[j]).powi(2)).sum();
         (square / list.len().max(1) as f64).sqrt()
@@ -142,27 +127,6 @@ fn summary(list: &[MomentumRow], natural: &[f64; 10], largest_rate: f64) -> Path
         singular,
         largest_rate,
     }
-}
-
-/// Bodies on the base side of the joint before `child`, as one about the base origin.
-fn inner_of(
-    tree: &Tree,
-    bodies: &[InertialParameters],
-    kinematics: &Kinematics,
-    child: usize,
-) -> InertialParameters {
-    let carried = |mut b: usize| {
-        while b != child && b != 0 {
-            b = tree.links[b].parent;
-        }
-        b == child
-    };
-    (0..bodies.len())
-        .filter(|&b| !carried(b))
-        .fold(InertialParameters::ZERO, |all, b| {
-            let own = transported(&bodies[b], &kinematics.R[b], &kinematics.p[b]);
-            sum(&all, &own, 1.0)
-        })
 }
 
 #[cfg(test)]

@@ -304,16 +304,6 @@ impl Work<'_> {
     }
 }
 
-/// Natural units m, m L, m L^2 of the ten parameters.
-fn natural(body: &MassProperties) -> [f64; 10] {
-    let (m, L) = (body.mass, body.radius_of_gyration().max(1.0e-3));
-    std::array::from_fn(|k| match k {
-        0 => m,
-        1..=3 => m * L,
-        _ => m * L * L,
-    })
-}
-
 fn properties_of(pi: &InertialParameters) -> Result<Single, Xu2017Error> {
     pi.mass_properties().ok_or(Xu2017Error::Problem(
         poinsot_identify::ProblemError::NoMotion,

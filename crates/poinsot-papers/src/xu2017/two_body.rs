@@ -6,7 +6,7 @@
 use super::properties;
 use super::swarm::{Mean, Particle};
 use nalgebra::{SMatrix, SVector};
-use poinsot_dynamics::body_momentum;
+use poinsot_dynamics::{Kinematics, body_momentum};
 use poinsot_solve::lanes::{LANES, V};
 use poinsot_spatial::{InertialParameters, Matrix3, UnitQuaternion, Vector3, parallel_axis};
 
@@ -23,6 +23,18 @@ pub struct Side {
     pub w: Vector3,
 }
 
+impl Side {
+    /// A body as a side.
+    pub fn of(kinematics: &Kinematics, body: usize) -> Self {
+        Self {
+            R: kinematics.R[body],
+            p: kinematics.p[body],
+            v: kinematics.v[body],
+            w: kinematics.w[body],
+        }
+    }
+}
+
 /// One sample of the robot with both sides of the unlocked joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoBodyReading {
@@ -37,6 +49,19 @@ pub struct TwoBodyReading {
     /// Linear momentum, angular momentum and first moment about the base origin of bodies that are known on
     /// their own, in base axes.
     pub rest: [Vector3; 3],
+}
+
+impl TwoBodyReading {
+    /// Both sides of the joint before a body, N at the base origin and along its axes.
+    pub(super) fn in_base(kinematics: &Kinematics, outer: usize) -> Self {
+        Self {
+            R_NB: UnitQuaternion::identity(),
+            p_NoBo_N: Vector3::zeros(),
+            inner: Side::of(kinematics, 0),
+            outer: Side::of(kinematics, outer),
+            rest: [Vector3::zeros(); 3],
+        }
+    }
 }
 
 /// Momentum of one sample in the ten numbers `x` of one body, about the base origin in base axes.
@@ -93,6 +118,15 @@ pub fn rows(
         }
     };
     readings.iter().map(of).collect()
+}
+
+/// The six equations of every row in base axes.
+pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
+    let of = |row: &MomentumRow| {
+        let slope = row.slope;
+        [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| slope[(i, j)]))
+    };
+    list.iter().flat_map(of).collect()
 }
 
 /// Parameters about the origin of one frame from those about the origin of another that stands at `p`, turned

@@ -103,6 +103,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     }
     let fastest = largest(slew.w.iter().map(|w| w.norm())).to_degrees();
     findings.state("Fig. 1, 2", format!("one axis, at most {fastest:.3} deg/s"));
+    histories(&slew, &mut findings);
     draw(&slew, &all, &mut findings)?;
     Ok(findings)
 }
@@ -111,7 +112,7 @@ fn distances(all: &[Records]) -> Table {
     let mut table = Table::new(
         "chi_square",
         "Chi-square of the six suggested numbers on 6, by rate and length of the record",
-        &["", "200 s", "300 s", "350 s", "400 s", "600 s"],
+        " | 200 s | 300 s | 350 s | 400 s | 600 s",
     );
     for step in STEPS {
         let of_rate = all.iter().filter(|r| r.step == step && r.length >= 200);
@@ -129,8 +130,8 @@ fn errors(records: &Records) -> Table {
     };
     let title =
         format!("Table 3 at 350 s, {title}: error of the median, and printed, % of the element");
-    let head: Vec<&str> = COLUMNS.iter().flat_map(|c| [*c, "printed"]).collect();
-    let mut table = Table::new(name, &title, &[vec![""], head].concat());
+    let head = format!(" | {} | printed", COLUMNS.join(" | printed | "));
+    let mut table = Table::new(name, &title, &head);
     for (k, element) in NAMES.iter().enumerate() {
         let off = |x: f64| figures(100.0 * (x / TRUE[k] - 1.0).abs(), 3);
         let pair = |c: usize| [records.quantile(c, k, 0.5), PRINTED[c][k]].map(off);
@@ -144,16 +145,7 @@ fn band(all: &[Records]) -> Table {
     let mut table = Table::new(
         "bands",
         "Median and 5 to 95 % of 200 records, kg m2",
-        &[
-            "rate, Hz",
-            "length, s",
-            "column",
-            "element",
-            "median",
-            "5 to 95 %",
-            "printed",
-            "inside",
-        ],
+        "rate, Hz | length, s | column | element | median | 5 to 95 % | printed | inside",
     );
     for r in all.iter().filter(|r| r.length == PAPER.0) {
         for (c, column) in COLUMNS.iter().enumerate() {
@@ -178,8 +170,8 @@ fn band(all: &[Records]) -> Table {
     table
 }
 
-/// Fig. 1 to 4, and what noise leaves at other rates.
-fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), StudyError> {
+/// Fig. 1 and 2.
+fn histories(slew: &Slew, findings: &mut Findings) {
     let history = |title: &str, unit: &str, names: [&str; 3], value: &dyn Fn(usize) -> Vector3| {
         let rows: Vec<usize> = (0..=PAPER.0 * RATE).step_by(RATE / 2).collect();
         let time: Vec<f64> = rows.iter().map(|k| slew.time[*k]).collect();
@@ -216,6 +208,10 @@ fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), Stu
         "fig2_torques",
         history("Fig. 2: control torque on the body", "N m", axes, &torque),
     );
+}
+
+/// Fig. 3 and 4, and what noise leaves at other rates.
+fn draw(slew: &Slew, all: &[Records], findings: &mut Findings) -> Result<(), StudyError> {
     let lengths: Vec<usize> = (2..=30).map(|k| 20 * k).collect();
     let mut suggested: Vec<Vec<[f64; 6]>> = Vec::new();
     for list in slew.noisy(PAPER.1, &lengths)? {

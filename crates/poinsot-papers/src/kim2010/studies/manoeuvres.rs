@@ -172,7 +172,7 @@ fn numbers(estimate: &Estimate) -> [(f64, f64); 6] {
 
 fn products(name: &'static str, title: &str, answers: &[Answer]) -> Table {
     let title = format!("Products, kg m2: {title}; noisy values are means of {TRIALS} records");
-    let mut table = Table::new(name, &title, &["", "I_xy", "I_yz", "I_zx"]);
+    let mut table = Table::new(name, &title, " | I_xy | I_yz | I_zx");
     table.row("true", TRUE[3..].iter().map(|x| decimals(*x, 4)));
     for a in answers {
         let kind = if a.noisy { "noisy" } else { "noise-free" };
@@ -184,7 +184,7 @@ fn products(name: &'static str, title: &str, answers: &[Answer]) -> Table {
 
 fn errors(name: &'static str, title: &str, answers: &[Answer]) -> Table {
     let title = format!("Rms error in % of each element, {TRIALS} noisy records: {title}");
-    let mut table = Table::new(name, &title, &["", "xx", "yy", "zz", "xy", "yz", "zx"]);
+    let mut table = Table::new(name, &title, " | xx | yy | zz | xy | yz | zx");
     for a in answers {
         let percent = |x: [f64; 6]| -> [Cell; 6] { x.map(|x| figures(100.0 * x, 2)) };
         let title = if a.noisy {

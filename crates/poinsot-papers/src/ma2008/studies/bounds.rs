@@ -37,32 +37,17 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut held = Table::new(
         "held",
         "Trials of 10,000 in which (35) holds, %: with the error matrices of the trial, step 2 also with the error of step 1; with the limits that the command states",
-        &[
-            "example, noise, option",
-            "step 1",
-            "step 2",
-            "with step 1",
-            "stated, step 1",
-            "stated, step 2",
-        ],
+        "example, noise, option | step 1 | step 2 | with step 1 | stated, step 1 | stated, step 2",
     );
     let mut loose = Table::new(
         "loose",
         "Bound over error: median and band; median of the stated bound",
-        &[
-            "example, noise, option",
-            "step 1",
-            "5 to 95 %",
-            "stated",
-            "step 2",
-            "5 to 95 %",
-            "stated",
-        ],
+        "example, noise, option | step 1 | 5 to 95 % | stated | step 2 | 5 to 95 % | stated",
     );
     let mut efficient = Table::new(
         "cramer_rao",
         "Rms bound (35) over the Cramer-Rao bound",
-        &["example, noise, option", "step 1", "step 2"],
+        "example, noise, option | step 1 | step 2",
     );
     for n in [1, 2] {
         for share in [0.001, 0.01, 0.03] {
@@ -87,14 +72,12 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         }
     }
     let least = range(&held, &[1, 2, 3, 4, 5])[0];
-    let ([low, high], stated) = (range(&loose, &[1, 4]), range(&loose, &[3, 6]));
+    let two = |columns: &[usize]| range(&loose, columns).map(|x| figures(x, 2).text());
+    let ([low, high], [from, to]) = (two(&[1, 4]), two(&[3, 6]));
     let mut findings = Findings::of(held);
     findings.state(
         "(29)-(37) first-order bounds",
-        format!(
-            "in {least:.2} % of trials; {low:.1} to {high:.0} times the error, stated {:.0} to {:.0} times",
-            stated[0], stated[1]
-        ),
+        format!("in {least:.2} % of trials; {low} to {high} times the error, stated {from} to {to} times"),
     );
     findings.tables.extend([loose, efficient]);
     Ok(findings)

@@ -42,14 +42,7 @@ fn spins(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(),
     let mut table = Table::new(
         "spin",
         "Trajectory 1, noise of 1 % of the 5 deg/s run: bounds in %, condition of step 2; a dash: not identifiable",
-        &[
-            "spin, deg/s",
-            "samples",
-            "momentum",
-            "mass",
-            "tensor",
-            "condition",
-        ],
+        "spin, deg/s | samples | momentum | mass | tensor | condition",
     );
     let mut moving_tensor = Vec::new();
     for spin in [0.0, 1.0, 5.0] {
@@ -90,12 +83,7 @@ fn axes(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), 
     let mut table = Table::new(
         "axes",
         "Ten stopped samples: bound of the tensor, %; a dash: not identifiable",
-        &[
-            "spin, arm about",
-            "momentum unknown",
-            "momentum known",
-            "unknown, arm in the plane of symmetry",
-        ],
+        "spin, arm about | momentum unknown | momentum known | unknown, arm in the plane of symmetry",
     );
     let mut unknown = Vec::new();
     for (name, trajectory, spin) in [
@@ -132,12 +120,12 @@ fn axes(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), 
 
 /// The momentum may be unknown, at a price in noise; mass and mass centre less sensitive; 3 % noise.
 fn starts(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
-    let head = ["example, start", "option 1", "bound", "option 2", "bound"];
+    let head = "example, start | option 1 | bound | option 2 | bound";
     let title = |what: &str| format!("3 % of each maximum: median error and bound, {what}");
     let mut tables = [
-        Table::new("start_mass", &title("mass, %"), &head),
-        Table::new("start_mass_centre", &title("mass centre, m"), &head),
-        Table::new("start_tensor", &title("tensor, %"), &head),
+        Table::new("start_mass", &title("mass, %"), head),
+        Table::new("start_mass_centre", &title("mass centre, m"), head),
+        Table::new("start_tensor", &title("tensor, %"), head),
     ];
     let (mut price, mut at_rest, mut in_orbit) = (Vec::new(), f64::NAN, f64::NAN);
     for n in [1, 2] {

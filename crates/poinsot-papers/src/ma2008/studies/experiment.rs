@@ -139,10 +139,7 @@ impl Experiment {
     /// With an arm of this share of the base's mass: masses and inertias times one factor.
     #[must_use]
     pub fn with_ratio(mut self, ratio: f64) -> Self {
-        for body in &mut self.model.bodies[1..] {
-            body.nominal.mass *= ratio / ARM;
-            body.nominal.I_BBcm_B *= ratio / ARM;
-        }
+        scale_arm(&mut self.model, ratio);
         self
     }
 
@@ -245,4 +242,12 @@ pub fn readings(model: &Model, raws: &[Raw]) -> Vec<Reading> {
     let tree = Tree::new(model);
     let mut vehicle = Vehicle::new(model, &tree);
     raws.iter().map(|r| vehicle.reading(r)).collect()
+}
+
+/// Gives the arm this share of the base's mass: masses and inertias times one factor.
+pub fn scale_arm(model: &mut Model, ratio: f64) {
+    for body in &mut model.bodies[1..] {
+        body.nominal.mass *= ratio / ARM;
+        body.nominal.I_BBcm_B *= ratio / ARM;
+    }
 }

@@ -8,6 +8,7 @@ pub mod cramer_rao;
 pub mod experiment;
 pub mod noise;
 mod reach;
+mod runs;
 mod speed;
 mod sweeps;
 
@@ -20,12 +21,12 @@ pub const STUDIES: &[Study] = &[
     Study::quick(
         "exact",
         "both options on exact data, the increments as printed beside them",
-        sweeps::exact,
+        runs::exact,
     ),
     Study::quick(
         "histories",
         "Fig. 9 to 12: velocities along both trajectories",
-        sweeps::histories,
+        runs::histories,
     ),
     Study::quick(
         "mass-ratio",

@@ -1,18 +1,21 @@
 //! Claims of Sec. III and V on the motion: span, number of joints, path and internal torque, mass ratio.
 
 use super::cramer_rao::cramer_rao;
-use super::experiment::{Experiment, readings};
-use super::noise::{OPTIONS, Sigma, medians};
-use crate::ma2008::two_step;
+use super::experiment::{Experiment, Run, readings, scale_arm};
+use super::noise::{OPTIONS, Scaling, Sigma, medians};
+use crate::ma2008::{Raw, two_step};
 use crate::study::statistics::largest;
-use crate::study::{Cell, Context, Findings, StudyError, Table, figures, percent};
+use crate::study::{CaseText, Cell, Context, Findings, StudyError, Table, figures, percent};
+use poinsot_identify::{Number, tensor_index};
+use poinsot_model::Model;
 
-const HEAD: [&str; 4] = [
-    "mass, known",
-    "tensor, known",
-    "mass, unknown",
-    "tensor, unknown",
-];
+const HEAD: &str = "mass, known | tensor, known | mass, unknown | tensor, unknown";
+/// Parts of the whole span of the joint angles.
+const SPANS: [f64; 3] = [1.0, 0.5, 0.25];
+/// Arm mass over base mass.
+const RATIOS: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
+/// Stops of which the ten with the largest velocities are taken.
+const STOPS: usize = 40;
 /// Trajectory 1 with a spin about z, deg/s.
 const SPIN: [f64; 3] = [0.0, 0.0, 5.0];
 
@@ -47,14 +50,17 @@ fn with_wrist(mut e: Experiment) -> Experiment {
 
 /// Bounds of mass and tensor in percent, momentum known and unknown.
 fn bounds(e: &Experiment, sigma: Sigma) -> Result<[Cell; 4], StudyError> {
-    let run = e.run()?;
-    let [a, b] = OPTIONS.map(|known| cramer_rao(e, &run, sigma, known));
-    Ok([a[0], a[2], b[0], b[2]].map(|x| percent(x, 2)))
+    Ok(bounds_of(e, &e.run()?, sigma))
 }
 
-fn table(name: &'static str, title: &str, first: &str) -> Table {
-    let head: Vec<&str> = std::iter::once(first).chain(HEAD).collect();
-    Table::new(name, &format!("Cramer-Rao bounds in %: {title}"), &head)
+fn bounds_of(e: &Experiment, run: &Run, sigma: Sigma) -> [Cell; 4] {
+    let [a, b] = OPTIONS.map(|known| cramer_rao(e, run, sigma, known));
+    [a[0], a[2], b[0], b[2]].map(|x| percent(x, 2))
+}
+
+fn table(name: &str, title: &str, first: &str) -> Table {
+    let title = format!("Cramer-Rao bounds in %: {title}");
+    Table::new(name, &title, &format!("{first} | {HEAD}"))
 }
 
 /// The study.
@@ -64,8 +70,88 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     span(context, sigma, &mut findings)?;
     joints(context, sigma, &mut findings)?;
     ratio(context, sigma, &mut findings)?;
+    large_velocities(context, sigma, &mut findings)?;
+    predicted(context, &mut findings)?;
     another_path(context, &mut findings)?;
     Ok(findings)
+}
+
+/// Ten of many stops: equally spaced, and those with the largest velocities, each component over its maximum.
+fn large_velocities(
+    context: &Context,
+    sigma: Sigma,
+    findings: &mut Findings,
+) -> Result<(), StudyError> {
+    let title = "ten stopped samples of forty, base origin at rest";
+    let mut table = table("large", title, "samples");
+    let e = Experiment::of(context, 1, SPIN)?.sampled(STOPS, true);
+    let mut run = e.run()?;
+    let most = Sigma::of(&run, 1.0, Scaling::Component);
+    let size = |r: &Raw| {
+        let (v, w) = (
+            r.v_NBo_N.component_div(&most.v),
+            r.w_NB_B.component_div(&most.w),
+        );
+        v.norm_squared() + w.norm_squared()
+    };
+    let all = run.raws.clone();
+    run.raws = all.iter().step_by(STOPS / 10).cloned().collect();
+    let spaced = bounds_of(&e, &run, sigma);
+    run.raws = all;
+    run.raws.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    run.raws.truncate(10);
+    let cells = bounds_of(&e, &run, sigma);
+    let [one, other] = [&cells, &spaced].map(|c| c[1].text());
+    let text = format!("tensor {one} %, equally spaced {other} %");
+    findings.state("samples where the velocities are large", text);
+    table.row("equally spaced", spaced);
+    table.row("largest velocities", cells);
+    findings.tables.push(table);
+    Ok(())
+}
+
+/// The command `predict` on the shipped case at 2 Hz: all its sensors, momentum unknown, joints moving.
+fn predicted(context: &Context, findings: &mut Findings) -> Result<(), StudyError> {
+    let case = context.case("ma2008_traj1.toml")?;
+    let case = case.with(&[("rate_hz = 20", "rate_hz = 2")]);
+    let vehicle = context.tools.vehicle(&case)?;
+    let cells = |case: &CaseText, vehicle: &Model| -> Result<[Cell; 2], StudyError> {
+        let bound = context.tools.bound(case, vehicle)?;
+        let base = &bound.bodies[0];
+        let share = |n: &Number| n.sigma.map_or(f64::INFINITY, |s| s / n.nominal);
+        Ok([&base.mass, &base.inertia[tensor_index("yy")]].map(|n| percent(share(n), 2)))
+    };
+    let title = "Bounds of `predict examples/cases/ma2008_traj1.toml` at 2 Hz, %";
+    let mut span = Table::new("predicted_span", title, "joint angles times | mass | I_yy");
+    for factor in SPANS {
+        span.row(format!("{factor}"), cells(&swung(&case, factor), &vehicle)?);
+    }
+    let mut ratio = Table::new("predicted_ratio", title, "arm / base, % | mass | I_yy");
+    for share in RATIOS {
+        let mut vehicle = vehicle.clone();
+        scale_arm(&mut vehicle, share);
+        ratio.row(format!("{}", 100.0 * share), cells(&case, &vehicle)?);
+    }
+    findings.tables.extend([span, ratio]);
+    Ok(())
+}
+
+/// A case with the positions of its joints times a factor.
+fn swung(case: &CaseText, factor: f64) -> CaseText {
+    let line = |line: &str| {
+        let list = line.strip_prefix("position_rad = [");
+        let Some(list) = list.and_then(|l| l.strip_suffix(']')) else {
+            return line.to_owned();
+        };
+        let angles = list.split(',').filter_map(|x| x.trim().parse::<f64>().ok());
+        let angles: Vec<f64> = angles.map(|x| factor * x).collect();
+        format!("position_rad = {angles:?}")
+    };
+    let lines: Vec<String> = case.text.lines().map(line).collect();
+    CaseText {
+        path: case.path.clone(),
+        text: lines.join("\n"),
+    }
 }
 
 fn span(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), StudyError> {
@@ -91,7 +177,7 @@ fn span(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(), 
     ] {
         let mut table = table(name, title, "joint angles times");
         let mut tensors = Vec::new();
-        for factor in [1.0, 0.5, 0.25] {
+        for factor in SPANS {
             let e = scaled(Experiment::of(context, 1, SPIN)?, factor).drifting(drift);
             let e = if moving { e.sampled(200, false) } else { e };
             let cells = bounds(&e, sigma)?;
@@ -151,7 +237,7 @@ fn ratio(context: &Context, sigma: Sigma, findings: &mut Findings) -> Result<(),
     ] {
         let mut table = table(name, title, "arm / base, %");
         table.head.push("option 1, tensor".to_owned());
-        for ratio in [0.005, 0.02, 0.05, 0.1, 0.2, 0.5] {
+        for ratio in RATIOS {
             let e = Experiment::of(context, 1, SPIN)?
                 .with_ratio(ratio)
                 .drifting(drift);
@@ -182,7 +268,7 @@ fn another_path(context: &Context, findings: &mut Findings) -> Result<(), StudyE
     let mut table = Table::new(
         "path",
         "The same stops by another path: largest difference of attitude, rad; difference of option 2's mass, kg",
-        &["", "attitude", "mass"],
+        " | attitude | mass",
     );
     table.row(
         "another path",
@@ -190,6 +276,6 @@ fn another_path(context: &Context, findings: &mut Findings) -> Result<(), StudyE
     );
     findings.tables.push(table);
     let text = format!("{:.0e} kg between two paths", (a - b).abs());
-    findings.state("internal forces do not matter", text);
+    findings.state("internal forces and the path do not matter", text);
     Ok(())
 }

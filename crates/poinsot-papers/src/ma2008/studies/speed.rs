@@ -20,7 +20,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut table = Table::new(
         "speed",
         "Trials of ten samples, both steps, on one core of this machine",
-        &["", "million trials a second", "mean mass, kg"],
+        " | million trials a second | mean mass, kg",
     );
     for known in OPTIONS {
         let trials = Trials::new(&samples, known.then_some(run.known), [SIGMA; 3], [SIGMA; 3]);

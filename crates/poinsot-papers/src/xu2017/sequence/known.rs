@@ -1,10 +1,9 @@
 //! Bodies of known mass and mass centre: what no motion of a joint shows is moved across it until they have them.
 
 use super::super::least_squares::{shown_and_hidden, smallest};
-use super::super::sum;
-use super::super::two_body::{rows, transported};
-use super::steps::equations;
-use super::{Work, natural};
+use super::super::two_body::{equations, rows, transported};
+use super::super::{natural, sum};
+use super::Work;
 use faer::Mat;
 use poinsot_spatial::InertialParameters;
 

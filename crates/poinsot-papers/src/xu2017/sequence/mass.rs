@@ -5,10 +5,10 @@
 
 use super::super::error::Xu2017Error;
 use super::super::least_squares::{Rows, answer, shown};
-use super::super::sum;
-use super::super::two_body::{TwoBodyReading, rows, transported_back};
-use super::steps::{equations, push};
-use super::{Work, natural, properties_of};
+use super::super::two_body::{TwoBodyReading, equations, rows, transported_back};
+use super::super::{natural, sum};
+use super::steps::push;
+use super::{Work, properties_of};
 use nalgebra::SVector;
 use poinsot_spatial::{InertialParameters, MassProperties};
 

@@ -115,21 +115,11 @@ impl Work<'_> {
             TwoBodyReading {
                 R_NB: s.R_NB[k],
                 p_NoBo_N: translation.p_NoBo_N[k],
-                inner: side(&kinematics, 0),
-                outer: side(&kinematics, body),
+                inner: Side::of(&kinematics, 0),
+                outer: Side::of(&kinematics, body),
                 rest,
             }
         });
         Ok(list.collect())
-    }
-}
-
-/// Place and velocity of a body as a side of a joint.
-pub(super) fn side(kinematics: &Kinematics, body: usize) -> Side {
-    Side {
-        R: kinematics.R[body],
-        p: kinematics.p[body],
-        v: kinematics.v[body],
-        w: kinematics.w[body],
     }
 }

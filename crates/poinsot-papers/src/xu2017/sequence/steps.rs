@@ -3,11 +3,10 @@
 use super::super::error::Xu2017Error;
 use super::super::least_squares::{Rows, answer, shown};
 use super::super::two_body::{
-    MomentumRow, TwoBodyObjective, TwoBodyReading, rows, transported, transported_back,
+    MomentumRow, TwoBodyObjective, TwoBodyReading, equations, rows, transported, transported_back,
 };
-use super::super::{Kind, sum};
-use super::readings::side;
-use super::{Order, Searched, Work, natural, properties_of, properties_or_nan};
+use super::super::{Kind, natural, sum};
+use super::{Order, Searched, Work, properties_of, properties_or_nan};
 use nalgebra::SVector;
 use poinsot_dynamics::Kinematics;
 use poinsot_spatial::{InertialParameters, Vector3};
@@ -16,6 +15,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// Random motions that say what a joint can show at all.
 const MOTIONS: usize = 40;
+
 impl Work<'_> {
     /// A joint with one side known: the other side, and with it the whole.
     pub(super) fn beside_known(&mut self, joint: usize) -> Result<InertialParameters, Xu2017Error> {
@@ -169,25 +169,10 @@ impl Work<'_> {
                 let (v, w) = (vector(), vector());
                 kinematics.place(self.problem.tree, &q);
                 kinematics.set_velocities(self.problem.tree, &v, &w, &rates);
-                TwoBodyReading {
-                    R_NB: Default::default(),
-                    p_NoBo_N: Vector3::zeros(),
-                    inner: side(&kinematics, 0),
-                    outer: side(&kinematics, child),
-                    rest: [Vector3::zeros(); 3],
-                }
+                TwoBodyReading::in_base(&kinematics, child)
             })
             .collect()
     }
-}
-
-/// The six equations of every row in base axes.
-pub(super) fn equations(list: &[MomentumRow]) -> Vec<[f64; 10]> {
-    let of = |row: &MomentumRow| {
-        let slope = row.slope;
-        [0, 1, 2, 6, 7, 8].map(|i| std::array::from_fn(|j| slope[(i, j)]))
-    };
-    list.iter().flat_map(of).collect()
 }
 
 /// The six equations of a sample in N: momentum about the inertial origin, zero or that of the segment. `extra`

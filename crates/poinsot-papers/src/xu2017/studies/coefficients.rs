@@ -11,7 +11,7 @@ use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 pub const RATE: f64 = 0.03;
 /// Draws of attitude and direction of the rate.
 const DRAWS: usize = 200_000;
-const COLUMNS: [&str; 7] = ["", "xx", "xy", "xz", "yy", "yz", "zz"];
+const COLUMNS: &str = " | xx | xy | xz | yy | yz | zz";
 
 /// Largest of each of the eighteen coefficients, row by row, over random attitudes and directions of a rate.
 pub fn largest_coefficients(rate: f64, draws: usize) -> [[f64; 6]; 3] {
@@ -49,7 +49,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         &format!(
             "(75) at {RATE} rad/s: bound, and largest of {DRAWS} random attitudes and directions"
         ),
-        &COLUMNS,
+        COLUMNS,
     );
     bounds.row("bound (75)", tensor_bounds(RATE).map(|x| decimals(x, 4)));
     let most = largest_coefficients(RATE, DRAWS);
@@ -59,13 +59,9 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut runs = Table::new(
         "runs",
         "Along C2 to C7: rate, rad/s; |dP/dm0| as corrected, |v0 - v1|, and as (68) prints, |v0|, m/s",
-        &["joint", "largest rate", "corrected", "printed"],
+        "joint | largest rate | corrected | printed",
     );
-    let mut along = Table::new(
-        "along",
-        "Largest coefficients (73) along C2 to C7",
-        &COLUMNS,
-    );
+    let mut along = Table::new("along", "Largest coefficients (73) along C2 to C7", COLUMNS);
     let (mut wrong, mut fastest): (f64, f64) = (0.0, 0.0);
     for (joint, name) in ARM.into_iter().enumerate() {
         let d = robot.data(&[name])?;

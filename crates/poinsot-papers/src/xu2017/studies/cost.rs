@@ -106,7 +106,7 @@ fn accuracy(robot: &Robot, data: &Data) -> Result<Table, StudyError> {
     };
     let title =
         format!("Equivalent single body, run C1: largest relative error, worst of {SEEDS} seeds");
-    let mut table = Table::new("accuracy", &title, &["iterations", "error"]);
+    let mut table = Table::new("accuracy", &title, "iterations | error");
     for iterations in [100, 200, 400, 800, 1600, 3200] {
         let swarm = Swarm {
             iterations,

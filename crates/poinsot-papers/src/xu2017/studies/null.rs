@@ -1,5 +1,6 @@
 //! Which part of an error no motion can show: projection on the open directions, in natural units.
 
+use crate::xu2017::natural;
 use poinsot_identify::{Estimate, tensor_name};
 use poinsot_spatial::{InertialParameters, MassProperties, PARAMETER_NAMES};
 
@@ -23,17 +24,7 @@ impl Null {
                 })
             })
             .collect();
-        let natural: Vec<f64> = truth
-            .iter()
-            .flat_map(|b| {
-                let (m, L) = (b.mass, b.radius_of_gyration());
-                (0..10).map(move |k| match k {
-                    0 => m,
-                    1..=3 => m * L,
-                    _ => m * L * L,
-                })
-            })
-            .collect();
+        let natural: Vec<f64> = truth.iter().flat_map(natural).collect();
         let mut directions: Vec<Vec<f64>> = Vec::new();
         for open in &estimate.identifiability.open {
             let mut d = vec![0.0; names.len()];

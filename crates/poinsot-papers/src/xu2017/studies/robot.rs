@@ -1,10 +1,11 @@
 //! The robot of the paper and its seven runs, as the shipped example has them.
 
+use crate::answered::as_one;
 use crate::method::Method;
 use crate::study::{Context, StudyError};
 use crate::xu2017::swarm::Swarm;
 use crate::xu2017::{Found, Kind, Order, Solver, Xu2017, Xu2017Error, sequence};
-use poinsot_dynamics::{Kinematics, Tree, composite};
+use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_identify::{BodyEstimate, Estimate, Noise, Problem, Segment, TENSOR};
 use poinsot_model::{EstimateSet, Model};
 use poinsot_spatial::{InertialParameters, MassProperties};
@@ -244,12 +245,8 @@ pub fn properties(bodies: &[InertialParameters]) -> Vec<MassProperties> {
 pub fn whole(tree: &Tree, bodies: &[InertialParameters]) -> MassProperties {
     let mut kinematics = Kinematics::new(tree);
     kinematics.place(tree, &vec![0.0; tree.dof()]);
-    let c = composite(bodies, &kinematics);
-    MassProperties {
-        mass: c.mass,
-        p_BoBcm_B: c.p_BoScm_B(),
-        I_BBcm_B: c.I_SScm_B(),
-    }
+    let whole = as_one(bodies, &kinematics);
+    whole.mass_properties().unwrap_or(MassProperties::ZERO)
 }
 
 /// Every n-th sample.

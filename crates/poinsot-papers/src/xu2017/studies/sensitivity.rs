@@ -40,20 +40,12 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let title = format!(
         "Weakest of the seven directions that a joint shows, N s or N m s per natural unit, {SAMPLES} samples"
     );
-    let mut weakest = Table::new("weakest", &title, &["joint"]);
+    let mut weakest = Table::new("weakest", &title, "joint");
     weakest.head.extend(titles);
     let mut parts = Table::new(
         "paper_path",
         "+-30 deg in 60 s: rate of the base, rad/s; rms of [P; H] per natural unit of the base side",
-        &[
-            "joint",
-            "rate",
-            "m",
-            "mc, largest",
-            "I, largest",
-            "strongest",
-            "weakest",
-        ],
+        "joint | rate | m | mc, largest | I, largest | strongest | weakest",
     );
     let mut near_paper: Vec<f64> = Vec::new();
     for joint in 0..tree.dof() {

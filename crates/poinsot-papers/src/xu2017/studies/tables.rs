@@ -50,7 +50,7 @@ fn identifiable(robot: &Robot, answer: &Estimate, null: &Null) -> Table {
     let mut table = Table::new(
         "identifiable",
         "Runs C1 to C7, every body unknown",
-        &["", "number"],
+        " | number",
     );
     let rank = found.rank;
     table.row(
@@ -88,7 +88,7 @@ fn table4(robot: &Robot, full: &Data, flown: &[Found]) -> Result<Table, StudyErr
     };
     let title =
         format!("Table 4: equivalent single body, error in %; swarm: worst of {SEEDS} seeds");
-    let mut table = Table::new("table4", &title, &["", "true", "paper", "swarm", "linear"]);
+    let mut table = Table::new("table4", &title, " | true | paper | swarm | linear");
     for k in 0..10 {
         let worst = largest(flown.iter().map(|f| error(f, k)));
         let errors = [TABLE4_ERRORS[k], worst, error(&linear, k)];
@@ -110,23 +110,14 @@ fn bodies(
         order: Order::Outward,
     };
     let answer = identify(&full.problem(), variant)?;
-    let head = [
-        "",
-        "true",
-        "paper",
-        "swarm 50 %",
-        "swarm 5 %",
-        "1..n",
-        "n..1",
-        "determined",
-    ];
+    let head = " | true | paper | swarm 50 % | swarm 5 % | 1..n | n..1 | determined";
     let mut tables = Vec::new();
     for (b, name) in BODY_TABLES.into_iter().enumerate() {
         let title = format!(
             "Table {}: body B{b}; swarms: 5 to 95 % of {SEEDS} seeds",
             6 + b
         );
-        let mut table = Table::new(name, &title, &head);
+        let mut table = Table::new(name, &title, head);
         let x = particle(&robot.properties()[b]);
         let estimate = &answer.bodies[b];
         for k in 0..10 {
@@ -168,7 +159,7 @@ fn visible(
     let mut table = Table::new(
         "determined_error",
         "Error in the 52 determined combinations, natural units, root of the sum of squares",
-        &["", "error"],
+        " | error",
     );
     table.row("paper, as printed", [size(&printed_bodies())]);
     for (share, list) in SHARES.into_iter().zip(flown) {
@@ -184,8 +175,8 @@ fn visible(
 /// How the masses that a swarm returns follow its search range.
 fn masses(robot: &Robot, flown: &[Vec<Found>]) -> Table {
     let title = format!("Masses that the swarm returns, kg: mean and scatter over {SEEDS} seeds");
-    let head = ["range", "B0", "B1", "B2", "B3", "B4", "B5", "B6", "arrived"];
-    let mut table = Table::new("masses", &title, &head);
+    let head = "range | B0 | B1 | B2 | B3 | B4 | B5 | B6 | arrived";
+    let mut table = Table::new("masses", &title, head);
     let truth = robot.truth.iter().map(|b| decimals(b.mass, 0));
     table.row("truth", truth.chain([word("")]));
     for (share, list) in SHARES.into_iter().zip(flown) {

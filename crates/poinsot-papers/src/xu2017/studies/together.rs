@@ -125,17 +125,11 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut exact = Table::new(
         "exact",
         "Grasped target, 60 s at 10 Hz, no noise: condition of its ten numbers, largest error",
-        &["motion", "condition", "error"],
+        "motion | condition | error",
     );
     let title = format!("Rms error with the sensors of the case, {TRIALS} draws of noise");
-    let head = [
-        "motion",
-        "method",
-        "mass, %",
-        "mass centre, mm",
-        "tensor, kg m2",
-    ];
-    let mut noisy = Table::new("noisy", &title, &head);
+    let head = "motion | method | mass, % | mass centre, mm | tensor, kg m2";
+    let mut noisy = Table::new("noisy", &title, head);
     let mut conditions = Vec::new();
     for (name, case) in MOTIONS.into_iter().zip(cases(context)?) {
         let (e, truth) = answer(context, &case, own, None)?;
@@ -173,7 +167,7 @@ fn every_body(context: &Context) -> Result<Table, StudyError> {
     let mut table = Table::new(
         "every_body",
         "Every body unknown: sigma of the least determined of the 52 combinations, natural units",
-        &["runs", "rank", "sigma"],
+        "runs | rank | sigma",
     );
     let worst = |d: &Data| -> Result<[Cell; 2], StudyError> {
         let found = linear(&d.problem())?.identifiability;
@@ -198,17 +192,17 @@ pub fn target(context: &Context) -> Result<Findings, StudyError> {
     let mut table = Table::new(
         "target",
         "Grasped target, all six joints in motion: values and sigmas",
-        &["", "true", "linear steps", "maximum likelihood"],
+        " | true | linear steps | maximum likelihood",
     );
     let mut sigmas = Table::new(
         "target_sigmas",
         "Error over the stated sigma",
-        &["", "linear steps", "maximum likelihood"],
+        " | linear steps | maximum likelihood",
     );
     let mut summary = Table::new(
         "target_errors",
         "Largest errors: mass in kg with sigma, mass centre in m, tensor in kg m2, in sigmas",
-        &["", "mass", "mass centre", "tensor", "worst in sigmas"],
+        " | mass | mass centre | tensor | worst in sigmas",
     );
     let mut columns = Vec::new();
     for (method, title) in [(own, "linear steps"), ("auto", "maximum likelihood")] {

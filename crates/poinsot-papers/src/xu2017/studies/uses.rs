@@ -7,16 +7,16 @@ use poinsot_identify::Estimate;
 /// The study.
 pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let robot = Robot::new(context)?;
-    let head = ["use", "linear", "linear-inward", "swarm"];
+    let head = "use | linear | linear-inward | swarm";
     let mut counts = Table::new(
         "counts",
         "Numbers or combinations found, of those asked for",
-        &head,
+        head,
     );
     let mut worst = Table::new(
         "errors",
         "Largest error of the numbers given, relative to mass, size and inertia",
-        &head,
+        head,
     );
     let mut columns = Vec::new();
     for variant in ["linear", "linear-inward", "swarm"] {

@@ -7,6 +7,7 @@ use crate::study::{Cell, Context, Difference, Findings, StudyError, Table, figur
 use crate::xu2017::Order;
 use crate::xu2017::swarm::Swarm;
 use poinsot_report::{Axis, Mark, Plot, Series};
+use poinsot_spatial::InertialParameters;
 
 /// Range of the swarm, share of the true values.
 const RANGE: f64 = 0.5;
@@ -30,12 +31,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let mut table = Table::new(
         "table13",
         "Torques of Table 13 for 2 s: largest difference to the true robot",
-        &[
-            "",
-            "base position, m",
-            "base attitude, rad",
-            "joint angles, rad",
-        ],
+        " | base position, m | base attitude, rad | joint angles, rad",
     );
     let cells = |x: [f64; 3]| -> [Cell; 3] { x.map(|x| figures(x, 2)) };
     table.row("paper, as printed", cells(VALIDATION));
@@ -72,15 +68,8 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     );
     let by_joints = (0..all.len()).max_by(|a, b| all[*a][2].total_cmp(&all[*b][2]));
     let worst = &flown[by_joints.unwrap_or(0)].bodies;
-    let mut masses = Table::new(
-        "worst_masses",
-        "Masses of the seed with the largest difference of joint angles, kg",
-        &["", "B0", "B1", "B2", "B3", "B4", "B5", "B6"],
-    );
-    masses.row("true", robot.truth.iter().map(|b| figures(b.mass, 3)));
-    masses.row("worst seed", worst.iter().map(|b| figures(b.mass, 3)));
     let mut findings = Findings::of(table);
-    findings.tables.push(masses);
+    findings.tables.push(masses(&robot, worst));
     let times = three(&of_paper);
     let [a, b, c] = [0, 1, 2].map(|k| VALIDATION[k] / times[k]);
     findings.state(
@@ -92,6 +81,12 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
         ("swarm, worst seed", &moved(worst)?),
         ("linear, n..1", &inward),
     ];
+    draw(&sources, &mut findings);
+    Ok(findings)
+}
+
+/// Fig. 12 and 13.
+fn draw(sources: &[(&str, &Vec<Difference>)], findings: &mut Findings) {
     for (name, title, unit, prefix) in [
         (
             "fig12_position",
@@ -112,9 +107,19 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
             "joint",
         ),
     ] {
-        findings.plot(name, plot(title, unit, prefix, &sources));
+        findings.plot(name, plot(title, unit, prefix, sources));
     }
-    Ok(findings)
+}
+
+fn masses(robot: &Robot, worst: &[InertialParameters]) -> Table {
+    let mut masses = Table::new(
+        "worst_masses",
+        "Masses of the seed with the largest difference of joint angles, kg",
+        " | B0 | B1 | B2 | B3 | B4 | B5 | B6",
+    );
+    masses.row("true", robot.truth.iter().map(|b| figures(b.mass, 3)));
+    masses.row("worst seed", worst.iter().map(|b| figures(b.mass, 3)));
+    masses
 }
 
 /// Length of the difference over time, logarithmic.

@@ -1,6 +1,7 @@
 //! The spacecraft of Kim, Choi and Oh with one slew and with three, from their case files.
 
 mod estimators;
+mod wheels;
 
 use poinsot::case::{parse_case, read_case};
 use poinsot::simulate::simulate_case;

@@ -67,6 +67,11 @@ fn unit_refusals_say_what_to_do() {
             "E0535 segment '{label}': joints joint1, joint4 move together: xu2017 unlocks one joint at a time unless a single body is unknown; split the motion, or use --method auto"
         )
     );
+}
+
+#[test]
+fn unit_refusals_of_motion_and_thrust_say_what_to_do() {
+    let m = model("xu2017/model.toml");
     let mut still = runs(&m, &["C1"]);
     still[0].channels.retain(|c| !c.name.starts_with("thr"));
     assert_eq!(
@@ -104,6 +109,15 @@ fn unit_refusals_say_what_to_do() {
             "E0536 segment '{label}': a thruster fires while joint 'joint1' moves: xu2017 takes momentum as conserved then; cut the firing out, or use --method auto"
         )
     );
+}
+
+#[test]
+fn unit_the_report_says_what_is_claimed_and_what_is_determined() {
+    let m = model("xu2017/model.toml");
+    let found = ask(&m, runs(&m, &["C1", "C2"]), "linear");
+    assert_eq!(found.exit_code(), 1);
+    let note = found.estimate.method_report.unwrap().note;
+    assert!(note.contains("The method claims every number of every body; the data determine 17 of 70 combinations, and only those are given."), "{note}");
 }
 
 #[test]

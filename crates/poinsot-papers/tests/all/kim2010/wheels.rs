@@ -1,41 +1,25 @@
-//! `identify --method kim2010` as a user meets it: certificate first, wheels that are wrong are named.
+//! The method on files as a user gives them: certificate first, wheels that are wrong are named.
 
+use super::examples;
+use poinsot::{Detail, Identified, IdentifyRequest, estimate_document, estimate_file};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+fn answer(model: &Path, telemetry: &Path, variant: &str) -> Result<Identified, poinsot::Error> {
+    let mut request = IdentifyRequest::new(model, [telemetry]).by("kim2010");
+    request.question.variant = Some(variant.to_owned());
+    poinsot::identify(&request)
 }
 
-fn poinsot(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_poinsot"))
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// Exit code, JSON, and everything printed on standard error.
-fn identify(model: &Path, telemetry: &Path, variant: &str) -> (i32, Value, String) {
-    let (model, telemetry) = (model.display().to_string(), telemetry.display().to_string());
-    let out = poinsot(&[
-        "identify",
-        "--model",
-        &model,
-        "--telemetry",
-        &telemetry,
-        "--method",
-        "kim2010",
-        "--variant",
-        variant,
-        "--json",
-    ]);
-    let json = serde_json::from_slice(&out.stdout).unwrap_or(Value::Null);
-    (out.status.code().unwrap_or(-1), json, text(&out.stderr))
+/// Exit code, JSON, and the error.
+fn identify(model: &Path, telemetry: &Path, variant: &str) -> (u8, Value, String) {
+    match answer(model, telemetry, variant) {
+        Ok(found) => {
+            let json = serde_json::to_value(estimate_file(&found)).unwrap();
+            (found.exit_code(), json, String::new())
+        }
+        Err(error) => (error.exit_code(), Value::Null, error.to_string()),
+    }
 }
 
 fn stsat3() -> PathBuf {
@@ -101,7 +85,7 @@ fn warnings(json: &Value) -> String {
 }
 
 #[test]
-fn cli_baselines_print_beside_a_certificate_of_three_of_six() {
+fn unit_baselines_print_beside_a_certificate_of_three_of_six() {
     for variant in [
         "batch",
         "conventional",
@@ -126,20 +110,8 @@ fn cli_baselines_print_beside_a_certificate_of_three_of_six() {
             "{note}"
         );
     }
-    let (model, data) = (
-        stsat3().display().to_string(),
-        paper_noisy().display().to_string(),
-    );
-    let out = poinsot(&[
-        "identify",
-        "--model",
-        &model,
-        "--telemetry",
-        &data,
-        "--method",
-        "kim2010",
-    ]);
-    let screen = text(&out.stdout);
+    let found = answer(&stsat3(), &paper_noisy(), "suggested").unwrap();
+    let screen = estimate_document(&found, Detail::Answer).to_string();
     let certificate = screen.find("not identifiable from these data").unwrap();
     assert!(certificate < screen.find("what the method kim2010 prints").unwrap());
 }
@@ -187,7 +159,7 @@ fn xval_basilisk_rich_run_of_every_variant() {
         ("suggested", false),
     ] {
         let (code, json, _) = identify(&stsat3(), &data, variant);
-        assert_eq!(code, i32::from(!exact), "{variant}");
+        assert_eq!(code, u8::from(!exact), "{variant}");
         let inertia = &json["bodies"]["spacecraft"]["inertia_kg_m2"];
         let apart = wanted.map(|(name, value)| {
             let number = |key: &str| inertia[name][key].as_f64().unwrap();
@@ -203,7 +175,7 @@ fn xval_basilisk_rich_run_of_every_variant() {
 }
 
 #[test]
-fn cli_two_wheels_are_named() {
+fn unit_two_wheels_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(stsat3()).unwrap();
     let third = text.find("[[wheel]]\nname = \"wheel3\"").unwrap();
@@ -220,7 +192,7 @@ fn cli_two_wheels_are_named() {
 }
 
 #[test]
-fn cli_a_wheel_that_never_moves_is_named() {
+fn unit_a_wheel_that_never_moves_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         row[column(names, "wheel2_rad_s")] = 12.0;
@@ -235,7 +207,7 @@ fn cli_a_wheel_that_never_moves_is_named() {
 }
 
 #[test]
-fn cli_a_flipped_wheel_is_named() {
+fn unit_a_flipped_wheel_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         row[column(names, "wheel2_rad_s")] *= -1.0;
@@ -252,7 +224,7 @@ fn cli_a_flipped_wheel_is_named() {
 }
 
 #[test]
-fn cli_a_saturated_wheel_is_named() {
+fn unit_a_saturated_wheel_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         let k = column(names, "wheel1_rad_s");
@@ -268,7 +240,7 @@ fn cli_a_saturated_wheel_is_named() {
 }
 
 #[test]
-fn cli_a_quaternion_in_the_wrong_order_is_named() {
+fn unit_a_quaternion_in_the_wrong_order_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let data = changed(folder.path(), str::to_owned, |names, row| {
         let q = column(names, "q_x");
@@ -284,7 +256,7 @@ fn cli_a_quaternion_in_the_wrong_order_is_named() {
 }
 
 #[test]
-fn cli_what_the_method_cannot_do_is_refused() {
+fn unit_what_the_method_cannot_do_is_refused() {
     let model = examples().join("ma2008/model.toml");
     let data = examples().join("ma2008/traj1/telemetry.parquet");
     let (code, _, error) = identify(&model, &data, "suggested");

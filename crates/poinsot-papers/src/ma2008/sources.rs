@@ -1,0 +1,101 @@
+//! The declared noise as independent errors of one sample.
+
+use super::arm::Raw;
+use nalgebra::SymmetricEigen;
+use poinsot_identify::Noise;
+use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
+
+/// One independent error of one sample, one sigma.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Source {
+    /// Of the angular velocity, in B, rad/s.
+    Rate(Vector3),
+    /// Of the velocity, in N, m/s.
+    Velocity(Vector3),
+    /// Of the change of velocity since the sample before, in N, m/s: it stays in all later samples.
+    VelocityStep(Vector3),
+    /// Of the attitude, a small rotation in B, rad.
+    Attitude(Vector3),
+    /// Of a joint's position, rad or m.
+    JointPosition(usize, f64),
+    /// Of a joint's rate.
+    JointRate(usize, f64),
+    /// Of a wheel's speed, rad/s.
+    WheelSpeed(usize, f64),
+}
+
+impl Source {
+    pub(super) fn moved(&self, raw: &Raw, sign: f64) -> Raw {
+        let mut raw = raw.clone();
+        let push = |list: &mut Vec<f64>, k: usize, s: f64| {
+            if let Some(x) = list.get_mut(k) {
+                *x += sign * s;
+            }
+        };
+        match *self {
+            Self::Rate(s) => raw.w_NB_B += s * sign,
+            Self::Velocity(s) | Self::VelocityStep(s) => raw.v_NBo_N += s * sign,
+            Self::Attitude(s) => raw.R_NB *= UnitQuaternion::from_scaled_axis(s * sign),
+            Self::JointPosition(k, s) => push(&mut raw.q, k, s),
+            Self::JointRate(k, s) => push(&mut raw.rates, k, s),
+            Self::WheelSpeed(k, s) => push(&mut raw.wheel_speed, k, s),
+        }
+        raw
+    }
+}
+
+/// Independent one-sigma errors of one sample, with the share of their variance that the data show.
+///
+/// `velocity` tells whether a segment measures it; `step` is the covariance of velocity increments, whose noise is taken
+/// as really there.
+pub(super) fn sources(noise: &Noise, velocity: bool, step: Option<Matrix3>) -> Vec<(Source, f64)> {
+    let axes = |covariance: &Matrix3| -> Vec<Vector3> {
+        let e = SymmetricEigen::new(*covariance);
+        (0..3)
+            .filter(|&k| e.eigenvalues[k] > 0.0)
+            .map(|k| e.eigenvectors.column(k) * e.eigenvalues[k].sqrt())
+            .collect()
+    };
+    let scalars = |list: &[f64]| -> Vec<(usize, f64)> {
+        list.iter()
+            .enumerate()
+            .filter(|(_, v)| **v > 0.0)
+            .map(|(k, v)| (k, v.sqrt()))
+            .collect()
+    };
+    let mut out = Vec::new();
+    let rate = noise.seen_gyro;
+    out.extend(
+        axes(&noise.gyro)
+            .into_iter()
+            .map(|s| (Source::Rate(s), rate)),
+    );
+    let v = noise.seen_velocity;
+    out.extend(
+        axes(&noise.velocity)
+            .into_iter()
+            .filter(|_| velocity)
+            .map(|s| (Source::Velocity(s), v)),
+    );
+    out.extend(
+        axes(&noise.attitude)
+            .into_iter()
+            .map(|s| (Source::Attitude(s), v)),
+    );
+    out.extend(
+        axes(&step.unwrap_or_default())
+            .into_iter()
+            .map(|s| (Source::VelocityStep(s), 1.0)),
+    );
+    let joint = noise.seen_joint_rate;
+    for (k, s) in scalars(&noise.joint_position) {
+        out.push((Source::JointPosition(k, s), joint));
+    }
+    for (k, s) in scalars(&noise.joint_rate) {
+        out.push((Source::JointRate(k, s), joint));
+    }
+    for (k, s) in scalars(&noise.wheel_speed) {
+        out.push((Source::WheelSpeed(k, s), joint));
+    }
+    out
+}
