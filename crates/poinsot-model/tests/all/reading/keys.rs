@@ -44,7 +44,7 @@ misalignment = { sigma_rad = 0.01 }
 lag = { sigma_s = 0.1 }
 rotation_xyzw = [0.0, 0.0, 0.6, 0.8]
 [[sensor]]
-name = "imu"
+name = "accelerometer"
 type = "accelerometer"
 body = "arm"
 noise_m_s2 = [[2e-3, 1e-3, 0.0], [1e-3, 2e-3, 0.0], [0.0, 0.0, 1e-3]]
@@ -80,7 +80,7 @@ disturbance_torque_inertial = "estimate"
 where = { log = "LOG00119" }
 [telemetry.columns]
 omega_x = { column = "gyro1_wx", unit = "deg/s" }
-"imu.acc_x" = { column = "a \"x\"", unit = "m/s2" }
+"accelerometer.acc_x" = { column = "a \"x\"", unit = "m/s2" }
 turn_rad = { column = "turn", counts_per_revolution = 4096.0, sign = -1.0 }
 [[telemetry.file]]
 name = "tracker*.csv"
