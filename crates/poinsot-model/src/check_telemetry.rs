@@ -9,7 +9,7 @@ use crate::suggest;
 use poinsot_files::excerpt;
 use poinsot_telemetry::{
     AttitudeForm, AttitudeMap, ColumnMap, FileMap, Layout, OrbitMap, Order, Scale, Sense,
-    TelemetryMap, TimeFormat, TimeMap, map_faults,
+    TelemetryMap, TimeFormat, TimeMap, map_faults, vector_channels,
 };
 use std::collections::{BTreeMap, HashSet};
 
@@ -18,13 +18,6 @@ const LONGEST: usize = 400;
 
 /// A header below more lines than this is a mistake.
 const MOST_LINES: f64 = 1e6;
-
-/// Channels that every vehicle may have.
-const CHANNELS: [&str; 26] = [
-    "time_s", "q_x", "q_y", "q_z", "q_w", "omega_x", "omega_y", "omega_z", "domega_x", "domega_y",
-    "domega_z", "r_x", "r_y", "r_z", "v_x", "v_y", "v_z", "dv_x", "dv_y", "dv_z", "acc_x", "acc_y",
-    "acc_z", "orbit_x", "orbit_y", "orbit_z",
-];
 
 /// Checks the map; the channel names only where the vehicle is known.
 pub(crate) fn check_telemetry(
@@ -319,11 +312,7 @@ fn check_attitude(
 
 /// Every channel this vehicle can have.
 fn channels(model: &ModelFile) -> HashSet<String> {
-    let mut known: HashSet<String> = CHANNELS
-        .iter()
-        .filter(|c| !c.is_empty())
-        .map(|c| (*c).to_owned())
-        .collect();
+    let mut known: HashSet<String> = vector_channels().into_iter().collect();
     let mut add = |name: Option<&str>, ends: &[&str]| {
         if let Some(name) = name {
             known.extend(ends.iter().map(|end| format!("{name}_{end}")));

@@ -141,6 +141,19 @@ const SUFFIXES: [(&str, Quantity, Dimension); 8] = [
     ("_N", Quantity::Force, Dimension::Force),
 ];
 
+/// Standard names that belong to no joint, wheel or thruster.
+pub fn vector_channels() -> Vec<String> {
+    let axes = |prefix: &str| match prefix {
+        "q" => "xyzw",
+        _ => "xyz",
+    };
+    let all = VECTORS.iter().flat_map(|(prefix, ..)| {
+        let names = axes(prefix).chars();
+        names.map(move |axis| format!("{prefix}_{axis}"))
+    });
+    std::iter::once("time_s".to_owned()).chain(all).collect()
+}
+
 /// What a column of this name holds; `None` where the name is not a standard one.
 pub fn classify(column: &str) -> Option<ChannelName> {
     let (sensor, name) = match column.rsplit_once('.') {

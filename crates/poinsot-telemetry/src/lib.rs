@@ -58,7 +58,7 @@ mod unit;
 mod writer;
 
 pub use channel::{Channel, Source, Table};
-pub use channel_name::{ChannelName, Quantity, classify, full_name};
+pub use channel_name::{ChannelName, Quantity, classify, full_name, vector_channels};
 pub use conventions::{
     ConventionTest, Verdict, check_conventions, convention_tests, test_conventions, test_sensors,
 };

@@ -290,7 +290,8 @@ impl Planner<'_> {
         });
     }
 
-    fn orbit(&mut self, map: &FileMap) -> Result<(), TelemetryError> {
+    /// An ephemeris: its position, and its velocity where somebody asks for velocities.
+    fn orbit(&mut self, map: &FileMap, options: &ReadOptions) -> Result<(), TelemetryError> {
         let Some(orbit) = &map.orbit else {
             return Ok(());
         };
@@ -303,12 +304,18 @@ impl Planner<'_> {
             ("orbit", &orbit.position, &orbit.unit),
             ("v", &velocity, &orbit.velocity_unit),
         ];
+        let asked = classify("v_x").is_some_and(|name| is_wanted(&name, options));
         let count = 1 + usize::from(orbit.velocity.is_some());
         let group = self.groups.len();
         for (k, (prefix, columns, unit)) in all.into_iter().take(count).enumerate() {
             let Some(found) = self.columns("orbit", columns)? else {
                 return Ok(());
             };
+            if prefix == "v" && !asked {
+                // Listed among the columns that nobody uses.
+                self.taken.retain(|index| !found.contains(index));
+                continue;
+            }
             for ((place, index), axis) in found.into_iter().enumerate().zip(["x", "y", "z"]) {
                 let Some(name) = classify(&format!("{prefix}_{axis}")) else {
                     continue;
@@ -377,7 +384,7 @@ pub(crate) fn build(
     for attitude in &map.attitude {
         planner.attitude(attitude)?;
     }
-    planner.orbit(&map)?;
+    planner.orbit(&map, options)?;
     let mapped = planner.channels.len();
     let mut ignored = Vec::new();
     let filter_columns: HashSet<&str> = map.row_filter.iter().map(|f| f.0.as_str()).collect();

@@ -223,7 +223,7 @@ thr4_N = {{ column = "THR_D", nominal_N = 0.9 }}
 [[telemetry.file]]
 name = "ephemeris*.csv"
 time = {{ column = "t", epoch = "unix" }}
-orbit = {{ position = ["rx", "ry", "rz"], frame = "earth_fixed" }}
+orbit = {{ position = ["rx", "ry", "rz"], velocity = ["vx", "vy", "vz"], frame = "earth_fixed" }}
 "#
     )
     .replace("\\#", "#")

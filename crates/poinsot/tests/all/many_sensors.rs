@@ -462,3 +462,19 @@ fn exact_a_reference_in_columns_is_that_of_the_model() {
     let lost = lost.unwrap_err().to_string();
     assert!(lost.contains("sunlight.reference_x"), "{lost}");
 }
+
+/// Columns of a direction and of its reference have names of their own.
+#[test]
+fn regress_columns_of_directions_can_be_mapped() {
+    let one = |name: &str, column: &str| {
+        format!("\"{name}\" = {{ column = \"{column}\", unit = \"1\" }}\n")
+    };
+    let map = ["x", "y", "z"].map(|k| {
+        one(&format!("field.direction_{k}"), &format!("B{k}"))
+            + &one(&format!("field.reference_{k}"), &format!("IGRF{k}"))
+    });
+    let sensor = "[[sensor]]\nname = \"field\"\ntype = \"direction\"\nnoise_rad = 1e-3\n";
+    let text = format!("{VEHICLE}\n{sensor}[telemetry.columns]\n{}", map.concat());
+    let model = parse_model(&text, "m.toml").unwrap();
+    assert_eq!(model.telemetry.all.columns.len(), 6);
+}
