@@ -222,7 +222,8 @@ fn evaluate_driven(
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
     // One direction alone leaves the turn about itself open.
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
-        compare.weak_attitude(&head.R_NB);
+        let from = segment.samples.R_NB.first().copied().unwrap_or_default();
+        compare.weak_attitude(&(from.inverse() * head.R_NB));
     }
     compare.finish()
 }
@@ -375,11 +376,11 @@ impl<'a> Compare<'a> {
         Some(white)
     }
 
-    /// Keeps an attitude at the start that nobody measured within half a turn of the identity, for motions that
-    /// say nothing of it.
-    fn weak_attitude(&mut self, R_NB: &UnitQuaternion) {
+    /// Keeps an attitude at the start that nobody measured within half a turn of the one that the fit begins with, for motions
+    /// that say nothing of it. `turn` takes the axes of that one to those in hand.
+    fn weak_attitude(&mut self, turn: &UnitQuaternion) {
         let sigma = std::f64::consts::PI;
-        let residual = -R_NB.scaled_axis() / sigma;
+        let residual = -turn.scaled_axis() / sigma;
         self.log_det += residual.norm_squared();
         let last = self.width() - 1;
         if let Some(qr) = &mut self.qr {

@@ -1,15 +1,25 @@
-//! The attitude at the start, from directions where no attitude is measured.
+//! Attitudes to start from, out of gyro and directions where no attitude is measured.
 
 use super::sensors::sensor_columns;
-use nalgebra::{Matrix3, Matrix4, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Matrix4, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 use poinsot_model::{Model, SensorKind};
+use poinsot_spatial::skew;
 use poinsot_telemetry::Table;
 
-/// Time after the first sample in which directions are used, s: a gyro bias of 1e-3 rad/s turns by 0.1 rad until then.
-const SPAN_S: f64 = 100.0;
+/// First stretch that is looked at, s; each is twice the one before. A gyro bias of 1e-3 rad/s turns by 0.03 rad in it.
+const FIRST_S: f64 = 30.0;
+/// Steps on each stretch: bias and start are nearly linear in it.
+const STEPS: usize = 3;
+/// Error of a direction, of the attitude and of the gyro before anything is known, rad, rad and rad/s: they hold what the
+/// directions leave open.
+const DIRECTION: f64 = 1.0e-2;
+const ATTITUDE: f64 = 1.0;
+const BIAS: f64 = 5.0e-2;
 
 /// A direction as the base sees it: time, s, measured in B, known in N.
 pub(super) type Direction = (f64, Vector3<f64>, Vector3<f64>);
+
+type Attitudes = Vec<Option<UnitQuaternion<f64>>>;
 
 /// Directions that sensors of the base see.
 pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Direction> {
@@ -19,24 +29,89 @@ pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Direction> {
     on_base.flat_map(|c| c.directions(model)).collect()
 }
 
-/// The turn `R` for which `R Q(t) seen` fits the known directions best, `Q` being attitudes from an unknown start: Davenport's
-/// q-method for Wahba's problem (Wahba 1965, Markley and Crassidis 2014, section 5.3). The identity without directions.
-pub(super) fn attitude_from_directions(
+/// Attitudes at the gyro's times that fit directions best, with one bias of the gyro for all.
+///
+/// The start is Davenport's solution of Wahba's problem on the first stretch (Wahba 1965, Markley and Crassidis 2014, section
+/// 5.3); start and bias then go by Gauss and Newton over stretches that grow, so that a drift is known before it is large.
+pub(super) fn attitudes(
     times: &[f64],
-    Q: &[Option<UnitQuaternion<f64>>],
+    rate: &[Option<Vector3<f64>>],
     directions: &[Direction],
-) -> UnitQuaternion<f64> {
+) -> Attitudes {
+    let mut Q = integrate_rate(times, rate);
     let first = Q
         .iter()
         .position(Option::is_some)
         .and_then(|k| times.get(k));
-    let until = first.map_or(f64::NEG_INFINITY, |t| t + SPAN_S);
+    let (Some(first), Some(last)) = (first, times.last()) else {
+        return Q;
+    };
+    let mut span = FIRST_S;
+    let within = |span: f64| directions.iter().filter(move |d| d.0 <= first + span);
+    let mut R = start(times, &Q, within(span));
+    let mut bias = Vector3::zeros();
+    loop {
+        for _ in 0..STEPS {
+            let Some((turn, more)) = step(times, (&R, &Q, &bias), within(span)) else {
+                break;
+            };
+            R = UnitQuaternion::from_scaled_axis(turn) * R;
+            bias += more;
+            let free: Vec<Option<Vector3<f64>>> =
+                rate.iter().map(|w| w.map(|w| w - bias)).collect();
+            Q = integrate_rate(times, &free);
+        }
+        if first + span >= *last {
+            break;
+        }
+        span *= 2.0;
+    }
+    for attitude in Q.iter_mut().flatten() {
+        *attitude = R * *attitude;
+    }
+    Q
+}
+
+/// Attitude from body rates: per step the rotation vector of the fourth-order Magnus expansion for a
+/// rate linear in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
+pub(super) fn integrate_rate(
+    times: &[f64],
+    rate: &[Option<Vector3<f64>>],
+) -> Vec<Option<UnitQuaternion<f64>>> {
+    let mut out = vec![None; times.len()];
+    let mut last: Option<(usize, UnitQuaternion<f64>, Vector3<f64>)> = None;
+    for (k, w) in rate.iter().enumerate() {
+        let Some(w) = w else { continue };
+        let q = match &last {
+            None => UnitQuaternion::identity(),
+            Some((before, q, w0)) => {
+                let h = times[k] - times[*before];
+                q * UnitQuaternion::from_scaled_axis(
+                    (w0 + w) * (0.5 * h) + w0.cross(w) * (h * h / 12.0),
+                )
+            }
+        };
+        out[k] = Some(q);
+        last = Some((k, q, *w));
+    }
+    out
+}
+
+/// The attitude at a time, or the next one.
+fn at(times: &[f64], Q: &Attitudes, t: f64) -> Option<(usize, UnitQuaternion<f64>)> {
+    let k = times.partition_point(|x| *x < t);
+    Some((k, (*Q.get(k)?)?))
+}
+
+/// The turn `R` for which `R Q(t) seen` fits the known directions best; the identity without directions.
+fn start<'a>(
+    times: &[f64],
+    Q: &Attitudes,
+    directions: impl Iterator<Item = &'a Direction>,
+) -> UnitQuaternion<f64> {
     let mut profile = Matrix3::zeros();
-    for (t, seen_B, known_N) in directions.iter().filter(|d| d.0 <= until) {
-        let next = times
-            .partition_point(|x| x < t)
-            .min(times.len().saturating_sub(1));
-        if let Some(Some(Q)) = Q.get(next) {
+    for (t, seen_B, known_N) in directions {
+        if let Some((_, Q)) = at(times, Q, *t) {
             profile += known_N * (Q * seen_B).transpose();
         }
     }
@@ -61,29 +136,105 @@ pub(super) fn attitude_from_directions(
     UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[0], q[1], q[2]))
 }
 
+/// A step of the start, in N, and of the bias.
+///
+/// With `A = R Q`, a turn `d` of the start in N changes the direction seen, `A^T n`, by `A^T (n x d)`; a bias `b` turns `Q` by
+/// `-int Q b dt` in the axes of the start.
+fn step<'a>(
+    times: &[f64],
+    (R, Q, bias): (&UnitQuaternion<f64>, &Attitudes, &Vector3<f64>),
+    directions: impl Iterator<Item = &'a Direction>,
+) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let matrix = |q: &UnitQuaternion<f64>| *q.to_rotation_matrix().matrix();
+    let mut turned = vec![Matrix3::zeros(); times.len()];
+    let mut sum = Matrix3::zeros();
+    let mut before: Option<(f64, Matrix3<f64>)> = None;
+    for ((t, Q), turned) in times.iter().zip(Q).zip(&mut turned) {
+        if let Some(now) = Q.as_ref().map(matrix) {
+            if let Some((then, was)) = before {
+                sum += (was + now) * (0.5 * (t - then));
+            }
+            before = Some((*t, now));
+        }
+        *turned = sum;
+    }
+    let mut normal = Matrix6::zeros();
+    let mut right = Vector6::zeros();
+    for k in 0..3 {
+        normal[(k, k)] = (DIRECTION / ATTITUDE).powi(2);
+        normal[(3 + k, 3 + k)] = (DIRECTION / BIAS).powi(2);
+        right[3 + k] = -bias[k] * (DIRECTION / BIAS).powi(2);
+    }
+    for (t, seen_B, known_N) in directions {
+        let Some((k, Q)) = at(times, Q, *t) else {
+            continue;
+        };
+        let to_body = matrix(&(R * Q)).transpose();
+        let by_start = to_body * skew(known_N);
+        let by_bias = -matrix(&Q).transpose() * skew(&(R.inverse() * known_N)) * turned[k];
+        let mut slopes = nalgebra::SMatrix::<f64, 3, 6>::zeros();
+        slopes.fixed_view_mut::<3, 3>(0, 0).copy_from(&by_start);
+        slopes.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_bias);
+        normal += slopes.transpose() * slopes;
+        right += slopes.transpose() * (seen_B - to_body * known_N);
+    }
+    let x = normal.cholesky()?.solve(&right);
+    let finite = x.iter().all(|x| x.is_finite());
+    finite.then(|| (x.fixed_rows::<3>(0).into(), x.fixed_rows::<3>(3).into()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn exact_two_directions_give_the_attitude() {
+    /// A tumbling base, its gyro off by `bias`, and what it sees of the known vectors.
+    fn tumble(
+        bias: Vector3<f64>,
+        known: &[Vector3<f64>],
+    ) -> (
+        Vec<f64>,
+        Vec<Option<Vector3<f64>>>,
+        Attitudes,
+        Vec<Direction>,
+    ) {
+        let times: Vec<f64> = (0..3000).map(|k| 0.1 * f64::from(k)).collect();
+        let w = |t: &f64| Vector3::new(0.02, -0.03 * (0.05 * t).cos(), 0.025 * (0.03 * t).sin());
+        let true_rate: Vec<_> = times.iter().map(|t| Some(w(t))).collect();
         let R = UnitQuaternion::from_scaled_axis(Vector3::new(1.9, -0.7, 1.1));
-        let Q = [0.0, 0.5, 1.0].map(|t: f64| {
-            Some(UnitQuaternion::from_scaled_axis(Vector3::new(
-                t,
-                0.3 * t,
-                -t,
-            )))
-        });
-        let times = [0.0, 1.0, 2.0];
-        let known = [Vector3::x(), Vector3::new(0.0, 0.6, 0.8)];
-        let mut directions = Vec::new();
-        for (t, Q) in times.iter().zip(&Q) {
-            for n in known {
-                directions.push((*t, Q.unwrap().inverse() * (R.inverse() * n), n));
-            }
+        let truth: Attitudes = integrate_rate(&times, &true_rate)
+            .into_iter()
+            .map(|q| q.map(|q| R * q))
+            .collect();
+        let read = true_rate.iter().map(|w| w.map(|w| w + bias)).collect();
+        let mut seen = Vec::new();
+        for (t, q) in times.iter().zip(&truth).step_by(10) {
+            seen.extend(known.iter().map(|n| (*t, q.unwrap().inverse() * n, *n)));
         }
-        let found = attitude_from_directions(&times, &Q, &directions);
-        assert!(found.angle_to(&R) < 1e-7, "{}", found.angle_to(&R));
+        (times, read, truth, seen)
+    }
+
+    #[test]
+    fn exact_two_directions_give_the_attitude_whatever_the_bias() {
+        let known = [Vector3::x(), Vector3::new(0.0, 0.6, 0.8)];
+        let bias = Vector3::new(5.0e-3, -2.0e-3, 8.0e-3);
+        let (times, read, truth, seen) = tumble(bias, &known);
+        let found = attitudes(&times, &read, &seen);
+        for (found, truth) in found.iter().zip(&truth) {
+            let off = found.unwrap().angle_to(&truth.unwrap());
+            assert!(off < 1.0e-5, "{off}");
+        }
+    }
+
+    /// One direction leaves a turn about itself open, and nothing else.
+    #[test]
+    fn exact_one_direction_is_seen_as_read_whatever_the_bias() {
+        let bias = Vector3::new(5.0e-3, -2.0e-3, 8.0e-3);
+        let (times, read, _, seen) = tumble(bias, &[Vector3::new(0.0, 0.6, 0.8)]);
+        let found = attitudes(&times, &read, &seen);
+        for (t, seen_B, known_N) in &seen {
+            let (_, A) = at(&times, &found, *t).unwrap();
+            let off = (A * seen_B - known_N).norm();
+            assert!(off < 1.0e-5, "{t}: {off}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! All channels at the gyro's times: attitude, translation, joints, wheels.
 
 use super::BindError;
-use super::attitude_start::{attitude_from_directions, base_directions};
+use super::attitude_start::{attitudes, base_directions, integrate_rate};
 use super::channels::{Channels, VectorChannels, joint_columns};
 use super::free_fall::ORBITAL;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -140,46 +140,22 @@ fn attitude(
             })
             .collect();
     }
-    let mut integrated = integrate_rate(times, rate);
     let directions = base_directions(model, channels.table);
-    let start = match directions.is_empty() {
-        true => "from the identity at its first sample",
-        false => "from the attitude that fits the directions best",
+    let (start, found) = match directions.is_empty() {
+        true => (
+            "from the identity at its first sample",
+            integrate_rate(times, rate),
+        ),
+        false => (
+            "with the start and the bias that fit the directions best",
+            attitudes(times, rate, &directions),
+        ),
     };
     repairs.push(format!(
         "{}: no attitude channel: attitude integrated from the gyro, {start}",
         channels.label
     ));
-    let R = attitude_from_directions(times, &integrated, &directions);
-    for attitude in integrated.iter_mut().flatten() {
-        *attitude = R * *attitude;
-    }
-    integrated
-}
-
-/// Attitude from body rates: per step the rotation vector of the fourth-order Magnus expansion for a
-/// rate linear in time, `h (w0 + w1)/2 + h^2 (w0 x w1)/12` (Iserles et al. 2000, eq. 4.16).
-fn integrate_rate(
-    times: &[f64],
-    rate: &[Option<Vector3<f64>>],
-) -> Vec<Option<UnitQuaternion<f64>>> {
-    let mut out = vec![None; times.len()];
-    let mut last: Option<(usize, UnitQuaternion<f64>, Vector3<f64>)> = None;
-    for (k, w) in rate.iter().enumerate() {
-        let Some(w) = w else { continue };
-        let q = match &last {
-            None => UnitQuaternion::identity(),
-            Some((before, q, w0)) => {
-                let h = times[k] - times[*before];
-                q * UnitQuaternion::from_scaled_axis(
-                    (w0 + w) * (0.5 * h) + w0.cross(w) * (h * h / 12.0),
-                )
-            }
-        };
-        out[k] = Some(q);
-        last = Some((k, q, *w));
-    }
-    out
+    found
 }
 
 type Positions = (Vec<Option<Vector3<f64>>>, Vec<Option<Vector3<f64>>>);
