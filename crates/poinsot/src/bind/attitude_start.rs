@@ -187,16 +187,15 @@ fn step<'a>(
 mod tests {
     use super::*;
 
+    struct Tumble {
+        times: Vec<f64>,
+        read: Vec<Option<Vector3<f64>>>,
+        truth: Attitudes,
+        seen: Vec<Direction>,
+    }
+
     /// A tumbling base, its gyro off by `bias`, and what it sees of the known vectors.
-    fn tumble(
-        bias: Vector3<f64>,
-        known: &[Vector3<f64>],
-    ) -> (
-        Vec<f64>,
-        Vec<Option<Vector3<f64>>>,
-        Attitudes,
-        Vec<Direction>,
-    ) {
+    fn tumble(bias: Vector3<f64>, known: &[Vector3<f64>]) -> Tumble {
         let times: Vec<f64> = (0..3000).map(|k| 0.1 * f64::from(k)).collect();
         let w = |t: &f64| Vector3::new(0.02, -0.03 * (0.05 * t).cos(), 0.025 * (0.03 * t).sin());
         let true_rate: Vec<_> = times.iter().map(|t| Some(w(t))).collect();
@@ -210,16 +209,21 @@ mod tests {
         for (t, q) in times.iter().zip(&truth).step_by(10) {
             seen.extend(known.iter().map(|n| (*t, q.unwrap().inverse() * n, *n)));
         }
-        (times, read, truth, seen)
+        Tumble {
+            times,
+            read,
+            truth,
+            seen,
+        }
     }
 
     #[test]
     fn exact_two_directions_give_the_attitude_whatever_the_bias() {
         let known = [Vector3::x(), Vector3::new(0.0, 0.6, 0.8)];
         let bias = Vector3::new(5.0e-3, -2.0e-3, 8.0e-3);
-        let (times, read, truth, seen) = tumble(bias, &known);
-        let found = attitudes(&times, &read, &seen);
-        for (found, truth) in found.iter().zip(&truth) {
+        let t = tumble(bias, &known);
+        let found = attitudes(&t.times, &t.read, &t.seen);
+        for (found, truth) in found.iter().zip(&t.truth) {
             let off = found.unwrap().angle_to(&truth.unwrap());
             assert!(off < 1.0e-5, "{off}");
         }
@@ -229,10 +233,10 @@ mod tests {
     #[test]
     fn exact_one_direction_is_seen_as_read_whatever_the_bias() {
         let bias = Vector3::new(5.0e-3, -2.0e-3, 8.0e-3);
-        let (times, read, _, seen) = tumble(bias, &[Vector3::new(0.0, 0.6, 0.8)]);
-        let found = attitudes(&times, &read, &seen);
-        for (t, seen_B, known_N) in &seen {
-            let (_, A) = at(&times, &found, *t).unwrap();
+        let all = tumble(bias, &[Vector3::new(0.0, 0.6, 0.8)]);
+        let found = attitudes(&all.times, &all.read, &all.seen);
+        for (t, seen_B, known_N) in &all.seen {
+            let (_, A) = at(&all.times, &found, *t).unwrap();
             let off = (A * seen_B - known_N).norm();
             assert!(off < 1.0e-5, "{t}: {off}");
         }
