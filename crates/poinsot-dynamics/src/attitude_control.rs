@@ -19,7 +19,7 @@ use crate::integrate::{DormandPrince, Flow, Halt, Tolerance};
 use crate::kinematics::Kinematics;
 use crate::momentum::composite;
 use crate::orbit::{Orbit, orbit_state};
-use crate::plan::{Start, StartVelocity, Stretches};
+use crate::plan::{SmoothIntervals, Start, StartVelocity};
 use crate::prescribed::{MotionError, gravity_gradient};
 use crate::reaction_wheel::WheelLimits;
 use crate::stage::MotionSample;
@@ -233,7 +233,7 @@ impl<'c> ControlledVehicle<'c> {
         };
         let mut breaks: Vec<f64> = self.firings.iter().flat_map(|f| [f.on, f.off]).collect();
         breaks.sort_by(f64::total_cmp);
-        let stretches = Stretches::new(breaks);
+        let stretches = SmoothIntervals::new(breaks);
         let mut flight = Flight::new(self, start, wheel_speed)?;
         let mut y = flight.start(start, wheel_speed);
         let mut integrator = DormandPrince::new(flight.scale(), self.tolerance);

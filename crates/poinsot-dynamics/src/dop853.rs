@@ -75,7 +75,7 @@ impl DormandPrince8 {
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
             self.attempt(flow, t, h, y)?;
-            let (taken, step) = CONTROL.judge(self.error(h, y), h, last, self.step);
+            let (taken, step) = CONTROL.accept(self.error(h, y), h, last, self.step);
             self.step = step;
             if taken {
                 let reached = if last { end } else { t + h };

@@ -6,7 +6,7 @@ use crate::dop853::DormandPrince8;
 use crate::driven_stage::{Driven, DrivenPlan, DrivenSample, DrivenStage};
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::joint_drive::JointDrive;
-use crate::plan::{Start, Stretches};
+use crate::plan::{SmoothIntervals, Start};
 use crate::prescribed::{MotionError, gravity_gradient};
 use crate::runge_kutta::RungeKutta4;
 use crate::thrust::Nozzle;
@@ -126,7 +126,7 @@ impl<'p> Driven<'p> {
         mut sink: impl FnMut(&DrivenSample),
     ) -> Result<(), MotionError> {
         let first = MotionError::check_times(times)?;
-        let stretches = Stretches::new(self.plan.breaks());
+        let stretches = SmoothIntervals::new(self.plan.breaks());
         let mut stage = DrivenStage::new(self, stretches.of(first).0);
         let y = stage.start(start, first)?;
         let mut moving = Moving {
@@ -214,7 +214,7 @@ impl Stepper {
 /// A motion under way.
 struct Moving<'s> {
     stage: DrivenStage<'s>,
-    stretches: Stretches,
+    stretches: SmoothIntervals,
     stepper: Stepper,
     most_steps: usize,
     /// The last output time, s.

@@ -127,7 +127,7 @@ pub(crate) struct Controller {
 impl Controller {
     /// Whether a step of `h` with this error, in units of the tolerance, is taken; and the next `step` to try.
     /// A step cut short by the `last` time asked for says nothing against the longer one.
-    pub fn judge(&self, error: f64, h: f64, last: bool, step: f64) -> (bool, f64) {
+    pub fn accept(&self, error: f64, h: f64, last: bool, step: f64) -> (bool, f64) {
         // NaN and infinity: the step was far too long.
         let error = if error.is_finite() {
             error
@@ -225,7 +225,7 @@ impl DormandPrince {
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
             let error = self.attempt(flow, t, h, y)?;
-            let (taken, step) = CONTROL.judge(error, h, last, self.step);
+            let (taken, step) = CONTROL.accept(error, h, last, self.step);
             self.step = step;
             if taken {
                 t = if last { end } else { t + h };

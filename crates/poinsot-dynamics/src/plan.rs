@@ -87,11 +87,11 @@ impl Plan {
 
 /// The smooth stretches between breaks.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stretches {
+pub struct SmoothIntervals {
     breaks: Vec<f64>,
 }
 
-impl Stretches {
+impl SmoothIntervals {
     /// Between ascending breaks.
     pub fn new(breaks: Vec<f64>) -> Self {
         Self { breaks }
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn unit_a_break_belongs_to_the_stretch_after_it() {
-        let s = Stretches::new(vec![0.0, 2.0, 6.0]);
+        let s = SmoothIntervals::new(vec![0.0, 2.0, 6.0]);
         assert_eq!(s.of(-3.0), (-1.0, 0.0));
         assert_eq!(s.of(0.0), (1.0, 2.0));
         assert_eq!(s.of(1.9), (1.0, 2.0));

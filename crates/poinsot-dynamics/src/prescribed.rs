@@ -4,7 +4,7 @@
 
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::orbit::Orbit;
-use crate::plan::{Plan, Start, Stretches};
+use crate::plan::{Plan, SmoothIntervals, Start};
 use crate::stage::{MotionSample, Prescribed, Stage};
 use crate::tree::Tree;
 use crate::vehicle::{Gravity, Vehicle};
@@ -97,7 +97,7 @@ impl<'p> Prescribed<'p> {
         mut sink: impl FnMut(&MotionSample),
     ) -> Result<(), MotionError> {
         let first = MotionError::check_times(times)?;
-        let stretches = Stretches::new(self.plan.breaks());
+        let stretches = SmoothIntervals::new(self.plan.breaks());
         let mut stage = Stage::new(self, stretches.of(first).0);
         let mut y = stage.start(start, first)?;
         let mut integrator = DormandPrince::new(stage.scale(), self.tolerance);

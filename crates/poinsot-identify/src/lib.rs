@@ -53,6 +53,6 @@ pub use problem::segment::{
 pub use problem::{Problem, ProblemError};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,
-    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, OpenCombination, Principal,
-    SegmentFit, Source, Status,
+    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, SegmentFit,
+    Source, Status, UnobservableCombination,
 };

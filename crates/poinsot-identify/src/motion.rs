@@ -9,21 +9,21 @@
 mod acceleration;
 mod advance;
 mod chord;
+mod environment;
 mod grid;
 pub(crate) mod input_curves;
 pub(crate) mod input_noise;
 mod input_slopes;
 mod inputs;
-mod place;
+mod point_kinematics;
 mod steps;
-mod surroundings;
 mod variation;
 mod vehicle;
 
-pub(crate) use acceleration::Point;
-pub(crate) use place::{JointEffect, Place};
+pub(crate) use acceleration::BodyPoint;
+pub(crate) use environment::GRADIENT;
+pub(crate) use point_kinematics::{JointEffect, PointKinematics};
 pub(crate) use steps::{Fineness, Grid, Steps};
-pub(crate) use surroundings::GRADIENT;
 pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
@@ -52,7 +52,7 @@ pub(crate) struct State {
 }
 
 /// Inputs at one instant, their faults taken off, and what depends on them alone.
-struct Site {
+struct InputState {
     q: Vec<f64>,
     rates: Vec<f64>,
     wheels: Vec<f64>,
@@ -86,8 +86,8 @@ struct Locked {
     h_joints: Vector3,
 }
 
-/// A point of the path whose velocity is known; its inputs are those in [`Motion::site`].
-struct Ready {
+/// A point of the path whose velocity is known; its inputs are those in [`Motion::input_state`].
+struct EvaluatedState {
     /// Grid time, and share of the interval after it.
     at: (usize, f64),
     state: State,
@@ -97,7 +97,7 @@ struct Ready {
 }
 
 /// What one propagation knows at a grid time, sensitivities aside: another one of the same segment can look from there.
-pub(crate) struct Known {
+pub(crate) struct PropagatedState {
     pub state: State,
     instant: Instant,
     variation: Option<Arc<Variation>>,
@@ -119,8 +119,8 @@ pub(crate) struct Motion<'a> {
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
     /// The inputs in hand, and those in the middle of a step.
-    site: Site,
-    middle: Site,
+    input_state: InputState,
+    middle: InputState,
     still: Kinematics,
     regressor: Vec<[f64; 6]>,
     wheel_columns: Vec<[f64; 6]>,
@@ -128,9 +128,9 @@ pub(crate) struct Motion<'a> {
     pub columns: Vec<Column>,
     twist_columns: Vec<Vector6>,
     /// Index in `columns` of the first unknown.
-    head: usize,
+    initial_columns: usize,
     /// Boxed: it is large, and changes hands at every step.
-    ready: Option<Box<Ready>>,
+    evaluated: Option<Box<EvaluatedState>>,
 }
 
 /// How much faster than measured a vehicle may turn, on the whole, for its motion to be followed.
@@ -158,12 +158,12 @@ fn steps_allowed(o: &Observations) -> f64 {
 pub(crate) struct Instant {
     pub twist: Twist,
     pub inverse_inertia: Matrix6,
-    centre: Centre,
+    centre: MassCentre,
 }
 
 /// The system's mass centre at an instant, with the momentum in B.
 #[derive(Clone, Copy)]
-struct Centre {
+struct MassCentre {
     c: Vector3,
     l: Vector3,
     h_cm: Vector3,
@@ -172,7 +172,7 @@ struct Centre {
     I_SScm_B: Matrix3,
 }
 
-impl Site {
+impl InputState {
     fn new(tree: &Tree) -> Self {
         Self {
             q: vec![0.0; tree.dof()],
@@ -190,12 +190,12 @@ impl Site {
 }
 
 impl<'a> Motion<'a> {
-    /// Scratch; `columns` are the sensitivities at the first grid time, `head` of them before the unknowns.
+    /// Scratch; `columns` are the sensitivities at the first grid time, `initial_columns` of them before the unknowns.
     pub fn new(
         vehicle: &'a Vehicle<'a>,
         segment: &'a Segment,
         columns: Vec<Column>,
-        head: usize,
+        initial_columns: usize,
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
@@ -208,19 +208,19 @@ impl<'a> Motion<'a> {
             chord: None,
             column_chord: None,
             gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
-            site: Site::new(tree),
-            middle: Site::new(tree),
+            input_state: InputState::new(tree),
+            middle: InputState::new(tree),
             still: Kinematics::new(tree),
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
             steps_left: steps_allowed(o),
             observations: o,
-            head,
+            initial_columns,
             twist_columns: vec![Vector6::zeros(); columns.len()],
             columns,
             vehicle,
-            ready: None,
+            evaluated: None,
         }
     }
 
@@ -228,33 +228,33 @@ impl<'a> Motion<'a> {
     ///
     /// `None` where the parameters have no positive mass or inertia there.
     pub fn velocity(&mut self, state: &State, k: usize) -> Option<(Instant, &[Vector6])> {
-        self.arrive(state, k)?;
-        let ready = self.ready.as_ref()?;
-        if let Some(variation) = &ready.variation {
+        self.evaluate_at_grid_time(state, k)?;
+        let evaluated = self.evaluated.as_ref()?;
+        if let Some(variation) = &evaluated.variation {
             let columns = self.columns.iter().zip(&mut self.twist_columns);
             for (j, (column, twist)) in columns.enumerate() {
-                *twist = variation.twist(column, j.checked_sub(self.head));
+                *twist = variation.twist(column, j.checked_sub(self.initial_columns));
             }
         }
-        Some((ready.instant, &self.twist_columns))
+        Some((evaluated.instant, &self.twist_columns))
     }
 
     /// What is known at grid time k.
-    pub fn known(&mut self, state: &State, k: usize) -> Option<Known> {
-        self.arrive(state, k)?;
-        let ready = self.ready.as_ref()?;
-        Some(Known {
-            state: ready.state,
-            instant: ready.instant,
-            variation: ready.variation.clone(),
+    pub fn propagated_state(&mut self, state: &State, k: usize) -> Option<PropagatedState> {
+        self.evaluate_at_grid_time(state, k)?;
+        let evaluated = self.evaluated.as_ref()?;
+        Some(PropagatedState {
+            state: evaluated.state,
+            instant: evaluated.instant,
+            variation: evaluated.variation.clone(),
         })
     }
 
     /// Goes to grid time k, of which another propagation knows this and these sensitivities.
-    pub fn look_from(&mut self, known: &Known, columns: &[Column], k: usize) {
+    pub fn resume_from(&mut self, known: &PropagatedState, columns: &[Column], k: usize) {
         self.columns.copy_from_slice(columns);
-        self.go(k, 0.0);
-        self.ready = Some(Box::new(Ready {
+        self.set_inputs(k, 0.0);
+        self.evaluated = Some(Box::new(EvaluatedState {
             at: (k, 0.0),
             state: known.state,
             instant: known.instant,
@@ -264,36 +264,36 @@ impl<'a> Motion<'a> {
 
     /// Joint positions, joint rates and wheel speeds that the last evaluation of the velocity used.
     pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
-        let site = &self.site;
-        (&site.q, &site.rates, &site.wheels)
+        let input_state = &self.input_state;
+        (&input_state.q, &input_state.rates, &input_state.wheels)
     }
 
     /// Makes grid time k ready: the end of the interval before it is, where no fault moves the inputs.
-    fn arrive(&mut self, state: &State, k: usize) -> Option<()> {
+    fn evaluate_at_grid_time(&mut self, state: &State, k: usize) -> Option<()> {
         let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
         let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k;
-        match self.ready.take().filter(|r| r.state == *state) {
-            Some(ready) if ready.at == (k, 0.0) => {
-                self.ready = Some(ready);
+        match self.evaluated.take().filter(|r| r.state == *state) {
+            Some(evaluated) if evaluated.at == (k, 0.0) => {
+                self.evaluated = Some(evaluated);
                 return Some(());
             }
-            Some(mut ready) if end(ready.at) => {
-                self.other_side(&mut ready, k);
-                self.ready = Some(ready);
+            Some(mut evaluated) if end(evaluated.at) => {
+                self.cross_grid_time(&mut evaluated, k);
+                self.evaluated = Some(evaluated);
                 return Some(());
             }
             _ => {}
         }
-        self.go(k, 0.0);
-        self.look((k, 0.0), state)
+        self.set_inputs(k, 0.0);
+        self.evaluate_here((k, 0.0), state)
     }
 
     /// Makes a state at the inputs in hand ready.
-    fn look(&mut self, at: (usize, f64), state: &State) -> Option<()> {
+    fn evaluate_here(&mut self, at: (usize, f64), state: &State) -> Option<()> {
         let instant = self.instant(state)?;
         let variation =
             (!self.columns.is_empty()).then(|| Arc::new(self.linearise(state, &instant)));
-        self.ready = Some(Box::new(Ready {
+        self.evaluated = Some(Box::new(EvaluatedState {
             at,
             state: *state,
             instant,
@@ -303,31 +303,38 @@ impl<'a> Motion<'a> {
     }
 
     /// Takes the inputs at a share of the interval after grid time k in hand.
-    fn go(&mut self, k: usize, at: f64) {
-        self.ready = None;
+    fn set_inputs(&mut self, k: usize, at: f64) {
+        self.evaluated = None;
         self.inputs(k, at);
-        let (v, site) = (self.vehicle, &mut self.site);
+        let (v, input_state) = (self.vehicle, &mut self.input_state);
         let zero = Vector3::zeros();
-        site.kinematics.place(v.tree, &site.q);
-        site.kinematics
-            .set_velocities(v.tree, &zero, &zero, &site.rates);
-        let joints = momentum(&v.bodies, &site.kinematics);
-        let whole = composite(&v.bodies, &site.kinematics);
+        input_state.kinematics.place(v.tree, &input_state.q);
+        input_state
+            .kinematics
+            .set_velocities(v.tree, &zero, &zero, &input_state.rates);
+        let joints = momentum(&v.bodies, &input_state.kinematics);
+        let whole = composite(&v.bodies, &input_state.kinematics);
         let mut turning = whole;
-        site.free.clear();
+        input_state.free.clear();
         if let Some(chord) = self.chord.as_ref().filter(|_| at > 0.0 && at < 1.0) {
             for (j, (rotor, spin)) in v.tree.rotors.iter().zip(&v.spin).enumerate() {
-                let axis = site.kinematics.R[rotor.body] * rotor.axis_B;
+                let axis = input_state.kinematics.R[rotor.body] * rotor.axis_B;
                 // The base is still: its host turns with the joints alone.
-                site.wheels[j] += chord.at(j, at) - axis.dot(&site.kinematics.w[rotor.body]);
-                site.free.push((axis, site.wheels[j]));
+                input_state.wheels[j] +=
+                    chord.at(j, at) - axis.dot(&input_state.kinematics.w[rotor.body]);
+                input_state.free.push((axis, input_state.wheels[j]));
                 turning.I_SBo_B -= Matrix3::identity() * *spin - parallel_axis(*spin, &axis);
             }
         }
-        let wheels = wheel_momentum(v.tree, &site.kinematics, &v.spin, &site.wheels);
+        let wheels = wheel_momentum(
+            v.tree,
+            &input_state.kinematics,
+            &v.spin,
+            &input_state.wheels,
+        );
         let c = whole.p_BoScm_B();
         let l_joints: Vector3 = joints.fixed_rows::<3>(0).into();
-        site.locked = turning
+        input_state.locked = turning
             .inverse_locked_inertia()
             .map(|inverse_inertia| Locked {
                 mass: whole.mass,
@@ -343,7 +350,7 @@ impl<'a> Motion<'a> {
     /// Velocity of a state at the inputs in hand: about the mass centre the two halves uncouple,
     /// `I_cm w = h_cm - h_joints`, `v = (l - l_joints) / m - w x c`.
     fn instant(&self, state: &State) -> Option<Instant> {
-        let locked = self.site.locked.as_ref()?;
+        let locked = self.input_state.locked.as_ref()?;
         let to_base = matrix(&state.R_NB).transpose();
         let (l, h_cm) = (to_base * state.P, to_base * state.h_SScm_N);
         let inverse_inertia = locked.inverse_inertia;
@@ -356,7 +363,7 @@ impl<'a> Motion<'a> {
         Some(Instant {
             twist: Twist { v, w },
             inverse_inertia,
-            centre: Centre {
+            centre: MassCentre {
                 c: locked.c,
                 l,
                 h_cm,
@@ -367,8 +374,8 @@ impl<'a> Motion<'a> {
     }
 
     /// Thrusters with their arms from the system's mass centre.
-    fn forces(&self, thrust: &[(usize, f64)], centre: &Centre) -> Vec<Force> {
-        let kinematics = &self.site.kinematics;
+    fn forces(&self, thrust: &[(usize, f64)], centre: &MassCentre) -> Vec<Force> {
+        let kinematics = &self.input_state.kinematics;
         thrust
             .iter()
             .map(|&(at, declared)| {
@@ -395,7 +402,7 @@ impl<'a> Motion<'a> {
     /// Change of the base twist per unit of a wheel's speed at the instant given: `-H^-1 [0; Js a]`.
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
         let rotor = &self.vehicle.tree.rotors[wheel];
-        let h = self.site.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
+        let h = self.input_state.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
         -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
     }
 }
@@ -414,7 +421,7 @@ fn along(inverse_inertia: &Matrix6, direction: &Vector3) -> Vector3 {
 }
 
 /// `[a]x` of a small rotation between two attitudes, body axes of the first.
-pub(crate) fn small_turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 {
+pub(crate) fn small_rotation(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 {
     (from.inverse() * to).scaled_axis()
 }
 

@@ -95,7 +95,7 @@ pub struct Reached {
 }
 
 /// Slopes of all functions at one point, one row per function.
-struct Slopes {
+struct Jacobian {
     objectives: DMatrix<f64>,
     limits: DMatrix<f64>,
 }
@@ -185,7 +185,7 @@ fn tried(
 }
 
 /// One-sided differences. A function that does not exist beside the point ends the search.
-fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
+fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Jacobian> {
     let n = reached.x.len();
     let beside: Vec<Vec<f64>> = (0..n)
         .map(|j| {
@@ -209,11 +209,11 @@ fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
         .iter()
         .chain(limits.iter())
         .all(|x| x.is_finite());
-    finite.then_some(Slopes { objectives, limits })
+    finite.then_some(Jacobian { objectives, limits })
 }
 
 /// Change of the slope of the Lagrangian.
-fn bent(step: &Step, before: &Slopes, after: &Slopes) -> DVector<f64> {
+fn bent(step: &Step, before: &Jacobian, after: &Jacobian) -> DVector<f64> {
     let (objectives, limits) = &step.multipliers;
     (&after.objectives - &before.objectives).transpose() * objectives
         + (&after.limits - &before.limits).transpose() * limits
@@ -267,7 +267,7 @@ impl Rows {
 
 fn quadratic(
     at: &Reached,
-    slopes: &Slopes,
+    slopes: &Jacobian,
     B: &DMatrix<f64>,
     polytope: &Polytope,
     delta: f64,

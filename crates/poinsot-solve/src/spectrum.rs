@@ -210,7 +210,7 @@ impl Spectrum {
     }
 
     /// Smallest singular value of the identified directions; infinite where there is none.
-    pub fn weakest(&self) -> f64 {
+    pub fn smallest_singular_value(&self) -> f64 {
         let identified = self.singular.iter().take(self.rank);
         identified.fold(f64::INFINITY, |a, b| a.min(*b))
     }
@@ -283,7 +283,7 @@ impl Spectrum {
     }
 
     /// Directions that are not identified, one column each, in natural units.
-    pub fn open_directions(&self) -> Mat<f64> {
+    pub fn unobservable_directions(&self) -> Mat<f64> {
         let n = self.natural.len();
         Mat::from_fn(n, n - self.rank, |i, j| self.directions[(i, self.rank + j)])
     }

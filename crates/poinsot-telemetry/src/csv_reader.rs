@@ -4,7 +4,7 @@ use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
-use crate::number::{Cell, NoNumber};
+use crate::number::{Cell, InvalidNumber};
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::{Selection, WhenFull};
@@ -176,7 +176,7 @@ fn take_row(
             return Ok(());
         }
     }
-    let fault = |index: usize, column: &str, why: NoNumber| TelemetryError::Number {
+    let fault = |index: usize, column: &str, why: InvalidNumber| TelemetryError::Number {
         place: Place::cell(path, row, column),
         value: shown(record.get(index).unwrap_or_default()),
         why: why.text(index == plan.time_index),

@@ -397,7 +397,7 @@ fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let found = estimate.diagnostics.as_ref();
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
     if shift > SENSITIVE {
-        estimate.doubt(format!(
+        estimate.add_evidence_against(format!(
             "it is sensitive to the wheel motion between the rows taken ({shift:.1} sigma)"
         ));
         estimate.warnings.push(format!(
@@ -426,7 +426,7 @@ fn against_model(
             return Err(checks::refused(label, &finding).into());
         }
         let text = format!("{}: {}", finding.check.name(), finding.text);
-        identified.estimate.doubt(text.clone());
+        identified.estimate.add_evidence_against(text.clone());
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
     }

@@ -9,7 +9,7 @@ mod wanted;
 
 pub use file::prediction_file;
 pub use text::prediction_document;
-pub(crate) use text::{accuracy, told};
+pub(crate) use text::{accuracy, predicted_sigma};
 pub use wanted::{Met, covariance_name, wanted_sigma};
 
 use crate::bind::{BindError, bind};

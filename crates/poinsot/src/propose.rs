@@ -22,7 +22,7 @@ const UNIX: (f64, f64) = (1.0e9, 4.0e9);
 const UNIX_UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1.0e3), ("us", 1.0e6), ("ns", 1.0e9)];
 
 /// The first lines of a file, taken apart.
-struct Head {
+struct FileHead {
     comment: Option<char>,
     delimiter: char,
     header_row: usize,
@@ -122,7 +122,7 @@ fn proposed(path: &Path) -> Option<String> {
     if bytes.contains(&0) {
         return None;
     }
-    let head = Head::of(&text)?;
+    let head = FileHead::of(&text)?;
     let mut out = String::from("[[telemetry.file]]\n");
     let name = path.file_name()?.to_string_lossy();
     let _ = writeln!(out, "name = {}", quoted(&name));
@@ -134,7 +134,7 @@ fn proposed(path: &Path) -> Option<String> {
     (out.len() > before).then_some(out)
 }
 
-impl Head {
+impl FileHead {
     fn of(text: &str) -> Option<Self> {
         let lines: Vec<&str> = text.lines().take(LINES).collect();
         let comment = lines.first()?.chars().next().filter(|c| "#%!".contains(*c));

@@ -3,7 +3,7 @@
 use super::{Failure, Outcome, exit_of, note, print, print_document, print_json};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
-    CampaignRequest, Plan, Ran, campaign, campaign_cost, campaign_document, cost_document,
+    CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, campaign_document, cost_document,
     merge_campaign, read_plan, slurm_scripts,
 };
 use poinsot::{check_outputs, write_files};
@@ -62,7 +62,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
 }
 
 /// Prints what a campaign or a sweep gave; its exit code.
-pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &Ran) -> Outcome {
+pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &CampaignRun) -> Outcome {
     if !quiet {
         for (shard, why) in ran.damaged.iter().take(10) {
             note(&format!("shard {shard}: {why}"));

@@ -4,7 +4,7 @@ use crate::answer::covariance::Row;
 use crate::fit::known_numbers::Effects;
 use crate::problem::parameters::KnownUnknown;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 use poinsot_model::{KnownNumber, Model};
 
 /// One per cent, one millimetre or one milliradian.
@@ -12,23 +12,23 @@ const SHOWN_STEP: f64 = 1.0e-2;
 const SMALL_STEP: f64 = 1.0e-3;
 
 /// Sigmas without the known numbers, and what each of these does; `rows` are those of the covariance.
-pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> KnownNumbers {
+pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) -> KnownNumbers {
     let uncertain = model.uncertain().next().is_some();
     let mut out = KnownNumbers {
         exact: !uncertain,
         assumed: model.knowledge.assumed,
         ..KnownNumbers::default()
     };
-    let Some(known) = &solved.known else {
+    let Some(known) = &solution.known else {
         return out;
     };
     let asked = |row: &Row| row.nuisance.is_none();
     let sigma = |row: &Row| known.exact.sigma(&row.gradient).filter(|_| asked(row));
     out.sigma_data = rows.iter().map(sigma).collect();
-    let total = |row: &Row| solved.spectrum.sigma(&row.gradient).unwrap_or(0.0);
+    let total = |row: &Row| solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
     let totals: Vec<f64> = rows.iter().map(total).collect();
     for (k, place) in known.places.iter().enumerate() {
-        let unknown = &solved.parameters.unknowns[*place];
+        let unknown = &solution.parameters.unknowns[*place];
         let Some(number) = unknown.kind.known() else {
             continue;
         };
@@ -53,7 +53,7 @@ pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> Kno
             sigma: number.sigma,
             estimated: known
                 .shrunk(*place)
-                .then(|| (solved.x[*place], sigma_of(known, k))),
+                .then(|| (solution.x[*place], sigma_of(known, k))),
             step,
             step_words,
             changes: rows.iter().map(change).collect(),

@@ -1,9 +1,9 @@
 //! Why the rigid model is rejected: one row a reason, the most telling first.
 
-use crate::answer::trust::Trust;
+use crate::answer::reliability::Reliability;
 use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::estimate::BodyEstimate;
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
@@ -35,17 +35,25 @@ pub(super) enum Rejection {
 
 impl Rejection {
     /// The first reason that holds.
-    pub fn of(solved: &Solved, trust: &Trust, bodies: &[BodyEstimate]) -> Option<Self> {
-        let chi2 = solved.chi2_per_dof();
-        let share = solved.explained;
+    pub fn of(
+        solution: &Solution,
+        reliability: &Reliability,
+        bodies: &[BodyEstimate],
+    ) -> Option<Self> {
+        let chi2 = solution.chi2_per_dof();
+        let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
         let bad_fit = chi2 > MISFIT || unexplained;
-        let impossible = bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solved, bad_fit);
-        let coloured = trust.coloured && solved.conflict.is_none();
+        let impossible =
+            bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
+        let coloured = reliability.coloured && solution.conflict.is_none();
         let reasons = [
             (Self::Impossible, impossible),
-            (Self::NoiseAddsUp, chi2 > MISFIT && solved.adds_up),
-            (Self::NotRigid, chi2 > MISFIT && solved.not_rigid),
+            (
+                Self::NoiseAddsUp,
+                chi2 > MISFIT && solution.noise_accumulates,
+            ),
+            (Self::NotRigid, chi2 > MISFIT && solution.not_rigid),
             (Self::Contradicted, chi2 > REJECT && coloured),
             (Self::Unexplained, chi2 > REJECT && unexplained),
         ];
@@ -53,8 +61,8 @@ impl Rejection {
     }
 
     /// What is said of it.
-    pub fn words(self, solved: &Solved) -> String {
-        let chi2 = solved.chi2_per_dof();
+    pub fn message(self, solution: &Solution) -> String {
+        let chi2 = solution.chi2_per_dof();
         let times = chi2.sqrt();
         let check = "check units, signs, wheel axes, external torques";
         match self {
@@ -72,7 +80,7 @@ impl Rejection {
             ),
             Self::Unexplained => format!(
                 "rigid model rejected: it explains {:.0} % of the measured change of momentum and misses the rest by {times:.0} sigma; {check}",
-                100.0 * solved.explained.unwrap_or(0.0)
+                100.0 * solution.explained.unwrap_or(0.0)
             ),
         }
     }
@@ -99,8 +107,8 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
 
 /// Whether the fit is held at the edge of the physical bodies although the data stand further beyond it than noise
 /// explains, or at all where the fit is bad besides.
-fn pressed(solved: &Solved, bad_fit: bool) -> bool {
-    let held = solved.held.as_ref();
+fn pressed(solution: &Solution, bad_fit: bool) -> bool {
+    let held = solution.held.as_ref();
     held.is_some_and(|h| {
         let beyond = ChiSquared::new(h.conditions as f64);
         bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)

@@ -2,5 +2,5 @@
 
 pub(crate) mod barycentre;
 pub(crate) mod combination;
-pub(crate) mod walk;
-pub(crate) mod words;
+pub(crate) mod continuation;
+pub(crate) mod naming;

@@ -2,10 +2,10 @@
 
 use super::candidate::{Candidate, Columns, unknown};
 use super::changes::changes;
-use super::surroundings::of_surroundings;
+use super::environment::environment_candidates;
 use super::types::FaultKind;
 use crate::fit::experiment::Experiment;
-use crate::likelihood::Sight;
+use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
 use crate::problem::parameters::{ErrorGroup, UnknownKind, axis_name};
 use crate::problem::segment::InputErrors;
@@ -17,9 +17,9 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_sensors(experiment);
     list.extend(of_late_readings(experiment));
     list.extend(of_offsets(experiment));
-    list.extend(of_surroundings(experiment));
+    list.extend(environment_candidates(experiment));
     list.extend(of_actuators(experiment));
-    if experiment.sight == Sight::Rotation {
+    if experiment.measured_motion == MeasuredMotion::Rotation {
         list.retain(|c| {
             !c.unknowns
                 .iter()
@@ -114,7 +114,7 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = Vec::new();
     for (sensor, name) in &read {
         let own = kind(*sensor);
-        if experiment.sight == Sight::Rotation
+        if experiment.measured_motion == MeasuredMotion::Rotation
             && matches!(own, SensorKind::Position | SensorKind::Velocity)
         {
             continue;

@@ -4,11 +4,11 @@
 use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
 use crate::fit::experiment::as_predicted::take_predictions;
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::problem::Problem;
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{InputErrors, Segment};
-use crate::problem::shifted_vehicle::Centre;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use poinsot_model::{JointKind, KnownNumber, Origin};
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
@@ -141,7 +141,7 @@ pub(super) type Difference = Vec<Vec<Vec<Vector3>>>;
 /// whitening depends on the vehicle where inputs err, and its change times the residual is no slope.
 pub(super) fn differences(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     changes: &[Change],
 ) -> Option<Vec<Difference>> {
     if changes.is_empty() {
@@ -177,7 +177,7 @@ pub(super) fn differences(
 /// All segments with the question changed, and by how much it is.
 fn changed(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     change: Change,
 ) -> Option<(Vec<crate::likelihood::Evaluated>, f64)> {
     let problem = experiment.problem;
@@ -189,9 +189,9 @@ fn changed(
             return None;
         }
         let changes = [(number, component, step)];
-        let centre = Centre::new(problem, experiment.parameters, &changes)?;
-        let there = centre.problem(problem);
-        let there = experiment.of_vehicle(&there, &centre.parameters);
+        let shifted = ShiftedVehicle::new(problem, experiment.parameters, &changes)?;
+        let there = shifted.problem(problem);
+        let there = experiment.of_vehicle(&there, &shifted.parameters);
         return Some((there.evaluate(at, false)?, step));
     }
     let mut segments = Cow::Borrowed(problem.segments);

@@ -12,7 +12,7 @@ const BY_CHANCE: f64 = 1.0e-6;
 const WHITENESS_LAGS: usize = 10;
 
 /// Squared length of a whitened reading of so many numbers beyond which it is an outlier.
-pub(crate) fn outlier(numbers: usize) -> f64 {
+pub(crate) fn outlier_threshold(numbers: usize) -> f64 {
     chi_square(numbers, 1.0 - BY_CHANCE)
 }
 
@@ -50,7 +50,7 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
     let mean = squares.iter().sum::<f64>() / numbers as f64;
     squares.sort_by(f64::total_cmp);
     let typical = squares.get(readings / 2).copied().unwrap_or(0.0) / chi_square(each, 0.5);
-    let limit = outlier(each) * typical.max(1.0);
+    let limit = outlier_threshold(each) * typical.max(1.0);
     let whiteness: Vec<f64> = own().filter_map(|c| whiteness(&c.white, each)).collect();
     let least = whiteness.iter().copied().reduce(f64::min);
     ChannelDiagnosis {

@@ -8,7 +8,7 @@
 use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::{HeadSolution, Shared, head};
+use crate::fit::triangle::{ConditionalEstimate, SharedTriangle, conditional_estimate};
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::prior::{self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST_SHARE, PriorRow};
@@ -19,7 +19,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const CONTRADICTED: f64 = 5.7e-7;
 
 /// A declared number, what the data say of it, and how many sigmas lie between.
-struct Apart {
+struct Discrepancy {
     declared: Declared,
     value: f64,
     sigma: f64,
@@ -67,7 +67,7 @@ pub(crate) fn finding(conflict: &Conflict) -> Finding {
     }
 }
 
-fn said(a: &Apart, more: usize) -> String {
+fn said(a: &Discrepancy, more: usize) -> String {
     let Declared {
         name,
         unit,
@@ -93,7 +93,7 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
     let alone = fitted.data_alone.as_ref()?;
     let design = prior::design(experiment.problem, experiment.parameters, &fitted.at.x)?;
     let stacked = experiment.stack(&fitted.at, &fitted.evaluated, false);
-    let shared = Shared::new(experiment.parameters, &stacked);
+    let shared = SharedTriangle::new(experiment.parameters, &stacked);
     let fall = alone.decrease(&shared.rhs(), 0.0);
     let readings: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
@@ -136,7 +136,7 @@ fn without<T>(
 }
 
 /// Rows of the priors of mass properties that lie far from what the data alone say.
-fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
+fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Discrepancy> {
     let design = prior::design(experiment.problem, experiment.parameters, &free.at.x);
     let rows = design.map(|d| d.rows).unwrap_or_default();
     let used = free.spectrum.natural.len();
@@ -144,7 +144,7 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
         let declared = row.about?;
         let own = free.spectrum.sigma(row.gradient.get(..used)?)?;
         let z = row.residual / (1.0 + own * own).sqrt();
-        Some(Apart {
+        Some(Discrepancy {
             value: declared.nominal - row.residual * declared.sigma,
             sigma: own * declared.sigma,
             declared,
@@ -156,22 +156,22 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
 }
 
 /// Rows of calibrations (biases, scales, thrust) that lie far from what the data alone say.
-fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
+fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
     let (parameters, x) = (experiment.parameters, &fitted.at.x);
     let rows = prior::calibration(experiment.problem, parameters, x).rows;
     if rows.iter().all(|r| r.about.is_none()) {
         return Vec::new();
     }
     let mass = fitted.shared.mass;
-    let heads = head(&fitted.shared.r, fitted.shared.nuisances, &x[..mass]);
+    let conditional = conditional_estimate(&fitted.shared.r, fitted.shared.nuisances, &x[..mass]);
     let apart = |row: PriorRow| {
         let declared = row.about?;
         let at = row.gradient.iter().position(|g| *g != 0.0)?;
-        let known = variance(fitted, &heads, at)? / (declared.sigma * declared.sigma);
+        let known = variance(fitted, &conditional, at)? / (declared.sigma * declared.sigma);
         let left = (1.0 - known).max(LEAST_SHARE);
         let z = row.residual / left.sqrt();
         // The declared number and its weight taken out of the answer again.
-        Some(Apart {
+        Some(Discrepancy {
             value: declared.nominal - row.residual * declared.sigma / left,
             sigma: declared.sigma * (known / left).max(0.0).sqrt(),
             declared,
@@ -183,11 +183,11 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
 }
 
 /// Variance of one unknown in the answer, its own declared sigma included.
-fn variance(fitted: &Fitted, heads: &HeadSolution, at: usize) -> Option<f64> {
+fn variance(fitted: &Fitted, conditional: &ConditionalEstimate, at: usize) -> Option<f64> {
     let mass = fitted.shared.mass;
     let mut unit = vec![0.0; mass];
     let (slope, own) = match at.checked_sub(mass) {
-        Some(k) => (heads.slope.get(k)?, heads.covariance[(k, k)]),
+        Some(k) => (conditional.slope.get(k)?, conditional.covariance[(k, k)]),
         None => {
             unit[at] = 1.0;
             (&unit, 0.0)

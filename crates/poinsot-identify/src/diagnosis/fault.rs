@@ -86,7 +86,7 @@ impl FaultKind {
     }
 
     /// Whether it is a fault of the scatter of a sensor: wider sigmas may make up for it.
-    pub(crate) fn is_spread(self) -> bool {
+    pub(crate) fn is_noise_fault(self) -> bool {
         matches!(
             self,
             Self::Outliers | Self::NoiseUnderstated | Self::TimeJitter | Self::Quantisation

@@ -19,7 +19,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
         .map(|best| cause(best, &d.suspects[1..], misfit))
         .into_iter()
         .collect();
-    let caused = best.is_some_and(|b| b.explains > CAUSE || !misfit || b.fault.is_spread());
+    let caused = best.is_some_and(|b| b.explains > CAUSE || !misfit || b.fault.is_noise_fault());
     if misfit && !caused {
         let lines = d.lines.iter().map(|line| {
             let text = format!(
@@ -59,7 +59,7 @@ fn finding(fault: FaultKind, text: String) -> Finding {
 
 /// The best suspect, with those that the data cannot tell from it.
 fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
-    let gain = match (misfit, best.fault.is_spread()) {
+    let gain = match (misfit, best.fault.is_noise_fault()) {
         (true, false) => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
         _ => format!("would lower chi-square by {:.0}", best.decrease),
     };

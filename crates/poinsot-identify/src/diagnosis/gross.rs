@@ -3,8 +3,8 @@
 //! that contradicts the model: there the motion has not yet come far from what is measured. The whole record confirms it.
 
 use super::types::{FaultKind, Suspect};
+use crate::fit::coarse_fit::beginning;
 use crate::fit::experiment::Experiment;
-use crate::fit::far_start::beginning;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::Problem;
 use crate::problem::segment::Segment;
@@ -75,14 +75,14 @@ const EXCHANGED: Kind = Kind {
 };
 
 /// A mistake that may have been made.
-struct Mistake {
+struct GrossError {
     kind: Kind,
     owner: String,
-    place: Place,
+    place: GrossErrorLocation,
 }
 
 /// What the mistake is with.
-enum Place {
+enum GrossErrorLocation {
     /// Speeds of these wheels.
     Wheels(Vec<usize>),
     /// Speeds of two wheels in each other's place.
@@ -149,7 +149,7 @@ fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
 }
 
 /// Every mistake with a wheel, with all of them, with two of them, and with a thruster that fires.
-fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
+fn mistakes(experiment: &Experiment) -> Vec<GrossError> {
     let segments = experiment.problem.segments;
     let fires = |k: usize| {
         let mut firings = segments.iter().flat_map(|s| &s.firings);
@@ -158,26 +158,26 @@ fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let mut list = Vec::new();
     for kind in THRUSTERS {
         let all = experiment.thrusters.iter().enumerate();
-        list.extend(all.filter(|(k, _)| fires(*k)).map(|(k, t)| Mistake {
+        list.extend(all.filter(|(k, _)| fires(*k)).map(|(k, t)| GrossError {
             kind,
             owner: t.name.clone(),
-            place: Place::Thruster(k),
+            place: GrossErrorLocation::Thruster(k),
         }));
     }
     let wheels = &experiment.problem.model.wheels;
-    let exchanged = |i: usize, j: usize| Mistake {
+    let exchanged = |i: usize, j: usize| GrossError {
         kind: EXCHANGED,
         owner: format!("{} and {}", wheels[i].name, wheels[j].name),
-        place: Place::Exchanged(i, j),
+        place: GrossErrorLocation::Exchanged(i, j),
     };
     for j in 1..wheels.len() {
         list.extend((0..j).map(|i| exchanged(i, j)));
     }
     for kind in WHEELS {
-        let own = |owner: &str, which| Mistake {
+        let own = |owner: &str, which| GrossError {
             kind,
             owner: owner.to_owned(),
-            place: Place::Wheels(which),
+            place: GrossErrorLocation::Wheels(which),
         };
         let each = wheels.iter().enumerate();
         list.extend(each.map(|(k, w)| own(&w.name, vec![k])));
@@ -191,24 +191,24 @@ fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
 /// The experiment with a mistake put right.
 fn put_right<T>(
     experiment: &Experiment,
-    mistake: &Mistake,
+    mistake: &GrossError,
     ask: impl FnOnce(&Experiment) -> T,
 ) -> T {
     let mut other = experiment.with_parameters(experiment.parameters);
     match &mistake.place {
-        Place::Wheels(which) => {
+        GrossErrorLocation::Wheels(which) => {
             for k in which {
                 if let Some(spin) = other.nominal_spin.get_mut(*k) {
                     *spin *= mistake.kind.factor;
                 }
             }
         }
-        Place::Thruster(k) => {
+        GrossErrorLocation::Thruster(k) => {
             if let Some(thruster) = other.thrusters.get_mut(*k) {
                 thruster.direction_B *= mistake.kind.factor;
             }
         }
-        Place::Exchanged(i, j) => {
+        GrossErrorLocation::Exchanged(i, j) => {
             let mut segments = experiment.problem.segments.to_vec();
             let wheels = experiment.problem.model.wheels.len();
             for segment in &mut segments {
@@ -240,16 +240,16 @@ fn put_right<T>(
 /// does not make them fit worse.
 fn promising<'m>(
     experiment: &Experiment,
-    mistakes: &'m [Mistake],
+    mistakes: &'m [GrossError],
     nominal: f64,
-) -> Vec<&'m Mistake> {
-    let cost = |mistake: &'m Mistake| {
+) -> Vec<&'m GrossError> {
+    let cost = |mistake: &'m GrossError| {
         let cost = put_right(experiment, mistake, |other| {
             other.cost(&other.nominal_point())
         });
         Some((cost.filter(|cost| *cost < nominal)?, mistake))
     };
-    let mut list: Vec<(f64, &Mistake)> = mistakes.iter().filter_map(cost).collect();
+    let mut list: Vec<(f64, &GrossError)> = mistakes.iter().filter_map(cost).collect();
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
     list.into_iter().map(|(_, mistake)| mistake).collect()
 }
@@ -259,7 +259,7 @@ fn promising<'m>(
 fn confirmed(
     experiment: &Experiment,
     short: &Experiment,
-    mistake: &Mistake,
+    mistake: &GrossError,
     before: f64,
 ) -> Option<f64> {
     let x = put_right(short, mistake, |other| {
@@ -274,10 +274,10 @@ fn confirmed(
     })
 }
 
-fn named(mistake: &Mistake, decrease: f64, excess: f64) -> Suspect {
+fn named(mistake: &GrossError, decrease: f64, excess: f64) -> Suspect {
     let (owner, [before, after]) = (&mistake.owner, mistake.kind.words);
     let values = match mistake.place {
-        Place::Exchanged(..) => Vec::new(),
+        GrossErrorLocation::Exchanged(..) => Vec::new(),
         _ => vec![(format!("{owner}.factor"), mistake.kind.factor, "1")],
     };
     Suspect {

@@ -36,13 +36,13 @@ pub(super) fn held_out(
     let least = least_square(experiment, fitted, &kept)?;
     let chi2 = (least_square(experiment, fitted, &fitted.evaluated)? - least).max(0.0);
     // A residual larger than declared is another test's business.
-    let per_number = (least / dof.max(1) as f64).max(1.0);
+    let mean_square = (least / dof.max(1) as f64).max(1.0);
     let chance = ChiSquared::new(numbers as f64).ok()?;
     Some(HeldOut {
         share: SHARE,
         numbers,
         chi2,
-        p: chance.sf(chi2 / per_number),
+        p: chance.sf(chi2 / mean_square),
     })
 }
 

@@ -12,19 +12,19 @@ mod channels;
 pub(crate) mod conflict;
 pub(crate) mod deviance;
 mod drift;
+mod environment;
 mod fault;
 mod findings;
 mod gross;
 mod held_out;
 mod line;
 mod naming;
+mod noise_models;
 pub(crate) mod octaves;
 mod onset;
 mod projected;
 mod pulse;
 mod score;
-mod spread;
-mod surroundings;
 mod suspects;
 mod table;
 mod types;
@@ -59,7 +59,7 @@ pub(crate) fn diagnose(
     let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
     let dof = rows.saturating_sub(fitted_numbers);
     let excess = chi2 - dof as f64;
-    let per_number = (chi2 / dof.max(1) as f64).max(1.0);
+    let mean_square = (chi2 / dof.max(1) as f64).max(1.0);
     let mut out = Diagnostics {
         chi2,
         dof,
@@ -84,7 +84,7 @@ pub(crate) fn diagnose(
         .flatten();
     match mistake {
         Some(mistake) if excess - mistake.decrease < dof as f64 => out.suspects = vec![mistake],
-        mistake => weighed(experiment, fitted, of, per_number, &mut out, mistake),
+        mistake => weighed(experiment, fitted, of, mean_square, &mut out, mistake),
     }
     if misfit {
         out.lines = line::spectral_lines(experiment, fitted);
@@ -107,14 +107,15 @@ fn weighed(
     experiment: &Experiment,
     fitted: &Fitted,
     of: Misfit,
-    per_number: f64,
+    mean_square: f64,
     out: &mut Diagnostics,
     mistake: Option<Suspect>,
 ) {
     let mut candidates = candidates(experiment);
     let table = Table::new(experiment, fitted, &mut candidates);
     let about = (candidates.as_slice(), table.as_ref());
-    let mut others = spread::spreads(experiment, fitted, &out.channels, about, of.misfit);
+    let mut others =
+        noise_models::noise_models(experiment, fitted, &out.channels, about, of.misfit);
     if let Some(table) = &table {
         let projected = table.projected(experiment, fitted, None);
         others.extend(onset::onsets(
@@ -125,21 +126,21 @@ fn weighed(
             of.misfit,
         ));
         out.suspects = suspects::suspects(experiment, fitted, &candidates, &projected, others, of);
-        out.lags = drift::lags(experiment, &candidates, &projected, per_number);
+        out.lags = drift::lags(experiment, &candidates, &projected, mean_square);
         out.drift
-            .extend(drift::drift(None, &candidates, &projected, per_number));
+            .extend(drift::drift(None, &candidates, &projected, mean_square));
         let segments = experiment.problem.segments;
         if (2..=SEGMENTS).contains(&segments.len()) {
             for (at, segment) in segments.iter().enumerate() {
                 let alone = table.projected(experiment, fitted, Some(at));
                 let label = Some(segment.label.clone());
                 out.drift
-                    .extend(drift::drift(label, &candidates, &alone, per_number));
+                    .extend(drift::drift(label, &candidates, &alone, mean_square));
             }
         }
     }
-    let settled = |s: &Suspect| !s.fault.is_spread() && of.excess - s.decrease < of.dof;
-    if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(settled)) {
+    let converged = |s: &Suspect| !s.fault.is_noise_fault() && of.excess - s.decrease < of.dof;
+    if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(converged)) {
         // What was tied was so with the best of the others.
         out.suspects.iter_mut().for_each(|s| s.tied = false);
         out.suspects.insert(0, mistake);

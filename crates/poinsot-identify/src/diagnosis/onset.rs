@@ -8,7 +8,7 @@
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
 use super::pulse::pulse;
-use super::score::{Clear, SHOWN, Score, explained, found, kick};
+use super::score::{ProjectedRows, SHOWN, Score, explained, found, momentum_jump};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
 use super::types::FaultKind;
@@ -29,10 +29,10 @@ const MARGIN: f64 = 0.02;
 struct Onset {
     name: &'static str,
     fault: FaultKind,
-    columns: What,
+    columns: OnsetKind,
 }
 
-enum What {
+enum OnsetKind {
     /// Combinations of columns: places, each with its factor.
     Rows(Vec<Vec<usize>>),
     /// The momentum at that time.
@@ -71,10 +71,10 @@ pub(super) fn onsets(
 }
 
 fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> Vec<Onset> {
-    let head = rows.head;
+    let initial_columns = rows.initial_columns;
     let place = |kind: &UnknownKind| {
         let found = unknowns.iter().position(|u| u.kind == *kind);
-        found.map(|k| head + k)
+        found.map(|k| initial_columns + k)
     };
     let of = |sensor: usize, error| place(&UnknownKind::Sensor { sensor, error });
     let read = sensors_read(experiment.problem);
@@ -82,12 +82,12 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
         Onset {
             name: "the motion starts anew",
             fault: FaultKind::JoinedRecord,
-            columns: What::Rows((0..head).map(|k| vec![k]).collect()),
+            columns: OnsetKind::Rows((0..initial_columns).map(|k| vec![k]).collect()),
         },
         Onset {
             name: "a kick that no telemetry has (a firing that is missing or in excess)",
             fault: FaultKind::Firing,
-            columns: What::Kick,
+            columns: OnsetKind::Kick,
         },
     ];
     let lags: Vec<usize> = read
@@ -98,7 +98,7 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
         list.push(Onset {
             name: "a jump of the clock",
             fault: FaultKind::ClockJump,
-            columns: What::Rows(vec![lags]),
+            columns: OnsetKind::Rows(vec![lags]),
         });
     }
     let model = experiment.problem.model;
@@ -113,7 +113,7 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
             list.push(Onset {
                 name: "a jump of the attitude as read",
                 fault: FaultKind::AttitudeJump,
-                columns: What::Rows(axes),
+                columns: OnsetKind::Rows(axes),
             });
         }
     }
@@ -167,26 +167,26 @@ impl Basis {
         segment: usize,
         rows: &SegmentRows,
         experiment: &Experiment,
-    ) -> Clear {
-        let (h, n) = (rows.head, experiment.parameters.len());
+    ) -> ProjectedRows {
+        let (h, n) = (rows.initial_columns, experiment.parameters.len());
         let triangle = fitted.evaluated[segment].triangle.as_ref();
         let part = |i: usize, j: usize| triangle.map_or(0.0, |t| t.r[(i, j)]);
         let own = DMatrix::from_fn(h, h, part);
         let carried = DMatrix::from_fn(h, n, |i, j| part(i, h + j)) * &self.directions;
         let rhs = DVector::from_fn(h, |i, _| part(i, h + n));
-        let mut out = Clear {
+        let mut out = ProjectedRows {
             basis: Vec::with_capacity(rows.rows.len()),
             residual: Vec::with_capacity(rows.rows.len()),
         };
         for row in &rows.rows {
-            let head = solved(&own, &row[..h]);
+            let own_columns = solved(&own, &row[..h]);
             let shared = DVector::from_column_slice(&row[h..h + n]);
-            let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&head);
+            let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&own_columns);
             let shared = solved(&self.shared, shared.as_slice());
             let last = row.last().copied().unwrap_or(0.0);
             out.residual
-                .push(last - head.dot(&rhs) - shared.dot(&self.rhs));
-            let all = head.iter().chain(shared.iter()).copied();
+                .push(last - own_columns.dot(&rhs) - shared.dot(&self.rhs));
+            let all = own_columns.iter().chain(shared.iter()).copied();
             out.basis
                 .push(DVector::from_iterator(h + shared.len(), all));
         }
@@ -213,13 +213,13 @@ fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
 fn best(
     onset: &Onset,
     rows: &SegmentRows,
-    clear: &Clear,
+    clear: &ProjectedRows,
     experiment: &Experiment,
     segment: usize,
 ) -> Option<(Score, usize, usize)> {
     let columns: Vec<Vec<usize>> = match &onset.columns {
-        What::Rows(columns) => columns.clone(),
-        What::Kick => (0..rows.head).map(|k| vec![k]).collect(),
+        OnsetKind::Rows(columns) => columns.clone(),
+        OnsetKind::Kick => (0..rows.initial_columns).map(|k| vec![k]).collect(),
     };
     let (m, p) = (columns.len(), clear.basis.first()?.len());
     let times = rows.transitions.len();
@@ -251,9 +251,9 @@ fn best(
         }
         let left = &square - onto.tr_mul(&onto);
         let score = match onset.columns {
-            What::Rows(_) => explained(&left, &square, &toward),
-            What::Kick => {
-                let Some(kick) = kick(&transition.start, experiment, segment) else {
+            OnsetKind::Rows(_) => explained(&left, &square, &toward),
+            OnsetKind::Kick => {
+                let Some(kick) = momentum_jump(&transition.start, experiment, segment) else {
                     continue;
                 };
                 let of = |m: &DMatrix<f64>| kick.transpose() * m * &kick;

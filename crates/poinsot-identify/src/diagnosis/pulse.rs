@@ -3,7 +3,7 @@
 //! A kick at one time is a combination of the columns of the start; a pulse is a sum of kicks. With the sums up to every time
 //! at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best are moved.
 
-use super::score::{Clear, Score, explained, found, kick};
+use super::score::{ProjectedRows, Score, explained, found, momentum_jump};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
@@ -19,7 +19,7 @@ const ALONG: f64 = 0.99;
 /// Kicks up to each time, and what is needed to score a part of them.
 struct Pulses<'a> {
     rows: &'a SegmentRows,
-    clear: &'a Clear,
+    clear: &'a ProjectedRows,
     /// Sum of the kicks up to each transition.
     sums: Vec<DMatrix<f64>>,
     /// Transition of each measurement.
@@ -30,7 +30,7 @@ struct Pulses<'a> {
 pub(super) fn pulse(
     experiment: &Experiment,
     rows: &SegmentRows,
-    clear: &Clear,
+    clear: &ProjectedRows,
     segment: usize,
 ) -> Option<Scored> {
     let label = &experiment.problem.segments[segment].label;
@@ -106,14 +106,14 @@ impl<'a> Pulses<'a> {
     fn new(
         experiment: &Experiment,
         rows: &'a SegmentRows,
-        clear: &'a Clear,
+        clear: &'a ProjectedRows,
         (segment, t): (usize, &[f64]),
     ) -> Option<Self> {
         let mut sums = Vec::with_capacity(rows.transitions.len());
         let mut sum: Option<DMatrix<f64>> = None;
         let mut before = None;
         for transition in &rows.transitions {
-            let one = kick(&transition.start, experiment, segment)?;
+            let one = momentum_jump(&transition.start, experiment, segment)?;
             // Forces and torques along the axes of the body.
             let R = transition.R_NB.to_rotation_matrix();
             let turned = DMatrix::from_fn(one.nrows(), one.ncols(), |i, j| {
@@ -160,8 +160,8 @@ impl<'a> Pulses<'a> {
             let part = (place < to).then(|| &self.sums[place] - &self.sums[from]);
             let part = part.as_ref().unwrap_or(&whole);
             for i in 3 * measurement..3 * measurement + 3 {
-                let head = DVector::from_column_slice(&self.rows.rows[i][..h]);
-                let d = part.tr_mul(&head);
+                let own_columns = DVector::from_column_slice(&self.rows.rows[i][..h]);
+                let d = part.tr_mul(&own_columns);
                 square.ger(1.0, &d, &d, 1.0);
                 onto.ger(1.0, &self.clear.basis[i], &d, 1.0);
                 toward.axpy(self.clear.residual[i], &d, 1.0);

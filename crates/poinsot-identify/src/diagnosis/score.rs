@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 pub(super) const SHOWN: f64 = 1.0e-8;
 
 /// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
-pub(super) struct Clear {
+pub(super) struct ProjectedRows {
     pub basis: Vec<DVector<f64>>,
     pub residual: Vec<f64>,
 }
@@ -42,7 +42,7 @@ pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize)
 }
 
 /// Changes of the start that change the momentum at a time and no pose; one column for each component.
-pub(super) fn kick(
+pub(super) fn momentum_jump(
     start: &[Column],
     experiment: &Experiment,
     segment: usize,

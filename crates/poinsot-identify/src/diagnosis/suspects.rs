@@ -4,7 +4,7 @@ use super::candidate::Candidate;
 use super::naming::{LATE_THRUST, name, near};
 use super::projected::Projected;
 use super::types::{FaultKind, Suspect};
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::{Fitted, fit_from};
 use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
@@ -37,7 +37,7 @@ pub(super) struct Misfit {
 
 impl Misfit {
     /// Mean square of the residual, at least one.
-    pub fn per_number(&self) -> f64 {
+    pub fn mean_square(&self) -> f64 {
         (1.0 + self.excess / self.dof.max(1.0)).max(1.0)
     }
 
@@ -57,11 +57,11 @@ pub(super) fn suspects(
     others: Vec<Scored>,
     of: Misfit,
 ) -> Vec<Suspect> {
-    let per_number = of.per_number();
-    let mut list = scores(candidates, projected, per_number);
+    let mean_square = of.mean_square();
+    let mut list = scores(candidates, projected, mean_square);
     list.extend(others);
     let significant = |list: &mut Vec<Scored>| {
-        list.retain(|one| one.is_significant(per_number) && one.is_possible());
+        list.retain(|one| one.is_significant(mean_square) && one.is_possible());
     };
     significant(&mut list);
     rank(&mut list, of);
@@ -86,7 +86,7 @@ pub(super) fn suspects(
     if of.misfit && of.affordable {
         fitted_before_scored(&mut list);
     }
-    late_before_early(&mut list, TIED * per_number);
+    late_before_early(&mut list, TIED * mean_square);
     let best = list.first().map(|one| one.suspect.decrease);
     let left = of.left(best.unwrap_or(0.0));
     let evidence: Vec<f64> = list.iter().map(|one| one.evidence(left, of.dof)).collect();
@@ -105,7 +105,7 @@ pub(super) fn suspects(
 }
 
 /// Score of every candidate.
-fn scores(candidates: &[Candidate], projected: &Projected, per_number: f64) -> Vec<Scored> {
+fn scores(candidates: &[Candidate], projected: &Projected, mean_square: f64) -> Vec<Scored> {
     let mut from = 0;
     let mut list = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
@@ -114,7 +114,7 @@ fn scores(candidates: &[Candidate], projected: &Projected, per_number: f64) -> V
         let score = projected.score(&group, None);
         let values = candidate.unknowns.iter().zip(&score.values);
         let values: Vec<f64> = values.map(|(u, v)| u.nominal + v).collect();
-        let sigma = |k: usize| (score.covariance[k][k] * per_number).sqrt();
+        let sigma = |k: usize| (score.covariance[k][k] * mean_square).sqrt();
         list.push(Scored {
             at: Some(at),
             suspect: suspect(candidate, score.decrease, &values),
@@ -171,9 +171,9 @@ impl Scored {
         self.suspect.decrease / scale - self.numbers as f64 * samples.max(1.0).ln() - choice
     }
 
-    fn is_significant(&self, per_number: f64) -> bool {
+    fn is_significant(&self, mean_square: f64) -> bool {
         let chance = ChiSquared::new(self.numbers.max(1) as f64);
-        let score = self.suspect.decrease / per_number;
+        let score = self.suspect.decrease / mean_square;
         chance.is_ok_and(|c| c.sf(score) * (self.trials as f64) < CHANCE)
     }
 
@@ -272,9 +272,9 @@ fn in_earnest(
         x.insert(at + k, unknown.nominal);
     }
     let wide = experiment.with_parameters(&parameters);
-    let start = Point {
+    let start = Iterate {
         x,
-        heads: fitted.at.heads.clone(),
+        initial_states: fitted.at.initial_states.clone(),
     };
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
     let found = fit_from(&wide, start, SUSPECT_ITERATIONS)?;

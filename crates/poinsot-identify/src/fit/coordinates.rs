@@ -103,7 +103,7 @@ impl PhysicalBodies {
 
     /// Those that no open direction trades against another body; `None` where there are none. Of the others no number
     /// is stated that could be impossible.
-    pub fn seen_apart(mut self, spectrum: &Spectrum) -> Option<Self> {
+    pub fn separable(mut self, spectrum: &Spectrum) -> Option<Self> {
         let touched = |body: &Body, k: usize| {
             let own = body.slopes.iter().map(|(u, _)| u);
             own.map(|u| spectrum.directions[(*u, k)].powi(2))
@@ -176,7 +176,7 @@ impl PhysicalBodies {
         x: &[f64],
     ) -> (Vec<f64>, f64) {
         let n = spectrum.natural.len();
-        let open = OPEN * spectrum.weakest().min(1.0e12);
+        let open = OPEN * spectrum.smallest_singular_value().min(1.0e12);
         let along: Vec<f64> = (0..spectrum.rank)
             .map(|k| spectrum.left_along(rhs, k))
             .collect();

@@ -12,13 +12,13 @@ mod effects;
 pub(crate) use effects::Effects;
 
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
-use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, slopes};
+use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, slopes};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
-use crate::problem::shifted_vehicle::Centre;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use nalgebra::DMatrix;
 use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
@@ -28,7 +28,7 @@ const SILENT: f64 = 1.0e-3;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
-const SETTLED_BY_DIFFERENCES: f64 = 1.0e-3;
+const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
@@ -53,7 +53,7 @@ impl KnownFit {
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
 pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<KnownFit> {
-    if !fitted.settled {
+    if !fitted.converged {
         return None;
     }
     let problem = experiment.problem;
@@ -65,17 +65,17 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
     let found = fit_from(&wide, first.clone(), TRIED)?;
-    let done = found.settled || promised(&found) < SETTLED_BY_DIFFERENCES;
+    let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
     // What known numbers cannot explain within their uncertainty is looked for elsewhere.
     let left = per_number > MISFIT && (worst.is_some() || !done);
     let fitted = match left {
         true => Fitted {
-            settled: true,
+            converged: true,
             ..fit_from(&wide, first, 0)?
         },
         false => Fitted {
-            settled: done,
+            converged: done,
             ..found
         },
     };
@@ -90,7 +90,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
 }
 
 /// How much a full step would still lower chi-square.
-fn promised(fitted: &Fitted) -> f64 {
+fn predicted_reduction(fitted: &Fitted) -> f64 {
     let shared = &fitted.shared;
     let last = shared.nuisances + shared.mass;
     let nuisances = (0..shared.nuisances).map(|i| shared.r[(i, last)].powi(2));
@@ -98,11 +98,11 @@ fn promised(fitted: &Fitted) -> f64 {
 }
 
 /// A point of the fit without the known numbers, with these at the values of the model.
-fn behind(at: &Point, all: &[Unknown]) -> Point {
+fn behind(at: &Iterate, all: &[Unknown]) -> Iterate {
     let nominal = all.iter().map(|u| u.nominal);
-    Point {
+    Iterate {
         x: at.x.iter().copied().chain(nominal).collect(),
-        heads: at.heads.clone(),
+        initial_states: at.initial_states.clone(),
     }
 }
 
@@ -144,7 +144,7 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
         if let UnknownKind::Known(known) = &mut unknown.kind {
             let step = DIFFERENCE * known.sigma;
             let change = (known.number, known.component, step);
-            if let Some(there) = Centre::new(problem, parameters, &[change]) {
+            if let Some(there) = ShiftedVehicle::new(problem, parameters, &[change]) {
                 let bodies = there.parameters.bodies(&x);
                 for (body, (a, b)) in here.iter().zip(&bodies).enumerate() {
                     let pairs = a.to_array().into_iter().zip(b.to_array());
@@ -163,7 +163,7 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
 /// The numbers that show in the predictions, with their columns at their nominal values.
 fn shown(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     all: Vec<Unknown>,
 ) -> Option<(Vec<Unknown>, KnownColumns)> {
     if all.is_empty() {

@@ -6,7 +6,7 @@
 //! triangles with whole and with halved steps differ by `Q^T e`.
 
 use crate::fit::experiment::Experiment;
-use crate::fit::step::Local;
+use crate::fit::step::Linearisation;
 use crate::fit::{Fitted, fit_on};
 use crate::likelihood::Evaluated;
 use faer::Mat;
@@ -47,7 +47,7 @@ impl StepError {
         factor.clamp(2.0, f64::from(AT_ONCE)) as u32
     }
 
-    pub fn words(&self) -> String {
+    pub fn message(&self) -> String {
         format!(
             "halving the integration steps moves the answer by {:.2} sigma: the covariance does not hold this error; sample faster, or check the momentum of the wheels",
             self.answer
@@ -62,7 +62,7 @@ pub(crate) fn within_steps(
     mut fitted: Fitted,
     limit: usize,
 ) -> (Fitted, Option<StepError>) {
-    if !fitted.settled {
+    if !fitted.converged {
         return (fitted, None);
     }
     for round in 0..=REFINEMENTS {
@@ -128,14 +128,14 @@ fn difference(coarse: &[Evaluated], fine: &[Evaluated]) -> f64 {
 }
 
 /// `|Q^T e|`: pose, momentum and nuisances, then the mass properties that the data determine.
-fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Local>) -> f64 {
+fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Linearisation>) -> f64 {
     let fine = &fine.rows;
     let pairs = coarse.evaluated.iter().zip(&fine.evaluated);
-    let heads: f64 = pairs
+    let initial_states: f64 = pairs
         .zip(&experiment.unknown)
-        .filter_map(|((a, b), head)| Some((a.triangle.as_ref()?, b.triangle.as_ref()?, head)))
-        .map(|(a, b, head)| {
-            let rows = rhs_change(&a.r, &b.r, 0..head.count());
+        .filter_map(|((a, b), unknown)| Some((a.triangle.as_ref()?, b.triangle.as_ref()?, unknown)))
+        .map(|(a, b, unknown)| {
+            let rows = rhs_change(&a.r, &b.r, 0..unknown.count());
             rows.iter().map(|d| d * d).sum::<f64>()
         })
         .sum();
@@ -143,7 +143,7 @@ fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Local>) -> 
     let all = rhs_change(&a.r, &b.r, 0..a.nuisances + a.mass);
     let (nuisances, mass) = all.split_at(a.nuisances);
     let nuisances: f64 = nuisances.iter().map(|d| d * d).sum();
-    (heads + nuisances + fine.spectrum.decrease(mass, 0.0)).sqrt()
+    (initial_states + nuisances + fine.spectrum.decrease(mass, 0.0)).sqrt()
 }
 
 /// Change of the right-hand side of some rows between two triangles of one problem, whose rows may differ in sign.

@@ -98,7 +98,7 @@ const TOO_MUCH: f64 = 0.5;
 ///
 /// The moment `p x F dt` of every interval holds the error of `p` there, and so do all rows after it; `F dt` that of
 /// the attitude. The rows take their noise as fresh: averaged over n rows it falls as 1/n, and what adds up does not.
-pub(crate) fn adds_up(problem: &Problem) -> bool {
+pub(crate) fn noise_accumulates(problem: &Problem) -> bool {
     if problem.linear_equations() != Equations::Momentum {
         return false;
     }

@@ -84,8 +84,8 @@ mod tests {
             whole[(i, i)] += sensors[i / 3][(0, 0)];
         }
         let stacked = DVector::from_iterator(6, residuals.iter().flat_map(|r| r.iter().copied()));
-        let solved = whole.clone().cholesky().unwrap().solve(&stacked);
-        let expected = (stacked.dot(&solved), whole.determinant().ln());
+        let solution = whole.clone().cholesky().unwrap().solve(&stacked);
+        let expected = (stacked.dot(&solution), whole.determinant().ln());
         let mut noise = RateNoise::new(&variances);
         let mut found = (0.0, 0.0);
         for k in 0..2 {

@@ -22,7 +22,7 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
-    at_truth.settled = true;
+    at_truth.converged = true;
     // A bound has no misfit: what the assumed motion of wheels between samples leaves of perfect readings is not noise.
     for segment in &mut at_truth.evaluated {
         segment.chi2 = 0.0;
@@ -30,7 +30,7 @@ pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
         segment.channels.clear();
     }
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solved = conclude(&experiment, at_truth, explained, Diagnostics::default());
-    solved.method = "cramer_rao";
-    Ok(answer::write_with_remedies(problem, &solved))
+    let mut solution = conclude(&experiment, at_truth, explained, Diagnostics::default());
+    solution.method = "cramer_rao";
+    Ok(answer::write_with_remedies(problem, &solution))
 }

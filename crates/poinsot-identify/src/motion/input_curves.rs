@@ -14,7 +14,7 @@ const BEYOND: f64 = 0.015;
 
 /// A warning where a lag asks for so much of what joints or wheels did after their last reading that the curves' going on
 /// as parabolas shows.
-pub(crate) fn beyond_the_readings(
+pub(crate) fn extrapolated_inputs(
     segments: &[Segment],
     parameters: &Parameters,
     x: &[f64],

@@ -44,7 +44,7 @@ enum Input {
 }
 
 /// The equation of motion around the prediction at one grid time.
-struct Slopes {
+struct DynamicsJacobian {
     /// Upper half of `A`: the pose's.
     pose: Matrix6x12,
     /// `L` per input: it reaches the pose alone.
@@ -74,7 +74,7 @@ pub(crate) struct InputNoise {
     /// Whether rates are among the inputs.
     tracks_rates: bool,
     slopes: JointSlopes,
-    before: Option<Slopes>,
+    before: Option<DynamicsJacobian>,
     /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
     pub columns: Vec<Column>,
     pub twists: Vec<Vector6>,
@@ -182,7 +182,13 @@ impl InputNoise {
     }
 
     /// Carries the filter to grid time k, where the motion has just given its velocity.
-    pub fn reach(&mut self, motion: &mut Motion, state: &State, instant: &Instant, k: usize) {
+    pub fn propagate_to(
+        &mut self,
+        motion: &mut Motion,
+        state: &State,
+        instant: &Instant,
+        k: usize,
+    ) {
         let joint_slopes = &mut self.slopes;
         motion.joint_slopes(instant, joint_slopes);
         for (gain, slope) in self.rate_gain.iter_mut().zip(&joint_slopes.of) {
@@ -221,7 +227,7 @@ impl InputNoise {
         instant: &Instant,
         map: &Matrix6x12,
         k: usize,
-    ) -> Slopes {
+    ) -> DynamicsJacobian {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
         let pose = motion.pose_slopes(state, instant, map);
@@ -260,7 +266,7 @@ impl InputNoise {
         }
         let push = (self.active.len() > 6 || self.active.contains(&9))
             .then(|| self.push_slopes(motion, state, instant, map, k));
-        Slopes {
+        DynamicsJacobian {
             pose,
             at_once,
             drive,
@@ -296,7 +302,7 @@ impl InputNoise {
     }
 
     /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
-    fn begin(&mut self, now: &Slopes) {
+    fn begin(&mut self, now: &DynamicsJacobian) {
         if let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) {
             let variance = torque.sigma_N_m * torque.sigma_N_m;
             (0..3).for_each(|axis| self.filter.add(at + axis, variance));
@@ -322,7 +328,7 @@ impl InputNoise {
     }
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
-    fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
+    fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
         let n = self.lead;
         let (size, ahead) = (self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;

@@ -21,7 +21,7 @@ pub(crate) struct Vehicle<'a> {
     pub slopes: Vec<Vec<(usize, f64)>>,
     pub kinds: Vec<UnknownKind>,
     /// Whether any unknown is a force or torque from outside: it has a slope even where its value is zero.
-    pub pushes: bool,
+    pub has_unknown_wrench: bool,
     /// Constant torque in body axes, N m.
     pub torque_B: Vector3,
     /// Constant torque in inertial axes, N m.
@@ -84,7 +84,10 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
-            pushes: parameters.unknowns.iter().any(|u| u.kind.pushes()),
+            has_unknown_wrench: parameters
+                .unknowns
+                .iter()
+                .any(|u| u.kind.is_external_wrench()),
             torque_B,
             torque_N,
             drag,
@@ -119,7 +122,7 @@ impl<'a> Vehicle<'a> {
     }
 
     /// Whether the surroundings push with something that depends on how the vehicle stands or moves.
-    pub fn has_surroundings(&self) -> bool {
+    pub fn has_environment_torque(&self) -> bool {
         self.gm.is_some() || self.torque_B != Vector3::zeros() || self.drag != Vector3::zeros()
     }
 

@@ -27,7 +27,7 @@ pub struct HeldBack {
     /// What the residuals say: outliers, what would explain them, spectral lines.
     pub findings: Vec<String>,
     /// Whether the fit of pose, momentum and nuisances settled.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// Compares the segments of a problem with the motion that a vehicle predicts; the model of the problem gives
@@ -79,7 +79,7 @@ pub fn held_back(
         worst: worst.collect(),
         predictions,
         findings,
-        settled: fitted.settled,
+        converged: fitted.converged,
     })
 }
 

@@ -8,7 +8,7 @@ use poinsot_model::{KnownNumber, Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// The vehicle with its known numbers at other values than those of the model.
-pub(crate) struct Centre {
+pub(crate) struct ShiftedVehicle {
     model: Model,
     tree: Tree,
     segments: Option<Vec<Segment>>,
@@ -16,7 +16,7 @@ pub(crate) struct Centre {
     pub parameters: Parameters,
 }
 
-impl Centre {
+impl ShiftedVehicle {
     /// `changes` are added to the numbers of the problem; `None` where no such vehicle can be asked about.
     pub fn new(
         problem: &Problem,

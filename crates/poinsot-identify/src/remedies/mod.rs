@@ -5,13 +5,13 @@
 //! direction counts as resolved where it lies in what is then identified. Nothing is simulated: information needs
 //! the predicted motion and the noise, and no samples. Where no change alone resolves a direction, pairs are tried.
 
-mod ground;
+mod baseline;
 mod records;
 
 use crate::problem::Problem;
-use crate::solution::estimate::OpenCombination;
-use crate::solution::solved::Solved;
-use ground::Ground;
+use crate::solution::estimate::UnobservableCombination;
+use crate::solution::solved::Solution;
+use baseline::Baseline;
 use poinsot_solve::Spectrum;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
@@ -51,9 +51,9 @@ struct Effect {
 }
 
 impl Effect {
-    fn of(ground: &Ground, changes: &[&Change], directions: &[Vec<f64>]) -> Option<Self> {
+    fn of(baseline: &Baseline, changes: &[&Change], directions: &[Vec<f64>]) -> Option<Self> {
         let rows: Vec<&Row> = changes.iter().flat_map(|c| &c.rows).collect();
-        let spectrum = ground.spectrum(&rows)?;
+        let spectrum = baseline.spectrum(&rows)?;
         let texts: Vec<&str> = changes.iter().map(|c| c.text.as_str()).collect();
         Some(Self {
             seen: directions.iter().map(|z| seen(&spectrum, z)).collect(),
@@ -83,12 +83,16 @@ impl Effect {
 
 /// Puts what was tried in the place of each remedy. Open directions keep theirs where nothing can be tried: the
 /// answer was withheld, or priors hold what the data leave open.
-pub(crate) fn try_changes(problem: &Problem, solved: &Solved, open: &mut [OpenCombination]) {
-    let can = matches!(solved.method, "maximum_likelihood" | "cramer_rao")
-        && solved.data_alone.is_none()
-        && solved.settled
+pub(crate) fn try_changes(
+    problem: &Problem,
+    solution: &Solution,
+    open: &mut [UnobservableCombination],
+) {
+    let can = matches!(solution.method, "maximum_likelihood" | "cramer_rao")
+        && solution.data_alone.is_none()
+        && solution.converged
         && !open.is_empty();
-    let Some(tried) = can.then(|| Tried::new(problem, solved, open)).flatten() else {
+    let Some(tried) = can.then(|| Tried::new(problem, solution, open)).flatten() else {
         return;
     };
     for (k, direction) in open.iter_mut().enumerate() {
@@ -100,25 +104,29 @@ pub(crate) fn try_changes(problem: &Problem, solved: &Solved, open: &mut [OpenCo
 
 /// Every change with what it does.
 struct Tried<'a> {
-    ground: Ground<'a>,
+    baseline: Baseline<'a>,
     directions: Vec<Vec<f64>>,
     changes: Vec<(Change, Effect)>,
 }
 
 impl<'a> Tried<'a> {
-    fn new(problem: &'a Problem<'a>, solved: &Solved, open: &[OpenCombination]) -> Option<Self> {
-        let ground = Ground::new(problem, solved)?;
-        let directions: Vec<Vec<f64>> = open.iter().map(|o| ground.direction(o)).collect();
-        let changes: Vec<(Change, Effect)> = ground
+    fn new(
+        problem: &'a Problem<'a>,
+        solution: &Solution,
+        open: &[UnobservableCombination],
+    ) -> Option<Self> {
+        let baseline = Baseline::new(problem, solution)?;
+        let directions: Vec<Vec<f64>> = open.iter().map(|o| baseline.direction(o)).collect();
+        let changes: Vec<(Change, Effect)> = baseline
             .changes()
             .into_iter()
             .filter_map(|change| {
-                let effect = Effect::of(&ground, &[&change], &directions)?;
+                let effect = Effect::of(&baseline, &[&change], &directions)?;
                 Some((change, effect))
             })
             .collect();
         (!changes.is_empty()).then_some(Self {
-            ground,
+            baseline,
             directions,
             changes,
         })
@@ -139,7 +147,7 @@ impl<'a> Tried<'a> {
             others.map(move |b| [&a.0, &b.0])
         });
         let pairs: Vec<Effect> = pairs
-            .filter_map(|pair| Effect::of(&self.ground, &pair, &self.directions))
+            .filter_map(|pair| Effect::of(&self.baseline, &pair, &self.directions))
             .collect();
         if let Some(best) = best(pairs.iter(), k) {
             return Some(format!("only together: {}", best.words(k)));

@@ -1,8 +1,8 @@
 //! Records that are tried: a turn, a joint's motion, a sensor, a thrust. Those that the vehicle can do come first.
 
-use super::ground::Ground;
+use super::baseline::Baseline;
 use super::{Change, Effort, Row};
-use crate::likelihood::{Head, HeadColumns, Setting, Sight, evaluate};
+use crate::likelihood::{InitialState, InitialStateColumns, MeasuredMotion, Setting, evaluate};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
@@ -28,17 +28,17 @@ const JOINTS: usize = 32;
 /// Largest force that is tried, N, its arm, m, and the share of the record that it lasts.
 const PUSH: (f64, f64, f64) = (1.0, 0.5, 0.1);
 
-impl Ground<'_> {
+impl Baseline<'_> {
     /// Records with a sensor, a thrust, a momentum or a motion that is missing; `None` without a record to start
     /// from.
     pub fn records(&self) -> Option<Vec<Change>> {
         let from = self.problem.segments.first()?;
-        let (base, share) = thinned(from, self.sight, self.problem.noise)?;
+        let (base, share) = thinned(from, self.measured_motion, self.problem.noise)?;
         let trial = Trial {
             segment: base,
             noise: self.problem.noise.clone(),
-            head: self.head,
-            sight: self.sight,
+            initial_state: self.initial_state,
+            measured_motion: self.measured_motion,
             known_momentum: false,
             thrusters: self.problem.model.thrusters.clone(),
         };
@@ -97,7 +97,7 @@ impl Ground<'_> {
             let mut w = Vector3::zeros();
             w[axis] = fastest;
             let mut turning = trial.clone();
-            turning.head.h_SScm_N += trial.head.R_NB * (I * w);
+            turning.initial_state.h_SScm_N += trial.initial_state.R_NB * (I * w);
             let text = format!(
                 "record {:.0} s more with the base turning about its {} axis too, at {fastest:.2} rad/s",
                 trial.span(),
@@ -139,9 +139,9 @@ impl Ground<'_> {
     /// A velocity sensor or an accelerometer on the base.
     fn sensors(&self, trial: &Trial, share: f64, add: &mut impl FnMut(String, &Trial)) {
         let samples = trial.segment.observations.time_s.len();
-        if self.sight == Sight::Rotation {
+        if self.measured_motion == MeasuredMotion::Rotation {
             let mut with = trial.clone();
-            with.sight = Sight::Translation;
+            with.measured_motion = MeasuredMotion::Translation;
             let o = &mut with.segment.observations;
             let sigma = VELOCITY * share.sqrt();
             o.sensors.push(tried(SensorKind::Velocity, samples, sigma));
@@ -222,9 +222,9 @@ impl Ground<'_> {
 
     /// Information of a record over the shared unknowns, its own start projected out.
     fn rows_of(&self, trial: &Trial) -> Option<Vec<Row>> {
-        let seen = trial.sight == Sight::Translation;
+        let seen = trial.measured_motion == MeasuredMotion::Translation;
         let o = &trial.segment.observations;
-        let unknown = HeadColumns {
+        let unknown = InitialStateColumns {
             attitude: o.reads(SensorKind::Attitude)
                 && !o.of_kind(SensorKind::Attitude).any(SensorRecord::is_exact),
             position: false,
@@ -263,7 +263,7 @@ impl Ground<'_> {
             &setting,
             (index, &trial.segment),
             &self.x,
-            &trial.head,
+            &trial.initial_state,
             unknown,
             true,
         )?;
@@ -280,8 +280,8 @@ impl Ground<'_> {
 struct Trial {
     segment: Segment,
     noise: Noise,
-    head: Head,
-    sight: Sight,
+    initial_state: InitialState,
+    measured_motion: MeasuredMotion,
     known_momentum: bool,
     thrusters: Vec<Thruster>,
 }
@@ -309,7 +309,11 @@ fn any_value(kind: SensorKind) -> SensorValue {
 
 /// A segment at a few times of the gyro, every sensor of rate, attitude and velocity at each, and how many these are of
 /// those at hand.
-fn thinned(segment: &Segment, sight: Sight, noise: &Noise) -> Option<(Segment, f64)> {
+fn thinned(
+    segment: &Segment,
+    measured_motion: MeasuredMotion,
+    noise: &Noise,
+) -> Option<(Segment, f64)> {
     let o = &segment.observations;
     let first = o.time_s.first()?;
     let times = o.rates().map(|(k, _)| k);
@@ -329,7 +333,7 @@ fn thinned(segment: &Segment, sight: Sight, noise: &Noise) -> Option<(Segment, f
     };
     let samples = picked.len();
     let share = samples as f64 / all.len() as f64;
-    let moving = sight == Sight::Translation;
+    let moving = measured_motion == MeasuredMotion::Translation;
     let mut sensors: Vec<SensorRecord> = Vec::new();
     for record in o.sensors.iter().filter(|r| !r.samples.is_empty()) {
         let kept = match record.kind {

@@ -1,6 +1,6 @@
 //! What a lag needs: what a perfect sensor reads before and after.
 
-use super::{perfect, vector};
+use super::{ideal_measurement, vector};
 use crate::motion::{Motion, State};
 use crate::motion::{Vehicle, parabola_slope};
 use crate::problem::segment::Segment;
@@ -9,7 +9,7 @@ use poinsot_spatial::Vector3;
 
 /// What perfect sensors read at all grid times, one series a sensor of the segment; empty where nobody asks.
 #[derive(Default)]
-pub(crate) struct Ideal {
+pub(crate) struct IdealSeries {
     series: Vec<Vec<Vector3>>,
 }
 
@@ -21,7 +21,7 @@ fn knows_rate(kind: SensorKind) -> bool {
     )
 }
 
-impl Ideal {
+impl IdealSeries {
     /// Follows the motion for the sensors wanted, one entry a sensor of the segment. `None` where the vehicle cannot move.
     pub fn new(
         vehicle: &Vehicle,
@@ -44,7 +44,7 @@ impl Ideal {
             let (instant, _) = motion.velocity(&state, k)?;
             let all = o.sensors.iter().zip(&mut series).zip(&wanted);
             for ((record, series), _) in all.filter(|(_, w)| **w) {
-                let (value, _) = perfect(record, &mut motion, (&state, k), &instant);
+                let (value, _) = ideal_measurement(record, &mut motion, (&state, k), &instant);
                 series.push(vector(&value));
             }
             if k + 1 < samples {

@@ -33,7 +33,7 @@ impl Status {
 
 impl Estimate {
     /// Takes note of a reason not to rely on the answer.
-    pub fn doubt(&mut self, reason: String) {
+    pub fn add_evidence_against(&mut self, reason: String) {
         self.doubts.push(reason);
         self.covariance_trustworthy = false;
     }
@@ -94,7 +94,7 @@ impl Number {
     }
 
     /// A number the data leave open.
-    pub fn open(nominal: f64) -> Self {
+    pub fn undetermined(nominal: f64) -> Self {
         Self {
             value: None,
             sigma: None,
@@ -181,7 +181,7 @@ pub struct DeterminedCombination {
 
 /// A direction in which the parameters can move unseen.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OpenCombination {
+pub struct UnobservableCombination {
     /// In words.
     pub text: String,
     /// Name and coefficient of each parameter.
@@ -212,7 +212,7 @@ pub struct Identifiability {
     /// Determined combinations; where they are fewer than the rank, other functions behind them.
     pub determined: Vec<DeterminedCombination>,
     /// Open directions.
-    pub open: Vec<OpenCombination>,
+    pub open: Vec<UnobservableCombination>,
 }
 
 /// How well one segment fits.

@@ -1,15 +1,15 @@
 //! A solved problem before it is put into words.
 
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
-use crate::fit::step::Held;
-use crate::fit::triangle::{HeadSolution, Shared};
+use crate::fit::step::BoundaryBodies;
+use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
 use crate::likelihood::rows::StartMomentum;
-use crate::likelihood::{Head, Sight};
+use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::Conflict;
 use crate::solution::estimate::SegmentFit;
-use crate::solution::open_set::OpenSet;
+use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::{Spectrum, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -33,11 +33,15 @@ impl VectorQuantity {
     }
 
     /// Components `from..from + 3` of a solved head.
-    pub fn of_head(solution: &HeadSolution, from: usize, value: Vector3) -> Self {
+    pub fn of_initial_state(
+        conditional: &ConditionalEstimate,
+        from: usize,
+        value: Vector3,
+    ) -> Self {
         Self {
             value,
-            gradient: std::array::from_fn(|k| solution.slope[from + k].clone()),
-            own: solution
+            gradient: std::array::from_fn(|k| conditional.slope[from + k].clone()),
+            own: conditional
                 .covariance
                 .fixed_view::<3, 3>(from, from)
                 .into_owned(),
@@ -64,10 +68,10 @@ pub(crate) struct Reduced {
 }
 
 /// A solved problem.
-pub(crate) struct Solved {
+pub(crate) struct Solution {
     pub method: &'static str,
     pub parameters: Parameters,
-    pub shared: Shared,
+    pub shared: SharedTriangle,
     /// Spectrum of the data and all declared priors: what the numbers rest on.
     pub spectrum: Spectrum,
     /// Spectrum without the priors of mass properties, where any are declared.
@@ -86,23 +90,23 @@ pub(crate) struct Solved {
     /// Triangles of the linear method; empty for others.
     pub reduced: Vec<Reduced>,
     /// Walks along what is open.
-    pub open_set: OpenSet,
+    pub unobservable_set: UnobservableSet,
     /// Iterations, and whether they settled.
     pub iterations: usize,
-    pub settled: bool,
+    pub converged: bool,
     pub warnings: Vec<String>,
     /// Whether wheel speeds are assumed smooth between samples.
     pub wheels_smooth: bool,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
     /// Bodies that the data press against the edge of what positive mass can have.
-    pub held: Option<Held>,
+    pub held: Option<BoundaryBodies>,
     /// What the residuals say; `None` of a method that does not ask them.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Priors that the data contradict.
     pub conflict: Option<Conflict>,
     /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
-    pub adds_up: bool,
+    pub noise_accumulates: bool,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
     /// What is not measured well enough for the answer to be relied on.
@@ -113,25 +117,25 @@ pub(crate) struct Solved {
     pub regressor_noise: Vec<f64>,
 }
 
-impl Solved {
+impl Solution {
     /// What the data determine, priors of mass properties left out.
     pub fn of_data(&self) -> &Spectrum {
         self.data_alone.as_ref().unwrap_or(&self.spectrum)
     }
 
     /// The value of all unknowns that it stands for.
-    pub fn point(&self, experiment: &Experiment) -> Point {
+    pub fn point(&self, experiment: &Experiment) -> Iterate {
         let segments = experiment.problem.segments.iter().zip(&self.starts);
-        let heads = segments.map(|(segment, start)| Head {
-            P: match experiment.sight {
-                Sight::Translation => start.linear.value,
-                Sight::Rotation => Vector3::zeros(),
+        let initial_states = segments.map(|(segment, start)| InitialState {
+            P: match experiment.measured_motion {
+                MeasuredMotion::Translation => start.linear.value,
+                MeasuredMotion::Rotation => Vector3::zeros(),
             },
             h_SScm_N: start.angular.value,
-            ..experiment.measured_head(segment, &self.x)
+            ..experiment.measured_initial_state(segment, &self.x)
         });
-        Point {
-            heads: heads.collect(),
+        Iterate {
+            initial_states: initial_states.collect(),
             x: self.x.clone(),
         }
     }

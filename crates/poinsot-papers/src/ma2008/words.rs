@@ -1,10 +1,11 @@
 //! What is determined and what is open, and the warnings, in words.
 
-use super::both::Solved;
+use super::both::NoisySolution;
 use super::solution::Directions;
 use super::ten::{MISFIT, Ten, unit};
 use poinsot_identify::{
-    DeterminedCombination, Identifiability, OpenCombination, Problem, axis_name, tensor_name,
+    DeterminedCombination, Identifiability, Problem, UnobservableCombination, axis_name,
+    tensor_name,
 };
 use poinsot_model::{Nuisance, SensorKind};
 
@@ -13,7 +14,7 @@ const STUDIED: [f64; 2] = [0.005, 0.5];
 
 pub(super) fn identifiability(
     name: &str,
-    solved: &Solved,
+    solved: &NoisySolution,
     ten: &Ten,
     rejected: bool,
 ) -> Identifiability {
@@ -64,7 +65,7 @@ pub(super) fn identifiability(
         }
         None => {
             for name in &names[4..] {
-                found.open.push(OpenCombination {
+                found.open.push(UnobservableCombination {
                     text: name.clone(),
                     coefficients: vec![(name.clone(), 1.0)],
                     reason: "step 2 needs mass and mass centre, which step 1 does not determine"
@@ -144,7 +145,7 @@ pub(super) fn describe<const N: usize>(
             true => ("the answer is rejected", "see the warnings"),
             false => (reason, remedy),
         };
-        found.open.push(OpenCombination {
+        found.open.push(UnobservableCombination {
             text,
             coefficients,
             reason: reason.to_owned(),
@@ -176,7 +177,7 @@ pub(super) fn sentence(terms: &[(String, f64)]) -> String {
 
 pub(super) fn warnings(
     problem: &Problem,
-    solved: &Solved,
+    solved: &NoisySolution,
     ten: &Ten,
     contradicted: Option<f64>,
     rejected: bool,

@@ -29,7 +29,7 @@ use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_telemetry::Table;
-use sensors::Leading;
+use sensors::BaseSensors;
 use std::collections::HashSet;
 
 /// Everything an estimator needs of one question.
@@ -53,7 +53,7 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     let mut repairs = Vec::new();
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
-    let leading = Leading::new(model, tables);
+    let leading = BaseSensors::new(model, tables);
     sensors::check_sensors(model, tables, &leading, &mut repairs)?;
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
@@ -83,7 +83,7 @@ fn file_label(table: &Table) -> String {
 fn bind_table(
     model: &Model,
     tree: &Tree,
-    (table, leading): (&Table, &Leading),
+    (table, leading): (&Table, &BaseSensors),
     repairs: &mut Vec<String>,
 ) -> Result<(Vec<Segment>, f64), BindError> {
     let label = file_label(table);

@@ -278,11 +278,11 @@ pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
 }
 
 /// The sensors of the base from which the aligned samples of the linear method come: one of each kind.
-pub(super) struct Leading {
+pub(super) struct BaseSensors {
     of: Vec<(SensorKind, usize)>,
 }
 
-impl Leading {
+impl BaseSensors {
     /// Of each kind the sensor that is read in most tables, and of those the one that tells most: samples over variance.
     pub fn new(model: &Model, tables: &[Table]) -> Self {
         let worth = |k: usize| {
@@ -336,7 +336,7 @@ impl Leading {
 pub(super) fn check_sensors(
     model: &Model,
     tables: &[Table],
-    leading: &Leading,
+    leading: &BaseSensors,
     repairs: &mut Vec<String>,
 ) -> Result<(), BindError> {
     for table in tables {

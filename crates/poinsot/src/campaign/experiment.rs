@@ -1,6 +1,6 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
-use super::address::{Documents, Edit, Of, edit};
+use super::address::{Documents, Edit, FileSelector, edit};
 use super::faults::PlanText;
 use crate::case::{Case, parse_case, read_case};
 use crate::digest::sha256;
@@ -18,7 +18,8 @@ use std::sync::Arc;
 pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
 
 /// Puts one change into the files.
-pub(crate) type Apply<'a> = dyn FnMut(&str, Of, Edit<'_>) -> Result<(), (String, String)> + 'a;
+pub(crate) type Apply<'a> =
+    dyn FnMut(&str, FileSelector, Edit<'_>) -> Result<(), (String, String)> + 'a;
 
 /// Seed of a record where the plan gives none.
 const SEED: u64 = 1;

@@ -3,7 +3,7 @@
 //! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell; shards are numbered block
 //! by block, so that all cells have their first trials before any has its second block.
 
-use super::address::{Of, count};
+use super::address::{FileSelector, count};
 use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
@@ -38,7 +38,7 @@ const SOBOL_DIMENSIONS: usize = 256;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GridAxis {
     pub number: String,
-    pub of: Of,
+    pub of: FileSelector,
     pub values: Vec<f64>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct GridAxis {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SampledAxis {
     pub number: String,
-    pub of: Of,
+    pub of: FileSelector,
     pub range: [f64; 2],
     pub log: bool,
 }
@@ -255,9 +255,9 @@ fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
     })
 }
 
-pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> Of {
+pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> FileSelector {
     let of = given.unwrap_or(usual);
-    Of {
+    FileSelector {
         truth: of != OfFile::Nominal,
         nominal: of != OfFile::Truth,
     }
@@ -365,7 +365,7 @@ pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
 
 /// Every address names numbers in every experiment, and every change fits them.
 fn check_addresses(plan: &Plan, text: &mut PlanText) {
-    let mut all: Vec<(&str, usize, &str, Of, Option<usize>)> = Vec::new();
+    let mut all: Vec<(&str, usize, &str, FileSelector, Option<usize>)> = Vec::new();
     for (k, vary) in plan.file.vary.iter().enumerate() {
         all.push(("vary", k, &vary.number, of(vary.of, OfFile::Both), Some(1)));
     }

@@ -34,7 +34,7 @@ pub struct CampaignRequest<'a> {
 }
 
 /// A campaign that was run.
-pub struct Ran {
+pub struct CampaignRun {
     /// Statistics with intervals; `None` for one share of the shards.
     pub result: Option<CampaignFile>,
     /// The sums behind them.
@@ -49,7 +49,7 @@ pub struct Ran {
     pub written: Vec<PathBuf>,
 }
 
-impl Ran {
+impl CampaignRun {
     /// Whether no trial crashed, no shard is missing, and `until` was reached.
     pub fn passes(&self) -> bool {
         let Some(result) = &self.result else {
@@ -66,7 +66,7 @@ impl Ran {
 ///
 /// # Errors
 /// An experiment cannot be simulated.
-pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
+pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
     let damaged = |why: String| Error::Internal { what: why };
     let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
     let shards: Vec<u64> = (0..plan.shards()).collect();
@@ -80,7 +80,7 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
     })?;
     let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
     let folded = fold_sums(plan, &all).map_err(damaged)?;
-    Ok(Ran {
+    Ok(CampaignRun {
         result: Some(folded.result(plan, plan.trials)),
         folded: Some(folded),
         shards: plan.shards(),
@@ -95,9 +95,9 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
 /// # Errors
 /// The folder holds shards of another plan, or shards where nothing was to be resumed; the disk refuses; an experiment
 /// cannot be simulated.
-pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<Ran, Error> {
+pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRun, Error> {
     refuse_other_plans(plan, &request.out)?;
-    let mut ran = Ran {
+    let mut ran = CampaignRun {
         result: None,
         folded: None,
         shards: 0,
@@ -153,7 +153,7 @@ pub fn merge_campaign(
     out: &Path,
     from: &[PathBuf],
     partial: bool,
-) -> Result<Ran, Error> {
+) -> Result<CampaignRun, Error> {
     for folder in std::iter::once(out).chain(from.iter().map(PathBuf::as_path)) {
         refuse_other_plans(plan, folder)?;
     }
@@ -170,7 +170,7 @@ pub fn merge_campaign(
             ),
         });
     }
-    let mut ran = Ran {
+    let mut ran = CampaignRun {
         result: None,
         folded: None,
         shards: 0,
@@ -188,7 +188,7 @@ fn run_missing(
     request: &CampaignRequest<'_>,
     shards: impl Iterator<Item = u64>,
     trials: u64,
-    ran: &mut Ran,
+    ran: &mut CampaignRun,
 ) -> Result<(), Error> {
     let wanted: Vec<u64> = shards.collect();
     let (missing, damaged) = missing_shards(plan, &request.out, wanted.iter().copied())?;
@@ -230,7 +230,7 @@ fn finish(
     out: &Path,
     folded: Folded,
     counted: u64,
-    ran: &mut Ran,
+    ran: &mut CampaignRun,
 ) -> Result<(), Error> {
     let result = folded.result(plan, counted);
     let report = |why: String| Error::Report {

@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::path::Path;
 
 /// What each joint coordinate has of its own: a motor, and where it starts.
-struct Own {
+struct MotorSettings {
     motor: Option<ForceProfile>,
     position: Option<f64>,
     rate: Option<f64>,
@@ -49,12 +49,12 @@ impl Planner<'_> {
         led: &[bool],
     ) -> Option<Vec<JointDrive>> {
         let tree = Tree::new(self.model);
-        let none = || Own {
+        let none = || MotorSettings {
             motor: None,
             position: None,
             rate: None,
         };
-        let mut own: Vec<Own> = (0..tree.dof()).map(|_| none()).collect();
+        let mut own: Vec<MotorSettings> = (0..tree.dof()).map(|_| none()).collect();
         for (i, table) in torques.iter().enumerate() {
             let key = format!("joint_torque[{i}]");
             let Some(k) = self.joint(&tree, &table.joint, &key) else {

@@ -100,11 +100,13 @@ fn instead(found: &IdentifiabilityFile) -> Section {
 
 /// Whether any single number of a body will be determined.
 fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
-    body.numbers().iter().any(|n| told(&n.2).is_some())
+    body.numbers()
+        .iter()
+        .any(|n| predicted_sigma(&n.2).is_some())
 }
 
 /// The sigma that the manoeuvre gives.
-pub(crate) fn told(n: &PredictedNumberFile) -> Option<f64> {
+pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
     let source = n.source.as_deref();
     n.sigma.filter(|_| source.is_some_and(|s| s != "known"))
 }
@@ -120,7 +122,7 @@ fn sigma_text(n: &PredictedNumberFile) -> String {
 fn body_section(name: &str, body: &MassFile<PredictedNumberFile>) -> Section {
     let mut table = Table::new(&["", "truth", "1 sigma", "95 %", "relative", "unit"]);
     for (number, unit, n) in body.numbers() {
-        let s = told(&n);
+        let s = predicted_sigma(&n);
         let of_all = |s: f64| format!("{} %", significant(100.0 * s / n.nominal.abs(), FIGURES));
         table.push(vec![
             number.replace(' ', "_"),

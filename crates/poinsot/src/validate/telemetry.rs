@@ -234,7 +234,7 @@ pub struct HeldBackFindings {
 pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFindings, Error> {
     let (found, bound) = look(mover, tables, Some(POINTS))?;
     let mut warnings = found.findings.clone();
-    if !found.settled {
+    if !found.converged {
         warnings.push(
             "the start of the record could not be fitted: nothing can be said of its end"
                 .to_owned(),
@@ -245,7 +245,7 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
     Ok(HeldBackFindings {
         compared: compared(&found),
         chi2_per_dof: worst(&found),
-        beyond_noise: !found.settled || found.fit.iter().any(beyond_noise),
+        beyond_noise: !found.converged || found.fit.iter().any(beyond_noise),
         warnings,
         repairs,
     })
@@ -268,7 +268,7 @@ fn beyond_noise(fit: &SegmentFit) -> bool {
 /// Infinite where the start of a record could not be fitted.
 fn worst(found: &HeldBack) -> f64 {
     let chi2 = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
-    if found.settled { chi2 } else { f64::INFINITY }
+    if found.converged { chi2 } else { f64::INFINITY }
 }
 
 /// The comparison, and what was assumed in binding.

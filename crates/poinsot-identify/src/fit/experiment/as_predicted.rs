@@ -1,6 +1,6 @@
 //! Readings as a point predicts them.
 
-use super::{Experiment, Point};
+use super::{Experiment, Iterate};
 use crate::fit::coordinates::Coordinates;
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
@@ -25,7 +25,7 @@ pub(crate) fn readings_alone<'b>(
 /// alone, whitened as at this point.
 pub(crate) fn take_predictions(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     segments: &mut [Segment],
 ) -> Option<()> {
     for _ in 0..ROUNDS {

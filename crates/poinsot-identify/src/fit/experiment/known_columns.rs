@@ -1,11 +1,11 @@
 //! What known numbers do to the predictions: columns beside those of the unknowns.
 
 use super::as_predicted::take_predictions;
-use super::{Experiment, Point};
+use super::{Experiment, Iterate};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::KnownUnknown;
-use crate::problem::shifted_vehicle::Centre;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use poinsot_spatial::Vector3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
@@ -21,7 +21,7 @@ const FRESH: f64 = 0.1;
 pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
 
 /// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
-pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<KnownColumns>> {
+pub(crate) fn columns_at(experiment: &Experiment, at: &Iterate) -> Option<Arc<KnownColumns>> {
     let unknowns = &experiment.parameters.unknowns;
     let places = experiment.parameters.known_places();
     let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
@@ -42,11 +42,11 @@ pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<Know
 /// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns. Predictions are
 /// compared with each other: whitening depends on the vehicle where inputs err, and its change times the residual is no
 /// slope.
-pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
+pub(crate) fn slopes(experiment: &Experiment, at: &Iterate) -> Option<KnownColumns> {
     let (own, kept) = experiment.parameters.without_known();
-    let base = Point {
+    let base = Iterate {
         x: kept.iter().map(|k| at.x[*k]).collect(),
-        heads: at.heads.clone(),
+        initial_states: at.initial_states.clone(),
     };
     let numbers: Vec<(&KnownUnknown, f64)> = experiment
         .parameters
@@ -58,11 +58,11 @@ pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns
     let moved = numbers
         .iter()
         .map(|(n, change)| (n.number, n.component, *change));
-    let centre = Centre::new(experiment.problem, &own, &moved.collect::<Vec<_>>())?;
-    let there = centre.problem(experiment.problem);
+    let shifted = ShiftedVehicle::new(experiment.problem, &own, &moved.collect::<Vec<_>>())?;
+    let there = shifted.problem(experiment.problem);
     let mut perfect = there.segments.to_vec();
     take_predictions(
-        &experiment.of_vehicle(&there, &centre.parameters),
+        &experiment.of_vehicle(&there, &shifted.parameters),
         &base,
         &mut perfect,
     )?;
@@ -71,17 +71,17 @@ pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns
         ..there
     };
     let here = experiment
-        .of_vehicle(&there, &centre.parameters)
+        .of_vehicle(&there, &shifted.parameters)
         .evaluate(&base, false)?;
     let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
         let number = numbers[k].0;
         let step = DIFFERENCE * number.sigma;
         let change = (number.number, number.component, step);
         let nominal = experiment.problem.model;
-        let centre = Centre::from(&there, nominal, &centre.parameters, &[change])?;
-        let beside = centre.problem(&there);
+        let shifted = ShiftedVehicle::from(&there, nominal, &shifted.parameters, &[change])?;
+        let beside = shifted.problem(&there);
         let evaluated = experiment
-            .of_vehicle(&beside, &centre.parameters)
+            .of_vehicle(&beside, &shifted.parameters)
             .evaluate(&base, false)?;
         let segments = here.iter().zip(&evaluated);
         let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;

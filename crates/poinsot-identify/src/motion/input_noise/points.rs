@@ -2,7 +2,7 @@
 
 use super::{Filter, Input, InputNoise};
 use crate::motion::slope_weights;
-use crate::motion::{Instant, Motion, Point, State};
+use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_model::SensorKind;
@@ -120,7 +120,7 @@ impl InputNoise {
         motion: &mut Motion,
         (state, k): (&State, usize),
         instant: &Instant,
-        point: &Point,
+        point: &BodyPoint,
     ) -> Vec<Vector3> {
         if self.is_silent() {
             return Vec::new();

@@ -96,7 +96,7 @@ impl UnknownKind {
     }
 
     /// Whether it is a force or torque from outside.
-    pub(crate) fn pushes(&self) -> bool {
+    pub(crate) fn is_external_wrench(&self) -> bool {
         matches!(
             self,
             Self::DisturbanceTorque(_)

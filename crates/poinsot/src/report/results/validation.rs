@@ -49,7 +49,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
         opening: Opening {
             tone: document.tone,
             word: word.to_owned(),
-            sentence: told(v, largest.map(|l| l.1.rms)),
+            sentence: largest_difference_sentence(v, largest.map(|l| l.1.rms)),
             action: action.map(str::to_owned),
             lights: within.into_iter().chain(reliable).collect(),
             ..Opening::default()
@@ -64,7 +64,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
 }
 
 /// The verdict without the paths of its files.
-fn told(v: &ValidationFile, largest: Option<f64>) -> String {
+fn largest_difference_sentence(v: &ValidationFile, largest: Option<f64>) -> String {
     let moves = match v.verdict.as_str() {
         "undetermined" => "The motion depends on numbers that the estimate leaves open".to_owned(),
         "compared" => "The motions are compared; no limit is given".to_owned(),

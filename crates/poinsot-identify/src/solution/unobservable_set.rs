@@ -16,7 +16,7 @@ const SPREAD: f64 = 1.5;
 
 /// One walk along an open direction, both ways.
 #[derive(Clone)]
-pub(crate) struct Walk {
+pub(crate) struct ContinuationPath {
     /// Values of all unknowns, evenly spaced; the answer is in the middle.
     pub points: Vec<Vec<f64>>,
     /// Points at which quantities are compared with their value at the answer.
@@ -27,21 +27,21 @@ pub(crate) struct Walk {
 
 /// All walks from an answer.
 #[derive(Clone, Default)]
-pub(crate) struct OpenSet {
+pub(crate) struct UnobservableSet {
     /// One per open direction in the order of their names, then two along all of them at once.
-    pub walks: Vec<Walk>,
+    pub walks: Vec<ContinuationPath>,
     /// Spectrum at the answer, of the readings that were walked along; `None` where every walk is straight.
     pub here: Option<Spectrum>,
 }
 
-impl OpenSet {
+impl UnobservableSet {
     /// Straight walks along directions in the unknowns' own units: the set of a linear problem.
     pub fn straight(x: &[f64], directions: &[Vec<f64>], natural: &[f64]) -> Self {
         let walk = |step: &Vec<f64>| {
             let largest = step.iter().zip(natural).map(|(s, unit)| (s / unit).abs());
             let largest = largest.fold(0.0, f64::max);
             let ends = if largest > 0.0 { REACH / largest } else { 0.0 };
-            Walk::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
+            ContinuationPath::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
         };
         Self {
             walks: directions.iter().map(walk).collect(),
@@ -51,7 +51,7 @@ impl OpenSet {
 
     /// The points at which quantities are compared: of a straight walk a few, of others all.
     pub fn points(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let stride = |w: &Walk| if w.ends.is_empty() { POINTS / 2 } else { 1 };
+        let stride = |w: &ContinuationPath| if w.ends.is_empty() { POINTS / 2 } else { 1 };
         let walks = self.walks.iter();
         walks.flat_map(move |w| w.points[w.tested.clone()].iter().step_by(stride(w)))
     }
@@ -88,7 +88,7 @@ impl OpenSet {
     }
 }
 
-impl Walk {
+impl ContinuationPath {
     /// Evenly spaced on a line; `end` is the step to its far end.
     pub fn straight(x: &[f64], end: impl Fn(usize) -> f64) -> Self {
         let count = POINTS as i32;

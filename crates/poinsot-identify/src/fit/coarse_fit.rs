@@ -3,7 +3,7 @@
 //! Where nominal numbers are off by many sigmas, the first steps need not be exact: a share of the readings leads as near
 //! as the whole record would, for a share of the time. The fit itself then sees every reading.
 
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{ITERATIONS, is_close};
 use crate::problem::Problem;
 use crate::problem::segment::{
@@ -20,7 +20,7 @@ const WORTH: usize = 4;
 
 /// Where a fit of a few readings from a far point ends; `None` where the point is close, or the record too short or of a
 /// kind that cannot be thinned.
-pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
+pub(crate) fn coarse_fit(experiment: &Experiment, from: &Iterate) -> Option<Iterate> {
     let whole = experiment.problem.segments;
     let segments = whole
         .iter()

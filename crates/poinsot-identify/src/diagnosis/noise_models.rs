@@ -29,7 +29,7 @@ const OFF_STEP: f64 = 1.0e-3;
 const TRIED: (i32, i32) = (8, 4);
 
 /// Every law of the scatter of every sensor.
-pub(super) fn spreads(
+pub(super) fn noise_models(
     experiment: &Experiment,
     fitted: &Fitted,
     channels: &[ChannelDiagnosis],
@@ -82,7 +82,7 @@ fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
     let residuals = fitted.evaluated.iter().flat_map(|e| &e.channels);
     let own = residuals.filter(|c| c.name == channel.name);
     let each = channel.numbers / channel.readings.max(1);
-    let limit = super::channels::outlier(each) * channel.typical_chi2_per_number.max(1.0);
+    let limit = super::channels::outlier_threshold(each) * channel.typical_chi2_per_number.max(1.0);
     let squares = own.flat_map(|c| &c.white).map(|w| w.norm_squared());
     let bad: f64 = squares.filter(|s| *s > limit).sum();
     let (count, all) = (channel.outliers as f64, channel.readings as f64);
@@ -182,7 +182,7 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
             pairs.extend(measured.map(|(m, _)| {
                 let three = |k: usize| Vector3::from_fn(|i, _| rows.rows[3 * m + i][k]);
                 let residual = three(rows.rows[3 * m].len() - 1);
-                (residual, three(rows.head + place))
+                (residual, three(rows.initial_columns + place))
             }));
         }
         let numbers = model.sensors[sensor].kind.numbers();

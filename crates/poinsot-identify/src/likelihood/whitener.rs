@@ -7,13 +7,13 @@ use poinsot_spatial::Vector3;
 
 /// The whitening of one channel.
 #[derive(Debug, Default)]
-pub(super) struct Colour {
+pub(super) struct NoiseWhitener {
     correlation_s: f64,
     /// Time and block (sensitivities, residual, slopes over the inputs' errors) of the reading before.
     before: Option<(f64, Vec<Vector3>)>,
 }
 
-impl Colour {
+impl NoiseWhitener {
     pub fn new(correlation_s: f64) -> Self {
         Self {
             correlation_s,
@@ -59,11 +59,11 @@ mod tests {
         let full = DMatrix::from_fn(5, 5, |i, j| (-f64::abs(t[i] - t[j]) / 0.2).exp());
         let right = nalgebra::DVector::from_column_slice(&e);
         let wanted = right.dot(&full.clone().lu().solve(&right).unwrap_or_default());
-        let mut colour = Colour::new(0.2);
+        let mut whitener = NoiseWhitener::new(0.2);
         let (mut sum, mut log_det) = (0.0, 0.0);
         for (t, e) in t.iter().zip(e) {
             let mut block = [Vector3::new(e, 0.0, 0.0)];
-            log_det += colour.take(*t, &mut block);
+            log_det += whitener.take(*t, &mut block);
             sum += block[0].norm_squared();
         }
         assert!((sum - wanted).abs() < 1.0e-12);

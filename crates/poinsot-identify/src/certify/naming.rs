@@ -4,9 +4,9 @@ use crate::certify::combination::{Combination, split};
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters, TENSOR, Unknown, UnknownKind, axis_name};
 use crate::problem::quantity::parameters_in_base;
-use crate::solution::estimate::OpenCombination;
-use crate::solution::open_set::{POINTS, REACH, Walk};
-use crate::solution::solved::Solved;
+use crate::solution::estimate::UnobservableCombination;
+use crate::solution::solved::Solution;
+use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH};
 use faer::Mat;
 use poinsot_dynamics::{Link, Motion, Tree};
 use poinsot_model::{EstimateSet, Model, rounded};
@@ -29,13 +29,16 @@ const NEW_DIRECTION: f64 = 1.0e-3;
 const SAID: f64 = 1.0e-3;
 
 /// Names every open direction.
-pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCombination> {
-    let spectrum = solved.of_data();
+pub(crate) fn unobservable_directions(
+    problem: &Problem,
+    solution: &Solution,
+) -> Vec<UnobservableCombination> {
+    let spectrum = solution.of_data();
     let natural = &spectrum.natural;
-    let open = spectrum.open_directions();
-    let mut found: Vec<OpenCombination> = Vec::new();
+    let open = spectrum.unobservable_directions();
+    let mut found: Vec<UnobservableCombination> = Vec::new();
     let mut spanned: Vec<Vec<f64>> = Vec::new();
-    for symmetry in symmetries(problem, solved) {
+    for symmetry in symmetries(problem, solution) {
         if spanned.len() == open.ncols() {
             break;
         }
@@ -51,8 +54,8 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
         }
         if let Some(unit) = independent(&inside, &spanned) {
             spanned.push(unit);
-            found.push(OpenCombination {
-                coefficients: named(solved, &symmetry.step),
+            found.push(UnobservableCombination {
+                coefficients: named(solution, &symmetry.step),
                 text: symmetry.text,
                 reason: symmetry.reason,
                 remedy: symmetry.remedy,
@@ -62,16 +65,16 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
     }
     let rest = complement(&open, &spanned);
     if rest.ncols() > 0 {
-        let weight = weights(solved);
+        let weight = weights(solution);
         for combination in split(&rest, natural, &weight).open {
-            found.push(in_numbers(problem, solved, &combination));
+            found.push(in_numbers(problem, solution, &combination));
         }
     }
     found
 }
 
 /// Numbers that are asked for and do not enter the equations of a rotation: mass, and without thrust the mass centre.
-pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
+pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
     if parameters.equations != Equations::Rotation {
         return Vec::new();
     }
@@ -83,7 +86,7 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
     };
     for (asked, body) in asked {
         let mut open = |number: String, what: &str, reason: &str, remedy: &str| {
-            all.push(OpenCombination {
+            all.push(UnobservableCombination {
                 text: format!("{number} cannot be determined"),
                 coefficients: vec![(format!("{body}.{what}"), 1.0)],
                 reason: reason.to_owned(),
@@ -113,9 +116,9 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
 }
 
 /// A preference for which unknowns stand as the open ones: products before moments.
-pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
+pub(crate) fn weights(solution: &Solution) -> Vec<f64> {
     let product = |k: usize| TENSOR[k].0 != TENSOR[k].1;
-    solved.parameters.unknowns[..solved.of_data().natural.len()]
+    solution.parameters.unknowns[..solution.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::CentralInertia(k) if product(*k) => 4.0,
@@ -129,9 +132,9 @@ pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
 }
 
 /// A combination as a sentence of numbers, largest share first.
-pub(crate) fn sentence(solved: &Solved, combination: &Combination) -> String {
-    let unknowns = &solved.parameters.unknowns;
-    let natural = &solved.of_data().natural;
+pub(crate) fn sentence(solution: &Solution, combination: &Combination) -> String {
+    let unknowns = &solution.parameters.unknowns;
+    let natural = &solution.of_data().natural;
     let lead = combination
         .terms
         .first()
@@ -167,8 +170,8 @@ fn four_digits(x: f64) -> String {
 }
 
 /// Names and coefficients of a move.
-pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
-    solved
+pub(crate) fn named(solution: &Solution, step: &[f64]) -> Vec<(String, f64)> {
+    solution
         .parameters
         .unknowns
         .iter()
@@ -178,16 +181,16 @@ pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
         .collect()
 }
 
-fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
-    if solved.parameters.equations == Equations::Rotation {
+fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
+    if solution.parameters.equations == Equations::Rotation {
         return Vec::new();
     }
     let mut list = Vec::new();
     for child in 1..problem.tree.bodies() {
-        joint_symmetries(problem, solved, child, &mut list);
+        joint_symmetries(problem, solution, child, &mut list);
     }
-    if solved.explained.is_none() {
-        let m = solved.of_data().natural.len();
+    if solution.explained.is_none() {
+        let m = solution.of_data().natural.len();
         let scale = |x: Vec<f64>| {
             Symmetry {
             step: x[..m].to_vec(),
@@ -196,19 +199,24 @@ fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
             remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or give one body as known".to_owned(),
         }
         };
-        list.push(scale(solved.x.clone()));
-        list.push(scale(solved.parameters.nominal_vector()));
+        list.push(scale(solution.x.clone()));
+        list.push(scale(solution.parameters.nominal_vector()));
     }
     list
 }
 
 /// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
 /// a sliding one the inertia tensor, with a stopped one everything.
-fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut Vec<Symmetry>) {
+fn joint_symmetries(
+    problem: &Problem,
+    solution: &Solution,
+    child: usize,
+    list: &mut Vec<Symmetry>,
+) {
     let (model, tree) = (problem.model, problem.tree);
     let link = &tree.links[child];
     let parent = link.parent;
-    let all = |b: usize| solved.parameters.estimate[b] == EstimateSet::ALL;
+    let all = |b: usize| solution.parameters.estimate[b] == EstimateSet::ALL;
     if !all(child) || !all(parent) {
         return;
     }
@@ -241,7 +249,7 @@ fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut
             }
         }
         list.push(Symmetry {
-            step: as_unknowns(solved, &pi),
+            step: as_unknowns(solution, &pi),
             text,
             reason: reason.clone(),
             remedy: remedy.clone(),
@@ -338,8 +346,8 @@ fn joint_name(model: &Model, child: usize) -> String {
 }
 
 /// A change of all barycentric parameters as a change of the unknowns (bodies wholly unknown).
-fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
-    solved.parameters.unknowns[..solved.of_data().natural.len()]
+fn as_unknowns(solution: &Solution, pi: &[[f64; 10]]) -> Vec<f64> {
+    solution.parameters.unknowns[..solution.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::Barycentric(parts) => {
@@ -350,15 +358,19 @@ fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
         .collect()
 }
 
-fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> OpenCombination {
-    let m = solved.of_data().natural.len();
-    let (reason, remedy) = poor_motion(problem, solved);
-    OpenCombination {
+fn in_numbers(
+    problem: &Problem,
+    solution: &Solution,
+    combination: &Combination,
+) -> UnobservableCombination {
+    let m = solution.of_data().natural.len();
+    let (reason, remedy) = poor_motion(problem, solution);
+    UnobservableCombination {
         text: format!(
             "{} is an unobservable direction",
-            sentence(solved, combination)
+            sentence(solution, combination)
         ),
-        coefficients: named(solved, &combination.gradient(m)),
+        coefficients: named(solution, &combination.gradient(m)),
         reason,
         remedy,
         walk: Vec::new(),
@@ -366,15 +378,18 @@ fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> 
 }
 
 /// Values along a walk of every unknown of each body of which one moves; none where the walk ended early.
-pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
-    let m = solved.of_data().natural.len();
+pub(crate) fn values_along_path(
+    solution: &Solution,
+    walk: &ContinuationPath,
+) -> Vec<(String, Vec<f64>)> {
+    let m = solution.of_data().natural.len();
     if walk.points.len() != 2 * POINTS + 1 {
         return Vec::new();
     }
-    let unknowns = || solved.parameters.unknowns[..m].iter().enumerate();
+    let unknowns = || solution.parameters.unknowns[..m].iter().enumerate();
     let owner = |u: &Unknown| u.name.split('.').next().map(str::to_owned);
     let moves = |i: usize, u: &Unknown| {
-        let mut far = walk.points.iter().map(|x| (x[i] - solved.x[i]).abs());
+        let mut far = walk.points.iter().map(|x| (x[i] - solution.x[i]).abs());
         far.any(|d| d > SAID * u.natural * REACH)
     };
     let moved = unknowns().filter(|(i, u)| moves(*i, u));
@@ -386,7 +401,7 @@ pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
 }
 
 /// Why a direction without a closed form is open: how the base turned.
-fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
+fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
     for segment in problem.segments {
@@ -404,10 +419,10 @@ fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
     if axis.max() < -axis.min() {
         axis = -axis;
     }
-    let weak = solved
+    let weak = solution
         .of_data()
         .certificate
-        .get(solved.of_data().rank)
+        .get(solution.of_data().rank)
         .copied()
         .unwrap_or(f64::INFINITY);
     if rms[0] <= 3.0 * noise {
