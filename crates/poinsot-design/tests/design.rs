@@ -243,7 +243,10 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
         (format!("{want}{speed}"), "it has no [design]"),
         (format!("{speed}[design]\n{wheel}"), "it wants nothing"),
         (format!("{want}[design]\n{wheel}"), "no limit bounds it"),
-        (format!("{want}{speed}[design]\n"), "nothing may move"),
+        (
+            format!("{want}{speed}[design]\n"),
+            "no joint or wheel is free to move",
+        ),
         (
             format!("[[want]]\nnumber = \"box.inertia_kg_m2.xz2\"\nsigma = 1.0\n[design]\n{wheel}"),
             "did you mean \"box.inertia_kg_m2.xz\"?",

@@ -38,11 +38,11 @@ pub enum JointInput {
 pub enum Singular {
     /// Nothing behind a joint resists it.
     #[error(
-        "nothing resists joint coordinate {0}: what it carries has no mass or inertia about it"
+        "joint coordinate {0} has no inertia: its outboard bodies have no mass or inertia about it"
     )]
     Joint(usize),
     /// The base and what it carries have no mass or no inertia.
-    #[error("the base with what it carries has no mass, or no inertia about some axis")]
+    #[error("the vehicle has no mass, or no inertia about some axis")]
     Base,
 }
 

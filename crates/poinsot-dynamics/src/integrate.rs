@@ -73,7 +73,7 @@ impl Default for Tolerance {
 pub enum Halt {
     /// The derivative could not be formed.
     #[error(
-        "the locked inertia is singular at t = {time} s: some part that must move has no mass or inertia; give it both"
+        "the locked inertia is singular at t = {time} s: a moving body has no mass or inertia; give it both"
     )]
     Singular {
         /// Time, s.
@@ -89,7 +89,7 @@ pub enum Halt {
     },
     /// The step shrank to round-off.
     #[error(
-        "the tolerance cannot be met at t = {time} s: the step shrank to round-off; loosen relative_tolerance in [integration], or soften what changes there"
+        "the tolerance cannot be met at t = {time} s: the step reached round-off; increase relative_tolerance in [integration], or smooth the input there"
     )]
     StepTooSmall {
         /// Time, s.
@@ -97,7 +97,7 @@ pub enum Halt {
     },
     /// Too many steps between two outputs.
     #[error(
-        "more than the allowed number of steps before t = {time} s; loosen relative_tolerance in [integration], or shorten the duration"
+        "more than the allowed number of steps before t = {time} s; increase relative_tolerance in [integration], or reduce the duration"
     )]
     TooManySteps {
         /// Time, s.

@@ -18,7 +18,7 @@ pub enum NodeError {
     #[error("node {0} is not finite")]
     NotFinite(usize),
     /// Times must increase strictly.
-    #[error("time of node {0} does not lie after that of the node before")]
+    #[error("time of node {0} is not after that of the previous node")]
     NotIncreasing(usize),
 }
 

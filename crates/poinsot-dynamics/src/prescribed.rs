@@ -23,7 +23,7 @@ pub enum MotionError {
     #[error("{0}")]
     Gravity(&'static str),
     /// The plan does not fit the vehicle.
-    #[error("the plan holds {found} {what}, the model {expected}; give one for each of the model")]
+    #[error("the plan has {found} {what}, the model {expected}; give one for each of the model")]
     Plan {
         /// What is counted.
         what: &'static str,
@@ -39,7 +39,7 @@ pub enum MotionError {
     InertialessWheel(usize),
     /// Output times must not decrease, and be finite.
     #[error(
-        "output time {0} (counted from 0) is not finite or lies before the one before it; sort the times"
+        "output time {0} (counted from 0) is not finite or not after the previous one; sort the times"
     )]
     Times(usize),
 }
@@ -130,7 +130,7 @@ pub(crate) fn gravity_gradient(around: &Gravity) -> Result<Option<(f64, Orbit)>,
             "the gravity gradient of a simulation needs an orbit; add orbit = { semi_major_axis_m = ... } to [environment]",
         )),
         (Some(_), false, _) => Err(MotionError::Gravity(
-            "N falls freely with the vehicle, so gravity alone moves nothing; add gravity_gradient = true, or take gravity out of [environment]",
+            "N is in free fall with the vehicle, so gravity alone has no effect; add gravity_gradient = true, or take gravity out of [environment]",
         )),
     }
 }

@@ -52,7 +52,7 @@ pub(crate) fn put(
     }
     if let Some((gap, name)) = worst {
         estimate.add_evidence_against(format!(
-            "{name} differs from the certified answer to the same data by {:.1} % of its natural unit: the method's approximations do not hold for this motion; use --method auto",
+            "{name} differs from the reference estimate of the same data by {:.1} % of its natural unit: the method's approximations do not hold here; use --method auto",
             100.0 * gap
         ));
     }

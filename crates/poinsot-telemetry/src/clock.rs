@@ -153,7 +153,7 @@ impl Clock {
                 let week = number::decimal(week.unwrap_or_default().trim_ascii());
                 let week = week.filter(|w| w % ATTO == 0 && (0..100_000 * ATTO).contains(w));
                 let week = week.ok_or(InvalidNumber(
-                    "stands beside a GPS week that is not a whole number",
+                    "has a GPS week that is not a whole number",
                     Some("correct the row"),
                 ))?;
                 gps_epoch() + week * WEEK_S + self.count(cell)?

@@ -131,7 +131,7 @@ pub(crate) fn read(
             ));
         } else {
             repairs.push(format!(
-                "{}: the last row has no line end; taken as whole",
+                "{}: the last row has no line end; assumed complete",
                 Place::row(path, last_row)
             ));
         }
@@ -244,7 +244,7 @@ fn no_header(header: &[String], comment: Option<u8>) -> Option<String> {
     let first = header.first()?.chars().next()?;
     let usual = matches!(first, '#' | '%' | '!');
     (usual && comment.is_none()).then(|| {
-        format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" where such lines are comments, or header_row = N where the header is line N")
+        format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" if such lines are comments, or header_row = N for a header in line N")
     })
 }
 

@@ -238,7 +238,7 @@ impl Calendar {
         };
         if !YEARS.contains(&year) {
             return Err(InvalidNumber(
-                "lies outside of 1972 to 2199",
+                "is outside 1972 to 2199",
                 Some("correct the year"),
             ));
         }

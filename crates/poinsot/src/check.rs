@@ -151,7 +151,7 @@ fn estimate(path: &Path, text: String) -> Result<Described, Error> {
             &c.key,
             0..0,
             c.problem,
-            "write the file anew with `poinsot identify --out DIR`",
+            "write the file again with `poinsot identify --out DIR`",
         )
     });
     Err(Error::File(CaseError {

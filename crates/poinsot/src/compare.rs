@@ -285,7 +285,7 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
     let mut out = Vec::new();
     for (i, file) in (1..).zip(files) {
         if let Some(doubt) = file.doubts.first() {
-            out.push(format!("answer {i} is not to be relied on: {doubt}"));
+            out.push(format!("answer {i} is not reliable: {doubt}"));
         } else if !file.covariance_trustworthy {
             out.push(format!("the covariance of answer {i} is not trustworthy"));
         }
@@ -303,17 +303,16 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
                         format!("the telemetry of answers {i} and {j} overlaps by {seconds} s")
                     }
                     Shared::Counts => format!(
-                        "the telemetry of answers {i} and {j} has no dates and overlaps by {seconds} s if its clocks are one (declare `epoch` in the map)"
+                        "the telemetry of answers {i} and {j} has no dates; with one clock it overlaps by {seconds} s (declare `epoch` in the map)"
                     ),
                 };
-                out.push(format!("{what}: they are not independent, and the differences are smaller than the stated sigma"));
+                out.push(format!("{what}: they are not independent, so differences are smaller than their stated sigma"));
             }
         }
     }
     if agreement.is_some_and(|p| p > 1.0 - TOO_GOOD) && out.len() == before {
         out.push(
-            "the answers agree better than independent answers do: they may come from one record"
-                .to_owned(),
+            "the answers agree better than independent answers: they may share a record".to_owned(),
         );
     }
     let uses_prior = |f: &&EstimateFile| {
@@ -321,7 +320,10 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
         numbers.any(|(_, _, n)| n.source.as_deref() == Some("prior"))
     };
     if files.iter().filter(|f| uses_prior(f)).count() > 1 {
-        out.push("more than one answer uses a prior: a common prior counts in each".to_owned());
+        out.push(
+            "more than one answer uses a prior: a shared prior is counted in each answer"
+                .to_owned(),
+        );
     }
     out
 }

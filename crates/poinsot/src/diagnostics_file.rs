@@ -81,7 +81,7 @@ pub(crate) fn causes(d: &DiagnosticsFile) -> Vec<Check> {
         let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
         Check {
             test: s.name.clone(),
-            found: format!("would lower chi-square by {fall:.0}"),
+            found: format!("would reduce chi-square by {fall:.0}"),
             verdict: s.fault.replace('_', " "),
             tone: Tone::Bad,
         }
@@ -207,7 +207,7 @@ pub(crate) fn held_out_verdict(h: &HeldOutFile) -> Verdict {
 fn held_out_row(h: &HeldOutFile) -> Check {
     let percent = 100.0 * h.share;
     let found = format!(
-        "chi-square {:.0} for {} expected, p = {}",
+        "chi-square {:.0}, expected {}, p = {}",
         h.chi2,
         h.numbers,
         probability(h.p)

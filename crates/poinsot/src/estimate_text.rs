@@ -10,8 +10,7 @@ use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, So
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
-pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. \
-     Write source = \"measured\", source = \"cad\" or exact = true into the model.";
+pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. Write source = \"measured\", source = \"cad\" or exact = true in the model.";
 
 /// How much of an answer is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -155,7 +154,10 @@ fn method_report(e: &Estimate) -> Option<Section> {
             item.unit.to_owned(),
         ]);
     }
-    let mut section = Section::table(&format!("what the method {} prints", e.method), table);
+    let mut section = Section::table(
+        &format!("results of method {} in its own terms", e.method),
+        table,
+    );
     section.note = Some(report.note.clone());
     Some(section)
 }
@@ -163,7 +165,7 @@ fn method_report(e: &Estimate) -> Option<Section> {
 /// Sensitivity to known numbers, or that all of them are exact.
 fn known(e: &Estimate) -> Option<Section> {
     let exact = || {
-        let line = "all taken as exact, as the model declares".to_owned();
+        let line = "all exact, as the model declares".to_owned();
         Section::list("known numbers", vec![line])
     };
     let declared = e.known_numbers.exact && !e.known_numbers.assumed;
@@ -234,7 +236,7 @@ fn body_section(body: &BodyEstimate, status: Status) -> Section {
         .count();
     if seen > 0 && body.inertia.iter().any(|n| n.source == Source::Open) {
         section.note = Some(format!(
-            "{seen} of its 10 barycentric parameters about its frame origin are determined: see the result file"
+            "{seen} of its 10 barycentric parameters about its frame origin are determined (see the result file)"
         ));
     }
     if body.physically_consistent == Some(false) {

@@ -297,7 +297,7 @@ pub fn gated(
 fn join_files(error: Error, segments: usize) -> Error {
     match error {
         Error::Bind(BindError::Missing { file, channel, why }) if segments > 1 => {
-            let how = "each --telemetry is a segment of its own; join the files of one segment by commas: --telemetry a.csv,b.csv";
+            let how = "each --telemetry is a separate segment; join the files of one segment by commas: --telemetry a.csv,b.csv";
             let why = format!("{why}; {how}");
             Error::Bind(BindError::Missing { file, channel, why })
         }
@@ -368,7 +368,7 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
             option: "--telemetry",
             value: value.to_owned(),
             why: format!(
-                "its content is that of {of}: the same samples would count twice and make every sigma too small; give each record once"
+                "its content is that of {of}: the same samples would count twice; give each record once"
             ),
         })
     };
@@ -398,10 +398,10 @@ fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
     if shift > SENSITIVE {
         estimate.add_evidence_against(format!(
-            "it is sensitive to the wheel motion between the rows taken ({shift:.1} sigma)"
+            "the estimate is sensitive to the wheel motion between the selected rows ({shift:.1} sigma)"
         ));
         estimate.warnings.push(format!(
-            "--every {every} leaves out wheel samples, and the answer would move by {shift:.1} sigma: the covariance is not trustworthy; take more rows"
+            "--every {every} leaves out wheel samples, which changes the estimate by {shift:.1} sigma: the covariance is not trustworthy; use more rows"
         ));
     }
 }
@@ -506,14 +506,14 @@ fn known_as_exact(model: &Model, estimate: &mut Estimate) {
     estimate.known_numbers.exact = !uncertain;
     if uncertain && estimate.method != "maximum_likelihood" {
         estimate.assumptions.push(
-            "known numbers taken as exact: this method does not use their uncertainties, its sigmas hold the noise of the sensors alone".to_owned(),
+            "assumed: known numbers exact, because this method ignores their uncertainties; its sigmas include sensor noise only".to_owned(),
         );
     }
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
     estimate.warnings.push(format!(
-        "{:.0} % of the samples of {of} were left out (see repairs): the answer is not acceptable without a look at them",
+        "{:.0} % of the samples of {of} were left out; check the repairs before you use the answer",
         100.0 * share
     ));
     if estimate.status == Status::Converged {
@@ -531,7 +531,7 @@ fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     Err(Error::Usage {
         option: "--method",
         value: question.method.clone(),
-        why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
+        why: "the model has a gravity gradient, which this method does not support; use maximum_likelihood, or take it out of [environment]".to_owned(),
     })
 }
 

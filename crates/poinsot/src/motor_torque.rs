@@ -44,7 +44,7 @@ fn contradiction(wheel: &Wheel, tables: &[Table]) -> Option<Finding> {
         of: 0,
         first_times_s: Vec::new(),
         text: format!(
-            "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque says ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
+            "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque predicts ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
             wheel.name, wheel.spin_inertia
         ),
         policy: Policy::Report,

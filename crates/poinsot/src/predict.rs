@@ -111,7 +111,7 @@ fn refuse_unread(case: &Case, model: &Model) -> Result<(), Error> {
         None => Ok(()),
         Some(joint) => Err(BindError::Unsupported {
             what: format!(
-                "joint '{}' moves by torque or spring in this case and no sensor reads it, so no estimator could know its motion; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+                "joint '{}' moves by torque or spring, but no sensor measures it; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
                 joint.name
             ),
         }

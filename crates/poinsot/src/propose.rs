@@ -90,7 +90,7 @@ impl std::fmt::Display for InspectionAnswer {
         if let Some(map) = &self.proposed_map {
             write!(
                 f,
-                "\n\nProposed map, to paste into the model file or into a file for --map; check what is unsure:\n\n{map}"
+                "\n\nProposed map, for the model file or a file for --map; check the lines marked unsure:\n\n{map}"
             )?;
         }
         match &self.proposed_sensors {

@@ -160,7 +160,7 @@ pub fn run(study: &Study, examples: &Path) -> Result<Findings, Error> {
         return Err(Error::Usage {
             option: "--examples",
             value: examples.display().to_string(),
-            why: "this folder does not hold the project's examples (no folder 'cases'); run in the project's folder, or give the path of its folder 'examples'".to_owned(),
+            why: "this folder does not have the project's examples (no folder 'cases'); run in the project's folder, or give the path of its folder 'examples'".to_owned(),
         });
     }
     let context = Context {

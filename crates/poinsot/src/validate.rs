@@ -186,7 +186,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (Some(case), false) => asked.against_telemetry(case)?,
         (None, false) => asked.held_back()?,
         (None, true) => {
-            let why = "no case is given; give one that says which torques both vehicles get";
+            let why = "no case is given; give one with the torques of both vehicles";
             return Err(usage("CASE", "", why));
         }
     };
@@ -195,8 +195,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         validation.estimate = Some((path.display().to_string(), estimated.status.clone()));
         validation.relied_on = estimated.trustworthy;
         if !estimated.trustworthy {
-            let warning =
-                "the estimate says that its covariance is not trustworthy; see its warnings";
+            let warning = "the covariance of the estimate is not trustworthy; see its warnings";
             validation.warnings.push(warning.to_owned());
         }
     }
@@ -332,7 +331,7 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     ];
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
-            let why = "the limit is no number from zero up; give one";
+            let why = "the limit must be a number of at least zero";
             return Err(usage(option, &x.to_string(), why));
         }
     }

@@ -31,7 +31,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
         Failure::from(poinsot::Error::Usage {
             option: "--out",
             value: String::new(),
-            why: "a campaign keeps its shards; name a folder for them".to_owned(),
+            why: "a campaign needs a folder for its shards".to_owned(),
         })
     })?;
     let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
@@ -164,7 +164,7 @@ fn supervised(
     while let Some((share, crashes, mut child)) = running.pop() {
         let ended = child.wait().map_err(|source| poinsot::Error::Io {
             path: program.clone(),
-            what: "cannot be waited for",
+            what: "its end cannot be observed",
             source,
         })?;
         match ended.code() {
@@ -176,7 +176,7 @@ fn supervised(
                 let (missing, _) = poinsot::campaign::missing_shards(plan, out, of_share)?;
                 let at = missing.first().map_or("none".to_owned(), u64::to_string);
                 let again = if crashes < TRIES {
-                    "it is started again"
+                    "it is restarted"
                 } else {
                     "given up"
                 };

@@ -240,20 +240,20 @@ pub(crate) fn withheld(found: &Identifiability) -> Option<String> {
     }
     let others = found.determined.len() - combinations;
     let mut text = format!(
-        "{} of {} determined directions hold no linear combination of parameters that is the same wherever the prediction is the same: {} such combinations are withheld",
+        "{} of {} determined directions are not linear combinations along paths of equal prediction: {} combinations are withheld",
         found.rank - combinations,
         found.rank,
         found.rank - combinations
     );
     if others > 0 {
         text.push_str(&format!(
-            "; {others} augmented inertias K (inertia of a body about its barycentre, the rest as point masses at its joints) and couplings D of two bodies are stated instead"
+            "; {others} augmented inertias K (about barycentres) and couplings D of two bodies are given instead"
         ));
     }
     if found.ranks.iter().any(|r| *r != found.ranks[0]) {
         let ranks: Vec<String> = found.ranks.iter().map(usize::to_string).collect();
         text.push_str(&format!(
-            "; the rank changes along the open set: {}",
+            "; the rank changes along the set of equal prediction: {}",
             ranks.join(", ")
         ));
     }

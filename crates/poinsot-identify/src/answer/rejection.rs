@@ -67,19 +67,19 @@ impl Rejection {
         let check = "check units, signs, wheel axes, external torques";
         match self {
             Self::Impossible => format!(
-                "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty; residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); {check}"
+                "rigid model rejected: the estimate is not physical by more than its uncertainty; residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); {check}"
             ),
             Self::NoiseAddsUp => format!(
-                "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample (chi-square per degree of freedom {chi2:.1}), which its sigmas take as fresh: numbers are withheld; use --method auto"
+                "linear method: under thrust, position and attitude noise accumulates over samples (chi-square per degree of freedom {chi2:.1}); its sigmas ignore that, so numbers are withheld; use --method auto"
             ),
             Self::NotRigid => format!(
                 "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
             ),
             Self::Contradicted => format!(
-                "rigid model rejected: residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}) and correlated in time; {check}"
+                "rigid model rejected: residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}), correlated in time; {check}"
             ),
             Self::Unexplained => format!(
-                "rigid model rejected: it explains {:.0} % of the measured change of momentum and misses the rest by {times:.0} sigma; {check}",
+                "rigid model rejected: it explains {:.0} % of the measured momentum change; the rest is {times:.0} sigma; {check}",
                 100.0 * solution.explained.unwrap_or(0.0)
             ),
         }

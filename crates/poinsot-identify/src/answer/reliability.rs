@@ -43,7 +43,7 @@ impl Reliability {
             doubts.push("a prior contradicts the data".to_owned());
         }
         if !solution.converged {
-            doubts.push("the iteration did not settle".to_owned());
+            doubts.push("the iteration did not converge".to_owned());
         }
         for sensor in &sensors {
             worst = worst.max(sensor.worst.mean_square());
@@ -58,16 +58,16 @@ impl Reliability {
             ));
         }
         let sensitive = solution.sensitive_to.iter();
-        doubts.extend(sensitive.map(|what| format!("it is sensitive to {what}")));
+        doubts.extend(sensitive.map(|what| format!("the estimate is sensitive to {what}")));
         if solution.not_rigid {
-            doubts.push("a line in the residual says that the vehicle is not rigid".to_owned());
+            doubts.push("a spectral line in the residual: the vehicle is not rigid".to_owned());
         }
         if solution.noise_accumulates && chi2 > NOISE_FREE {
-            doubts.push("noise adds up from sample to sample under thrust".to_owned());
+            doubts.push("noise accumulates from sample to sample under thrust".to_owned());
         }
         if let Some(held) = &solution.held {
             doubts.push(format!(
-                "{} is held at the edge of what positive mass can have",
+                "{} is at the limit of physical mass properties",
                 held.bodies.join(", ")
             ));
         }
@@ -93,7 +93,7 @@ fn suspect(solution: &Solution, shown: bool) -> Option<String> {
             100.0 * first.explains
         ),
         false => format!(
-            "{} would lower chi-square by {:.0}",
+            "{} would reduce chi-square by {:.0}",
             first.name, first.decrease
         ),
     })
@@ -150,7 +150,7 @@ impl Sensor {
         let name = &self.name;
         match self.coloured && worst > whole {
             true => format!(
-                "the residual of the {name}{place} is correlated in time, {:.1} times as large over {} readings as its declared noise allows",
+                "the residual of the {name}{place} is correlated in time: {:.1} times its declared noise over {} samples",
                 worst.sqrt(),
                 self.worst.readings
             ),

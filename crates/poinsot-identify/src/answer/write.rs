@@ -124,7 +124,7 @@ fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -
     };
     let said = |what: &str, ratio: f64| {
         format!(
-            "{what} of {name} is {ratio:.2} times the nominal one, beyond the factor {within} that the model allows (nominal_within)"
+            "{what} of {name} is {ratio:.2} times nominal, beyond the factor {within} of nominal_within"
         )
     };
     if let (Some(m), Some(sigma)) = (found.mass.value, found.mass.sigma)
@@ -147,7 +147,7 @@ fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -
     let (away, gyration) = (x.hypot(y).hypot(z), given.radius_of_gyration());
     (gyration > 0.0 && away - 2.0 * sigma > within * gyration).then(|| {
         format!(
-            "the mass centre of {name} is {:.1} radii of gyration from the nominal one, beyond the {within} that the model allows (nominal_within)",
+            "the mass centre of {name} is {:.1} radii of gyration from nominal, beyond the {within} of nominal_within",
             away / gyration
         )
     })
@@ -247,13 +247,13 @@ fn warnings(
     }
     if solution.noise_accumulates && rejection.is_none() && chi2 > NOISE_FREE {
         list.push(
-            "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample, which its sigmas take as fresh: the covariance is not trustworthy; use --method auto"
+            "linear method: under thrust, position and attitude noise accumulates over samples, which its sigmas ignore: the covariance is not trustworthy; use --method auto"
                 .to_owned(),
         );
     }
     if let Some(held) = &solution.held {
         list.push(format!(
-            "{}: the data alone would put the inertia beyond what positive mass can have; it is held at the edge of that (beyond it chi-square would fall by {:.1}), where an interval has one side only and the covariance is not trustworthy; --coordinates linear lets it pass",
+            "{}: the inertia is at the limit of physical values (beyond it chi-square would fall by {:.1}). There the covariance is not trustworthy; --coordinates linear removes the limit",
             held.bodies.join(", "),
             held.cost
         ));
@@ -262,7 +262,7 @@ fn warnings(
     let bias = biases.fold(0.0_f64, |worst, b| worst.max(b.abs()));
     if bias > NO_BIAS {
         list.push(format!(
-            "linear method: noise in the regressor biases the answer by up to {bias:.1e} of the nominal; that is inside the sigmas, and maximum likelihood is free of it"
+            "linear method: noise in the regressor biases the estimate by up to {bias:.1e} of nominal; the sigmas include that; maximum likelihood has no such bias"
         ));
     }
     list

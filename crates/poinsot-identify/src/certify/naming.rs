@@ -98,7 +98,7 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
             open(
                 format!("mass of {body}"),
                 "m",
-                "only rotation is measured, and it does not depend on the mass",
+                "only rotation is measured, which does not depend on the mass",
                 "measure velocity or position while a known force acts",
             );
         }
@@ -195,8 +195,8 @@ fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
             Symmetry {
             step: x[..m].to_vec(),
             text: "the common scale of all masses, first moments and inertias".to_owned(),
-            reason: "every force and momentum in the data is proportional to the unknowns themselves: nothing of known size takes part".to_owned(),
-            remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or give one body as known".to_owned(),
+            reason: "every force and momentum in the data is proportional to the unknowns: no known quantity sets their scale".to_owned(),
+            remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or fix one body".to_owned(),
         }
         };
         list.push(scale(solution.x.clone()));
@@ -227,13 +227,13 @@ fn joint_symmetries(
     let (reason, remedy) = match (link.motion, still.is_some()) {
         (Motion::Revolute(_) | Motion::Prismatic(_), false) => (
             format!(
-                "mass on the axis of {joint} moves the same with {c} as with {p}: no motion, momentum, thrust or joint torque can tell"
+                "mass on the axis of {joint} cannot be attributed to {c} or to {p} by any motion, thrust or joint torque"
             ),
-            format!("give one number of {c} or {p} as known, or declare a prior"),
+            format!("fix one parameter of {c} or {p}, or declare a prior"),
         ),
         (Motion::Fixed | Motion::Free, _) => (
             format!("{joint} is fixed"),
-            format!("give {c} or {p} as known, or declare a prior"),
+            format!("fix {c} or {p}, or declare a prior"),
         ),
         (_, true) => (format!("{joint} did not move"), format!("move {joint}")),
     };
@@ -264,15 +264,15 @@ fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, In
     match (link.motion, stands) {
         (Motion::Revolute(_), false) => vec![
             (
-                format!("mass of {c} moves against mass of {p} (a point mass on the axis of {joint})"),
+                format!("mass of {c} can be exchanged with mass of {p} (a point mass on the axis of {joint})"),
                 ten(1.0, Vector3::zeros(), Matrix3::zeros()),
             ),
             (
-                format!("first moment of {c} along the axis of {joint} moves against that of {p}"),
+                format!("first moment of {c} along the axis of {joint} can be exchanged with that of {p}"),
                 ten(0.0, u, Matrix3::zeros()),
             ),
             (
-                format!("a line inertia on the axis of {joint} moves between {c} and {p}"),
+                format!("a line inertia on the axis of {joint} can be exchanged between {c} and {p}"),
                 ten(0.0, Vector3::zeros(), line),
             ),
         ],
@@ -282,7 +282,7 @@ fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, In
                 pi[4 + k] = 1.0;
                 (
                     format!(
-                        "inertia element {} of {c} moves against the inertia of {p} ({joint} slides without turning)",
+                        "inertia element {} of {c} can be exchanged with the inertia of {p} ({joint} slides without rotation)",
                         PARAMETER_NAMES[4 + k]
                     ),
                     InertialParameters::from_array(&pi),
@@ -294,7 +294,7 @@ fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, In
                 let mut pi = [0.0; 10];
                 pi[k] = 1.0;
                 (
-                    format!("{} of {c} moves against {p}: the two moved as one body", PARAMETER_NAMES[k]),
+                    format!("{} of {c} can be exchanged with {p}: the two moved as one body", PARAMETER_NAMES[k]),
                     InertialParameters::from_array(&pi),
                 )
             })
@@ -428,31 +428,31 @@ fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     if rms[0] <= 3.0 * noise {
         return (
             format!(
-                "the base hardly turned: {:.1e} rad/s rms against gyro noise {noise:.1e} rad/s",
+                "the base hardly rotated: {:.1e} rad/s rms, with gyro noise {noise:.1e} rad/s",
                 rms[0]
             ),
-            "turn the base about two axes, by wheels, joints or thrusters".to_owned(),
+            "rotate the base about two axes with wheels, joints or thrusters".to_owned(),
         );
     }
     if rms[1] < 0.05 * rms[0] {
         return (
             format!(
-                "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so the data determine only I n of the inertia tensor ({})",
+                "the base rotated about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes (transverse rate {:.1e} of the axial rate); the data determine only I n of the inertia tensor ({})",
                 axis.x,
                 axis.y,
                 axis.z,
                 rms[1] / rms[0],
                 best_open(weak)
             ),
-            "turn about a second axis, square to n as far as can be".to_owned(),
+            "rotate about a second axis, as perpendicular to n as possible".to_owned(),
         );
     }
     (
         format!(
-            "the motion excites it too little for the declared noise ({})",
+            "the excitation is too small for the declared noise ({})",
             best_open(weak)
         ),
-        "move more joints at once, turn about more axes, or record longer".to_owned(),
+        "move more joints at once, rotate about more axes, or record longer".to_owned(),
     )
 }
 

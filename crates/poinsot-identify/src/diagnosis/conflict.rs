@@ -52,7 +52,7 @@ pub(crate) fn conflict(
     let text = match (apart.first(), unnamed) {
         (Some(first), _) => said(first, apart.len() - 1),
         (None, false) => return (None, None),
-        (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct the nominal numbers of the model or the sigmas of the priors".to_owned(),
+        (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct their nominal numbers or sigmas".to_owned(),
     };
     let ratio = 1.0 + moved;
     (Some(Conflict { text, ratio }), found)
@@ -82,7 +82,7 @@ fn said(a: &Discrepancy, more: usize) -> String {
     };
     let [nominal, sigma, value, own] = [*nominal, *sigma, a.value, a.sigma].map(|x| rounded(x, 5));
     format!(
-        "the prior of {name} contradicts the data: {nominal} ± {sigma} {unit} is declared, the data alone say {value} ± {own} {unit}, {:.0} sigma apart{more}; correct the nominal number or the sigma of the prior",
+        "the prior of {name} contradicts the data: declared {nominal} ± {sigma} {unit}, estimated {value} ± {own} {unit}, difference {:.0} sigma{more}; correct the nominal number or the sigma of the prior",
         a.z.abs()
     )
 }

@@ -32,7 +32,7 @@ pub(super) fn environment_candidates(experiment: &Experiment) -> Vec<Candidate> 
     ));
     let mut list = vec![
         candidate(
-            "a constant torque of the surroundings",
+            "a constant external torque",
             FaultKind::Torque,
             triple(UnknownKind::DisturbanceTorque, "environment.torque", "N m"),
         ),

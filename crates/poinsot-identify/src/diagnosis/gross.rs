@@ -47,10 +47,10 @@ const WHEELS: [Kind; 5] = [
         fault: FaultKind::WheelSign,
         words: ["a wrong sign of", ""],
     },
-    unit(PI / 180.0, " (degrees read as radians)"),
-    unit(PI / 30.0, " (revolutions a minute read as rad/s)"),
-    unit(2.0 * PI, " (revolutions read as radians)"),
-    unit(180.0 / PI, " (radians read as degrees)"),
+    unit(PI / 180.0, " (degrees used as radians)"),
+    unit(PI / 30.0, " (revolutions per minute used as rad/s)"),
+    unit(2.0 * PI, " (revolutions used as radians)"),
+    unit(180.0 / PI, " (radians used as degrees)"),
 ];
 
 /// Mistakes with the force of a thruster.

@@ -95,7 +95,7 @@ pub(crate) fn diagnose(
             fault: FaultKind::Unexplained,
             or: Vec::new(),
             text: format!(
-                "the vehicle turns by {turn:.1} rad from one reading to the next, too far to try single causes: are the times in seconds?"
+                "the vehicle turns by {turn:.1} rad between samples, too much to test causes; are the times in seconds?"
             ),
         });
     }

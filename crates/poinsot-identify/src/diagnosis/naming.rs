@@ -7,10 +7,10 @@ use crate::fit::experiment::Experiment;
 pub(super) const LATE_THRUST: &str = "a lag of the thrust";
 /// Factors by which a unit is mistaken, and the mistake.
 const MISTAKEN: [(f64, &str); 4] = [
-    (57.295_779_5, "radians read as degrees"),
-    (0.017_453_293, "degrees read as radians"),
-    (0.104_719_755, "revolutions a minute read as rad/s"),
-    (std::f64::consts::TAU, "revolutions read as radians"),
+    (57.295_779_5, "radians used as degrees"),
+    (0.017_453_293, "degrees used as radians"),
+    (0.104_719_755, "revolutions per minute used as rad/s"),
+    (std::f64::consts::TAU, "revolutions used as radians"),
 ];
 
 pub(super) fn near(value: f64, wanted: f64) -> bool {
@@ -50,7 +50,7 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
         FaultKind::Lag
             if suspect.name == LATE_THRUST && suspect.values.first().is_some_and(|v| v.1 < 0.0) =>
         {
-            "thrust that is read late".clone_into(&mut suspect.name);
+            "delayed thrust samples".clone_into(&mut suspect.name);
         }
         FaultKind::GyroScale => {
             for (factor, what) in MISTAKEN {

@@ -187,7 +187,10 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
         }
         let numbers = model.sensors[sensor].kind.numbers();
         if let Some((decrease, sigma)) = scatter(&pairs, numbers) {
-            let what = format!("scatter of the times of the {}", name.replace('_', " "));
+            let what = format!(
+                "jitter of the sample times of the {}",
+                name.replace('_', " ")
+            );
             let values = vec![(format!("{name}.jitter"), sigma, "s")];
             list.push(scored(what, FaultKind::TimeJitter, (decrease, 1), values));
         }

@@ -80,12 +80,12 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
     let read = sensors_read(experiment.problem);
     let mut list = vec![
         Onset {
-            name: "the motion starts anew",
+            name: "the motion restarts",
             fault: FaultKind::JoinedRecord,
             columns: OnsetKind::Rows((0..initial_columns).map(|k| vec![k]).collect()),
         },
         Onset {
-            name: "a kick that no telemetry has (a firing that is missing or in excess)",
+            name: "an impulse that is not in the telemetry (a missing or extra firing)",
             fault: FaultKind::Firing,
             columns: OnsetKind::Kick,
         },
@@ -111,7 +111,7 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
             .collect();
         if let Some(axes) = axes {
             list.push(Onset {
-                name: "a jump of the attitude as read",
+                name: "a jump of the measured attitude",
                 fault: FaultKind::AttitudeJump,
                 columns: OnsetKind::Rows(axes),
             });

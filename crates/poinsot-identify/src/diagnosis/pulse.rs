@@ -75,9 +75,9 @@ pub(super) fn pulse(
     let at = |k: usize| t[rows.transitions[k].at];
     let who = match thruster(experiment, &score, segment) {
         Some(name) => {
-            format!("a firing of {name} that telemetry does not have or that did not happen")
+            format!("a firing of {name} that is missing from the telemetry or did not happen")
         }
-        None => "a force or torque that telemetry does not have or that did not act".to_owned(),
+        None => "a force or torque that is missing from the telemetry or did not act".to_owned(),
     };
     let name = format!("{who}, {:.1} to {:.1} s of {label},", at(from), at(to));
     Some(found(name, FaultKind::Firing, &score, tried))

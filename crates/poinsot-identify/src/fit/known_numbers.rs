@@ -219,7 +219,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         let [nominal, sigma, alone, own] = numbers.map(|x| rounded(x, 5));
         Conflict {
             text: format!(
-                "the data contradict the known number {}: the model has {nominal} ± {sigma} {unit}, the data alone say {alone} ± {own} {unit}, {z:.0} sigma apart; correct the number or its uncertainty",
+                "the data contradict the known number {}: model {nominal} ± {sigma} {unit}, estimated {alone} ± {own} {unit}, difference {z:.0} sigma; correct the number or its uncertainty",
                 unknown.name
             ),
             ratio: 1.0 + pull(parameters, fitted, &posterior),

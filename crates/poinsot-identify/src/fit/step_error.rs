@@ -49,7 +49,7 @@ impl StepError {
 
     pub fn message(&self) -> String {
         format!(
-            "halving the integration steps moves the answer by {:.2} sigma: the covariance does not hold this error; sample faster, or check the momentum of the wheels",
+            "halving the integration step changes the estimate by {:.2} sigma, which the covariance does not include; sample faster, or check the wheel momentum",
             self.answer
         )
     }

@@ -216,7 +216,7 @@ fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
         (false, true) => return None,
     };
     Some(format!(
-        "assumed: {assumed}; with {other} the answer would move by {shift:.1} sigma{consequence}; sample the wheels more often"
+        "assumed: {assumed}; with {other} the estimate would change by {shift:.1} sigma{consequence}; sample the wheels more often"
     ))
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn extrapolated_inputs(
     let (unknown, lag) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     (lag.abs() > BEYOND * shortest).then(|| {
         format!(
-            "{} is {:.1} % of the shortest record, and what drove the vehicle so long beyond the readings is guessed: the covariance is not trustworthy; shift the columns by {lag:.3} s and identify again",
+            "{} is {:.1} % of the shortest record, so inputs beyond their samples are extrapolated: the covariance is not trustworthy; shift the columns by {lag:.3} s and identify again",
             unknown.name,
             100.0 * lag.abs() / shortest
         )

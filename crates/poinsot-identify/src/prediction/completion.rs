@@ -28,17 +28,17 @@ const DEPENDENT: f64 = 1.0e-10;
 pub enum CompletionError {
     /// A combination names a parameter that the model does not ask for.
     #[error(
-        "the estimate speaks of '{0}', which is not among the unknowns of this model; give the model file that the estimate was made with"
+        "the estimate has the parameter '{0}', which is not an unknown of this model; give the model file that the estimate was made with"
     )]
     UnknownParameter(String),
     /// No combination at all: withheld, or nothing was determined.
     #[error(
-        "the estimate holds no determined combination (status rejected, or nothing identified): there is nothing to predict with; give an estimate of more data"
+        "the estimate has no determined combination (status rejected, or nothing identified), so it cannot predict; give an estimate from more data"
     )]
     Nothing,
     /// Linear combinations do not hold all that is determined.
     #[error(
-        "the estimate determines {rank} directions and states {linear} linear combinations: parameters that predict the same do not follow from these; validate against the model instead, or give an estimate with translation measured"
+        "the estimate determines {rank} directions but has only {linear} linear combinations, which do not fix a prediction; validate against the model instead, or give an estimate with translation measured"
     )]
     Curved {
         /// Determined directions.
@@ -48,7 +48,7 @@ pub enum CompletionError {
     },
     /// Two combinations say the same.
     #[error(
-        "the determined combinations of the estimate contradict each other: the file was changed; write it anew with identify"
+        "the determined combinations of the estimate contradict each other: the file was changed; write it again with identify"
     )]
     Dependent,
 }

@@ -75,7 +75,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 pub enum ParametersError {
     /// The nominal numbers make a product of unknowns.
     #[error(
-        "E0401 body '{body}': estimate asks for the mass centre while the inertia about it is held; that is a product of unknowns, which the linear method cannot solve; add \"inertia\" to estimate or use --method maximum_likelihood"
+        "E0401 body '{body}': estimate has the mass centre but not the inertia; the linear method cannot solve that product of unknowns; add \"inertia\" to estimate or use --method maximum_likelihood"
     )]
     Nonlinear {
         /// Body.
@@ -83,12 +83,12 @@ pub enum ParametersError {
     },
     /// Nothing is unknown.
     #[error(
-        "E0402 the model has nothing to estimate: every body is given as known; set estimate = true on at least one body"
+        "E0402 the model has nothing to estimate: every body is known; set estimate = true on at least one body"
     )]
     NothingUnknown,
     /// A tree without a translation sensor.
     #[error(
-        "E0403 no velocity: no channels v_x v_y v_z, or no [[sensor]] of type \"velocity\" in the model: the linear method can use rotation alone only for one rigid body whose mass properties are all asked of it; this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
+        "E0403 no velocity (channels v_x v_y v_z with a [[sensor]] of type \"velocity\"): without it the linear method identifies one fully unknown rigid body only, and this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
     )]
     RotationOfTree {
         /// Number of bodies.
@@ -96,7 +96,7 @@ pub enum ParametersError {
     },
     /// The matrices would not fit into memory, nor the time into a day.
     #[error(
-        "E0406 the model asks for {numbers} mass properties at once; at most {MOST_NUMBERS} are solved for; take estimate out of bodies that are known well enough"
+        "E0406 the model has {numbers} mass properties to estimate, more than the limit of {MOST_NUMBERS}; take estimate out of bodies that are known well enough"
     )]
     TooMany {
         /// Numbers asked for.

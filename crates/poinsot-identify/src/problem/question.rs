@@ -42,7 +42,7 @@ pub enum ProblemError {
     },
     /// The nominal vehicle cannot move.
     #[error(
-        "E0405 the motion cannot be predicted from the nominal mass properties: the vehicle has no positive mass or inertia, or would turn five times faster than measured; check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
+        "E0405 the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured); check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
     )]
     NoMotion,
 }

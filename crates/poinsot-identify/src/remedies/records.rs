@@ -74,7 +74,7 @@ impl Baseline<'_> {
         known.known_momentum = true;
         add(
             Effort::Equipment,
-            "know the angular momentum at the start of a record".to_owned(),
+            "measure the angular momentum at the start of a record".to_owned(),
             &known,
         );
         Some(list)
@@ -99,7 +99,7 @@ impl Baseline<'_> {
             let mut turning = trial.clone();
             turning.initial_state.h_SScm_N += trial.initial_state.R_NB * (I * w);
             let text = format!(
-                "record {:.0} s more with the base turning about its {} axis too, at {fastest:.2} rad/s",
+                "record {:.0} s more with the base also rotating about its {} axis, at {fastest:.2} rad/s",
                 trial.span(),
                 axis_name(axis)
             );
@@ -128,7 +128,7 @@ impl Baseline<'_> {
                 _ => "rad",
             };
             let text = format!(
-                "record {:.0} s more with {} swinging by {size} {unit}",
+                "record {:.0} s more with {} oscillating by {size} {unit}",
                 trial.span(),
                 joint.name
             );
@@ -215,7 +215,7 @@ impl Baseline<'_> {
             push(
                 0,
                 &with,
-                format!("push the base along y, {arm} m from its origin along x"),
+                format!("apply a force to the base along y, {arm} m from its origin along x"),
             );
         }
     }

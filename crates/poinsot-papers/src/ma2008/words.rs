@@ -51,7 +51,7 @@ pub(super) fn identifiability(
     );
     match &solved.angular {
         Some((_, directions)) => {
-            let why = "the angular velocity of the base does not reach all directions (with stopped joints it must come from an initial spin; a spin about one axis needs arm motion about two)";
+            let why = "the angular velocity of the base does not span all directions (stopped joints need an initial spin; spin about one axis needs arm motion about two)";
             let remedy = "spin about two axes, move the arm about two axes, or keep moving samples";
             describe(
                 &mut found,
@@ -187,7 +187,7 @@ pub(super) fn warnings(
     let chi2 = solved.chi2;
     if let Some(free) = contradicted {
         list.push(format!(
-            "the momentum given contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
+            "the declared momentum contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
             chi2.sqrt(), free.sqrt()
         ));
     } else if rejected {
@@ -219,7 +219,10 @@ pub(super) fn warnings(
         .sensors_of(SensorKind::Gyro)
         .any(|s| s.bias != Nuisance::Known);
     if bias {
-        list.push("the gyro's bias is declared unknown: ma2008 takes it as zero; --method auto estimates it".to_owned());
+        list.push(
+            "the gyro's bias is declared unknown: ma2008 assumes zero; --method auto estimates it"
+                .to_owned(),
+        );
     }
     if problem
         .model
@@ -242,7 +245,7 @@ pub(super) fn warnings(
         .fold(0.0, f64::max);
     if worst > 1.0e-6 && !rejected {
         list.push(format!(
-            "noise in the regressor biases the two steps by up to {worst:.1e} of the nominal; the sigmas hold it, and maximum likelihood is free of it"
+            "noise in the regressor biases the two steps by up to {worst:.1e} of the nominal; the sigmas include that; maximum likelihood has no such bias"
         ));
     }
     if base.physically_consistent == Some(false) {

@@ -32,7 +32,7 @@ pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
             if moves && what == "bias" && model.sensors_of(kind).nth(1).is_none() {
                 return Err(BindError::Unsupported {
                     what: format!(
-                        "sensor '{}': a bias of the only sensor of type {} cannot be told from where N is and how it drifts; take it out",
+                        "sensor '{}': a bias of the only sensor of type {} is not identifiable: it equals an offset and drift of N; take it out",
                         sensor.name,
                         kind.word()
                     ),

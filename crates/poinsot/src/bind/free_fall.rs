@@ -46,7 +46,7 @@ pub(super) fn relative<'t>(
             continue;
         };
         if matches!(model.momentum.linear, MomentumKnowledge::Known(_)) {
-            let what = "[momentum] linear_N_s is given, and positions on an orbit are taken relative to free fall, where it has no meaning; write linear_N_s = \"estimate\"".to_owned();
+            let what = "[momentum] linear_N_s is given, but it has no meaning for positions relative to free fall; write linear_N_s = \"estimate\"".to_owned();
             return Err(BindError::Unsupported { what });
         }
         repairs.push(format!("{}: {}", super::file_label(table), fall.words()));
@@ -156,7 +156,7 @@ impl FreeFall {
             ),
             false => "a point mass; all else is neglected".to_owned(),
         };
-        format!("positions taken relative to free fall in the gravity of {field}")
+        format!("positions are relative to free fall in the gravity of {field}")
     }
 
     /// Replaces positions and velocities, and keeps the orbit for the gravity gradient.

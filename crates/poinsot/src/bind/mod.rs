@@ -123,7 +123,7 @@ fn bind_table(
     let lost = whole.len() - kept;
     if lost > 0 {
         repairs.push(format!(
-            "{label}: {lost} of {} gyro samples left out: another channel has no sample there or within 3 of its steps",
+            "{label}: {lost} of {} gyro samples left out: another channel has no sample within 3 of its steps",
             whole.len()
         ));
     }
@@ -150,7 +150,7 @@ fn told_gaps(label: &str, gaps: &[(f64, f64)], pieces: usize) -> String {
         words.push(format!("{} more", gaps.len() - SHOWN));
     }
     format!(
-        "{label}: wheels, joints or thrusters are not read for a while ({}): taken as {pieces} segments, each with its own start and momentum",
+        "{label}: gaps in the wheel, joint or thruster samples ({}): split into {pieces} segments, each with its own initial state",
         words.join(", ")
     )
 }

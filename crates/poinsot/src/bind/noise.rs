@@ -39,7 +39,7 @@ pub(super) fn declared_noise(
         if value.is_none() && has(kind) {
             let what = kind.word();
             repairs.push(format!(
-                "{what} taken as exact: no sensor declares its noise"
+                "assumed: {what} exact, because no sensor declares its noise"
             ));
         }
         value.unwrap_or_else(Matrix3::zeros)

@@ -368,7 +368,7 @@ pub(super) fn check_sensors(
         if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
             return Err(BindError::Unsupported {
                 what: format!(
-                    "sensor '{}': an unknown of it is asked for, and no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
+                    "sensor '{}': one of its errors is to be estimated, but no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
                     sensor.name,
                     names_of(model, kind).join(" ")
                 ),
@@ -420,7 +420,7 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
                 file: label.to_owned(),
                 channel: XYZ.map(own).join(" "),
                 why: format!(
-                    "the direction '{}' tells nothing without the vector in inertial axes that it belongs to; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
+                    "the direction '{}' needs its reference vector in inertial axes; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
                     sensor.name
                 ),
             });
@@ -445,7 +445,7 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
             let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
             return Err(BindError::Unsupported {
                 what: format!(
-                    "sensor '{}' sits on body '{}', and no {} is read on the base '{}', from which the fit starts; add one there, or take this one out",
+                    "sensor '{}' is on body '{}', but the fit needs a {} on the base '{}' for its initial state; add one there, or remove this sensor",
                     sensor.name,
                     model.bodies[sensor.body].name,
                     words.join(" or "),
@@ -482,7 +482,7 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
                     || kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none());
             if !declared && !shared {
                 repairs.push(format!(
-                    "{label}: column '{}' and its companions belong to no {} of the model: not used; declare [[sensor]] type = \"{}\", name = \"{}\"",
+                    "{label}: column '{}' and its companions match no {} of the model and are not used; declare [[sensor]] type = \"{}\", name = \"{}\"",
                     full_name(&channel.sensor, &channel.name),
                     kind.word().replace('_', " "),
                     kind.word(),
@@ -506,7 +506,7 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
         kind => {
             return Err(BindError::Unsupported {
                 what: format!(
-                    "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are not known; declare its noise",
+                    "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined; declare its noise",
                     sensor.name,
                     kind.word()
                 ),

@@ -56,8 +56,7 @@ pub(crate) fn edit(
         && let Some(way) = way_in_case(case, address)
     {
         if !of.truth {
-            let what =
-                "a case has no nominal side: the identification reads telemetry, not the case";
+            let what = "a case has no nominal numbers: identification uses telemetry, not the case";
             return Err((what.to_owned(), "write of = \"both\"".to_owned()));
         }
         return change_leaves(walk_table(case, &way)?, change);
@@ -309,7 +308,7 @@ fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), (String, Str
     visit(value, &mut count, change);
     if count == 0 {
         let what = format!("there is no number here but {}", value.type_str());
-        return Err((what, "let the address end at a number".to_owned()));
+        return Err((what, "end the address at a number".to_owned()));
     }
     Ok(())
 }

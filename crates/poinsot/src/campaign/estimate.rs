@@ -111,7 +111,7 @@ pub fn cost_document(plan: &Plan, cost: &CampaignCost) -> Document {
     let mut lines = Vec::new();
     if let Some(memory) = cost.memory {
         lines.push(format!(
-            "memory: {} with one thread; every further one holds its own trial",
+            "memory: {} with one thread; each further thread adds one trial",
             size(memory as f64)
         ));
     }
@@ -121,8 +121,7 @@ pub fn cost_document(plan: &Plan, cost: &CampaignCost) -> Document {
         cost.planned_block
     ));
     lines.push(
-        "measured alone on this machine: other work on it, and other processors, change the time"
-            .to_owned(),
+        "measured on this machine without other load; times differ on other machines".to_owned(),
     );
     document.push(Section::list("and", lines));
     document

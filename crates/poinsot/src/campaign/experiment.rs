@@ -79,7 +79,7 @@ impl Experiment {
             (None, Some(_)) => {
                 refuse(
                     "record",
-                    "a record needs the vehicle",
+                    "a record needs a model and a truth file",
                     "give model and truth",
                 );
                 return Ok(None);
@@ -295,7 +295,7 @@ fn check(file: &ExperimentFile, refuse: &mut impl FnMut(&'static str, &str, &str
         let remedy = "give [[output.sensor]] bias_... in the case";
         refuse(
             "bias",
-            "a case gives the biases of its sensors itself",
+            "the case already declares the biases of its sensors",
             remedy,
         );
     }

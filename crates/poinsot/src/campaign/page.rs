@@ -42,7 +42,7 @@ pub(crate) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     Ok(Page {
         title: format!("Campaign {}", result.name),
         subtitle: format!("{}; plan {}; poinsot {}", headline(result), &result.digest.get(..12).unwrap_or(""), result.poinsot),
-        footer: "Intervals hold in 95 of 100 campaigns: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file is complete in itself and loads nothing.".to_owned(),
+        footer: "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file needs no network.".to_owned(),
         parts: vec![opening.part()?, drawn, tables],
     })
 }
@@ -60,7 +60,7 @@ fn held(result: &CampaignFile) -> Light {
         place: "tables",
         tone,
         word: word.to_owned(),
-        found: format!("{missed} of {} methods miss an aim", methods().count()),
+        found: format!("{missed} of {} methods miss a limit", methods().count()),
     }
 }
 

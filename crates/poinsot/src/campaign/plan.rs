@@ -222,7 +222,7 @@ fn check_counts(file: &PlanFile, text: &mut PlanText) {
             ("trials_per_shard", file.trials_per_shard.is_some()),
         ] {
             if given {
-                let what = "a sampling counts its own trials: points x replicates";
+                let what = "a sampling sets its own number of trials: points x replicates";
                 text.refuse("E0541", &[key], what, "take it out");
             }
         }
@@ -245,7 +245,7 @@ fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
         .replicates
         .is_some_and(|n| !(REPLICATES..=MOST_POINTS).contains(&n))
     {
-        let what = "bands come from the scatter between replicates: too few, or too many to count";
+        let what = "bands are computed from the scatter between replicates: too few or too many";
         let remedy = format!("give {REPLICATES} to {MOST_POINTS}");
         text.refuse("E0541", &at("replicates"), what, &remedy);
     }
@@ -338,7 +338,7 @@ fn axis(
         }
         _ => refuse(
             "number",
-            "neither values nor one range",
+            "needs either values or one range",
             "give values = [...], or from and to with count",
         ),
     }
@@ -421,7 +421,12 @@ fn check_addresses(plan: &Plan, text: &mut PlanText) {
                 Ok(n) if wanted.is_some_and(|w| w != n) => {
                     let what =
                         format!("the address names {n} numbers, not {}", wanted.unwrap_or(1));
-                    text.refuse("E0542", &[list, &at, "number"], what, "let the address end at one number, as in com_m.x, or give one value for each");
+                    text.refuse(
+                        "E0542",
+                        &[list, &at, "number"],
+                        what,
+                        "end the address at one number, as in com_m.x, or give one value for each",
+                    );
                 }
                 Ok(_) => {}
             }

@@ -199,7 +199,7 @@ fn run_missing(
             code: "E0602",
             path: request.out.clone(),
             why: format!(
-                "{there} of {} shards of this plan are there already; give --resume to run what is missing, or another --out",
+                "{there} of {} shards of this plan exist already; use --resume to run the missing ones, or another --out",
                 wanted.len()
             ),
         });
@@ -276,7 +276,7 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
             code: "E0602",
             path,
             why: format!(
-                "this is a shard of the plan {digest}, and the plan or a file that it names is {} now; give another --out, or the plan as it was",
+                "this is a shard of plan {digest}, but the plan or one of its files is {} now; use another --out, or restore the plan",
                 plan.digest.get(..digest.len()).unwrap_or(&plan.digest)
             ),
         }),
@@ -298,7 +298,7 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
                         code: "E0603",
                         path: source,
                         why: format!(
-                            "shard {number} is there twice with different sums; remove the one that you do not trust"
+                            "shard {number} is there twice with different sums; remove one of them"
                         ),
                     });
                 }

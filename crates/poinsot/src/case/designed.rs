@@ -143,7 +143,7 @@ impl Planner<'_> {
             }
         }
         if joints.is_empty() && wheels.is_empty() && self.faults.is_empty() {
-            let problem = "nothing may move";
+            let problem = "no joint or wheel is free to move";
             let remedy = "add [[design.joint]] or [[design.wheel]]";
             self.refuse("E0507", "design", span, problem, remedy);
         }

@@ -295,7 +295,7 @@ impl Planner<'_> {
         };
         let half_angle = *angle.get_ref();
         if !(half_angle > 0.0 && half_angle < std::f64::consts::PI) {
-            let problem = "the half angle of a cone lies between 0 and pi";
+            let problem = "the half angle of a cone must be between 0 and pi";
             self.refuse("E0505", key, angle.span(), problem, "give it in rad");
             return None;
         }

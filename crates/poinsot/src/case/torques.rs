@@ -77,9 +77,9 @@ impl Planner<'_> {
             let free = own[k].motor.is_some() || joint.spring_damper.is_some();
             if led[k] || !free {
                 let problem = if led[k] {
-                    "the joint's motion is prescribed, and with it its start"
+                    "the joint's motion is prescribed, and so is its initial state"
                 } else {
-                    "nothing moves this joint: it is held where the model locks it"
+                    "this joint has no drive: it stays locked at the model's position"
                 };
                 let remedy = "leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model";
                 let span = table.joint.span();

@@ -53,7 +53,7 @@ impl Planner<'_> {
             (Some(number), None) => self.numbers(number.get_ref(), number.span(), key),
             (None, Some(sum)) => self.combination(sum, key),
             _ => {
-                let problem = "a want needs either number or combination";
+                let problem = "each [[want]] needs either number or combination";
                 let remedy = "write number = \"BODY.mass_kg\", or combination = { \"BODY.inertia_kg_m2.xx\" = 1.0, ... }";
                 self.refuse("E0507", key, span, problem, remedy);
                 return Vec::new();
@@ -84,7 +84,7 @@ impl Planner<'_> {
             (Some(x), None) => (x, 1.0, "sigma"),
             (None, Some(x)) => (x, self.scale(terms, x.span(), key)?, "relative"),
             _ => {
-                let problem = "a want needs either sigma or relative";
+                let problem = "each [[want]] needs either sigma or relative";
                 let remedy =
                     "write sigma = X in the unit of the number, or relative = X as a share of it";
                 self.refuse("E0507", key, span.clone(), problem, remedy);
@@ -116,7 +116,7 @@ impl Planner<'_> {
                 WantedNumber::MassCentre(_) => {}
             }
         }
-        let problem = "a mass centre or a combination has no scale of its own";
+        let problem = "a mass centre or a combination has no natural scale";
         let key = format!("{key}.relative");
         self.refuse("E0507", &key, span, problem, "give sigma in its unit");
         None

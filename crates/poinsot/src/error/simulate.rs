@@ -16,7 +16,7 @@ pub enum SimulateError {
     Model(#[from] ModelError),
     /// A driven joint that nothing resists: the mass matrix is singular.
     #[error(
-        "E0509 {}: joint \"{joint}\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+        "E0509 {}: joint \"{joint}\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix); give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
         file.display()
     )]
     Singular {

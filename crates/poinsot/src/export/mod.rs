@@ -220,7 +220,7 @@ impl Source<'_> {
             e.status
         )];
         lines.extend(inputs);
-        lines.extend(e.doubts.iter().map(|d| format!("not to be relied on: {d}")));
+        lines.extend(e.doubts.iter().map(|d| format!("not reliable: {d}")));
         lines
     }
 }

@@ -21,7 +21,7 @@ pub fn prediction_document(prediction: &PredictionFile) -> Document {
     let found = &prediction.identifiability;
     if !found.not_identifiable.is_empty() {
         document.push(Section::list(
-            "what this manoeuvre cannot tell",
+            "not identifiable from this manoeuvre",
             open_sentences(&found.not_identifiable),
         ));
         document.push(instead(found));
@@ -88,7 +88,7 @@ fn instead(found: &IdentifiabilityFile) -> Section {
             c.unit.clone(),
         ]);
     }
-    let mut section = Section::table("what it tells instead", table);
+    let mut section = Section::table("identifiable combinations", table);
     if found.identifiable.len() > LISTED {
         section.note = Some(format!(
             "and {} more combinations with --json",

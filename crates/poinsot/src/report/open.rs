@@ -73,7 +73,7 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
     )?;
     Ok(Some(Part {
         id: "open",
-        title: "What the data cannot tell",
+        title: "Not identifiable from the data",
         body,
         figures: Vec::new(),
     }))

@@ -173,8 +173,7 @@ fn shapes(answer: &Answer, name: &str, body: &BodyFile) -> Option<Scene> {
     let morph = morph(&answer.estimate, name, body)?;
     let mut scene = Scene {
         title: format!("inertia ellipsoids of {name} that fit equally well"),
-        note: "Every shape predicts the same measurements: chi-square does not change along the way. The data do not \
-               determine which of them the vehicle has."
+        note: "Every shape predicts the same measurements: chi-square is equal for all. The data do not determine the vehicle's shape among them."
             .to_owned(),
         ..Scene::default()
     };

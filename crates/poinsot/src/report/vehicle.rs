@@ -53,8 +53,7 @@ fn scene(answer: &Answer, suspects: &[&str]) -> Scene {
         tree: Tree::default(),
         scene: Scene {
             title: "the vehicle, axes of the base, m".to_owned(),
-            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, \
-                   else nominal. Lines join the frame origins through the joints."
+            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints."
                 .to_owned(),
             ..Scene::default()
         },

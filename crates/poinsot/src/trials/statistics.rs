@@ -155,7 +155,7 @@ impl Statistics {
             let mut judge = |what: &str, x: f64, low: f64, high: f64| {
                 if !x.is_nan() && !(low..=high).contains(&x) {
                     list.push(format!(
-                        "{}: {what} {x:.4}, asked {low:.4} to {high:.4}",
+                        "{}: {what} {x:.4}, required {low:.4} to {high:.4}",
                         p.name
                     ));
                 }
@@ -181,7 +181,7 @@ impl Statistics {
             let band = Band::of_mean_square(dof);
             if !band.holds(mean) {
                 list.push(format!(
-                    "NEES {mean:.4}, asked {:.4} to {:.4}",
+                    "NEES {mean:.4}, required {:.4} to {:.4}",
                     band.low, band.high
                 ));
             }

@@ -39,7 +39,7 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
     };
     if read.is_withheld() {
         let why = format!(
-            "its status is {}: it holds no numbers to predict with; give an estimate that is converged or partial",
+            "its status is {}: it has no numbers to predict with; give an estimate with status converged or partial",
             read.status
         );
         return Err(refuse(why).into());
@@ -173,7 +173,7 @@ fn completed(
         })
         .collect();
     let determined =
-        determined.ok_or("it withholds some of its combinations: nothing to predict with; give an estimate of more data")?;
+        determined.ok_or("some of its combinations are withheld, so it cannot predict; give an estimate from more data")?;
     let rank = read.identifiability.rank;
     let completion = complete(model, &Tree::new(model), &determined, rank);
     let completion = completion.map_err(|e| e.to_string())?;

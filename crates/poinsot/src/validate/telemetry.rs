@@ -236,7 +236,7 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
     let mut warnings = found.findings.clone();
     if !found.converged {
         warnings.push(
-            "the start of the record could not be fitted: nothing can be said of its end"
+            "the initial state of the record could not be fitted: its end cannot be tested"
                 .to_owned(),
         );
     }

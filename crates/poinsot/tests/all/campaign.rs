@@ -348,7 +348,7 @@ fn unit_a_plan_that_cannot_be_run_says_why() {
         (
             "case = ",
             "record = ",
-            "a record needs the vehicle; give model and truth",
+            "a record needs a model and a truth file; give model and truth",
         ),
         ("every = 20", "every = 0", "1 takes all samples"),
         (

@@ -101,13 +101,13 @@ fn csv() -> Vec<Row> {
         row("F1", "cut inside the last row", |b| { let t = bytes(); b.write("t.csv", &t[..t.len() - 60]); }, 2,
             &["E0206 t.csv:502: the file ends inside this row (", "use --recover to keep the rows before it"]),
         row("F1", "the same, recovered", |b| { let t = bytes(); b.write("t.csv", &t[..t.len() - 60]); }, 0, &["t.csv:502: cut last row dropped"]).more(&["--recover"]),
-        row("F1", "cut inside the last number", |b| { let t = bytes(); b.write("t.csv", &t[..t.len() - 4]); }, 0, &["the last row has no line end; taken as whole"]),
+        row("F1", "cut inside the last number", |b| { let t = bytes(); b.write("t.csv", &t[..t.len() - 4]); }, 0, &["the last row has no line end; assumed complete"]),
         row("F1", "the same, recovered", |b| { let t = bytes(); b.write("t.csv", &t[..t.len() - 4]); }, 0, &["last row dropped: it has no line end, so its last number may be cut"]).more(&["--recover"]),
         row("F1", "cut inside a quote", |b| { let mut t = bytes(); t.extend(b"100.2,\"0.1"); b.write("t.csv", t); }, 2, &["E0206 t.csv:503"]),
         row("F1", "cut inside a UTF-8 sequence", |b| { let mut t = bytes(); t.extend(b"100.2,\xc3"); b.write("t.csv", t); }, 2, &["E0206 t.csv:503"]),
         row("F2", "a row with a field too many", |b| b.spoil(|s| s.rows[4].push("1".into())), 2, &["E0204 t.csv:6: 12 fields where the header has 11: a decimal comma or a comma in a text without quotes adds fields; write a point, or quotes around the text"]),
         row("F2", "a row with a field too few", |b| b.spoil(|s| { s.rows[4].pop(); }), 2, &["E0204 t.csv:6: 10 fields where the header has 11; complete the row: an empty cell means no sample"]),
-        row("F2", "a column name twice", |b| header(b, |h| h.replace("omega_y", "omega_x")), 2, &["E0205 t.csv: column 'omega_x' stands twice in the header; rename one"]),
+        row("F2", "a column name twice", |b| header(b, |h| h.replace("omega_y", "omega_x")), 2, &["E0205 t.csv: column 'omega_x' is twice in the header; rename one"]),
         row("F2", "no header", |b| header(b, |_| "0,0,0,0,0,0,0,1,0,0,0".replace("0,0,0,0,0,0,0,1,0,0,0", "0,1,2,3,4,5,6,7,8,9,10")), 2, &["E0207 t.csv: no column 'time_s'"]),
         row("F2", "names with blanks and units", |b| header(b, |h| h.replace("omega_x", "Gyro X [rad/s]")), 2, &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),
         row("F2", "names in capitals", |b| header(b, |h| h.replace("omega", "OMEGA")), 2, &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),
@@ -145,7 +145,7 @@ fn csv() -> Vec<Row> {
         row("F6", "a folder", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::fs::create_dir(b.path("t.csv")).unwrap(); }, 2, &["E0202 t.csv: not a regular file; give a .csv or .parquet file"]),
         row("F6", "a pipe", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); let made = std::process::Command::new("mkfifo").arg(b.path("t.csv")).status(); assert!(made.is_ok_and(|s| s.success())); }, 2, &["E0202 t.csv: not a regular file"]),
         row("F6", "a sparse file of 10 GB", |b| std::fs::File::create(b.path("t.csv")).unwrap().set_len(10 << 30).unwrap(), 2, &["E0202 t.csv: byte 0 is NUL"]),
-        row("F7", "the file changes while it is read", touched, 2, &["E0202 t.csv: the file changed while it was read; read it again when it is complete"]),
+        row("F7", "the file changes while it is read", touched, 2, &["E0202 t.csv: the file changed during reading; use it when it is complete"]),
         row("F6", "/dev/zero as the model", |_| {}, 2, &["E0101 /dev/zero: this is not a regular file; name a file"]).run(&["identify", "--model", "/dev/zero", "--telemetry", "t.csv", "--out", "out"]),
         row("F6", "/dev/zero as the case", |_| {}, 2, &["E0501 /dev/zero: this is not a regular file; name a file"]).run(&["simulate", "/dev/zero", "--out", "sim"]),
         row("F6", "a pipe as the case", |b| pipe(b, "case.toml"), 2, &["E0501 case.toml: this is not a regular file; name a file"]).run(&["predict", "case.toml"]),
@@ -236,7 +236,7 @@ fn parquet_rows() -> Vec<Row> {
             2,
             &[
                 "E0216 t.parquet row ",
-                "the page that holds this row does not match its checksum: its bytes were changed; the rows before it can be kept by --recover; write the file again",
+                "the page of this row does not match its checksum: its bytes were changed; the rows before it can be kept by --recover; write the file again",
             ],
         )
         .run(INSPECT_PARQUET),
@@ -391,7 +391,7 @@ fn toml() -> Vec<Row> {
             |b| b.write("m.toml", "schema = \"poinsot.case/1\"\n"),
             2,
             &[
-                "E0103 m.toml:1:10: schema = \"poinsot.case/1\": this program does not read this format; write schema = \"poinsot.model/1\"",
+                "E0103 m.toml:1:10: schema = \"poinsot.case/1\": this program does not support this format; write schema = \"poinsot.model/1\"",
             ],
         ),
         row(

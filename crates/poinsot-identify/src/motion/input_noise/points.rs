@@ -20,7 +20,7 @@ pub(crate) fn approximate(problem: &Problem) -> Option<String> {
     let mut segments = problem.segments.iter().map(|s| &s.observations);
     let between = segments.any(|o| o.between_readings && o.reads_points());
     (noisy && between).then(|| {
-        "accelerometers or velocity increments are read between the readings of joints or wheels, which are interpolated: what the noise of those adds to them is roughly right only, and sigmas that rest on it are; readings at the same times are exact"
+        "accelerometer or velocity-increment samples fall between joint or wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
             .to_owned()
     })
 }

@@ -96,7 +96,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s,omega_x,omega_x\n0,1,2\n",
-            "E0205 run.csv: column 'omega_x' stands twice in the header; rename one",
+            "E0205 run.csv: column 'omega_x' is twice in the header; rename one",
         ),
         (
             "time_s;omega_x\n0;1,5\n",
@@ -205,7 +205,7 @@ fn unit_nan_is_no_sample_and_listed_but_an_empty_cell_is_just_no_sample() {
     assert_eq!(table.channel("omega_y").unwrap().values, [2.0, 4.0]);
     assert_eq!(
         table.repairs,
-        ["run.csv:3 column 'omega_x': 1 NaN cells taken as no sample (this is the first)"]
+        ["run.csv:3 column 'omega_x': 1 NaN cells treated as missing samples (this is the first)"]
     );
     assert!(strict(text).starts_with("E0218 run.csv:3 column 'omega_x': 1 NaN"));
 }
@@ -241,7 +241,7 @@ fn unit_a_cut_file_is_refused_or_recovered() {
     assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0]);
     assert_eq!(
         table.repairs,
-        ["run.csv:3: the last row has no line end; taken as whole"]
+        ["run.csv:3: the last row has no line end; assumed complete"]
     );
     let table = read_text(whole, &recover).unwrap();
     assert_eq!(table.channel("omega_x").unwrap().values, [1.0]);
@@ -358,6 +358,6 @@ fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
 fn regress_a_column_name_with_a_line_end_that_stands_twice_stays_in_one_line() {
     assert_eq!(
         fault("time_s,\"a\nb\",\"a\nb\"\n0,1,2\n"),
-        "E0205 run.csv: column 'a\\nb' stands twice in the header; rename one"
+        "E0205 run.csv: column 'a\\nb' is twice in the header; rename one"
     );
 }

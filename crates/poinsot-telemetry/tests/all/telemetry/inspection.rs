@@ -34,7 +34,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(
         seen.notes,
         [
-            "wheel1_rad_s reaches 6000 rad/s (57296 rpm); if the file holds rpm, map it with unit = \"rpm\". Attitude and gyro cannot tell",
+            "wheel1_rad_s reaches 6000 rad/s (57296 rpm); if the file has rpm, map it with unit = \"rpm\". Attitude and gyro cannot decide",
         ]
     );
     let found: Vec<&str> = seen.findings.iter().map(|f| f.text.as_str()).collect();
@@ -45,7 +45,7 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
         )
     );
     let shown = seen.to_string();
-    assert!(shown.contains("omega_x") && shown.contains("Columns not taken:\n  wy [deg/s], Mode"));
+    assert!(shown.contains("omega_x") && shown.contains("Unused columns:\n  wy [deg/s], Mode"));
     let json = serde_json::to_value(&seen).unwrap();
     assert_eq!(json["channels"][0]["name"], "omega_x");
 }

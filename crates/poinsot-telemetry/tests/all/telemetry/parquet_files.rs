@@ -91,7 +91,7 @@ fn exact_types_nulls_and_dictionaries() {
     assert_eq!(table.channel("thr1_N").unwrap().values, [1.0, 0.0, 1.0]);
     assert_eq!(table.repairs.len(), 1);
     assert!(table.repairs[0].ends_with(
-        "run.parquet row 4 column 'wx': 1 NaN cells taken as no sample (this is the first)"
+        "run.parquet row 4 column 'wx': 1 NaN cells treated as missing samples (this is the first)"
     ));
     assert!(table.ignored.is_empty());
 }

@@ -147,7 +147,7 @@ pub fn rows() -> Vec<Row> {
         ),
         row(
             "T20",
-            "a constant torque of the surroundings",
+            "a constant external torque",
             |b| {
                 b.spoil(|s| s.map("wheel3", |n, w| w + 8.0 * n as f64 / 5.0));
             },
