@@ -1,6 +1,6 @@
 //! Motion of the vehicle under prescribed joint and wheel motion and thrust.
 //!
-//! The equations stand in `stage.rs`.
+//! The equations are in `stage.rs`.
 
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::orbit::Orbit;
@@ -19,7 +19,7 @@ pub enum MotionError {
     /// The vehicle has no mass.
     #[error("the vehicle has no mass; give its base one")]
     NoMass,
-    /// Gravity is asked for in a way that is not simulated.
+    /// This form of gravity is not simulated.
     #[error("{0}")]
     Gravity(&'static str),
     /// The plan does not fit the vehicle.
@@ -45,10 +45,10 @@ pub enum MotionError {
 }
 
 impl<'p> Prescribed<'p> {
-    /// Puts a vehicle under a plan.
+    /// Combines a vehicle with a plan.
     ///
     /// # Errors
-    /// The plan does not fit the vehicle, or gravity is asked for in a way that is not simulated.
+    /// The plan does not fit the vehicle, or this form of gravity is not simulated.
     pub fn new(
         vehicle: impl Into<Vehicle>,
         plan: &'p Plan,
@@ -136,7 +136,7 @@ pub(crate) fn gravity_gradient(around: &Gravity) -> Result<Option<(f64, Orbit)>,
 }
 
 impl MotionError {
-    /// The plan must hold as many of something as the model.
+    /// The plan must have as many entries as the model.
     pub(crate) fn count(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
         if found == expected {
             return Ok(());

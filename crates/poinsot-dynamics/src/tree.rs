@@ -58,7 +58,7 @@ pub struct Link {
     along: Option<AxisDirection>,
 }
 
-/// A rotor with the kinematics that matter.
+/// Kinematic constants of a rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor {
     /// Index of the host body.

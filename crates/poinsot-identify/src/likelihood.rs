@@ -1,4 +1,4 @@
-//! Predicted against measured: whitened residuals of one segment and their sensitivities.
+//! Whitened residuals of one segment and their sensitivities.
 
 mod carried_columns;
 pub(crate) mod impulse;
@@ -39,9 +39,9 @@ pub(crate) struct Setting<'a> {
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
     pub loss: Loss,
-    /// Whether wheel speeds run smoothly between the readings.
+    /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
-    /// Random torque of the surroundings, where one is declared.
+    /// Random torque of the environment, where one is declared.
     pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
@@ -58,7 +58,7 @@ pub(crate) struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// How finely a segment is propagated.
+    /// Integration steps of a segment.
     pub fn steps(&self, segment: usize) -> Steps<'_> {
         Steps {
             grid: self.grids.get(segment),
@@ -148,7 +148,7 @@ pub(crate) fn evaluate(
     unknown: InitialStateColumns,
     with_sensitivities: bool,
 ) -> Option<Evaluated> {
-    // Known numbers do not enter the motion: their columns come ready, and act on what is compared.
+    // Known numbers do not enter the motion: their columns are given and act on the residuals.
     let whole = setting.parameters;
     if !whole.has_known() {
         return evaluate_driven(
@@ -220,7 +220,7 @@ fn evaluate_driven(
     compare.ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
-    // One direction alone leaves the turn about itself open.
+    // One direction alone does not determine the rotation about itself.
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
         let from = segment.samples.R_NB.first().copied().unwrap_or_default();
         compare.weak_attitude(&(from.inverse() * initial_state.R_NB));
@@ -285,7 +285,7 @@ impl<'a> SegmentComparison<'a> {
         }
     }
 
-    /// Columns of the triangle: initial_columns, all unknowns, residual.
+    /// Columns of the triangle: initial state, all unknowns, residual.
     fn width(&self) -> usize {
         let own = self.initial_columns + self.setting.parameters.len() + 1;
         own + self.carried.as_ref().map_or(0, CarriedColumns::len)
@@ -327,9 +327,9 @@ impl<'a> SegmentComparison<'a> {
         Some(())
     }
 
-    /// A reading, sensitivities first and the residual last: what earlier readings say of the inputs' errors is taken
-    /// off, the rest is whitened and goes into the triangle. Gives the white residual; `None` for a sensor taken as
-    /// exact, which is left out.
+    /// A reading, sensitivities first and the residual last: the part predicted from earlier samples is subtracted; the
+    /// rest is whitened and added to the triangle. Gives the white residual; `None` for a sensor taken as exact, which
+    /// is left out.
     ///
     /// `noise` is the covariance of what is new at this time, `sensor` the part of it that no input causes.
     fn take(
@@ -352,7 +352,7 @@ impl<'a> SegmentComparison<'a> {
                 .sum::<f64>();
         let residual = self.inputs.expected(slopes, *rows.last()?);
         let white = root.solve_lower_triangular(&residual)?;
-        // A reading with less weight is one with more noise: so the filter does not believe it either.
+        // A smaller weight means more noise, in the filter too.
         let numbers = self.cursors[i].channel.numbers;
         let weight = self.setting.loss.weight(white.norm_squared(), numbers);
         if weight != 1.0 {
@@ -376,8 +376,8 @@ impl<'a> SegmentComparison<'a> {
         Some(white)
     }
 
-    /// Keeps an attitude at the start that nobody measured within half a turn of the one that the fit begins with, for motions
-    /// that say nothing of it. `turn` takes the axes of that one to those in hand.
+    /// A weak prior of an unmeasured initial attitude, for motions that do not determine it. `turn` takes the axes of
+    /// that one to those in hand.
     fn weak_attitude(&mut self, turn: &UnitQuaternion) {
         let sigma = std::f64::consts::PI;
         let residual = -turn.scaled_axis() / sigma;

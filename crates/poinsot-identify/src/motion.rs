@@ -1,10 +1,10 @@
 //! The pose-momentum equation with its forward sensitivities, on measured joint and wheel motion.
 //!
-//! State: attitude R_NB, position p_NoBo, linear momentum P, and angular momentum h **about the system's mass
-//! centre**, all momenta in N. Velocity follows from momentum, `V = H(q)^-1 (X [P; h] - c - c_w)` (DESIGN
-//! section 2); about the mass centre the position does not enter, so its integration error cannot turn into
-//! a false rate (`dp x P`), and what no data can show stays exactly unseen. A small change of the state is
-//! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
+//! State: attitude R_NB, position p_NoBo, linear momentum P, and angular momentum h **about the system's mass centre**,
+//! all momenta in N. Velocity follows from momentum, `V = H(q)^-1 (X [P; h] - c - c_w)` (DESIGN section 2); about the
+//! mass centre the position does not enter, so its integration error cannot turn into a false rate (`dp x P`), and
+//! unobservable directions stay exactly unobservable. A small change of the state is `[dphi_B, dp_N, dP_N, dh_N]` with
+//! `R -> R exp([dphi]x)`.
 
 mod acceleration;
 mod advance;
@@ -51,14 +51,14 @@ pub(crate) struct State {
     pub h_SScm_N: Vector3,
 }
 
-/// Inputs at one instant, their faults taken off, and what depends on them alone.
+/// Corrected inputs at one instant, and all quantities that depend on them alone.
 struct InputState {
     q: Vec<f64>,
     rates: Vec<f64>,
     wheels: Vec<f64>,
-    /// What faults of the readings do to the inputs.
+    /// Effect of sensor errors on the inputs.
     changes: Vec<InputChange>,
-    /// Slopes of the momentum over the joints, where faults of their readings need them.
+    /// Slopes of the momentum over the joints, if sensor errors need them.
     joint_slopes: JointSlopes,
     /// Position of the reference orbit, in N, m; where a gravity gradient acts.
     orbit_N: Vector3,
@@ -86,7 +86,7 @@ struct Locked {
     h_joints: Vector3,
 }
 
-/// A point of the path whose velocity is known; its inputs are those in [`Motion::input_state`].
+/// An evaluated state; its inputs are those in [`Motion::input_state`].
 struct EvaluatedState {
     /// Grid time, and share of the interval after it.
     at: (usize, f64),
@@ -96,21 +96,22 @@ struct EvaluatedState {
     variation: Option<Arc<Variation>>,
 }
 
-/// What one propagation knows at a grid time, sensitivities aside: another one of the same segment can look from there.
+/// State of one propagation at a grid time without sensitivities, from which another one of the same segment can
+/// resume.
 pub(crate) struct PropagatedState {
     pub state: State,
     instant: Instant,
     variation: Option<Arc<Variation>>,
 }
 
-/// Scratch of one propagation.
+/// Workspace of one propagation.
 pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
     /// Integration steps that may still be made.
     steps_left: f64,
     /// Integration steps in the interval after each grid time.
     grid: Cow<'a, [u32]>,
-    /// How wheels run in the interval in hand, where not straight.
+    /// Wheel motion in the current interval, if not linear.
     chord: Option<Chord>,
     column_chord: Option<ColumnChord>,
     /// Radius of gyration, m.
@@ -118,22 +119,22 @@ pub(crate) struct Motion<'a> {
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
-    /// The inputs in hand, and those in the middle of a step.
+    /// The current inputs, and those in the middle of a step.
     input_state: InputState,
     middle: InputState,
     still: Kinematics,
     regressor: Vec<[f64; 6]>,
     wheel_columns: Vec<[f64; 6]>,
-    /// Sensitivity columns: head first, then unknowns; empty where only the motion is wanted.
+    /// Sensitivity columns: initial state first, then unknowns; empty where only the motion is wanted.
     pub columns: Vec<Column>,
     twist_columns: Vec<Vector6>,
     /// Index in `columns` of the first unknown.
     initial_columns: usize,
-    /// Boxed: it is large, and changes hands at every step.
+    /// Boxed: it is large and moves at every step.
     evaluated: Option<Box<EvaluatedState>>,
 }
 
-/// How much faster than measured a vehicle may turn, on the whole, for its motion to be followed.
+/// Largest total rotation of a propagated motion, relative to the measured one.
 const FASTER: f64 = 3.0;
 
 /// Integration steps for a run: some for each interval, and those of a motion faster than the measured one.
@@ -153,7 +154,7 @@ fn steps_allowed(o: &Observations) -> f64 {
     1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / TURN
 }
 
-/// Velocity at an instant with what is needed of it.
+/// Velocity at an instant with its inverse inertia and mass centre.
 #[derive(Clone, Copy)]
 pub(crate) struct Instant {
     pub twist: Twist,
@@ -239,7 +240,7 @@ impl<'a> Motion<'a> {
         Some((evaluated.instant, &self.twist_columns))
     }
 
-    /// What is known at grid time k.
+    /// State at grid time k.
     pub fn propagated_state(&mut self, state: &State, k: usize) -> Option<PropagatedState> {
         self.evaluate_at_grid_time(state, k)?;
         let evaluated = self.evaluated.as_ref()?;
@@ -250,7 +251,7 @@ impl<'a> Motion<'a> {
         })
     }
 
-    /// Goes to grid time k, of which another propagation knows this and these sensitivities.
+    /// Resumes at grid time k from another propagation and these sensitivities.
     pub fn resume_from(&mut self, known: &PropagatedState, columns: &[Column], k: usize) {
         self.columns.copy_from_slice(columns);
         self.set_inputs(k, 0.0);
@@ -268,7 +269,7 @@ impl<'a> Motion<'a> {
         (&input_state.q, &input_state.rates, &input_state.wheels)
     }
 
-    /// Makes grid time k ready: the end of the interval before it is, where no fault moves the inputs.
+    /// Evaluates the state at grid time k; reuses the end of the previous interval if no sensor error moves the inputs.
     fn evaluate_at_grid_time(&mut self, state: &State, k: usize) -> Option<()> {
         let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
         let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k;
@@ -288,7 +289,7 @@ impl<'a> Motion<'a> {
         self.evaluate_here((k, 0.0), state)
     }
 
-    /// Makes a state at the inputs in hand ready.
+    /// Evaluates a state at the current inputs.
     fn evaluate_here(&mut self, at: (usize, f64), state: &State) -> Option<()> {
         let instant = self.instant(state)?;
         let variation =
@@ -302,7 +303,7 @@ impl<'a> Motion<'a> {
         Some(())
     }
 
-    /// Takes the inputs at a share of the interval after grid time k in hand.
+    /// Sets the inputs at a share of the interval after grid time k.
     fn set_inputs(&mut self, k: usize, at: f64) {
         self.evaluated = None;
         self.inputs(k, at);
@@ -347,8 +348,8 @@ impl<'a> Motion<'a> {
             });
     }
 
-    /// Velocity of a state at the inputs in hand: about the mass centre the two halves uncouple,
-    /// `I_cm w = h_cm - h_joints`, `v = (l - l_joints) / m - w x c`.
+    /// Velocity of a state at the current inputs: about the mass centre the equations decouple, `I_cm w = h_cm -
+    /// h_joints`, `v = (l - l_joints) / m - w x c`.
     fn instant(&self, state: &State) -> Option<Instant> {
         let locked = self.input_state.locked.as_ref()?;
         let to_base = matrix(&state.R_NB).transpose();
@@ -357,7 +358,7 @@ impl<'a> Motion<'a> {
         let inverse = inverse_inertia.fixed_view::<3, 3>(3, 3);
         let h_turn = h_cm - locked.h_joints;
         let w = inverse * h_turn;
-        // Refined once: what the inverse is off by would add up over a record, and show what no data can.
+        // One refinement: errors of the inverse would accumulate and make unobservable directions observable.
         let w = w + inverse * (h_turn - locked.turning_B * w);
         let v = (l - locked.l_joints) / locked.mass - w.cross(&locked.c);
         Some(Instant {

@@ -1,4 +1,4 @@
-//! The verb `compare`: several answers of one vehicle, what agrees and what changed.
+//! The verb `compare`: consistency of several answers of one vehicle.
 //!
 //! With `x_i` the numbers of answer i and `C_i` their covariance, the differences `x_i - x_1` have covariance
 //! `C_1 + delta_ij C_i` if the answers are independent and the vehicle did not change; their square in that metric is
@@ -237,7 +237,7 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
     out
 }
 
-/// Why two records are taken to share time.
+/// Why two records are assumed to overlap in time.
 #[derive(Clone, Copy, PartialEq)]
 enum Shared {
     /// Both have one content.
@@ -248,8 +248,8 @@ enum Shared {
     Counts,
 }
 
-/// The longest time that a record of one answer shares with a record of the other. Records without a date that begin at one
-/// count tell nothing: counts often begin anew with every record.
+/// The longest time that a record of one answer shares with a record of the other. Records without a date and with
+/// equal first counts are no evidence: counts often restart with every record.
 fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
     let origin = |file: &EstimateFile| {
         let epoch = file.epoch.as_ref()?;
@@ -280,7 +280,7 @@ fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
         .max_by(|x, y| x.0.total_cmp(&y.0))
 }
 
-/// Why the answers are not independent, or not to be relied on.
+/// Why the answers are not independent or not reliable.
 fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
     let mut out = Vec::new();
     for (i, file) in (1..).zip(files) {

@@ -7,7 +7,7 @@ use poinsot_formats::{
 use poinsot_identify::{Diagnostics, HeldOut, MomentumDrift};
 use poinsot_report::{Tone, probability, significant};
 
-/// Probability below which a drift or a lag is worth a word.
+/// p-value below which a drift or a lag is reported.
 pub(crate) const SIGNIFICANT: f64 = 1.0e-4;
 
 /// The tests of the residuals as in the result file.
@@ -31,9 +31,9 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
 pub(crate) struct Check {
     /// What was tested.
     pub test: String,
-    /// What came out.
+    /// Result.
     pub found: String,
-    /// What it means.
+    /// Meaning.
     pub verdict: String,
     /// Colour of the verdict.
     pub tone: Tone,
@@ -258,7 +258,7 @@ fn lag_row(l: &LagFile) -> Check {
     )
 }
 
-/// What a small probability means.
+/// Word for a small p-value.
 fn seen(p: f64, word: &'static str) -> Verdict {
     match p < SIGNIFICANT {
         true => (Tone::Bad, word),

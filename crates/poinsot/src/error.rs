@@ -1,4 +1,4 @@
-//! Everything that can keep a verb from answering.
+//! Errors of the verbs.
 
 mod bind;
 mod case;
@@ -18,7 +18,7 @@ use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
 use std::path::{Path, PathBuf};
 
-/// Where the cause of an error lies.
+/// Cause of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// In the arguments, model or telemetry.
@@ -29,7 +29,7 @@ pub enum ErrorKind {
     Internal,
 }
 
-/// Why a verb gives no answer.
+/// Error of a verb.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The model file.
@@ -66,7 +66,7 @@ pub enum Error {
     /// A validation.
     #[error(transparent)]
     Validate(#[from] ValidateError),
-    /// A word on the command line.
+    /// An argument of the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {
         /// Option.

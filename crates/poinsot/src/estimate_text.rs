@@ -9,16 +9,16 @@ use poinsot_formats::{EstimateFile, UndeterminedFile};
 use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
-/// What is said where the model leaves open how good its known numbers are.
+/// Text for known numbers without a declared uncertainty.
 pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. Write source = \"measured\", source = \"cad\" or exact = true in the model.";
 
-/// How much of an answer is printed.
+/// Detail of the printed answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Detail {
-    /// What a reader needs to use the answer.
+    /// The summary.
     #[default]
     Answer,
-    /// The fit and every check besides.
+    /// Also the fit and every check.
     Everything,
 }
 
@@ -137,7 +137,7 @@ fn evidence(document: &mut Document, e: &Estimate, file: &EstimateFile) {
     }
 }
 
-/// What a published method prints of its own.
+/// Results of a published method in its own terms.
 fn method_report(e: &Estimate) -> Option<Section> {
     let report = e.method_report.as_ref()?;
     let mut table = Table::new(&["", "value", "nominal", "unit"]);
@@ -245,7 +245,7 @@ fn body_section(body: &BodyEstimate, status: Status) -> Section {
     section
 }
 
-/// Difference from nominal in sigmas, or in percent where the sigma is far smaller.
+/// Difference from nominal in sigmas, or in percent if the sigma is far smaller.
 fn difference(n: &Number) -> String {
     let Some(value) = n.value else {
         return String::new();

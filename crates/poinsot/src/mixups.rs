@@ -1,5 +1,5 @@
-//! Mixed-up units that nothing in the telemetry contradicts: they show by the size of the answer, or because the
-//! record fits as soon as it is read in another unit.
+//! Unit errors without a contradiction in the telemetry: detected by the size of the answer, or by a fit in another
+//! unit.
 
 use crate::bind::bind;
 use poinsot_dynamics::Tree;
@@ -9,7 +9,7 @@ use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Channel, Table, median_step};
 use std::f64::consts::PI;
 
-/// Factors between the estimated and the nominal inertia that mistaken units make, and which.
+/// Ratios of estimated to nominal inertia caused by unit errors.
 const FACTORS: [(f64, &str); 10] = [
     (30.0 / PI, "wheel speeds in rpm used as rad/s"),
     (PI / 30.0, "wheel speeds in rad/s mapped as rpm"),
@@ -47,7 +47,7 @@ const FAR: f64 = 0.3;
 const MEAN: f64 = 0.15;
 /// How far the factor of one axis may be off the mean, relative.
 const SPREAD: f64 = 0.4;
-/// Inertia that is a telling factor off the nominal one about every axis.
+/// A unit error from the ratio of estimated to nominal inertia.
 pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     if estimate.status == Status::Rejected {
         return Vec::new();
@@ -101,7 +101,7 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
         .map(|(factor, words)| (scaled(tables, *factor), (*words).to_owned()));
     let mut all: Vec<(Vec<Table>, String)> = exchanged.chain(scaled).collect();
     if turn_per_reading(tables) > FAST {
-        // Numbers this large are slow to follow, other axes or not.
+        // Motions this fast are slow to integrate, in any axes.
         all.rotate_left(ORDERS.len());
     }
     let mut all = all.into_iter();
@@ -110,8 +110,8 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
     Some(finding(Check::Units, "omega", text))
 }
 
-/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds. Looked
-/// at before the fit, which would take minutes for nothing.
+/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds.
+/// Tested before the fit, which would take minutes.
 pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
     let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
     let turn = turn_per_reading(tables);

@@ -1,4 +1,4 @@
-//! A `[telemetry]` table for a CSV file that nobody has described: what its first lines suggest, and what they leave open.
+//! Proposes a `[telemetry]` table for a CSV file from its first lines.
 
 use crate::bind::mountings;
 use crate::error::Error;
@@ -31,7 +31,7 @@ struct FileHead {
     first: Vec<String>,
 }
 
-/// What the files of one segment hold. The map is that of `map`, else of `model`; where neither describes a column, a
+/// Content of the files of one segment. The map is that of `map`, else of `model`; where neither describes a column, a
 /// `[telemetry]` table is proposed, and files that cannot be read as they are are read by it.
 ///
 /// # Errors

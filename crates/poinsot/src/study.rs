@@ -1,4 +1,4 @@
-//! The verb `study`: what a paper states, computed again.
+//! The verb `study`: reproduction of the results of papers.
 //!
 //! The studies are those of [`poinsot_papers::study`]. They simulate and identify through [`Tools`], which is made of the
 //! verbs of this crate here.
@@ -26,7 +26,7 @@ use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
 
-/// What counts as determined in a bound: the default of `--relative-accuracy`.
+/// Accuracy of a determined number in a bound: the default of `--relative-accuracy`.
 const ACCURACY: f64 = 1.0;
 
 /// The tools of this crate.

@@ -12,17 +12,17 @@ use poinsot_model::EstimateSet;
 use poinsot_solve::Spectrum;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
 
-/// Judges quantities: determined or open.
+/// Value and sigma of quantities; `None` for an undetermined one.
 pub(crate) struct QuantityEstimator<'a> {
     spectrum: &'a Spectrum,
     /// What the data say without the priors of mass properties.
     data_alone: Option<&'a Spectrum>,
-    /// What stays the same along it is determined.
+    /// A quantity that is constant along it is determined.
     unobservable_set: &'a UnobservableSet,
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,
     rejected: bool,
-    /// Nuisances as functions of the mass properties, and what they scatter by beside.
+    /// Nuisances as functions of the mass properties, and their conditional covariance.
     nuisances: ConditionalEstimate,
 }
 
@@ -88,7 +88,7 @@ impl<'a> QuantityEstimator<'a> {
         }
     }
 
-    /// Sigma of a number with this gradient and a variance of its own; `None` where it is open.
+    /// Sigma of a number with this gradient and a variance of its own; `None` if it is undetermined.
     pub(crate) fn sigma_with(&self, gradient: &[f64], own: f64) -> Option<f64> {
         if self.rejected {
             return None;
@@ -226,7 +226,7 @@ fn rotation_body(
     });
     let nominal_pi = nominal.parameters().to_array();
     let ten = |x: &[f64]| TenParameters::of_body(parameters, 0, x);
-    // What an unknown mass moves, and an unknown mass centre that these data cannot show.
+    // Parameters that depend on an unknown mass, or on a mass centre that these data do not determine.
     let by_mass = MassProperties {
         mass: 1.0,
         I_BBcm_B: Matrix3::zeros(),

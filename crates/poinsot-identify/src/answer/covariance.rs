@@ -1,4 +1,4 @@
-//! The covariance of all numbers of the answer together: mass properties of the bodies asked for, and nuisances.
+//! The covariance of all numbers of the answer together: mass properties of the requested bodies, and nuisances.
 
 use crate::answer::momentum::is_reported;
 use crate::fit::triangle::conditional_estimate;
@@ -17,8 +17,8 @@ pub(crate) struct Row {
     pub nuisance: Option<usize>,
 }
 
-/// Names, units and slopes of mass, mass centre and central inertia of every body asked for and of the nuisances,
-/// where determined.
+/// Names, units and slopes of mass, mass centre and central inertia of every requested body and of the nuisances, if
+/// determined.
 pub(crate) fn covariance_rows(
     solution: &Solution,
     bodies: &[BodyEstimate],
@@ -99,8 +99,7 @@ fn body_rows(solution: &Solution, at: usize, body: &BodyEstimate, rows: &mut Vec
     }
 }
 
-/// Their covariance, row by row: that of the mass properties carried over, and what a nuisance scatters by once they
-/// are given.
+/// Their covariance, row by row: propagated from the mass properties, plus the conditional covariance of the nuisances.
 pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<Vec<f64>> {
     let c = solution.spectrum.covariance();
     let m = c.nrows();

@@ -1,4 +1,5 @@
-//! What is determined instead of single numbers: combinations and other functions that stay the same along the open set.
+//! What is determined instead of single numbers: combinations and other functions that are constant along the
+//! unobservable set.
 
 use crate::answer::body::QuantityEstimator;
 use crate::certify::barycentre::Barycentric;
@@ -11,14 +12,14 @@ use crate::solution::estimate::{DeterminedCombination, Identifiability};
 use crate::solution::solved::Solution;
 use faer::Mat;
 
-/// Movement of a combination along all walks together that counts as none, sigmas.
+/// Largest change of a constant combination along all paths, sigmas.
 const STILL: f64 = 0.1;
 /// Step of a difference, natural units: its third power and the round-off over it are both below 1e-9.
 const GRADIENT_STEP: f64 = 1.0e-4;
-/// Slope of a quantity, shares of its largest possible, below which it does not depend on the unknowns.
+/// Gradient of a quantity, relative to its largest possible, below which it is constant.
 const FLAT: f64 = 1.0e-9;
 
-/// Linear combinations that the data determine and that no walk moves.
+/// Linear combinations that the data determine and that are constant along all paths.
 pub(crate) fn combinations(
     solution: &Solution,
     estimator: &QuantityEstimator,
@@ -52,7 +53,7 @@ pub(crate) fn combinations(
     all.iter().filter_map(one).collect()
 }
 
-/// The open directions and what the walks along them move besides, an orthonormal basis in natural units.
+/// Orthonormal basis of the unobservable directions and of all changes along their paths, natural units.
 fn unusable(solution: &Solution) -> Mat<f64> {
     let spectrum = solution.of_data();
     let (n, r) = (spectrum.natural.len(), spectrum.rank);
@@ -103,8 +104,9 @@ fn unusable(solution: &Solution) -> Mat<f64> {
     })
 }
 
-/// Functions of the unknowns that are not linear, that the data determine and that no walk moves: augmented inertias and
-/// couplings of a tree of which only the rotation is seen. None where combinations hold all that is determined.
+/// Nonlinear functions of the unknowns that the data determine and that are constant along all paths: augmented
+/// inertias and couplings of a tree with measured rotation only. Empty if combinations express all determined
+/// directions.
 pub(crate) fn functions(
     problem: &Problem,
     solution: &Solution,
@@ -231,7 +233,7 @@ fn names(solution: &Solution) -> Vec<String> {
     list
 }
 
-/// What is said where combinations alone do not hold what is determined, and where the rank changes along a walk.
+/// Warning if combinations do not express all determined directions, or if the rank changes along a path.
 pub(crate) fn withheld(found: &Identifiability) -> Option<String> {
     let linear = |c: &&DeterminedCombination| !c.coefficients.is_empty();
     let combinations = found.determined.iter().filter(linear).count();

@@ -1,4 +1,4 @@
-//! How the answer depends on the known numbers.
+//! Sensitivity of the answer to the known numbers.
 
 use crate::answer::covariance::Row;
 use crate::fit::known_numbers::Effects;
@@ -11,7 +11,7 @@ use poinsot_model::{KnownNumber, Model};
 const SHOWN_STEP: f64 = 1.0e-2;
 const SMALL_STEP: f64 = 1.0e-3;
 
-/// Sigmas without the known numbers, and what each of these does; `rows` are those of the covariance.
+/// Sigmas without the known numbers, and the effect of each; `rows` are those of the covariance.
 pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) -> KnownNumbers {
     let uncertain = model.uncertain().next().is_some();
     let mut out = KnownNumbers {
@@ -69,7 +69,7 @@ fn sigma_of(known: &Effects, k: usize) -> f64 {
     known.covariance[(k, k)].max(0.0).sqrt()
 }
 
-/// A step of a known number that an engineer can imagine.
+/// A step of a known number in round units.
 fn step(model: &Model, known: &KnownUnknown) -> (f64, &'static str) {
     match known.number {
         KnownNumber::Mass(_)

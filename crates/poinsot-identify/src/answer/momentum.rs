@@ -72,11 +72,11 @@ pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> V
         .collect()
 }
 
-/// Whether an unknown is a number of its own in the answer.
+/// Whether an unknown is reported as a separate number.
 pub(crate) fn is_reported(kind: &UnknownKind) -> bool {
     match kind {
         UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
-        // A known number has a table of its own.
+        // Known numbers have a separate table.
         UnknownKind::Known(_) => false,
         kind => kind.is_nuisance(),
     }

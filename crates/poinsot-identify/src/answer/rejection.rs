@@ -1,4 +1,4 @@
-//! Why the rigid model is rejected: one row a reason, the most telling first.
+//! Reasons to reject the rigid model, the strongest first.
 
 use crate::answer::reliability::Reliability;
 use crate::fit::degrees_of_freedom::MISFIT;
@@ -7,27 +7,26 @@ use crate::solution::solved::Solution;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
-/// correlated in time: three times the noise at every reading, where no widened sigma bounds what the numbers err.
+/// correlated in time: three times the noise at every sample; a widened sigma does not bound such errors.
 const REJECT: f64 = 9.0;
-/// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
-/// contradict the model: three sigma where one condition holds a body.
+/// p-value below which data beyond the physical limit contradict the model: three sigma for one active condition.
 const PRESSED: f64 = 2.7e-3;
-/// Share of the signal that a model must explain not to be rejected then.
+/// Smallest share of the signal that an accepted model explains in that case.
 const LEAST_EXPLAINED: f64 = 0.5;
 
 /// A reason to reject the rigid model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rejection {
-    /// The answer is no distribution of positive mass.
+    /// The answer is not physical.
     Impossible,
-    /// Noise that adds up under thrust shows in chi-square: sigmas that take it as fresh are wrong by any factor, and so are
-    /// the numbers.
+    /// Accumulated noise under thrust is visible in chi-square: sigmas that assume independent noise are wrong, and so
+    /// are the numbers.
     NoiseAddsUp,
-    /// A line stands in the residual.
+    /// The residual has a spectral line.
     NotRigid,
-    /// Residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that the model lacks.
-    /// Only maximum likelihood compares readings one by one. Where a prior stands against the data, it and not the vehicle is at
-    /// fault.
+    /// Residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that the
+    /// model lacks. Only maximum likelihood compares single samples. If a prior contradicts the data, the prior is
+    /// wrong, not the vehicle.
     Contradicted,
     /// The model misses most of the signal.
     Unexplained,
@@ -60,7 +59,7 @@ impl Rejection {
         reasons.into_iter().find(|r| r.1).map(|r| r.0)
     }
 
-    /// What is said of it.
+    /// Its message.
     pub fn message(self, solution: &Solution) -> String {
         let chi2 = solution.chi2_per_dof();
         let times = chi2.sqrt();
@@ -86,8 +85,7 @@ impl Rejection {
     }
 }
 
-/// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
-/// bad besides.
+/// Whether a body is not physical by more than three sigma, or by any amount if the fit is bad.
 fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
     if !body.asked || body.physically_consistent != Some(false) {
         return false;
@@ -105,8 +103,7 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
     bad_fit || violation > 3.0 * sigma
 }
 
-/// Whether the fit is held at the edge of the physical bodies although the data stand further beyond it than noise
-/// explains, or at all where the fit is bad besides.
+/// Whether a physical limit is active beyond what noise explains, or active at all if the fit is bad.
 fn pressed(solution: &Solution, bad_fit: bool) -> bool {
     let held = solution.held.as_ref();
     held.is_some_and(|h| {

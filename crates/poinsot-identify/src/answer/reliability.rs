@@ -1,34 +1,34 @@
-//! Whether an answer may be relied on, and by how much its sigmas are widened: the one judge of status, exit code and verdict.
+//! Evidence against an answer, and the factor on its sigmas; status, exit code and verdict follow from it.
 //!
-//! A pooled chi-square hides a sensor with few readings, and a misfit that is small and slow. So every sensor is judged by
-//! itself, in every segment and in all together, as a whole and octave by octave (see [`crate::octaves`]). Every test has
-//! a chance of its own, so that an honest record is doubted less than once in 10,000 answers, however many tests it takes.
+//! A pooled chi-square hides a sensor with few readings, and a misfit that is small and slow. So every sensor is tested
+//! separately, in every segment and in all together, as a whole and by octaves (see [`crate::octaves`]). The
+//! false-alarm probability is split among the tests: a correct record fails less than once in 10,000 answers.
 
 use crate::diagnosis::octaves::Octave;
 use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::estimate::SegmentFit;
 use crate::solution::solved::Solution;
 
-/// Probability that any of the tests of one answer doubts an honest record.
+/// Probability that any test of one answer rejects a correct record.
 const FALSE_ALARM: f64 = 2.0e-5;
 /// Excess of a mean square that is too small to matter: sigmas are 1 % too small.
 const NEGLIGIBLE_EXCESS: f64 = 0.02;
-/// Excess of a mean square that is white all over, up to which widened sigmas make up for it: noise of a tenth more than
-/// declared. Nobody knows the noise of a sensor better.
+/// Excess of a mean square that is white all over, up to which widened sigmas suffice: noise 10 % above the declared
+/// one, the usual accuracy of a declaration.
 const WHITE: f64 = 0.21;
-/// Share of the misfit from which a suspect is named beside the sensors that show it.
+/// Share of the misfit from which a suspect is reported with the sensors.
 const MOST_OF_MISFIT: f64 = 0.5;
 /// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
 pub(crate) const NOISE_FREE: f64 = 1.0e-3;
 
-/// What the residuals, the priors and the way of the fit say against the answer.
+/// Evidence against the answer from residuals, priors and convergence.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reliability {
-    /// Why it is not to be relied on, the most important first; empty where nothing speaks against it.
+    /// Reasons against the answer, the most important first; empty if every check passed.
     pub doubts: Vec<String>,
-    /// Factor on every sigma: by what the noise of the worst sensor, or of the priors, would have to be larger.
+    /// Factor on every sigma: the noise of the worst sensor, or of the priors, over the declared one.
     pub sigma_factor: f64,
-    /// Whether residuals are too large and correlated in time: then they speak against the model, not the noise.
+    /// Whether residuals are too large and correlated in time: then the model is wrong, not the noise.
     pub coloured: bool,
 }
 
@@ -79,7 +79,7 @@ impl Reliability {
     }
 }
 
-/// The first suspect of the diagnosis: every one where no sensor shows more, the cause of most of it otherwise.
+/// The first suspect of the diagnosis; if a sensor fails too, only a suspect that explains most of the misfit.
 fn suspect(solution: &Solution, shown: bool) -> Option<String> {
     let suspects = &solution.diagnostics.as_ref()?.suspects;
     let first = suspects.first().filter(|s| !s.fault.is_noise_fault())?;
@@ -103,18 +103,18 @@ fn suspect(solution: &Solution, shown: bool) -> Option<String> {
 #[derive(Debug, Clone, PartialEq)]
 struct Sensor {
     name: String,
-    /// Segment, where it shows in that one alone.
+    /// Segment, if only that one fails.
     segment: Option<String>,
-    /// All levels together.
+    /// All levels.
     whole: Octave,
-    /// The largest mean square of those that are too large: the whole, or one level.
+    /// The largest significant mean square, of all levels or of one.
     worst: Octave,
-    /// Whether the levels differ by more than chance.
+    /// Whether the levels differ significantly.
     coloured: bool,
 }
 
 impl Sensor {
-    /// The levels of one sensor, judged; `None` where none is too large.
+    /// Tests the levels of one sensor; `None` if none is too large.
     fn judged(name: &str, levels: &[Octave], chance: f64) -> Option<Self> {
         let whole = levels.iter().fold(Octave::default(), |a, b| a.plus(b));
         let too_large =
@@ -122,7 +122,7 @@ impl Sensor {
         let coloured = levels
             .iter()
             .any(|o| o.p_value(whole.mean_square()) < chance);
-        // Levels of white noise scatter about the whole, those of few readings widely.
+        // The levels of white noise scatter, most with few samples.
         let all = std::iter::once(&whole).chain(levels.iter().filter(|_| coloured));
         let larger = |a: &&Octave, b: &&Octave| a.mean_square().total_cmp(&b.mean_square());
         let worst = all.filter(too_large).max_by(larger);
@@ -136,7 +136,7 @@ impl Sensor {
         })
     }
 
-    /// Whether widened sigmas are all that is needed.
+    /// Whether widened sigmas suffice.
     fn is_made_up_for(&self) -> bool {
         !self.coloured && self.worst.mean_square() <= 1.0 + WHITE
     }
@@ -244,8 +244,8 @@ mod tests {
         }
     }
 
-    /// Of 3,000 honest records, short and long, none is doubted: the rate is below one in 1,000 (95 %), and by
-    /// construction below 2e-5.
+    /// Of 3,000 correct records, short and long, none fails: the rate is below one in 1,000 (95 %), and by construction
+    /// below 2e-5.
     #[test]
     fn stat_no_honest_record_is_doubted() {
         for seed in 0..3000 {

@@ -18,10 +18,10 @@ use crate::solution::solved::Solution;
 use poinsot_model::NOMINAL_WITHIN;
 use poinsot_spatial::MassProperties;
 
-/// Bias of the linear answer, over the nominal, of which nothing is said.
+/// Bias of the linear answer, relative to nominal, below which no warning is given.
 const NO_BIAS: f64 = 1.0e-6;
 
-/// The answer with remedies that were tried: for readers, not for the trials of a campaign.
+/// The answer with tested remedies, which the trials of a campaign do not need.
 pub(crate) fn write_with_remedies(problem: &Problem, solution: &Solution) -> Estimate {
     let mut estimate = write(problem, solution);
     if estimate.status != Status::Rejected {
@@ -41,7 +41,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     };
     let (estimator, bodies) = answered(false);
     let rejection = Rejection::of(solution, &reliability, &bodies);
-    // What is rejected, and what did not settle, gets no numbers.
+    // A rejected or unconverged answer has no numbers.
     let (estimator, bodies) = match rejection.is_some() || !solution.converged {
         true => answered(true),
         false => (estimator, bodies),
@@ -99,7 +99,7 @@ pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
     }
 }
 
-/// What of the bodies lies further from nominal than the model allows.
+/// Properties of the bodies further from nominal than the model allows.
 fn all_far_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<String> {
     let given = problem.model.bodies.iter().map(|b| &b.nominal);
     let within = problem.model.knowledge.nominal_within;
@@ -110,7 +110,7 @@ fn all_far_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<Strin
         .collect()
 }
 
-/// What of a body lies further from nominal than the model allows, by more than two sigma.
+/// Properties of a body further from nominal than the model allows, by more than two sigma.
 fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -> Option<String> {
     if !found.asked {
         return None;
@@ -228,7 +228,7 @@ fn identifiability(
     }
 }
 
-/// What is said of the fit as a whole.
+/// Warnings of the fit as a whole.
 fn warnings(
     solution: &Solution,
     reliability: &Reliability,
@@ -268,7 +268,7 @@ fn warnings(
     list
 }
 
-/// What is said of single bodies and numbers.
+/// Warnings of single bodies and numbers.
 fn said_of_numbers(
     solution: &Solution,
     rejection: Option<Rejection>,

@@ -1,9 +1,9 @@
-//! Walks along the set of unknowns that predict the same readings.
+//! Numerical continuation along the set of unknowns with equal prediction.
 //!
-//! A direction in which the sensitivities vanish says only where such a set begins. So each is followed: a step along the
-//! null space of the sensitivities there (with the bend of the steps before), then Gauss-Newton steps across it back onto
-//! equal prediction. What has a straight set is recognised by its far ends. The readings are those that the answer
-//! predicts, at a few times of the record: their residual at the answer is zero, and so is the noise in the walk.
+//! The null space of the sensitivities is only the tangent of this set. So each direction is continued: a step along
+//! the null space (with the curvature of the previous steps), then Gauss-Newton steps back onto equal prediction. A
+//! linear set is recognised by its far ends. The samples are those that the answer predicts, at a few times of the
+//! record, so their residual has no noise.
 
 use crate::certify::naming;
 use crate::fit::coarse_fit::thinned;
@@ -20,18 +20,18 @@ use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH, Unobser
 use poinsot_solve::{LeastSquares, Spectrum};
 use rayon::prelude::*;
 
-/// Readings of each sensor in a segment along which a walk goes: far more than the numbers that they determine.
+/// Samples of each sensor in a segment for the continuation: far more than the determined numbers.
 const WALK_SAMPLES: usize = 32;
-/// Change of all predictions along a walk that counts as none, in their noise.
+/// Largest change of all predictions along a path of equal prediction, in their noise.
 const EQUAL: f64 = 1.0e-2;
-/// Factor on what directions that are hardly excited change by themselves.
+/// Factor on the change that weakly excited directions cause.
 const OWN: f64 = 1.02;
 /// The same before the last step back onto the set.
 const NEARLY_EQUAL: f64 = 3.0e-2;
-/// Most Gauss-Newton steps back onto equal prediction.
+/// Largest number of Gauss-Newton steps back onto equal prediction.
 const CORRECTIONS: usize = 8;
 
-/// The walks from an answer along every direction that is open.
+/// The continuation paths from an answer along every unobservable direction.
 pub(crate) fn unobservable_set(
     experiment: &Experiment,
     at: &Iterate,
@@ -48,7 +48,7 @@ pub(crate) fn unobservable_set(
     if !experiment.parameters.has_known() {
         return values_along_path(experiment, at, &directions, spectrum.rank).unwrap_or_default();
     }
-    // The vehicle with its known numbers where the fit has put them.
+    // The vehicle with the fitted values of its known numbers.
     let of_known = || {
         let shifted = ShiftedVehicle::at(experiment.problem, experiment.parameters, &at.x)?;
         let problem = shifted.problem(experiment.problem);
@@ -75,7 +75,7 @@ pub(crate) fn unobservable_set(
     of_known().unwrap_or_default()
 }
 
-/// The set of a linear problem; of any where priors hold what the data leave open.
+/// The set of a linear problem, or of a problem whose priors determine the unobservable directions.
 pub(crate) fn linear_set(problem: &Problem, solution: &Solution) -> UnobservableSet {
     let directions = directions(problem, solution);
     let both = mixed(&directions);
@@ -87,8 +87,8 @@ pub(crate) fn linear_set(problem: &Problem, solution: &Solution) -> Unobservable
     )
 }
 
-/// The open directions as they are named, in the unknowns' own units; where priors hold what the data leave open, those
-/// that priors leave open too.
+/// The named unobservable directions, in the unknowns' units; with priors, those that the priors do not determine
+/// either.
 fn directions(problem: &Problem, solution: &Solution) -> Vec<Vec<f64>> {
     let spectrum = &solution.spectrum;
     if solution.data_alone.is_some() {
@@ -99,7 +99,7 @@ fn directions(problem: &Problem, solution: &Solution) -> Vec<Vec<f64>> {
         };
         return (0..open.ncols()).map(one).collect();
     }
-    // Names agree with the open space within a tolerance; walks begin in it.
+    // Named directions agree with the null space within a tolerance; paths start in the null space.
     let natural = &spectrum.natural;
     let inside = |c: &UnobservableCombination| -> Vec<f64> {
         let step = step_of(&solution.parameters, c, natural.len());
@@ -123,7 +123,7 @@ fn step_of(parameters: &Parameters, named: &UnobservableCombination, unknowns: u
     step
 }
 
-/// All directions at once, in two ways: what moves along none of them may move along these.
+/// All directions together, in two ways: a quantity constant along each may change along these.
 fn mixed(directions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let with = |sign: f64| {
         let mut sum = vec![0.0; directions.first().map_or(0, Vec::len)];
@@ -153,7 +153,7 @@ fn values_along_path(
         segments: &segments,
         ..*experiment.problem
     };
-    // Declared calibrations agree with the answer, as the readings do.
+    // Declared calibrations agree with the answer, as the samples do.
     let mut parameters = experiment.parameters.clone();
     let unknowns = parameters.unknowns.iter_mut().zip(&at.x);
     unknowns.for_each(|(u, x)| u.nominal = *x);
@@ -185,7 +185,7 @@ fn values_along_path(
     })
 }
 
-/// A few readings of every segment with the values that a point predicts, weighted for all of them.
+/// A few samples of every segment with predicted values, weighted for all samples.
 fn predicted(experiment: &Experiment, at: &Iterate) -> Option<Vec<Segment>> {
     let few = |s: &Segment| {
         let mut few = thinned(s, WALK_SAMPLES).unwrap_or_else(|| s.clone());
@@ -204,10 +204,10 @@ fn predicted(experiment: &Experiment, at: &Iterate) -> Option<Vec<Segment>> {
     Some(segments)
 }
 
-/// Where a walk ends: the unknowns, and the spectrum there.
+/// The end of a path: the unknowns and the spectrum there.
 type End = (Vec<f64>, Spectrum);
 
-/// One who walks from an answer.
+/// Continuation from an answer.
 struct Continuation<'a> {
     experiment: &'a Experiment<'a>,
     at: &'a Iterate,
@@ -220,15 +220,15 @@ struct ContinuationPoint {
     at: Iterate,
     local: Linearisation,
     back: Vec<f64>,
-    /// Whether directions that are hardly excited at the answer predict the same here too.
+    /// Whether weakly excited directions of the answer also have equal prediction here.
     equal: bool,
 }
 
-/// A walk one way.
+/// One branch of a path.
 #[derive(Default)]
 struct Path {
     points: Vec<Vec<f64>>,
-    /// How many of them predict the same in every direction that is identified there.
+    /// Number of points with equal prediction in every direction identified there.
     tested: usize,
     /// The last of those.
     end: Option<End>,
@@ -256,7 +256,7 @@ impl Continuation<'_> {
         }
     }
 
-    /// The walk where both far ends of a straight step predict the same.
+    /// The path if both far ends of a straight step have equal prediction.
     fn straight(&self, tangent: &[f64]) -> Option<ContinuationPath> {
         let spectrum = &self.here.spectrum;
         let excited = (self.rank..tangent.len()).map(|k| {
@@ -278,7 +278,7 @@ impl Continuation<'_> {
         Some(ContinuationPath::straight(x, middle))
     }
 
-    /// Points one way.
+    /// Points of one branch.
     fn path(&self, direction: &[f64]) -> Path {
         let length = REACH / POINTS as f64;
         let mut path = Path::default();
@@ -326,7 +326,7 @@ impl Continuation<'_> {
             if off.is_nan() || largest(&back) > REACH {
                 return None;
             }
-            // The step back is still taken: what it leaves is of second order.
+            // The correction step is still taken: its remainder is of second order.
             if off < NEARLY_EQUAL {
                 let equal = all < NEARLY_EQUAL;
                 return Some(ContinuationPoint {

@@ -1,4 +1,4 @@
-//! What the data determine, and what they leave open: combinations, walks of equal prediction, words.
+//! Identifiability: combinations, paths of equal prediction, and their names.
 
 pub(crate) mod barycentre;
 pub(crate) mod combination;

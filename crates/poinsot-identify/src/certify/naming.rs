@@ -1,4 +1,4 @@
-//! What the data leave open, said in words: known symmetries of trees first, then numbers.
+//! Names of unobservable directions: known symmetries of trees first, then numbers.
 
 use crate::certify::combination::{Combination, split};
 use crate::problem::Problem;
@@ -12,7 +12,7 @@ use poinsot_dynamics::{Link, Motion, Tree};
 use poinsot_model::{EstimateSet, Model, rounded};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
 
-/// A move of the parameters that known theory says no motion can show, if it lies in the open space.
+/// A change of the parameters that is unobservable by theory, if it is in the null space.
 struct Symmetry {
     /// Move in the unknowns' own units.
     step: Vec<f64>,
@@ -21,14 +21,14 @@ struct Symmetry {
     remedy: String,
 }
 
-/// A candidate belongs to the open space if less than this share of it lies outside.
+/// A candidate belongs to the null space if less than this share of it is outside.
 const INSIDE: f64 = 1.0e-4;
 /// A part of a direction smaller than this share adds nothing new.
 const NEW_DIRECTION: f64 = 1.0e-3;
 /// Coefficients below this share of the largest are left out of sentences.
 const SAID: f64 = 1.0e-3;
 
-/// Names every open direction.
+/// Names every unobservable direction.
 pub(crate) fn unobservable_directions(
     problem: &Problem,
     solution: &Solution,
@@ -73,7 +73,7 @@ pub(crate) fn unobservable_directions(
     found
 }
 
-/// Numbers that are asked for and do not enter the equations of a rotation: mass, and without thrust the mass centre.
+/// Requested numbers that do not enter the equations of rotation: mass, and without thrust the mass centre.
 pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
     if parameters.equations != Equations::Rotation {
         return Vec::new();
@@ -115,7 +115,7 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
     all
 }
 
-/// A preference for which unknowns stand as the open ones: products before moments.
+/// Weights of the unknowns as leading parameters of unobservable directions: products before moments.
 pub(crate) fn weights(solution: &Solution) -> Vec<f64> {
     let product = |k: usize| TENSOR[k].0 != TENSOR[k].1;
     solution.parameters.unknowns[..solution.of_data().natural.len()]
@@ -205,8 +205,8 @@ fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
     list
 }
 
-/// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
-/// a sliding one the inertia tensor, with a stopped one everything.
+/// Unobservable exchanges between a body and its parent: revolute joint, mass on its axis; prismatic joint, the inertia
+/// tensor; fixed joint, all parameters.
 fn joint_symmetries(
     problem: &Problem,
     solution: &Solution,
@@ -257,7 +257,7 @@ fn joint_symmetries(
     }
 }
 
-/// What moves between a body and its parent, with words for it: `names` are those of the body, its parent and the joint.
+/// An exchange between a body and its parent, with its text: `names` are those of the body, its parent and the joint.
 fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, InertialParameters)> {
     let u = link.axis_C;
     let line = Matrix3::identity() - u * u.transpose();
@@ -377,7 +377,7 @@ fn in_numbers(
     }
 }
 
-/// Values along a walk of every unknown of each body of which one moves; none where the walk ended early.
+/// Values along a path of all unknowns of each changed body; none if the path ended early.
 pub(crate) fn values_along_path(
     solution: &Solution,
     walk: &ContinuationPath,
@@ -400,7 +400,7 @@ pub(crate) fn values_along_path(
         .collect()
 }
 
-/// Why a direction without a closed form is open: how the base turned.
+/// Why a direction without a closed form is unobservable: the rotation of the base.
 fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
@@ -456,7 +456,7 @@ fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     )
 }
 
-/// How well the best of the directions is known that count as undetermined.
+/// Sigma of the best undetermined direction.
 fn best_open(sigma: f64) -> String {
     format!(
         "the best unobservable direction has a sigma of {} times the nominal",
@@ -491,7 +491,7 @@ fn independent(z: &[f64], spanned: &[Vec<f64>]) -> Option<Vec<f64>> {
     (rest > NEW_DIRECTION * length && rest > 0.0).then(|| left.iter().map(|x| x / rest).collect())
 }
 
-/// Basis of what `open` holds beyond `spanned`.
+/// Basis of the part of `open` outside `spanned`.
 fn complement(open: &Mat<f64>, spanned: &[Vec<f64>]) -> Mat<f64> {
     let mut all = spanned.to_vec();
     let mut fresh: Vec<Vec<f64>> = Vec::new();

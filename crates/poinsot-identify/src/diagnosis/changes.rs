@@ -1,5 +1,5 @@
-//! Hypotheses whose columns are differences: a known number, a firing that did not happen, play in a joint. The question is
-//! changed and every prediction made again.
+//! Hypotheses whose columns are differences: a known number, a firing that did not happen, play in a joint. The problem
+//! is changed and every prediction recomputed.
 
 use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
@@ -20,10 +20,10 @@ const CHANGE_STEP: f64 = 1.0e-3;
 const PLAY: f64 = 1.0e-6;
 /// Step of the share of a firing's force.
 const SHARE: f64 = 1.0e-4;
-/// Most firings that are tried one by one.
+/// Largest number of firings tested one by one.
 const FIRINGS: usize = 48;
 
-/// Known numbers, firings and joints that the fit took as they are.
+/// Known numbers, firings and joints that the fit assumed exact.
 pub(super) fn changes(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_known_numbers(experiment);
     list.extend(of_firings(experiment));

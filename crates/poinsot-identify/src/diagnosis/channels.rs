@@ -6,7 +6,7 @@ use crate::likelihood::ChannelResidual;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Chance that a reading of pure noise counts as an outlier.
+/// Probability that a sample of pure noise counts as an outlier.
 const BY_CHANCE: f64 = 1.0e-6;
 /// Lags of the whiteness test.
 const WHITENESS_LAGS: usize = 10;
@@ -16,7 +16,7 @@ pub(crate) fn outlier_threshold(numbers: usize) -> f64 {
     chi_square(numbers, 1.0 - BY_CHANCE)
 }
 
-/// What chi-square with so many degrees of freedom stays below with this probability.
+/// Quantile of chi-square at this probability.
 fn chi_square(numbers: usize, probability: f64) -> f64 {
     let known = ChiSquared::new(numbers as f64).ok();
     known.map_or(f64::INFINITY, |c| c.inverse_cdf(probability))

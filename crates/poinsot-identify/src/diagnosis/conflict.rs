@@ -1,9 +1,9 @@
-//! Do the declared priors agree with what the data say without them?
+//! Test of the declared priors against the data alone.
 //!
-//! With `theta` from prior and data together, chi-square of the priors and what chi-square of the readings would fall by
-//! without them are together `d = (a - b)^T (A + B)^-1 (a - b)`, with `a`, `A` what the prior says and `b`, `B` what the data
-//! say alone: chi-square distributed where both are right. One row of variance one, whose value the answer knows to a
-//! variance `s^2`, leaves a residual of variance `1 - s^2` (the innovation of Kalman 1960, seen from behind).
+//! With `theta` from prior and data together, chi-square of the priors and what chi-square of the readings would fall
+//! by without them are together `d = (a - b)^T (A + B)^-1 (a - b)`, with `a`, `A` of the prior and `b`, `B` of the data
+//! alone: chi-square distributed if both are correct. One row of variance one, whose value the answer determines to a
+//! variance `s^2`, has a residual of variance `1 - s^2` (a smoothed innovation, Kalman 1960).
 
 use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
 use crate::fit::degrees_of_freedom::fitted_numbers;
@@ -15,10 +15,10 @@ use crate::problem::prior::{self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Probability by chance below which priors and data contradict each other: five sigma of one number.
+/// p-value below which priors and data contradict each other: five sigma of one number.
 const CONTRADICTED: f64 = 5.7e-7;
 
-/// A declared number, what the data say of it, and how many sigmas lie between.
+/// A declared number, its estimate from the data, and their difference in sigmas.
 struct Discrepancy {
     declared: Declared,
     value: f64,
@@ -26,8 +26,8 @@ struct Discrepancy {
     z: f64,
 }
 
-/// The contradiction, and the look for faults where the priors do not stand in the way: their fault is no fault of the
-/// vehicle. `None` in the second place where the first look holds.
+/// The contradiction, and a diagnosis without the contradicted priors. `None` in the second place if the first
+/// diagnosis holds.
 pub(crate) fn conflict(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -58,7 +58,7 @@ pub(crate) fn conflict(
     (Some(Conflict { text, ratio }), found)
 }
 
-/// The finding that stands for it.
+/// Its finding.
 pub(crate) fn finding(conflict: &Conflict) -> Finding {
     Finding {
         fault: FaultKind::Prior,
@@ -87,8 +87,8 @@ fn said(a: &Discrepancy, more: usize) -> String {
     )
 }
 
-/// Where the priors of mass properties contradict the data: the square of what they have moved the answer by, in its own
-/// sigmas, which bounds the shift of every number by as many of its own.
+/// Where the priors of mass properties contradict the data: the squared shift of the answer in its sigmas, which bounds
+/// the shift of every number in its sigma.
 fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
     let alone = fitted.data_alone.as_ref()?;
     let design = prior::design(experiment.problem, experiment.parameters, &fitted.at.x)?;
@@ -116,7 +116,7 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
     })
 }
 
-/// Asks something of the fit without the priors of mass properties, started where the fit with them ended.
+/// Evaluates the fit without priors of mass properties, started at the end of the fit with them.
 fn without<T>(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -170,7 +170,7 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
         let known = variance(fitted, &conditional, at)? / (declared.sigma * declared.sigma);
         let left = (1.0 - known).max(LEAST_SHARE);
         let z = row.residual / left.sqrt();
-        // The declared number and its weight taken out of the answer again.
+        // The answer without the declared number.
         Some(Discrepancy {
             value: declared.nominal - row.residual * declared.sigma / left,
             sigma: declared.sigma * (known / left).max(0.0).sqrt(),

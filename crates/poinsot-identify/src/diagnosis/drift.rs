@@ -1,4 +1,4 @@
-//! Does the total momentum drift? Does one sensor read later than another?
+//! Tests of a drift of the total momentum and of lags between sensors.
 
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
@@ -10,10 +10,10 @@ use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// Sigma of a lag before the data, s: it decides what no data can, such as a lag common to all sensors.
+/// Prior sigma of a lag, s: it fixes unobservable lags, such as one common to all sensors.
 const ANY_LAG: f64 = 1.0;
 
-/// The constant torque and force in N that fit best on top of the answer.
+/// The best-fitting additional constant torque and force in N.
 pub(super) fn drift(
     segment: Option<String>,
     candidates: &[Candidate],

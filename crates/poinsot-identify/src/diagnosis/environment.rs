@@ -1,4 +1,4 @@
-//! Hypotheses of what acts on the vehicle from outside.
+//! Hypotheses of external forces and torques.
 
 use super::candidate::{Candidate, Columns, triple, unknown};
 use super::types::FaultKind;
@@ -6,11 +6,11 @@ use crate::fit::experiment::Experiment;
 use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
 
-/// Duration, s, over which a vehicle in low orbit goes round by a tenth of a radian.
+/// Duration, s, of a tenth of a radian in low orbit.
 const ORBITING: f64 = 100.0;
 
-/// What acts from outside. Of a gravity gradient neither size nor direction is known: it is any constant tensor in N, or
-/// one that grows with time as the vehicle goes round.
+/// External forces and torques. A gravity gradient has unknown size and direction: a constant tensor in N, or one that
+/// grows with time along the orbit.
 pub(super) fn environment_candidates(experiment: &Experiment) -> Vec<Candidate> {
     let candidate = |name: &str, fault, unknowns| Candidate {
         name: name.to_owned(),

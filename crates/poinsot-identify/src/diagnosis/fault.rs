@@ -1,7 +1,6 @@
 //! Kinds of faults: one table of names, meanings and advice.
 
-/// Makes the kinds from their table: name in the result file, what it is, and what would take it into the model or out of the
-/// data, which begins with a separator.
+/// Makes the kinds from their table: name in the result file, meaning, and remedy, which begins with a separator.
 macro_rules! faults {
     ($($kind:ident: $name:literal, $what:literal, $advice:literal;)*) => {
         /// Kinds of faults that the diagnosis can name.
@@ -80,12 +79,12 @@ impl FaultKind {
         self.entry()[0]
     }
 
-    /// What it is.
+    /// Meaning.
     pub fn what(self) -> &'static str {
         self.entry()[1]
     }
 
-    /// Whether it is a fault of the scatter of a sensor: wider sigmas may make up for it.
+    /// Whether it is a fault of a sensor's noise, which wider sigmas may cover.
     pub(crate) fn is_noise_fault(self) -> bool {
         matches!(
             self,
@@ -93,7 +92,7 @@ impl FaultKind {
         )
     }
 
-    /// What would take the fault into the model, or out of the data; begins with a separator.
+    /// How to include the fault in the model or remove it from the data; begins with a separator.
     pub fn advice(self) -> &'static str {
         self.entry()[2]
     }

@@ -1,12 +1,12 @@
-//! What the evidence means, in words, the most important first.
+//! Conclusions from the evidence, the most important first.
 
 use super::EXCESS;
 use super::types::{ChannelDiagnosis, Diagnostics, FaultKind, Finding, Suspect};
 use poinsot_model::rounded;
 
-/// Most causes that are named beside the first where the data cannot tell.
+/// Largest number of alternatives named with the first cause.
 const TIES: usize = 3;
-/// Share of the misfit from which a suspect is taken to be the cause.
+/// Share of the misfit from which a suspect is named as the cause.
 const CAUSE: f64 = 0.6;
 /// Mean square of a sensor's residual below which its noise is declared too large: sigmas are half as large again as they
 /// need be.
@@ -57,7 +57,7 @@ fn finding(fault: FaultKind, text: String) -> Finding {
     }
 }
 
-/// The best suspect, with those that the data cannot tell from it.
+/// The best suspect, with indistinguishable alternatives.
 fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
     let gain = match (misfit, best.fault.is_noise_fault()) {
         (true, false) => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
@@ -99,7 +99,7 @@ fn value(name: &str, value: f64, unit: &str) -> String {
 fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
     let numbers = c.numbers as f64;
     let ratio = c.typical_chi2_per_number;
-    // A median scatters 1.5 times as much as a mean.
+    // The standard deviation of a median is 1.5 times that of a mean.
     if ratio <= 1.0 + 1.5 * EXCESS * (2.0 / numbers).sqrt() {
         return None;
     }

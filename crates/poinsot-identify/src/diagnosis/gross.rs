@@ -1,6 +1,6 @@
-//! Gross mistakes: a sign, a unit, exchanged columns, a dead thruster. They put the fit so far off that no score of first
-//! order means anything, so each is tried by a fit of its own from the nominal numbers, on the shortest beginning of the record
-//! that contradicts the model: there the motion has not yet come far from what is measured. The whole record confirms it.
+//! Gross errors: a sign, a unit, exchanged columns, a dead thruster. First-order scores are meaningless so far from the
+//! answer, so each is tested by a separate fit from the nominal numbers, on the shortest beginning of the record that
+//! contradicts the model, where the predicted motion is still close. The whole record confirms it.
 
 use super::types::{FaultKind, Suspect};
 use crate::fit::coarse_fit::beginning;
@@ -16,15 +16,15 @@ const GROSS: f64 = 1.0e2;
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
-/// Iterations of such a fit: enough to tell right from wrong.
+/// Iterations of such a fit: enough for a decision.
 const MISTAKE_ITERATIONS: usize = 8;
 /// Share of the misfit that a gross mistake must explain.
 const EXPLAINS: f64 = 0.99;
 
-/// Excess of chi-square per number that a fit with the right reading may be left with.
+/// Largest excess of chi-square per number of a corrected fit.
 const RIGHT: f64 = 10.0;
 
-/// A kind of mistake: the factor that puts the value as read right, and words before and after its place.
+/// A kind of mistake: the factor that corrects the value, and words before and after its location.
 #[derive(Clone, Copy, PartialEq)]
 struct Kind {
     factor: f64,
@@ -74,14 +74,14 @@ const EXCHANGED: Kind = Kind {
     words: ["exchanged speeds of", ""],
 };
 
-/// A mistake that may have been made.
+/// A possible gross error.
 struct GrossError {
     kind: Kind,
     owner: String,
     place: GrossErrorLocation,
 }
 
-/// What the mistake is with.
+/// Location of the error.
 enum GrossErrorLocation {
     /// Speeds of these wheels.
     Wheels(Vec<usize>),
@@ -91,7 +91,7 @@ enum GrossErrorLocation {
     Thruster(usize),
 }
 
-/// The mistake that explains nearly all of a very bad fit.
+/// The gross error that explains nearly all of a very bad fit.
 pub(super) fn gross(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -111,7 +111,7 @@ pub(super) fn gross(
     let nominal = short.cost(&short.nominal_point());
     let nominal = nominal.unwrap_or(f64::INFINITY);
     let mut best: Option<Suspect> = None;
-    // The mistake outside, its place inside: large factors make wild motions, which are slow to compute.
+    // Errors outside, locations inside: large factors cause fast motions, which are slow to compute.
     for alike in mistakes.chunk_by(|a, b| a.kind == b.kind) {
         for mistake in promising(&short, alike, nominal) {
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
@@ -120,7 +120,7 @@ pub(super) fn gross(
                 continue;
             };
             best = Some(named(mistake, decrease, excess));
-            // Right, not only better: the others need not be tried.
+            // Correct, not only better: the others need no test.
             if excess - decrease < RIGHT * dof {
                 return best;
             }
@@ -188,7 +188,7 @@ fn mistakes(experiment: &Experiment) -> Vec<GrossError> {
     list
 }
 
-/// The experiment with a mistake put right.
+/// The experiment with a corrected error.
 fn put_right<T>(
     experiment: &Experiment,
     mistake: &GrossError,
@@ -236,8 +236,7 @@ fn put_right<T>(
     ask(&other)
 }
 
-/// Mistakes without which the nominal numbers fit better than `nominal`, with them; the best first. A mistake put right
-/// does not make them fit worse.
+/// Errors whose correction improves the fit of the nominal numbers over `nominal`; the best first.
 fn promising<'m>(
     experiment: &Experiment,
     mistakes: &'m [GrossError],

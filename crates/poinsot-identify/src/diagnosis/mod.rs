@@ -1,9 +1,8 @@
-//! When the fit is worse than the declared noise: what would explain it?
+//! Diagnosis of a fit that is worse than the declared noise.
 //!
-//! Each candidate fault is a group of columns that the fit did not have. Its score is how much of the
-//! residual those columns reach beyond the fitted unknowns: the decrease of chi-square that adding it would
-//! bring, to first order. The best few are fitted in earnest. A spectral line in the gyro residual speaks of
-//! flexing or slosh; white noise that is too large, of a wrong declaration; few bad readings, of outliers.
+//! Each candidate fault is a group of columns that the fit did not have. Its score is the first-order decrease of
+//! chi-square with those columns added (score test). The best few are fitted fully. A spectral line in the gyro
+//! residual indicates flexing or slosh; large white noise a wrong declaration; few bad samples outliers.
 
 mod candidate;
 mod candidates;
@@ -41,15 +40,14 @@ use candidates::candidates;
 use suspects::Misfit;
 use table::Table;
 
-/// Excess of chi-square, in its own standard deviations, below which nothing is to be explained.
+/// Excess of chi-square, in its own standard deviations, below which there is no misfit.
 pub(super) const EXCESS: f64 = 6.0;
-/// Mean turn between readings, rad, from which one look at the motion takes so many steps that fits of single causes would
-/// take minutes.
+/// Mean rotation between samples, rad, from which single causes are not fitted: the integration needs too many steps.
 const COARSE: f64 = 0.3;
-/// Most segments whose drift is looked at one by one.
+/// Largest number of segments with separate drift tests.
 const SEGMENTS: usize = 16;
 
-/// Looks for what explains the misfit of a fit; `fitted_numbers` were fitted in all.
+/// Searches the cause of a misfit; `fitted_numbers` were fitted in all.
 pub(crate) fn diagnose(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -78,7 +76,7 @@ pub(crate) fn diagnose(
         misfit,
         affordable,
     };
-    // A gross mistake that leaves chi-square right needs no other cause beside it; trying them all is slow.
+    // A gross error that explains chi-square needs no other cause; testing all is slow.
     let mistake = affordable
         .then(|| gross::gross(experiment, fitted, (excess, dof as f64)))
         .flatten();
@@ -102,7 +100,7 @@ pub(crate) fn diagnose(
     out
 }
 
-/// Weighs every cause against the others; a gross mistake that does not explain all comes first, unless another cause does.
+/// Ranks the causes; a gross error that does not explain all is first, unless another cause does.
 fn weighed(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -141,7 +139,7 @@ fn weighed(
     }
     let converged = |s: &Suspect| !s.fault.is_noise_fault() && of.excess - s.decrease < of.dof;
     if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(converged)) {
-        // What was tied was so with the best of the others.
+        // Ties were found relative to the best of the others.
         out.suspects.iter_mut().for_each(|s| s.tied = false);
         out.suspects.insert(0, mistake);
     }

@@ -1,11 +1,11 @@
-//! What the values of a suspect mean where they speak for themselves: a wrong sign, a wrong unit.
+//! Meaning of a suspect's values, if clear: a wrong sign, a wrong unit.
 
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
 
 /// Name of the candidate that thrusters act at other times than their columns say.
 pub(super) const LATE_THRUST: &str = "a lag of the thrust";
-/// Factors by which a unit is mistaken, and the mistake.
+/// Factors of common unit errors.
 const MISTAKEN: [(f64, &str); 4] = [
     (57.295_779_5, "radians used as degrees"),
     (0.017_453_293, "degrees used as radians"),
@@ -17,7 +17,7 @@ pub(super) fn near(value: f64, wanted: f64) -> bool {
     (value / wanted - 1.0).abs() < 0.2
 }
 
-/// Says what values mean where they speak for themselves: a wrong sign, a wrong unit.
+/// Names the meaning of values, if clear: a wrong sign, a wrong unit.
 pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
     let model = experiment.problem.model;
     match suspect.fault {

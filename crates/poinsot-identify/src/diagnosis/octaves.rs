@@ -1,11 +1,10 @@
 //! How large a residual is, octave by octave of its frequency, in units of the declared noise.
 //!
-//! Haar's transform (Haar 1910) turns a white residual of unit variance into coefficients that are independent and of unit
-//! variance again, level by level: differences of neighbours, of pairs, of fours. The energy of a level is therefore
-//! chi-square distributed exactly, however short the record; what a fit has taken away only lowers it. A level is half
-//! the Allan variance at its averaging time (Percival and Walden 2000, section 8.6). Whatever changes slowly (mass
-//! properties, momentum, biases) feels the slow levels, so what is too large there makes sigmas too small even where
-//! chi-square as a whole looks right.
+//! Haar's transform (Haar 1910) turns a white residual of unit variance into coefficients that are independent and of
+//! unit variance again, level by level: differences of neighbours, of pairs, of fours. The energy of a level is
+//! therefore chi-square distributed exactly, however short the record; a fit only reduces it. A level is half the Allan
+//! variance at its averaging time (Percival and Walden 2000, section 8.6). Slow parameters (mass properties, momentum,
+//! biases) depend on the slow levels: excess there makes sigmas too small even if the total chi-square is correct.
 
 use super::channels::outlier_threshold;
 use crate::problem::loss::Loss;
@@ -32,7 +31,7 @@ impl Octave {
         self.square / self.numbers.max(1) as f64
     }
 
-    /// Probability of so large a sum by chance where the coefficients have this variance.
+    /// p-value of the sum for coefficients of this variance.
     pub(crate) fn p_value(&self, variance: f64) -> f64 {
         let n = self.numbers as f64;
         let scaled = self.square / variance;
@@ -121,7 +120,7 @@ pub(crate) mod tests {
         assert_eq!(levels.iter().map(|o| o.numbers).sum::<usize>(), 3 * 1024);
     }
 
-    /// Chances of white residuals are even between 0 and 1, for short records as for long ones.
+    /// p-values of white residuals are uniform, for short and long records.
     #[test]
     fn stat_chances_of_white_residuals_are_even() {
         for n in [41, 300, 3000] {

@@ -1,9 +1,9 @@
-//! What begins within a record: a motion that starts anew, a kick, a jump of the attitude or of the clock.
+//! Faults that begin within a record: a restarted motion, an impulse, a jump of the attitude or of the clock.
 //!
-//! Columns of a fault that acts from a time on are those of the same fault from the start with zeros before that time. So one
-//! pass from the end of a segment back gives the score of every time: products of the columns with themselves, with the
-//! residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. A kick changes the
-//! momentum alone; it is the start anew with the momentum that it has there and the pose as it is.
+//! Columns of a fault that acts from a time on are those of the same fault from the start with zeros before that time.
+//! So one pass from the end of a segment back gives the score of every time: products of the columns with themselves,
+//! with the residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. An
+//! impulse changes the momentum alone, a restart all of the state.
 
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
@@ -20,12 +20,12 @@ use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
 use poinsot_solve::BlockQr;
 
-/// Most times that are tried in a segment.
+/// Largest number of times tested in a segment.
 const TIMES: usize = 160;
-/// Share of a segment at either end where nothing begins.
+/// Share of a segment at either end without tested times.
 const MARGIN: f64 = 0.02;
 
-/// Something that may begin, and its columns.
+/// A fault with unknown onset, and its columns.
 struct Onset {
     name: &'static str,
     fault: FaultKind,
@@ -39,7 +39,7 @@ enum OnsetKind {
     Kick,
 }
 
-/// The best time of each thing that may begin; pulses of some duration only where there is a misfit.
+/// The best onset of each fault; pulses only if there is a misfit.
 pub(super) fn onsets(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -194,7 +194,7 @@ impl Basis {
     }
 }
 
-/// `x` with `x R = row`; nothing along what shows nothing.
+/// `x` with `x R = row`; zero along unobservable directions.
 fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
     let n = row.len();
     let largest = (0..n).fold(0.0_f64, |a, k| a.max(r[(k, k)].abs()));

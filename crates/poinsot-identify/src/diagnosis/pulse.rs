@@ -1,7 +1,8 @@
-//! A constant force and torque in the body over a part of a record: a firing that telemetry does not have.
+//! A constant force and torque in the body over a part of a record: a firing that is missing from the telemetry.
 //!
-//! A kick at one time is a combination of the columns of the start; a pulse is a sum of kicks. With the sums up to every time
-//! at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best are moved.
+//! An impulse at one time is a combination of the initial-state columns; a pulse is a sum of impulses. With the sums up
+//! to every time at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best
+//! are moved.
 
 use super::score::{ProjectedRows, Score, explained, found, momentum_jump};
 use super::suspects::Scored;
@@ -16,11 +17,11 @@ const DURATIONS: [f64; 5] = [0.25, 0.125, 0.0625, 0.03125, 0.015625];
 /// Cosine between a force and a thruster's direction from which it is that thruster.
 const ALONG: f64 = 0.99;
 
-/// Kicks up to each time, and what is needed to score a part of them.
+/// Cumulated impulses up to each time, for the score of any interval.
 struct Pulses<'a> {
     rows: &'a SegmentRows,
     clear: &'a ProjectedRows,
-    /// Sum of the kicks up to each transition.
+    /// Sum of the impulses up to each transition.
     sums: Vec<DMatrix<f64>>,
     /// Transition of each measurement.
     places: Vec<usize>,
@@ -95,7 +96,7 @@ fn thruster<'a>(experiment: &'a Experiment, score: &Score, segment: usize) -> Op
     };
     let mut along = (0..experiment.thrusters.len()).filter(|k| cosine(*k) > ALONG);
     let first = along.next()?;
-    // Two along one line cannot be told apart by their force.
+    // Two thrusters along one line are not distinguishable by their force.
     along
         .next()
         .is_none()

@@ -1,4 +1,4 @@
-//! Which candidates explain what is left over, and what their numbers mean.
+//! Candidates that explain the residual, with the meaning of their numbers.
 
 use super::candidate::Candidate;
 use super::naming::{LATE_THRUST, name, near};
@@ -10,22 +10,22 @@ use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Probability of a score by chance from which a candidate is named.
+/// p-value below which a candidate is named.
 const CHANCE: f64 = 1.0e-7;
-/// Candidates that are fitted in earnest before one is named.
+/// Number of candidates that are fitted fully.
 const FITTED: usize = 2;
-/// Sigmas by which a number must lie beyond what nature allows to be impossible.
+/// Sigmas beyond a physical bound from which a number is impossible.
 const IMPOSSIBLE: f64 = 3.0;
-/// Share of a decrease of chi-square that counts as much as all of it.
+/// Share of a decrease of chi-square that counts as equal.
 const AS_MUCH: f64 = 0.95;
-/// Difference of evidence below which the data cannot tell two causes apart: odds of 150.
+/// Difference of evidence below which two causes are indistinguishable: odds of 150.
 const TIED: f64 = 10.0;
 /// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
 const STEEPEST: f64 = 4.6e-6;
 /// Iterations of such a fit.
 const SUSPECT_ITERATIONS: usize = 12;
 
-/// What the misfit is, and whether fits may be tried to explain it.
+/// The misfit, and whether causes may be fitted.
 #[derive(Clone, Copy)]
 pub(super) struct Misfit {
     /// Chi-square beyond the degrees of freedom, and these.
@@ -71,7 +71,7 @@ pub(super) fn suspects(
             let Some(candidate) = one.at.map(|at| &candidates[at]) else {
                 continue;
             };
-            // What reads early may stand for what drives the vehicle late, so that is always tried.
+            // An early sensor may mean a late input, so that is always tested.
             if tried >= FITTED && !candidate.delays_inputs() {
                 continue;
             }
@@ -155,7 +155,7 @@ pub(super) struct Scored {
     /// Among the candidates that can be fitted.
     pub at: Option<usize>,
     pub suspect: Suspect,
-    /// From the score, the size of the residual taken as seen.
+    /// From the score, with the observed size of the residual.
     pub sigmas: Vec<f64>,
     pub nominal: Vec<f64>,
     /// How many numbers it has, and how many of its kind were tried.
@@ -177,7 +177,8 @@ impl Scored {
         chance.is_ok_and(|c| c.sf(score) * (self.trials as f64) < CHANCE)
     }
 
-    /// Whether nature allows the numbers: no drag pushes, no rotor has less than no inertia unless its sign is wrong.
+    /// Whether the numbers are physical: drag does not accelerate, and a rotor's inertia is positive unless its sign is
+    /// wrong.
     fn is_possible(&self) -> bool {
         let values = self.suspect.values.iter().map(|v| v.1);
         let value = |k: usize| self.suspect.values.get(k).map_or(0.0, |v| v.1);
@@ -203,8 +204,8 @@ impl Scored {
         }
     }
 
-    /// How early a sensor would have to read, s: what it reads has not happened yet. Thrust may be read late, so that
-    /// it acts before its column.
+    /// How early a sensor would have to read, s: a sensor cannot measure the future. Thrust samples may be late, so
+    /// that the thrust acts before its column.
     fn early_s(&self) -> f64 {
         let thrust = self.suspect.name == LATE_THRUST;
         match (self.suspect.fault, self.suspect.values.first()) {
@@ -214,8 +215,7 @@ impl Scored {
     }
 }
 
-/// Where one sensor reading early explains hardly more than something that is possible, that is named first: nothing
-/// reads what has not happened yet.
+/// Where one sensor reading early explains hardly more than something that is possible, that one is named first.
 fn late_before_early(list: &mut [Scored], margin: f64) {
     let Some(first) = list.first().filter(|one| one.early_s() > 0.0) else {
         return;
@@ -316,7 +316,7 @@ mod tests {
     fn unit_drag_that_pushes_is_no_suspect() {
         let possible = |c: [f64; 3]| scored("drag", FaultKind::Drag, 1.0e3, &c).is_possible();
         assert!(possible([1.0, 0.0, 2.0]));
-        // Noise about zero.
+        // Zero-mean noise.
         assert!(possible([1.0, -0.2, 0.0]));
         assert!(!possible([1.0, -0.4, 0.0]));
         assert!(!possible([0.0, -0.2, 0.1]));

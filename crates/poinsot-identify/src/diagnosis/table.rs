@@ -13,7 +13,7 @@ use crate::problem::parameters::{Unknown, UnknownKind};
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 
-/// Most numbers that the rows may hold: 64 MiB.
+/// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
 
 /// The rows of one segment.
@@ -95,7 +95,7 @@ impl Table {
         Some(table)
     }
 
-    /// Takes the kept rows over.
+    /// Moves the kept rows.
     fn hold(&mut self, experiment: &Experiment, evaluated: &mut [Evaluated]) {
         for (one, unknown) in evaluated.iter_mut().zip(&experiment.unknown) {
             let kept = std::mem::take(&mut one.kept);

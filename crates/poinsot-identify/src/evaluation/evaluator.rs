@@ -1,4 +1,4 @@
-//! A problem evaluated at any value of its unknowns, for one who writes a method of his own.
+//! A problem evaluated at any value of its unknowns, for other methods.
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::likelihood::{InitialState, InitialStateColumns};
@@ -24,7 +24,7 @@ pub struct EvaluatedUnknown {
     pub unit: &'static str,
 }
 
-/// What one sensor says of one segment: three numbers a sample, the third of a direction zero.
+/// Residuals of one sensor in one segment: three numbers a sample, the third of a direction zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorResiduals {
     /// Segment.
@@ -66,7 +66,7 @@ pub struct Evaluation {
 /// Why a problem cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EvaluationError {
-    /// The question cannot be asked.
+    /// The model or the data are not valid for the method.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// An array is too short, too long or points beyond the grid.
@@ -180,7 +180,7 @@ impl<'a> Evaluator<'a> {
     /// Checks the arrays of a problem and lists its unknowns: those of [`maximum_likelihood`](crate::maximum_likelihood).
     ///
     /// # Errors
-    /// The question cannot be asked, or an array is too short, too long or ragged.
+    /// The model or the data are not valid, or an array is too short, too long or ragged.
     pub fn new(problem: &Problem<'a>) -> Result<Self, EvaluationError> {
         problem.check_samples()?;
         problem
@@ -231,7 +231,7 @@ impl<'a> Evaluator<'a> {
     /// Residuals, slopes, information and likelihood at values of the unknowns.
     ///
     /// # Errors
-    /// There are not as many values as unknowns (E0411), or the vehicle cannot move as they say (E0405).
+    /// There are not as many values as unknowns (E0411), or the vehicle has no motion with them (E0405).
     pub fn at(&self, values: &[f64]) -> Result<Evaluation, EvaluationError> {
         expect("values of the unknowns", values.len(), self.unknowns.len())?;
         let mut experiment = Experiment::new(&self.problem, &self.parameters);
@@ -288,7 +288,7 @@ impl<'a> Evaluator<'a> {
         }
         let readings = rows.residuals.len();
         for ((_, one), place) in segments.zip(&places) {
-            // A weak prior of a start that nothing measures is no measurement.
+            // A weak prior of an unmeasured initial state is no measurement.
             for row in one.kept.of(None) {
                 deviance -= row.white.norm_squared();
                 row.rows.iter().for_each(|r| rows.push(r, place));
@@ -304,7 +304,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Where the columns of a segment stand among the unknowns.
+/// Positions of a segment's columns among the unknowns.
 struct SegmentColumns {
     first: usize,
     count: usize,

@@ -1,4 +1,4 @@
-//! How many numbers the readings determined.
+//! Number of parameters that the samples determined.
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -9,8 +9,8 @@ use nalgebra::DMatrix;
 /// Chi-square per degree of freedom above which the declared noise cannot be right, of methods that know no more.
 pub(crate) const MISFIT: f64 = 1.5;
 
-/// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
-/// directions of the mass properties that are not left open.
+/// Number of parameters that the samples determined: pose and momentum of every segment, nuisances, and the identified
+/// directions of the mass properties.
 pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
     let initial_states: usize = experiment.unknown.iter().map(|u| u.count()).sum();
     let known = experiment.parameters.known_places().len();
@@ -42,7 +42,7 @@ pub(crate) fn known_covariance(parameters: &Parameters, fitted: &Fitted) -> DMat
     })
 }
 
-/// How many numbers the data determined of the known ones: their count, less what the prior holds of each.
+/// Number of known numbers determined by the data: their count minus the share of each prior.
 fn determined(parameters: &Parameters, fitted: &Fitted) -> f64 {
     let declared = parameters.known_covariance();
     let n = declared.nrows();

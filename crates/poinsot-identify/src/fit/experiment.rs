@@ -1,4 +1,4 @@
-//! What an experiment can tell: sensitivities of every reading, reduced to a triangle per segment.
+//! Information of an experiment: sensitivities of every sample, reduced to a triangle per segment.
 //!
 //! The triangle of the shared unknowns is the square root of the Fisher information with pose, momentum
 //! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
@@ -45,7 +45,7 @@ pub(crate) struct Experiment<'a> {
     pub loss: Loss,
     /// Coordinates of the steps of a fit.
     pub coordinates: Coordinates,
-    /// Whether wheel speeds run smoothly between the readings.
+    /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
@@ -57,7 +57,7 @@ pub(crate) struct Experiment<'a> {
     pub keep_rows: bool,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
     grids: Arc<OnceLock<Vec<Grid>>>,
-    /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
+    /// Smooth curves through the samples of joints and wheels, one per segment; made when a lag first asks for them.
     curves: Arc<OnceLock<Vec<InputCurves>>>,
 }
 
@@ -124,7 +124,7 @@ impl<'a> Experiment<'a> {
         }
     }
 
-    /// The same questions asked of other readings of the same segments.
+    /// The same problem with other samples of the same segments.
     pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
         Experiment {
             problem,
@@ -317,8 +317,8 @@ impl<'a> Experiment<'a> {
         Ok((own, Some(exact)))
     }
 
-    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy is for the judge of the answer; held to it,
-    /// a fit would leave at their nominal values directions that the data contradict.
+    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy applies to the answer only; in the fit it
+    /// would keep nominal values that the data contradict.
     pub fn spectrum(
         &self,
         shared: &SharedTriangle,
@@ -396,7 +396,7 @@ impl<'a> Experiment<'a> {
         };
         let linear = match self.measured_motion {
             MeasuredMotion::Translation => pick(given.linear, R * l),
-            // Without a translation sensor N may as well drift along with the mass centre.
+            // Without a translation sensor N may move with the mass centre.
             MeasuredMotion::Rotation => Vector3::zeros(),
         };
         InitialState {

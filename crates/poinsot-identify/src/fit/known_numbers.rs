@@ -1,11 +1,11 @@
 //! Known numbers within their uncertainty: unknowns with a prior, whatever kind of number they are.
 //!
-//! A known number enters the predictions through the model alone. So its column is a difference of two whole evaluations at
-//! the end of the fit, the same way for a mass, a joint axis or a mounting. The fit goes on from there with these columns
-//! beside its own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers moved, and
-//! the columns are made again where they have moved. What the data say of a number shrinks its prior; where they say
-//! nothing it stays where it is and its prior goes into the covariance (a consider parameter: Schmidt 1966). One sigma of
-//! a known number is therefore no misfit.
+//! A known number enters the predictions through the model alone. So its column is a difference of two whole
+//! evaluations at the end of the fit, the same way for a mass, a joint axis or a mounting. The fit goes on from there
+//! with these columns beside its own and the declared covariance as a prior; every prediction is that of the vehicle
+//! with the numbers moved, and the columns are made again where they have moved. Informative data shrink the prior of a
+//! number; otherwise it keeps its value and its prior enters the covariance (a consider parameter: Schmidt 1966). One
+//! sigma of a known number is therefore no misfit.
 
 mod effects;
 
@@ -67,7 +67,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let found = fit_from(&wide, first.clone(), TRIED)?;
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
-    // What known numbers cannot explain within their uncertainty is looked for elsewhere.
+    // A misfit beyond the uncertainty of known numbers needs another cause.
     let left = per_number > MISFIT && (worst.is_some() || !done);
     let fitted = match left {
         true => Fitted {
@@ -89,7 +89,7 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     })
 }
 
-/// How much a full step would still lower chi-square.
+/// Predicted reduction of chi-square by a full step.
 fn predicted_reduction(fitted: &Fitted) -> f64 {
     let shared = &fitted.shared;
     let last = shared.nuisances + shared.mass;
@@ -205,7 +205,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(LEAST_SHARE);
         let change = fitted.at.x[*place] - unknown.nominal;
         let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
-        // What the data alone say, the declared uncertainty taken out again.
+        // The estimate from the data alone, without the declared uncertainty.
         let alone = (
             unknown.nominal + change / left,
             posterior[(k, k)].max(0.0) / left,

@@ -21,8 +21,8 @@ const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
 ///
-/// The bodies are free at first: close to the edge, far from the answer, the equations of motion bend more than
-/// beyond it. What then lies beyond is brought back by the step that costs least and fitted on within the edge.
+/// The bodies are free at first: near the physical limit and far from the answer the equations are more nonlinear than
+/// beyond it. An unphysical result is then moved back at the least cost and fitted within the limit.
 pub(crate) fn fit(
     experiment: &Experiment,
     linear: Option<&Iterate>,
@@ -45,7 +45,7 @@ pub(crate) fn fit(
                 return Ok(found);
             }
         } else if found.crept && bodies.contain(&found.at.x) {
-            // The edge is not what keeps it from settling.
+            // The limit is not the reason for the missing convergence.
             return Ok(found);
         }
     }
@@ -87,7 +87,7 @@ fn fit_within(
         let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
         let converged = found.converged;
         best = best.filter(|b| b.converged || !converged).or(Some(found));
-        // A start far off can leave the iteration among directions that come and go: try the other.
+        // A far start can change the identified directions during the iteration: try the other start.
         if converged || limit < ITERATIONS {
             break;
         }
@@ -226,7 +226,7 @@ pub(crate) struct Fitted {
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
     pub converged: bool,
-    /// Not settled, and given up: the convergence was slow and chi-square far too large.
+    /// Stopped without convergence: slow, with a far too large chi-square.
     pub crept: bool,
     pub held: Option<BoundaryBodies>,
 }
@@ -278,7 +278,7 @@ pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
 }
 
 impl Experiment<'_> {
-    /// What a fit has reached; infinite where a prior forbids its end.
+    /// Cost of a fit; infinite if a prior forbids its end.
     pub fn cost_of(&self, fitted: &Fitted) -> f64 {
         self.chi2(&fitted.at, &fitted.evaluated)
             .unwrap_or(f64::INFINITY)

@@ -1,7 +1,7 @@
-//! One step of a fit: the problem at a point, and where a damped step on the triangle of the shared unknowns leads.
+//! One step of a fit: the linearisation at an iterate, and a damped step on the triangle of the shared unknowns.
 //!
-//! A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass properties: only
-//! pose and momentum follow whole. Directions that the data leave open do not move.
+//! A damped step also damps biases, lags and other sensor errors; pose and momentum are not damped. Unobservable
+//! directions do not move.
 
 use crate::fit::coordinates::{Coordinates, PhysicalBodies};
 use crate::fit::experiment::{Experiment, Iterate};
@@ -14,29 +14,28 @@ use poinsot_spatial::Vector3;
 
 /// Most iterations of a fit.
 pub(crate) const ITERATIONS: usize = 60;
-/// Settled when the next step would lower chi-square by less than this: steps of a ten-thousandth of a sigma.
+/// Converged when the next step would reduce chi-square by less than this: steps of a ten-thousandth of a sigma.
 const CONVERGED_BELOW: f64 = 1.0e-8;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
-/// By how much the cost may rise over a step that is taken, where the unknowns move the covariance of the readings by way of
-/// the noise of the inputs: Gauss and Newton's step does not look at that, and ends where chi-square alone is least at
-/// the covariance found, a fraction of a sigma from the least cost.
+/// Allowed increase of the cost over a step if input noise makes the covariance depend on the unknowns. The
+/// Gauss-Newton step ignores that dependence, and ends a fraction of a sigma from the smallest cost.
 const COVARIANCE: f64 = 0.1;
-/// Fall of chi-square beyond the edge that is more than the barrier's own: a five-hundredth of a sigma.
+/// Decrease of chi-square beyond the limit that exceeds the barrier's own error: a five-hundredth of a sigma.
 const SIGNIFICANT_DECREASE: f64 = 4.0e-6;
-/// Share of a chi-square that is far too large, below which what a step promises is not worth many iterations.
+/// Relative predicted reduction below which a fit with a far too large chi-square stops.
 const TOO_SLOW: f64 = 1.0e-3;
-/// Chi-square per row below which a start is taken without a look at another.
+/// Chi-square per row below which no other start is tried.
 const CLOSE_BELOW: f64 = 10.0;
 
-/// Bodies that the data press against the edge of what positive mass can have.
+/// Bodies at an active limit of physical mass properties.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BoundaryBodies {
     /// Their names.
     pub bodies: Vec<String>,
-    /// How much chi-square would fall beyond the edge, to first order.
+    /// First-order decrease of chi-square beyond the limit.
     pub cost: f64,
-    /// How many conditions hold them: the degrees of freedom of `cost`.
+    /// Number of active conditions: the degrees of freedom of `cost`.
     pub conditions: usize,
 }
 
@@ -61,7 +60,7 @@ impl Linearisation {
         bodies.is_some_and(|b| !b.contain(&after(x, step, &self.spectrum)))
     }
 
-    /// What a step of the mass properties takes with it.
+    /// Parts that follow a step of the mass properties.
     pub fn parts(&self) -> (&[Evaluated], &SharedTriangle, &[f64]) {
         (&self.evaluated, &self.shared, &self.spectrum.natural)
     }
@@ -86,7 +85,7 @@ impl LeastSquares for Experiment<'_> {
         let plain = linearisation
             .spectrum
             .damped(&linearisation.shared.rhs(), 0.0);
-        // The barrier knows a step along the edge no better than this.
+        // The barrier limits the accuracy of a step along the limit.
         let limit = match linearisation.leaves(&at.x, &plain) {
             true => SIGNIFICANT_DECREASE,
             false => CONVERGED_BELOW,
@@ -222,7 +221,7 @@ pub(crate) fn linearised(
     })
 }
 
-/// Where the plain step from the answer would leave the physical bodies, and chi-square feels it.
+/// Whether the plain step from the answer leaves the physical bodies with a significant change of chi-square.
 pub(crate) fn held(
     experiment: &Experiment,
     at: &Iterate,
@@ -258,7 +257,7 @@ pub(crate) fn predicted_decrease(
     initial_state_decrease(experiment, linearisation) + biases + lowered
 }
 
-/// The part of it that pose and momentum bring, which follow whole.
+/// The part of pose and momentum, which are not damped.
 fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation) -> f64 {
     linearisation
         .evaluated
@@ -272,7 +271,7 @@ fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation
         .sum()
 }
 
-/// The point after a step of the mass properties: biases and heads follow.
+/// The iterate after a step of the mass properties: biases and initial states follow.
 pub(crate) fn moved(
     experiment: &Experiment,
     at: &Iterate,
@@ -319,7 +318,7 @@ pub(crate) fn physical_bodies(
     }
 }
 
-/// Whether chi-square at a point is not far from what noise makes.
+/// Whether chi-square at an iterate is of the size of its expectation.
 pub(crate) fn is_close(here: &Linearised<Linearisation>) -> bool {
     let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
     here.cost < CLOSE_BELOW * rows as f64

@@ -1,8 +1,8 @@
-//! Whether an answer is that of the equations of motion, and not of the steps that integrate them.
+//! Test of the integration error of an answer.
 //!
 //! With e the change of all whitened predictions when every step is halved, and Q an orthonormal basis of the whitened
-//! sensitivities, the answer moves by `|Q^T e|` sigma; the rest of e stays in the residual. Where stored momentum makes a
-//! body nutate nearly all of e lies in the span of Q, where chi-square cannot see it. The right-hand sides of the
+//! sensitivities, the answer moves by `|Q^T e|` sigma; the rest of e stays in the residual. With nutation about stored
+//! momentum, nearly all of e is in the span of Q, where chi-square is blind to it. The right-hand sides of the
 //! triangles with whole and with halved steps differ by `Q^T e`.
 
 use crate::fit::experiment::Experiment;
@@ -25,7 +25,7 @@ const ORDER: f64 = 4.0;
 /// Largest factor at once: the order holds for small errors alone.
 const AT_ONCE: u32 = 8;
 
-/// What halving the steps changes.
+/// Change by halved steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StepError {
     /// Of the answer, sigmas.
@@ -35,12 +35,12 @@ pub(crate) struct StepError {
 }
 
 impl StepError {
-    /// Whether the answer may be relied on.
+    /// Whether the error is negligible.
     fn is_small(&self) -> bool {
         self.answer <= ANSWER && self.predictions <= PREDICTIONS
     }
 
-    /// Steps for each one now with which it would be small.
+    /// Refinement factor that would make it small.
     fn factor(&self) -> u32 {
         let excess = f64::max(self.answer / ANSWER, self.predictions / PREDICTIONS);
         let factor = excess.powf(1.0 / ORDER).ceil();
@@ -72,7 +72,7 @@ pub(crate) fn within_steps(
         if round == REFINEMENTS || experiment.fineness.factor >= MOST {
             return (fitted, Some(error));
         }
-        // Straight speeds may be all that is wrong.
+        // Linear interpolation of the speeds may be the only cause.
         match experiment.may_bend() && !experiment.bends() {
             true => experiment.fineness.bends = true,
             false => experiment.fineness.factor *= error.factor(),
@@ -87,7 +87,7 @@ pub(crate) fn within_steps(
     (fitted, None)
 }
 
-/// What half the steps change at the end of a fit; `None` where the vehicle cannot move so.
+/// Change by halved steps at the end of a fit; `None` without a motion.
 fn step_error(experiment: &Experiment, fitted: &Fitted) -> Option<StepError> {
     let mut finer = experiment.with_parameters(experiment.parameters);
     finer.fineness.factor *= 2;

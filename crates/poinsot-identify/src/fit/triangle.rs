@@ -16,8 +16,8 @@ pub(crate) struct SharedTriangle {
 }
 
 impl SharedTriangle {
-    /// Puts the nuisances of a stacked triangle in front: what is left below is projected clear of them.
-    /// In [`Parameters`] they stand last.
+    /// Puts the nuisances of a stacked triangle in front: the rest is projected orthogonal to them. In [`Parameters`]
+    /// they stand last.
     pub fn new(parameters: &Parameters, stacked: &Triangle) -> Self {
         let n = parameters.len();
         let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
@@ -95,7 +95,7 @@ impl SharedTriangle {
         (self.nuisances..n).map(|i| self.r[(i, n)]).collect()
     }
 
-    /// Squared length of what no unknown can reach.
+    /// Squared norm of the residual that no unknown reduces.
     pub fn unreachable(&self) -> f64 {
         let n = self.nuisances + self.mass;
         self.r[(n, n)].powi(2)
@@ -107,7 +107,7 @@ impl SharedTriangle {
     }
 }
 
-/// The head of a triangle, `R_hh h + R_hx x = d`, solved for h.
+/// Solution of the leading rows of a triangle, `R_hh h + R_hx x = d`, for h given x.
 pub(crate) struct ConditionalEstimate {
     /// Values at x.
     pub mean: Vec<f64>,

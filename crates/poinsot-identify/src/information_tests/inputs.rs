@@ -29,7 +29,7 @@ struct Case {
 }
 
 /// Relative gap of chi-square and `ln det` of the filter to those of the dense covariance `C = S + G E G^T`, with `G`
-/// from differences over every reading of every input.
+/// from differences over every sample of every input.
 fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     let Case {
         translation, fine, ..

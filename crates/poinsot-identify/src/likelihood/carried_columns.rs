@@ -4,7 +4,7 @@ use super::Setting;
 use crate::problem::segment::Segment;
 use poinsot_spatial::Vector3;
 
-/// How the whitened predictions of every reading move with each known number.
+/// How the whitened predictions of every sample move with each known number.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct KnownColumns {
     /// By segment: names of the sensors compared there.

@@ -14,7 +14,7 @@ pub(crate) struct InitialState {
     pub h_SScm_N: Vector3,
 }
 
-/// Which parts of the head are unknown: a column for each component.
+/// Unknown parts of the initial state: a column for each component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct InitialStateColumns {
     pub attitude: bool,
@@ -24,7 +24,7 @@ pub(crate) struct InitialStateColumns {
 }
 
 impl InitialStateColumns {
-    /// What a segment leaves unknown: a pose that no sensor measures is the choice of the frame.
+    /// Unknown initial state of a segment: an unmeasured pose is the choice of the frame.
     ///
     /// One that is taken as exact is known, at its first sample.
     pub fn of(
@@ -36,7 +36,7 @@ impl InitialStateColumns {
         let seen = measured_motion == MeasuredMotion::Translation;
         let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
-            // Without any attitude, directions or motion in N still say how the base stands in N.
+            // Without an attitude sensor, directions or motion in N still determine the attitude in N.
             attitude: match o.reads(SensorKind::Attitude) {
                 true => noisy(SensorKind::Attitude),
                 false => o.reads(SensorKind::Direction) || seen && o.reads_translation(),
@@ -66,7 +66,7 @@ impl InitialStateColumns {
     }
 }
 
-/// Whether any translation is measured.
+/// The kind of motion that is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum MeasuredMotion {
     /// Position or velocity.

@@ -1,4 +1,4 @@
-//! One segment on two threads: one follows the motion, the other compares it with the readings, some times behind.
+//! One segment on two threads: one propagates the motion, the other computes residuals some grid times later.
 //!
 //! What each computes, and in what order, does not depend on the other: the result is that of one thread, bit by bit.
 
@@ -69,7 +69,7 @@ fn on_two_threads<'m>(
     })
 }
 
-/// Follows the motion and hands it on, until the end, a motion that cannot be, or nobody listens any more.
+/// Propagates the motion and sends it until the end, an invalid motion, or a closed channel.
 fn follow(
     mut motion: Motion,
     start: &State,

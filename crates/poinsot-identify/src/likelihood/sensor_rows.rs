@@ -1,4 +1,4 @@
-//! One sensor along a segment: its samples against what a perfect one reads, its errors and the colour of its noise.
+//! Residuals of one sensor along a segment, with its errors and correlated noise.
 
 use super::rate_noise::RateNoise;
 use super::whitener::NoiseWhitener;
@@ -11,7 +11,7 @@ use poinsot_dynamics::{SensorError, SensorErrors};
 use poinsot_model::{SensorKind, printed_unit};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// A sensor of the segment in the course of an evaluation.
+/// State of one sensor during an evaluation.
 pub(super) struct SensorCursor {
     pub errors: SensorErrors,
     /// Whether its lag is unknown.
@@ -75,7 +75,7 @@ impl SensorCursor {
     }
 }
 
-/// A prediction beside its sample: what is new in it.
+/// Residual of a sample with its sensitivities.
 struct Difference {
     residual: Vector3,
     /// Sensitivities.
@@ -172,7 +172,7 @@ impl SegmentComparison<'_> {
         }
     }
 
-    /// Takes off what the sample before says of coloured noise. The white noise that joint rates add is taken as new at
+    /// Subtracts the correlation with the previous sample. The white noise that joint rates add is taken as new at
     /// every sample.
     fn coloured(&mut self, i: usize, k: usize, rows: &mut [Vector3], slopes: &mut [Vector3]) {
         let cursor = &mut self.cursors[i];

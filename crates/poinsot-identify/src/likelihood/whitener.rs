@@ -1,4 +1,4 @@
-//! Coloured noise: what an axis erred a moment ago says of how it errs now.
+//! Whitening of correlated (Gauss-Markov) noise.
 //!
 //! A Gauss-Markov error with correlation time T is whitened exactly by `(e_k - a e_{k-1}) / sqrt(1 - a^2)`,
 //! `a = exp(-dt/T)` (Bryson and Henrikson 1968 for measurements); sensitivities pass through the same.
@@ -21,12 +21,12 @@ impl NoiseWhitener {
         }
     }
 
-    /// Whether there is nothing to do.
+    /// Whether it has no effect.
     pub fn is_white(&self) -> bool {
         self.correlation_s <= 0.0
     }
 
-    /// Takes off what the reading before tells. Gives the logarithm of the determinant of what is new, per axis.
+    /// Subtracts the correlation with the previous sample. Returns the log-determinant of the innovation, per axis.
     pub fn take(&mut self, t: f64, block: &mut [Vector3]) -> f64 {
         if self.is_white() {
             return 0.0;

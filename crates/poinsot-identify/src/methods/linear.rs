@@ -1,9 +1,9 @@
-//! The linear rung: measured velocities in the momentum regressor, one least-squares problem.
+//! The linear method: measured velocities in the momentum regressor, one least-squares problem.
 //!
-//! Unknown are the mass properties asked for and the initial momentum of every segment. Exact on
-//! noise-free data; on noisy data the noise that sits in the regressor biases it, which is estimated and
-//! added to the sigmas. Rows are whitened with the declared noise at the nominal parameters (one step of
-//! generalised least squares), so the triangular factor is the square root of the information.
+//! Unknown are the requested mass properties and the initial momentum of every segment. Exact on noise-free data; on
+//! noisy data the noise that sits in the regressor biases it, which is estimated and added to the sigmas. Rows are
+//! whitened with the declared noise at the nominal parameters (one step of generalised least squares), so the
+//! triangular factor is the square root of the information.
 
 use crate::answer;
 use crate::certify::continuation::linear_set;
@@ -38,7 +38,7 @@ const NOISE_SAMPLES: usize = 150;
 /// Identifies by linear least squares.
 ///
 /// # Errors
-/// The question cannot be asked. What the data leave open is an answer, not an error.
+/// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
 pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
     let mut solution = solve_linear(problem)?;
     let parameters = solution.parameters.clone();
@@ -49,8 +49,8 @@ pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
                 .to_owned(),
         );
     }
-    // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
-    // Without readings at their own times the rows' own spectrum has to do.
+    // Identifiability is evaluated at a fitted motion: a few steps of maximum likelihood. Without samples at their own
+    // times the rows' spectrum is used.
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
     if observed
         && let Ok(fitted) = fit(
@@ -91,7 +91,7 @@ fn restrict(
     Ok(())
 }
 
-/// The linear solution before it is put into words.
+/// The numerical linear solution.
 pub(crate) fn solve_linear(problem: &Problem) -> Result<Solution, ProblemError> {
     problem.check_samples()?;
     let first = solve(problem, None)?;

@@ -1,9 +1,9 @@
-//! The flagship: maximum likelihood in the momentum state.
+//! Maximum likelihood in the momentum state.
 //!
-//! Unknown are the mass properties, the pose and momentum at the start of every segment, and biases.
-//! Measured joint and wheel motion drives the pose-momentum equation; every reading is compared in its own
-//! noise. Noise sits in the residual, not in the regressor, so nothing is attenuated. Levenberg-Marquardt
-//! on the triangle of the shared unknowns; directions that the data leave open do not move.
+//! Unknown are the mass properties, the pose and momentum at the start of every segment, and biases. Measured joint and
+//! wheel motion drives the pose-momentum equation; every sample is compared in its own noise. Noise is in the residual,
+//! not in the regressor, so there is no attenuation. Levenberg-Marquardt on the triangle of the shared unknowns;
+//! unobservable directions do not move.
 
 use crate::answer;
 use crate::certify::continuation::unobservable_set;
@@ -41,7 +41,7 @@ pub const SENSITIVE: f64 = 1.0;
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
 /// # Errors
-/// The question cannot be asked. What the data leave open is an answer, not an error.
+/// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
 pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
     maximum_likelihood_with(problem, Loss::Gaussian)
 }
@@ -58,12 +58,12 @@ pub fn maximum_likelihood_with(
     Ok(answer::write(problem, &ended.solution))
 }
 
-/// A solved problem.
+/// The solution of a problem.
 pub(crate) struct FinishedFit {
     pub solution: Solution,
     /// Value of all unknowns where the fit ended.
     pub at: Iterate,
-    /// The vehicle with its known numbers where the data and their uncertainty put them.
+    /// The vehicle with the estimated values of its known numbers.
     pub shifted: Option<ShiftedVehicle>,
 }
 
@@ -144,13 +144,13 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
     })
 }
 
-/// What the answer is sensitive to, and what was approximated; `shift` is that of another wheel motion between samples.
+/// Sensitivities and approximations of the answer; `shift` is that of another wheel motion between samples.
 fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Option<StepError>) {
     if let Some(warning) = crate::motion::input_noise::approximate(problem) {
         solution.warnings.push(warning);
     }
     if shift > SENSITIVE {
-        // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
+        // Torques usually change at the samples; here they are known not to.
         let mut segments = problem.segments.iter();
         let seldom = segments.any(|s| s.observations.between_readings);
         let wheels = seldom.then_some("the wheel motion between samples");
@@ -201,8 +201,8 @@ fn judged(
     (solution, at)
 }
 
-/// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that the data prefer err
-/// by far less than the two ways differ, if the wheels are sampled as often as all else.
+/// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that fit better are far
+/// more accurate than the difference of the two, if the wheels are sampled as often as other sensors.
 fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
     let (assumed, other) = match smooth {
         true => ("wheel speed smooth between samples", "constant torque"),
@@ -220,15 +220,15 @@ fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
     ))
 }
 
-/// The better of two ways in which wheels may run between readings.
+/// The better of two interpolations of wheel speed between samples.
 struct WheelInterpolation {
     fitted: Fitted,
-    /// How far the other way would move the mass properties, sigmas.
+    /// Change of the mass properties with the other interpolation, sigmas.
     shift: f64,
 }
 
-/// Between readings a wheel may run straight (torque held) or smoothly: the data decide. How far the answer leans on what
-/// was decided tells whether the wheels are read often enough for what they do.
+/// Wheel speed between samples is linear (constant torque) or smooth: the data decide. The difference of both answers
+/// shows whether the wheels are sampled often enough.
 fn choose_wheel_interpolation(
     experiment: &mut Experiment,
     linear: Option<&Iterate>,
@@ -257,8 +257,7 @@ fn choose_wheel_interpolation(
     }
 }
 
-/// How far an answer would move if wheels that are read more seldom than other sensors ran smoothly between their readings,
-/// and not straight as the grid has them.
+/// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.
 fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
     let mut segments = experiment.problem.segments.iter();
     if !fitted.converged || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
@@ -281,8 +280,8 @@ fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
     here.map_or(0.0, |here| here.rows.mass_shift())
 }
 
-/// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one
-/// leads. Where the other fit has settled, one look from its end tells whether this one can be better.
+/// The fit with smooth wheel speeds, where it is better than the other; and the length of its first step. From a
+/// converged other fit, one linearisation shows whether this one can be better.
 fn smooth_wheel_fit(
     experiment: &Experiment,
     linear: Option<&Iterate>,
@@ -303,7 +302,7 @@ fn smooth_wheel_fit(
     (found.flatten().filter(better), shift)
 }
 
-/// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
+/// Whether every momentum in the data is proportional to the unknowns: then their scale is undetermined.
 pub(crate) fn proportional(problem: &Problem) -> bool {
     let model = problem.model;
     let known_body = model
@@ -324,8 +323,8 @@ fn padded(mut solution: Solution, parameters: &Parameters) -> Solution {
     solution
 }
 
-/// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
-/// know at their nominal values.
+/// A linear solution of the rotation of one body in barycentric unknowns, mass and other missing unknowns at their
+/// nominal values.
 fn lifted(mut solution: Solution, parameters: &Parameters) -> Solution {
     solution.x = lifted_vector(&solution.parameters, &solution.x, parameters);
     solution.parameters = parameters.clone();
@@ -342,7 +341,7 @@ pub(crate) fn conclude(
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
     let starts = starts(experiment, &fitted);
     let fit = segment_fits(experiment, &fitted);
-    // The fit moves whatever the data hold; what counts as known is asked afterwards, of exact known numbers.
+    // The fit uses all information; identifiability is evaluated afterwards with exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
     let known = Effects::new(experiment, &fitted).ok().flatten();
     let nothing = vec![0.0; fitted.shared.mass * fitted.shared.mass];
@@ -412,7 +411,7 @@ fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
     segments.zip(&experiment.unknown).map(start).collect()
 }
 
-/// How well every segment fits.
+/// Fit of every segment.
 pub(crate) fn segment_fits(experiment: &Experiment, fitted: &Fitted) -> Vec<SegmentFit> {
     let segments = experiment.problem.segments.iter().zip(&fitted.evaluated);
     let fit = |(segment, one): (&Segment, &Evaluated)| SegmentFit {

@@ -34,7 +34,7 @@ pub(crate) struct PointForce {
     pub columns: Vec<Vector3>,
 }
 
-/// What drives the vehicle at an instant, with second derivatives.
+/// Inputs at an instant, with second derivatives.
 #[derive(Clone)]
 struct Inputs {
     q: Vec<f64>,
@@ -60,9 +60,8 @@ struct RateSlopes {
 }
 
 impl Motion<'_> {
-    /// Specific force at points of the bodies at grid time k, just after what switches there. Wants the
-    /// instant that [`Motion::velocity`] gave for the same time. N falls freely, so the specific force is the
-    /// inertial acceleration.
+    /// Specific force at points of the bodies at grid time k, just after switching there. Requires the instant that
+    /// [`Motion::velocity`] gave for the same time. N falls freely, so the specific force is the inertial acceleration.
     pub fn specific_force(
         &mut self,
         state: &State,
@@ -108,7 +107,7 @@ impl Motion<'_> {
         forces
     }
 
-    /// Whether a thruster fires up to grid time k and the record ends there: whether it goes on is not known.
+    /// Whether a thruster fires up to grid time k and the record ends there: its continuation is unknown.
     pub fn thrust_after_unknown(&self, k: usize) -> bool {
         let ends = k + 1 == self.observations.time_s.len();
         ends && k.checked_sub(1).is_some_and(|b| !self.thrust[b].is_empty())
@@ -133,7 +132,7 @@ impl Motion<'_> {
             wheel_rates: (0..wheels)
                 .map(|j| match v.wheels_smooth {
                     true => wheel_slope(o, wheels, j, k),
-                    // A torque held from here on.
+                    // A torque constant from here on.
                     false => {
                         let i = k.min(last.saturating_sub(1));
                         let speed = |i: usize| o.wheel_speed[i * wheels + j];
@@ -267,8 +266,8 @@ impl Motion<'_> {
         instant.inverse_inertia * (wrench - own)
     }
 
-    /// What faults of the inputs do directly: through their twist they are in already. The joints'
-    /// accelerations are not shifted in time.
+    /// Direct effect of input errors; the effect through their twist is included already. The joints' accelerations are
+    /// not shifted in time.
     fn add_input_changes(
         &self,
         inputs: &Inputs,

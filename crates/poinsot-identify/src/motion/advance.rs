@@ -44,7 +44,7 @@ impl Motion<'_> {
         self.evaluate_at_grid_time(state, k)?;
         let joints = joint_frequency(self.vehicle.tree, &self.input_state.rates, self.gyration);
         let fastest = self.evaluated.as_ref()?.instant.twist.w.norm() + joints;
-        // Values of the unknowns that make it spin far faster than measured are not worth following.
+        // A motion far faster than measured is not propagated.
         self.steps_left -= (h * fastest / TURN).ceil().max(1.0);
         if self.steps_left.is_nan() || self.steps_left < 0.0 {
             return None;
@@ -69,7 +69,7 @@ impl Motion<'_> {
         Some(end)
     }
 
-    /// One step from the point that is ready, which the end of the step then is.
+    /// One step from the evaluated state to the next one.
     pub(super) fn step(&mut self, k: usize, from: f64, to: f64, h: f64) -> Option<State> {
         let dt = (to - from) * h;
         let start = self.evaluated.take()?;

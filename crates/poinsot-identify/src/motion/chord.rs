@@ -1,4 +1,4 @@
-//! Wheels within an interval: the axial momentum of a rotor runs straight, not its relative speed.
+//! Wheels within an interval: the axial momentum of a rotor is linear in time, not its relative speed.
 //!
 //! A motor torque that is constant between two grid times changes the axial momentum of its rotor evenly (Hughes 1986,
 //! axisymmetric rotor), `Js (Omega + a . w_host)' = tau`. So `L = Omega + a . w_host` is straight between
@@ -8,8 +8,9 @@
 //! h = (I - sum Js a a^T) w + h_joints + sum Js (L - a . w_joints) a
 //! ```
 //!
-//! with `w_joints` the turn of the host by joint rates. Where stored momentum makes the base nutate, `Omega` bends by what
-//! `a . w` leaves its chord. The rate at the end comes from a pass before; each pass errs by `Js / I` of the one before it.
+//! with `w_joints` the turn of the host by joint rates. With nutation of the base, `Omega` deviates from linear as `a .
+//! w` does from its chord. The rate at the end is from the previous pass; the error of each pass is `Js / I` of the
+//! previous one.
 //!
 //! A sensitivity column depends on both ends of the chord linearly. Two further columns a wheel, one driven with the
 //! chord's share `1 - s` and one with `s`, hold this; the end is solved for after the last step.
@@ -24,7 +25,7 @@ use std::sync::Arc;
 
 /// Error of the chord, relative to the bend, below which no further pass is made.
 const CLOSE: f64 = 1.0e-3;
-/// Most passes before the last one.
+/// Largest number of passes before the last one.
 const PASSES: usize = 4;
 
 /// Deviation of each wheel's axial momentum per spin inertia from its speed, `a . w_host`, at both ends of an interval,
@@ -42,7 +43,7 @@ impl Chord {
     }
 }
 
-/// Wheel axes in B, and what the columns turn the vehicle about them, at the start of an interval.
+/// Wheel axes in B, and the rates of the columns about them, at the start of an interval.
 pub(super) struct ColumnChord {
     /// One row per column, one entry per wheel.
     from: Vec<Vec<f64>>,
@@ -138,7 +139,7 @@ impl Motion<'_> {
         Some(())
     }
 
-    /// What columns turn about the wheels' axes where the motion is ready.
+    /// Rates of the columns about the wheel axes at the evaluated state.
     fn turns(&mut self) -> Option<WheelAxes> {
         let w = self.evaluated.as_ref()?.instant.twist.w;
         self.along_axes(&w);
@@ -148,8 +149,8 @@ impl Motion<'_> {
         })
     }
 
-    /// What unknowns do to `a . w_host` at the velocities in hand, the rate of the base held: tilts of the axis, and faults
-    /// of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and its body's rate w.
+    /// Effect of unknowns on `a . w_host` at the current velocities and a fixed base rate: tilts of the axis, and
+    /// faults of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and its body's rate w.
     pub(super) fn axial_changes(&self) -> Vec<AxialChange> {
         let (v, kinematics) = (self.vehicle, &self.input_state.kinematics);
         let tilts = v.kinds.iter().enumerate().filter_map(|(unknown, kind)| {
@@ -219,7 +220,7 @@ impl Motion<'_> {
     }
 }
 
-/// What an unknown does to a wheel's `a . w_host`, per unit of it, rad/s.
+/// Effect of an unknown on a wheel's `a . w_host`, per unit of it, rad/s.
 pub(super) struct AxialChange {
     pub unknown: usize,
     pub wheel: usize,

@@ -1,5 +1,4 @@
-//! Torques of the surroundings about the system's mass centre, and thrusters that act late, with their
-//! sensitivities.
+//! External torques about the system's mass centre, and delayed thrusters, with their sensitivities.
 //!
 //! In base axes with `u` the unit vector from the attracting body:
 //!
@@ -39,7 +38,7 @@ fn axial(a: &Matrix3) -> Vector3 {
 }
 
 impl Motion<'_> {
-    /// Force of a tide or of a constant acceleration on the vehicle per unit of one component, in N.
+    /// Tidal force, or force of a constant acceleration, per unit of one component, in N.
     pub(super) fn tidal_force(
         &self,
         component: usize,
@@ -53,18 +52,18 @@ impl Motion<'_> {
         acceleration * centre.mass
     }
 
-    /// Whether anything acts from outside in the interval after grid time k.
+    /// Whether an external force or torque acts in the interval after grid time k.
     pub(super) fn has_external_wrench(&self, k: usize) -> bool {
         self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.in_environment()
     }
 
-    /// Whether a torque of the surroundings acts.
+    /// Whether an external torque acts.
     fn in_environment(&self) -> bool {
         let v = self.vehicle;
         v.has_environment_torque() || v.torque_N != Vector3::zeros()
     }
 
-    /// Torque of the surroundings about the system's mass centre, in B, N m.
+    /// External torque about the system's mass centre, in B, N m.
     pub(super) fn environment_torque(
         &self,
         state: &State,
@@ -126,7 +125,7 @@ impl Motion<'_> {
         change
     }
 
-    /// What a change of the inertia does to the torque of the gravity gradient.
+    /// Change of the gravity-gradient torque with the inertia.
     pub(super) fn gradient_change(&self, state: &State, dI: &Matrix3) -> Vector3 {
         let Some(gm) = self.vehicle.gm else {
             return Vector3::zeros();
@@ -184,8 +183,8 @@ impl Motion<'_> {
         }
     }
 
-    /// The state after what a late thruster changes at an edge of its firing: it acts `lag` longer as before,
-    /// `P += (F_before - F_after) lag`. Grid times hold all edges; the placement is that of grid time k.
+    /// The state after the edge of a delayed firing, which lasts `lag` longer: `P += (F_before - F_after) lag`. Grid
+    /// times hold all edges; the placement is that of grid time k.
     pub(super) fn late_thrust(&mut self, state: &State, k: usize) -> State {
         let mut now = *state;
         let late = &self.vehicle.late_thrusters;

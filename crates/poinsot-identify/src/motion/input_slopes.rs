@@ -1,4 +1,4 @@
-//! How the motion answers to small changes of its inputs: joint positions, joint rates and wheel speeds.
+//! Sensitivity of the motion to its inputs: joint positions, joint rates and wheel speeds.
 
 use super::{Instant, Motion, State, matrix};
 use nalgebra::SMatrix;
@@ -52,7 +52,7 @@ impl Motion<'_> {
         instant.inverse_inertia * X
     }
 
-    /// What a change of the vehicle's first moment does to its angular momentum about `Bo`: `dc x l`.
+    /// Change of the angular momentum about `Bo` with the vehicle's first moment: `dc x l`.
     pub fn centre_change(&self, instant: &Instant, first_moment: &Vector3) -> Vector3 {
         first_moment.cross(&instant.centre.l) / instant.centre.mass
     }
@@ -114,7 +114,7 @@ impl Motion<'_> {
         change
     }
 
-    /// What a change of the base's rate does to the torque of the surroundings.
+    /// Change of the external torque with the base's rate.
     pub fn drag_change(&self, state: &State, instant: &Instant, dw: &Vector3) -> Vector3 {
         let (w, still) = (&instant.twist.w, Vector3::zeros());
         self.environment_torque_change(state, &instant.centre, (w, dw), &still, None)

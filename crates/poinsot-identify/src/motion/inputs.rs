@@ -1,4 +1,4 @@
-//! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
+//! Corrected joint and wheel motion, and the effect of the sensor errors.
 
 use super::vehicle::{Vehicle, wheel_slope};
 use super::{EvaluatedState, InputState, Instant, MassCentre, Motion, State, matrix, pose_change};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Step of the differences over a joint's position, rad or m.
 pub(super) const JOINT_STEP: f64 = 1.0e-5;
 
-/// What one unknown does to the inputs at an instant, per unit of it.
+/// Effect of one unknown on the inputs at an instant, per unit of it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct InputChange {
     /// Index of the unknown.
@@ -22,7 +22,7 @@ pub(super) struct InputChange {
     pub wheel: Option<(usize, f64)>,
 }
 
-/// What an unknown does to the force and torque from outside, through a joint's position.
+/// Effect of an unknown on the external force and torque through a joint's position.
 pub(super) struct OutsideChange {
     pub unknown: usize,
     /// Of the force in B, N.
@@ -32,7 +32,7 @@ pub(super) struct OutsideChange {
 }
 
 impl Motion<'_> {
-    /// Inputs within the interval after grid time k, their faults taken off.
+    /// Corrected inputs within the interval after grid time k.
     pub(super) fn inputs(&mut self, k: usize, at: f64) {
         self.set_orbit(k, at);
         let input_state = &mut self.input_state;
@@ -55,7 +55,7 @@ impl Motion<'_> {
                     input_state.q[*j] -= value;
                     moved(*j, -1.0, 0.0);
                 }
-                // It reads late: the joint is where the reading will be.
+                // The sensor is late: the joint is at its future sample.
                 UnknownKind::JointLag(joints) => {
                     let Some(curves) = self.vehicle.curves else {
                         continue;
@@ -90,8 +90,8 @@ impl Motion<'_> {
         }
     }
 
-    /// What the faults of the inputs do to the twist, their slopes known: for a joint's position the change of `Y pi - [l; h_cm + c x l]`,
-    /// momentum held; for rates and speeds the input gains.
+    /// Effect of input errors on the twist, with known slopes: for a joint's position the change of `Y pi - [l; h_cm +
+    /// c x l]`, momentum held; for rates and speeds the input gains.
     pub(super) fn input_columns(&self, instant: &Instant, twists: &mut [Vector6]) {
         for change in &self.input_state.changes {
             let twist = &mut twists[change.unknown];
@@ -118,8 +118,8 @@ impl Motion<'_> {
         }
     }
 
-    /// From the end of an interval to the start of the next one, k: faults that are zero leave the motion as it is, and
-    /// only what they would do to it has two sides.
+    /// From the end of an interval to the start of the next one, k: zero errors leave the motion unchanged; only its
+    /// sensitivities differ on the two sides.
     pub(super) fn cross_grid_time(&mut self, evaluated: &mut EvaluatedState, k: usize) {
         evaluated.at = (k, 0.0);
         if self.vehicle.input_faults.is_empty() {
@@ -140,7 +140,7 @@ impl Motion<'_> {
         }
     }
 
-    /// What the faults of joint positions do to force and torque from outside.
+    /// Effect of joint position errors on the external force and torque.
     pub(super) fn outside_changes(
         &mut self,
         state: &State,
@@ -228,8 +228,8 @@ fn time_at(t: &[f64], k: usize, at: f64) -> f64 {
     }
 }
 
-/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
-/// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
+/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates, wheels on the
+/// straight line (constant motor torque over the interval) or on a smooth curve.
 fn fill_inputs(
     o: &Observations,
     vehicle: &Vehicle,

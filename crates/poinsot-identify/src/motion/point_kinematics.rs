@@ -1,4 +1,4 @@
-//! A point of a body at an instant: where it is, how it moves, and what the joints before it do to that.
+//! Position and velocity of a point of a body, with their derivatives over the joints.
 
 use super::{Column, Motion};
 use poinsot_dynamics::{Motion as Joint, Twist};
@@ -89,7 +89,7 @@ impl Motion<'_> {
         self.columns.iter().zip(&self.twist_columns)
     }
 
-    /// What unknowns do to joints at the instant in hand: sensitivity column, joint, change of its position and rate.
+    /// Effect of unknowns on joints at the current instant: sensitivity column, joint, change of its position and rate.
     pub fn joint_changes(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> {
         self.input_state.changes.iter().filter_map(|change| {
             let (joint, dq, drate) = change.joint?;

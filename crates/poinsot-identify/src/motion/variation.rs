@@ -1,11 +1,11 @@
-//! The variational equation: how small changes of state and unknowns grow.
+//! The variational equation of state and unknowns.
 //!
 //! ```text
 //! dV = V_x x + V_u        x' = A x + b_u
 //! ```
 //!
 //! for the column `x = [dphi_B, dp_N, dP_N, dh_N]` of unknown u. `A` and `b` are those of the pose by way of the twist,
-//! and those of the momentum where anything pushes from outside.
+//! and those of the momentum if an external force or torque acts.
 
 use super::{Column, Instant, MassCentre, Motion, State, matrix};
 use crate::problem::parameters::UnknownKind;
@@ -31,7 +31,7 @@ pub(crate) struct Variation {
     chord: Vec<Vector6>,
 }
 
-/// What drives a column beside the state.
+/// Forcing of a column in addition to the state.
 #[derive(Clone, Copy)]
 pub(super) enum ColumnForcing {
     /// An unknown; `None` for a part of the state at the start.
@@ -49,9 +49,9 @@ impl ColumnForcing {
     }
 }
 
-/// Change of the momentum around one instant, by what acts from outside.
+/// Change of the momentum around one instant by external forces and torques.
 pub(super) struct MomentumVariation {
-    /// `None` where nothing acts yet that could turn with the vehicle: unknown torques that are zero.
+    /// `None` without a torque that rotates with the vehicle: unknown torques that are zero.
     momentum: Option<JacobianRows>,
     /// The lower half of `b`, per unknown.
     drive: Vec<Vector6>,
@@ -67,7 +67,7 @@ struct JacobianRows {
 }
 
 impl MomentumVariation {
-    /// Whether the momentum of a column moves by more than what it holds.
+    /// Whether the momentum of a column changes.
     fn acts(&self, unknown: Option<usize>) -> bool {
         self.momentum.is_some() || unknown.is_some_and(|u| self.drive[u] != Vector6::zeros())
     }
@@ -110,11 +110,11 @@ fn parts(x: &Column) -> (Vector3, Vector6) {
 /// The equation at the start, in the middle and at the end of a step.
 pub(super) struct StepEquation<'v> {
     pub variation: [&'v Variation; 3],
-    /// Where anything pushes.
+    /// If an external force or torque acts.
     pub push: Option<[MomentumVariation; 3]>,
 }
 
-/// Which of the three a stage of Runge and Kutta's looks at, and how far into the step it is.
+/// Evaluation and share of the step of each Runge-Kutta stage.
 const STAGES: [(usize, f64); 4] = [(0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0)];
 
 impl StepEquation<'_> {
@@ -263,7 +263,7 @@ impl Motion<'_> {
         self.fault_slopes(instant);
         self.input_columns(instant, &mut twists);
         if !self.input_state.free.is_empty() {
-            // The axial momentum is given: what of it is the host's turn takes off from the speed.
+            // The axial momentum is given: the host's rotation reduces the speed.
             for change in self.axial_changes() {
                 twists[change.unknown] -= self.wheel_gain(instant, change.wheel) * change.turn;
             }
@@ -345,7 +345,7 @@ impl Motion<'_> {
         change
     }
 
-    /// The same for the momentum, in the interval after grid time k; `None` where nothing pushes.
+    /// The same for the momentum, in the interval after grid time k; `None` without external force and torque.
     pub(super) fn push(
         &mut self,
         state: &State,

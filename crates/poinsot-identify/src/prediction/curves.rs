@@ -1,4 +1,4 @@
-//! What the answer predicts for every sensor, beside what was measured: for the reader's eye.
+//! Predicted and measured curves of every sensor, for figures.
 //!
 //! Statistics come from every sample; curves keep at most a given number of points.
 
@@ -126,7 +126,7 @@ pub fn linear_predicted(
 /// to the readings, nothing else. Empty where such bodies cannot move.
 ///
 /// # Errors
-/// The question cannot be asked.
+/// The model or the data are not valid for the method.
 pub fn predicted_by(
     problem: &Problem,
     bodies: &[MassProperties],
@@ -150,7 +150,7 @@ pub fn predicted_by(
     let experiment = Experiment::new(&held, &parameters);
     match fit_starts(&experiment, STARTS) {
         Ok(at) => Ok(predict(&experiment, &at, points)),
-        // Such bodies cannot move: an answer, and no curve.
+        // Bodies without a motion: an answer, but no curve.
         Err(ProblemError::NoMotion) => Ok(Vec::new()),
         Err(other) => Err(other),
     }
@@ -227,7 +227,7 @@ fn segment(
     Some(recorder.finish())
 }
 
-/// Keeps one of every so many samples.
+/// Keeps one of n samples.
 struct Decimator {
     stride: usize,
     seen: usize,
@@ -414,7 +414,7 @@ impl<'a> Recorder<'a> {
         p.motion.q_NB_xyzw.push(xyzw(&state.R_NB, before));
     }
 
-    /// Angular momentum about the mass centre does not feel the velocity of the base.
+    /// Angular momentum about the mass centre does not depend on the velocity of the base.
     fn momentum_point(
         &mut self,
         (vehicle, (q, rates, speed)): (&Vehicle, Inputs),

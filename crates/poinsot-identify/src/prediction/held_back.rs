@@ -24,7 +24,7 @@ pub struct HeldBack {
     pub worst: Vec<Vec<f64>>,
     /// Measured and predicted.
     pub predictions: Vec<Prediction>,
-    /// What the residuals say: outliers, what would explain them, spectral lines.
+    /// Diagnosis of the residuals: outliers, causes, spectral lines.
     pub findings: Vec<String>,
     /// Whether the fit of pose, momentum and nuisances settled.
     pub converged: bool,
@@ -54,7 +54,7 @@ pub fn held_back(
     experiment.loss = Loss::Gaussian;
     let mut fitted = fit(&experiment, None, ITERATIONS)?;
     if !model.wheels.is_empty() {
-        // As in an identification: the data decide how wheels run between readings.
+        // As in an identification: the data decide the wheel interpolation.
         experiment.wheels_smooth = true;
         let smooth = fit(&experiment, None, ITERATIONS)?;
         if experiment.cost_of(&smooth) < experiment.cost_of(&fitted) {

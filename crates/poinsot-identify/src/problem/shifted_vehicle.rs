@@ -17,7 +17,7 @@ pub(crate) struct ShiftedVehicle {
 }
 
 impl ShiftedVehicle {
-    /// `changes` are added to the numbers of the problem; `None` where no such vehicle can be asked about.
+    /// `changes` are added to the numbers of the problem; `None` without a valid vehicle.
     pub fn new(
         problem: &Problem,
         parameters: &Parameters,
@@ -64,7 +64,7 @@ impl ShiftedVehicle {
         Self::new(problem, parameters, &changes.collect::<Vec<_>>())
     }
 
-    /// The question asked of that vehicle.
+    /// The problem of that vehicle.
     pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
         Problem {
             model: &self.model,
@@ -75,7 +75,7 @@ impl ShiftedVehicle {
     }
 }
 
-/// What would have been read with another thrust for each newton, or with a sensor mounted otherwise.
+/// Samples with another thrust factor or sensor mounting.
 fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, change: f64) {
     for segment in segments {
         match number {

@@ -1,4 +1,4 @@
-//! What the experiment determines already, and what one more record or number adds to it.
+//! What the experiment determines already, and the information of one more record or number.
 
 use super::{Change, Effort, Row, percent};
 use crate::fit::experiment::Experiment;
@@ -19,7 +19,7 @@ use poinsot_solve::{BlockQr, Spectrum};
 /// Accuracy of a number that is given, natural units.
 const GIVEN: f64 = 1.0e-3;
 
-/// What the experiment tells already, in barycentric unknowns.
+/// Information of the experiment, in barycentric unknowns.
 pub(super) struct Baseline<'a> {
     pub problem: &'a Problem<'a>,
     pub parameters: Parameters,
@@ -68,7 +68,7 @@ impl<'a> Baseline<'a> {
         })
     }
 
-    /// An open direction as a unit vector in natural units.
+    /// An unobservable direction as a unit vector in natural units.
     pub fn direction(&self, open: &UnobservableCombination) -> Vec<f64> {
         let own = &self.coordinates;
         let mut z = vec![0.0; own.names.len()];
@@ -149,7 +149,7 @@ impl<'a> Baseline<'a> {
     }
 }
 
-/// In which numbers a direction is open: the others are held while one of them changes.
+/// Coordinates of a direction: the others are constant while one of them changes.
 struct Coordinates {
     names: Vec<String>,
     natural: Vec<f64>,

@@ -16,7 +16,7 @@ use poinsot_solve::Spectrum;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
 const CLOSED: f64 = 0.99;
-/// Share of a direction's square below which a change shows nothing of it.
+/// Share of a direction's square below which a change has no effect on it.
 const NOTHING: f64 = 0.05;
 /// Changes of which pairs are tried for a direction.
 const PAIRED: usize = 8;
@@ -24,14 +24,14 @@ const PAIRED: usize = 8;
 /// A row of information: over all unknowns in the order of the parameters.
 type Row = Vec<f64>;
 
-/// What a change takes, the least first.
+/// Effort of a change, the smallest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Effort {
-    /// A manoeuvre with what the vehicle has.
+    /// A manoeuvre of the existing vehicle.
     Manoeuvre,
-    /// Something that the vehicle does not have.
+    /// Additional equipment.
     Equipment,
-    /// A number from elsewhere.
+    /// A number from another source.
     Number,
 }
 
@@ -42,11 +42,11 @@ struct Change {
     rows: Vec<Row>,
 }
 
-/// What a change does.
+/// Effect of a change.
 struct Effect {
     text: String,
     effort: Effort,
-    /// Per open direction: the share identified, and the one sigma of what is, natural units.
+    /// Per unobservable direction: the identified share and its sigma, natural units.
     seen: Vec<(f64, f64)>,
 }
 
@@ -81,8 +81,8 @@ impl Effect {
     }
 }
 
-/// Puts what was tried in the place of each remedy. Open directions keep theirs where nothing can be tried: the
-/// answer was withheld, or priors hold what the data leave open.
+/// Replaces each remedy by a tested one. Unobservable directions keep theirs if none can be tested: the answer was
+/// withheld, or priors determine them.
 pub(crate) fn try_changes(
     problem: &Problem,
     solution: &Solution,
@@ -102,7 +102,7 @@ pub(crate) fn try_changes(
     }
 }
 
-/// Every change with what it does.
+/// Every change with its effect.
 struct Tried<'a> {
     baseline: Baseline<'a>,
     directions: Vec<Vec<f64>>,
@@ -132,7 +132,7 @@ impl<'a> Tried<'a> {
         })
     }
 
-    /// The best change for one direction in words; the best pair where none helps alone.
+    /// The best change for one direction in words; the best pair if no single change helps.
     fn sentence(&self, k: usize) -> Option<String> {
         let effects = || self.changes.iter().map(|c| &c.1);
         if let Some(best) = best(effects(), k) {
@@ -168,7 +168,7 @@ impl<'a> Tried<'a> {
     }
 }
 
-/// What resolves a direction with the least effort; of equal ones what resolves most, then the most accurate.
+/// The change that resolves a direction with the least effort; then the one that resolves most, then the most accurate.
 fn best<'e>(effects: impl Iterator<Item = &'e Effect>, k: usize) -> Option<&'e Effect> {
     let closing = effects.filter(|e| e.seen[k].0 > CLOSED);
     closing.min_by(|a, b| {

@@ -1,4 +1,4 @@
-//! Records that are tried: a turn, a joint's motion, a sensor, a thrust. Those that the vehicle can do come first.
+//! Tested records: a rotation, a joint motion, a sensor, a thrust. Those within the vehicle's capability come first.
 
 use super::baseline::Baseline;
 use super::{Change, Effort, Row};
@@ -19,11 +19,11 @@ const SPAN: f64 = 120.0;
 const VELOCITY: f64 = 1.0e-3;
 /// Noise of the accelerometer tried, m/s2.
 const ACCELERATION: f64 = 1.0e-4;
-/// Least rate that is tried about an axis, rad/s.
+/// Smallest tested rate about an axis, rad/s.
 const RATE: f64 = 0.05;
 /// Size of a joint's motion that is tried, rad or m, and its turns in the record.
 const SWING: (f64, f64) = (0.3, 3.0);
-/// Most joints that are swung, those next to the base first: the time of all grows with the square of a chain.
+/// Largest number of tested joints, those next to the base first: the time of all grows with the square of a chain.
 const JOINTS: usize = 32;
 /// Largest force that is tried, N, its arm, m, and the share of the record that it lasts.
 const PUSH: (f64, f64, f64) = (1.0, 0.5, 0.1);
@@ -80,7 +80,7 @@ impl Baseline<'_> {
         Some(list)
     }
 
-    /// The base turns about one of its axes besides.
+    /// The base also rotates about one of its axes.
     fn turns(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
         let tree = self.problem.tree;
         let mut kinematics = Kinematics::new(tree);
@@ -107,7 +107,7 @@ impl Baseline<'_> {
         }
     }
 
-    /// A joint that swings.
+    /// An oscillating joint.
     fn joints(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
         let tree = self.problem.tree;
         let dof = tree.dof();
@@ -171,7 +171,7 @@ impl Baseline<'_> {
         let o = &trial.segment.observations;
         let start_s = o.time_s[0];
         let lasting = (trial.span() * share).max(f64::MIN_POSITIVE);
-        // No more than turns the base at the rate that is tried about its axes.
+        // At most the tested rate about the base's axes.
         let kinematics = Kinematics::new(self.problem.tree);
         let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
         let force = (RATE * I.trace() / 3.0 / (arm * lasting)).clamp(1.0e-6, most);
@@ -236,7 +236,7 @@ impl Baseline<'_> {
             .unknowns
             .iter()
             .any(|u| u.kind.delays_inputs());
-        // A record of its own: of the others nothing is asked.
+        // A separate record, without the others.
         let index = self.problem.segments.len();
         let mut curves = vec![InputCurves::default(); index];
         if late {
@@ -294,7 +294,7 @@ impl Trial {
     }
 }
 
-/// A sensor at the base's origin with a sample at every grid time; its values are not looked at.
+/// A sensor at the base's origin with a sample at every grid time; its values are not used.
 fn tried(kind: SensorKind, samples: usize, sigma: f64) -> SensorRecord {
     let covariance = Matrix3::identity() * (sigma * sigma);
     SensorRecord::of_base(kind, covariance).at_every_time(vec![any_value(kind); samples])
@@ -352,7 +352,7 @@ fn thinned(
         }
     }
     if moving && sensors.iter().all(|r| r.kind != SensorKind::Velocity) {
-        // Made of positions.
+        // Derived from positions.
         sensors.push(SensorRecord {
             covariance: noise.velocity * share,
             ..tried(SensorKind::Velocity, samples, VELOCITY)

@@ -1,5 +1,5 @@
-//! Accelerometer: specific force at a point, in the axes of its body. It feels how inputs accelerate, so its slopes are
-//! not those of pose, twist and joints.
+//! Accelerometer: specific force at a point, in the axes of its body. It depends on input accelerations, so its
+//! derivatives are not those over pose, twist and joints.
 
 use super::PredictedMeasurement;
 use crate::motion::input_noise::InputNoise;

@@ -26,7 +26,7 @@ pub(super) fn measure(
     let joints = slopes.joints.iter();
     Some(IdealMeasurement {
         value: SensorValue::Vector(d),
-        // The reference stands still between two samples.
+        // The reference is constant between two samples.
         rate: Some(d.cross(&w_NBi_Bi)),
         slopes: MeasurementJacobian {
             pose: turned * slopes.pose,
@@ -38,7 +38,7 @@ pub(super) fn measure(
     })
 }
 
-/// Takes a vector to two axes across a direction; what it has along the direction is lost.
+/// Takes a vector to two axes across a direction; its component along the direction is lost.
 ///
 /// The axes follow the direction without a branch but for its sign (Duff et al. 2017).
 pub(crate) fn across(direction: &Vector3) -> Matrix3 {

@@ -5,7 +5,7 @@ use crate::motion::PointKinematics;
 use crate::problem::segment::SensorValue;
 use poinsot_spatial::Matrix3;
 
-/// `w_i = R^T w`; a joint turns the axes, and what moves beyond it.
+/// `w_i = R^T w`; a joint rotates the axes and all outboard bodies.
 pub(super) fn measure(place: &PointKinematics) -> IdealMeasurement {
     let to_body = place.R.transpose();
     let zero = Matrix3::zeros();

@@ -1,4 +1,4 @@
-//! What a lag needs: what a perfect sensor reads before and after.
+//! Ideal measurements before and after, for a lag.
 
 use super::{ideal_measurement, vector};
 use crate::motion::{Motion, State};
@@ -7,13 +7,13 @@ use crate::problem::segment::Segment;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
-/// What perfect sensors read at all grid times, one series a sensor of the segment; empty where nobody asks.
+/// Ideal measurements at all grid times, one series per sensor; empty if not requested.
 #[derive(Default)]
 pub(crate) struct IdealSeries {
     series: Vec<Vec<Vector3>>,
 }
 
-/// Whether the instant alone tells how fast the reading of a kind changes.
+/// Whether the state determines the rate of change of a kind's measurement.
 fn knows_rate(kind: SensorKind) -> bool {
     matches!(
         kind,
@@ -22,7 +22,8 @@ fn knows_rate(kind: SensorKind) -> bool {
 }
 
 impl IdealSeries {
-    /// Follows the motion for the sensors wanted, one entry a sensor of the segment. `None` where the vehicle cannot move.
+    /// Propagates the motion for the selected sensors, one entry per sensor of the segment. `None` where the vehicle
+    /// cannot move.
     pub fn new(
         vehicle: &Vehicle,
         segment: &Segment,
@@ -54,7 +55,7 @@ impl IdealSeries {
         Some(Self { series })
     }
 
-    /// Slope over time of a sensor's series at grid time k; zero where there is none.
+    /// Slope over time of a sensor's series at grid time k; zero without a series.
     pub fn rate(&self, sensor: usize, t: &[f64], k: usize) -> Vector3 {
         match self.series.get(sensor) {
             Some(series) if series.len() >= 2 && series.len() == t.len() => {

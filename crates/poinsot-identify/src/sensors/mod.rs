@@ -1,8 +1,8 @@
 //! What sensors read: one file a kind, one interface.
 //!
 //! A kind says what a perfect sensor reads at an instant, and how that changes with pose, base twist and joints
-//! ([`IdealMeasurement`]: `h`, `H_x`, `H_u`). [`predict`] makes of it the change with every unknown and with every error of the
-//! inputs. What may be wrong with a sensor (`H_theta`) comes on top, by one law for all: [`SensorErrors`].
+//! ([`IdealMeasurement`]: `h`, `H_x`, `H_u`). [`predict`] converts them to derivatives over every unknown and every
+//! input error. Sensor errors (`H_theta`) are added by one model for all: [`SensorErrors`].
 
 mod accelerometer;
 mod attitude;
@@ -23,10 +23,10 @@ use poinsot_dynamics::SensorErrors;
 use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
-/// What a perfect sensor reads at an instant.
+/// Ideal measurement at an instant.
 pub(crate) struct IdealMeasurement {
     pub value: SensorValue,
-    /// How fast it changes, where the instant alone tells.
+    /// Its rate of change, if the state determines it.
     pub rate: Option<Vector3>,
     pub slopes: MeasurementJacobian,
 }
@@ -63,10 +63,10 @@ impl MeasurementJacobian {
     }
 }
 
-/// What a perfect sensor reads at a grid time, and what moves it.
+/// Ideal measurement at a grid time, with its derivatives.
 pub(crate) struct PredictedMeasurement {
     pub value: SensorValue,
-    /// How fast it changes, where the instant alone tells.
+    /// Its rate of change, if the state determines it.
     pub rate: Option<Vector3>,
     /// Change with every sensitivity column.
     pub columns: Vec<Vector3>,
@@ -77,7 +77,7 @@ pub(crate) struct PredictedMeasurement {
 }
 
 impl PredictedMeasurement {
-    /// The value that the law of errors acts on: an attitude's errors are turns from the true one.
+    /// The value to which the error model applies: an attitude's errors are rotations from the true one.
     pub fn vector(&self) -> Vector3 {
         vector(&self.value)
     }
@@ -94,7 +94,7 @@ impl PredictedMeasurement {
     }
 }
 
-/// The value that the law of errors acts on.
+/// The value to which the error model applies.
 pub(crate) fn vector(value: &SensorValue) -> Vector3 {
     match value {
         SensorValue::Vector(x) => *x,
@@ -114,8 +114,8 @@ pub(crate) fn measurement_error(truth: &SensorValue, measured: &SensorValue) -> 
     }
 }
 
-/// What a perfect sensor of the pose or its rate reads; an increment's sensor the velocity. `None` for an accelerometer,
-/// whose reading is no function of pose, twist and joints.
+/// Ideal measurement of the pose or its rate; of an increment, the velocity. `None` for an accelerometer, whose
+/// measurement is no function of pose, twist and joints.
 fn measure(
     record: &SensorRecord,
     motion: &mut Motion,
@@ -138,7 +138,7 @@ fn measure(
     }
 }
 
-/// Value that a perfect sensor reads at grid time k, and its rate where the instant alone tells.
+/// Ideal measurement at grid time k, and its rate if the state determines it.
 pub(crate) fn ideal_measurement(
     record: &SensorRecord,
     motion: &mut Motion,
@@ -154,7 +154,7 @@ pub(crate) fn ideal_measurement(
     }
 }
 
-/// What a perfect sensor reads at grid time k with all that moves it; `None` where nobody can say.
+/// Ideal measurement at grid time k with its derivatives; `None` if it is unknown.
 pub(crate) fn predict(
     record: &SensorRecord,
     motion: &mut Motion,

@@ -1,4 +1,4 @@
-//! What a method has found: numbers with their spectrum, what stays open, the types of the answer.
+//! The numerical solution, its unobservable set, and the types of the answer.
 
 pub(crate) mod estimate;
 pub(crate) mod solved;

@@ -1,4 +1,4 @@
-//! A solved problem before it is put into words.
+//! The numerical solution of a problem.
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
@@ -32,7 +32,7 @@ impl VectorQuantity {
         }
     }
 
-    /// Components `from..from + 3` of a solved head.
+    /// Components `from..from + 3` of a conditional estimate.
     pub fn of_initial_state(
         conditional: &ConditionalEstimate,
         from: usize,
@@ -55,11 +55,11 @@ pub(crate) struct StartOfSegment {
     pub angular: VectorQuantity,
     pub linear_given: MomentumKnowledge,
     pub angular_given: MomentumKnowledge,
-    /// Whether any sensor sees translation.
+    /// Whether any sensor measures translation.
     pub translation: bool,
 }
 
-/// One segment reduced by the linear method: its momentum rows and what is left for the shared unknowns.
+/// One segment reduced by the linear method: its momentum rows and the rows of the shared unknowns.
 pub(crate) struct Reduced {
     /// Triangle of `[momentum | unknowns | rhs]`.
     pub triangle: Triangle,
@@ -67,12 +67,12 @@ pub(crate) struct Reduced {
     pub start: StartMomentum,
 }
 
-/// A solved problem.
+/// The solution of a problem.
 pub(crate) struct Solution {
     pub method: &'static str,
     pub parameters: Parameters,
     pub shared: SharedTriangle,
-    /// Spectrum of the data and all declared priors: what the numbers rest on.
+    /// Spectrum of the data and all declared priors.
     pub spectrum: Spectrum,
     /// Spectrum without the priors of mass properties, where any are declared.
     pub data_alone: Option<Spectrum>,
@@ -89,9 +89,9 @@ pub(crate) struct Solution {
     pub fit: Vec<SegmentFit>,
     /// Triangles of the linear method; empty for others.
     pub reduced: Vec<Reduced>,
-    /// Walks along what is open.
+    /// Paths along unobservable directions.
     pub unobservable_set: UnobservableSet,
-    /// Iterations, and whether they settled.
+    /// Iterations, and whether they converged.
     pub iterations: usize,
     pub converged: bool,
     pub warnings: Vec<String>,
@@ -99,19 +99,19 @@ pub(crate) struct Solution {
     pub wheels_smooth: bool,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
-    /// Bodies that the data press against the edge of what positive mass can have.
+    /// Bodies at an active limit of physical mass properties.
     pub held: Option<BoundaryBodies>,
-    /// What the residuals say; `None` of a method that does not ask them.
+    /// Diagnosis of the residuals; `None` for a method without it.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Priors that the data contradict.
     pub conflict: Option<Conflict>,
-    /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
+    /// Whether noise accumulates over rows, which the sigmas assume independent.
     pub noise_accumulates: bool,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
-    /// What is not measured well enough for the answer to be relied on.
+    /// Inputs to which the answer is too sensitive.
     pub sensitive_to: Vec<&'static str>,
-    /// Whether the residual speaks against a rigid vehicle.
+    /// Whether the residual contradicts a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.
     pub regressor_noise: Vec<f64>,
@@ -123,7 +123,7 @@ impl Solution {
         self.data_alone.as_ref().unwrap_or(&self.spectrum)
     }
 
-    /// The value of all unknowns that it stands for.
+    /// Its values of all unknowns.
     pub fn point(&self, experiment: &Experiment) -> Iterate {
         let segments = experiment.problem.segments.iter().zip(&self.starts);
         let initial_states = segments.map(|(segment, start)| InitialState {

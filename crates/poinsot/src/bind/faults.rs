@@ -1,10 +1,10 @@
-//! Which faults of which sensors can be unknown: anything else that is asked for is refused, not ignored.
+//! Sensor errors that can be estimated; any other is refused, not ignored.
 
 use super::BindError;
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{Model, Nuisance, SensorKind};
 
-/// Faults that the fit knows, by kind of sensor.
+/// Errors that the fit can estimate, by kind of sensor.
 fn known(kind: SensorKind) -> Vec<&'static str> {
     match kind {
         SensorKind::JointPosition => vec!["bias", "lag"],

@@ -1,8 +1,8 @@
 //! Positions and velocities on an orbit, as receivers and ephemerides give them, relative to free fall.
 //!
-//! N falls freely with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity where the vehicle is. Then
-//! `r - G` obeys `m (r - G)'' = F` with the forces of the vehicle alone, tide included, on any orbit and for any time.
-//! Noise of `r` enters `G` as noise times the gradient of gravity, 1e-6 1/s2 in low orbit, and can be neglected.
+//! N is in free fall with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity where the vehicle is.
+//! Then `r - G` obeys `m (r - G)'' = F` with the forces of the vehicle alone, tide included, on any orbit and for any
+//! time. Noise of `r` enters `G` as noise times the gradient of gravity, 1e-6 1/s2 in low orbit, and can be neglected.
 
 use super::BindError;
 use nalgebra::Vector3;

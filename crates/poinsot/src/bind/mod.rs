@@ -1,6 +1,6 @@
 //! Names become indices: a table of channels and a model become samples on one time base.
 //!
-//! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
+//! Every assumption and repair is reported; an unknown name is an error.
 
 mod acceleration;
 mod attitude_start;
@@ -32,7 +32,7 @@ use poinsot_telemetry::Table;
 use sensors::BaseSensors;
 use std::collections::HashSet;
 
-/// Everything an estimator needs of one question.
+/// The input of an estimator.
 pub struct Bound {
     /// Segments in the order given.
     pub segments: Vec<Segment>,

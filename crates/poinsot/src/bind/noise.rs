@@ -1,4 +1,4 @@
-//! Declared noise of the sensors, and how much of it the data really show.
+//! Declared noise of the sensors, and its observed share in the data.
 
 use super::BindError;
 use super::sensors::{BaseSensors, covariance};

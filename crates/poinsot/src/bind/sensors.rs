@@ -1,4 +1,4 @@
-//! Sensors of three axes: which columns are whose, and their samples on the grid. Any number of a kind, on any body.
+//! Sensors of three axes: their columns and samples on the grid. Any number of a kind, on any body.
 
 use super::BindError;
 use crate::channel_names::{XYZ, names};
@@ -195,7 +195,7 @@ impl<'a> SensorColumns<'a> {
             correlation_s: declared.map_or(0.0, |s| s.correlation_s),
             samples: samples.collect(),
             name: declared.map_or_else(|| self.kind.word().to_owned(), |s| label(model, s)),
-            // Sensors that report in body axes err in their own.
+            // Sensors with samples in body axes have errors in their own axes.
             ..SensorRecord::of_base(
                 self.kind,
                 match declared {
@@ -408,7 +408,7 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
     })
 }
 
-/// A direction tells nothing without the vector in N that it belongs to.
+/// A direction needs its reference vector in N.
 fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), BindError> {
     for (k, sensor) in model.sensors.iter().enumerate() {
         if sensor.kind != SensorKind::Direction || sensor.reference_N.is_some() {
@@ -429,7 +429,7 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
     Ok(())
 }
 
-/// What the fit starts from is measured on the base: rate, attitude, and position or velocity where there is any.
+/// The initial state is measured on the base: rate, attitude, and position or velocity where there is any.
 fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
     let groups: [&[SensorKind]; 3] = [
         &[SensorKind::Gyro],
@@ -493,7 +493,7 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
     }
 }
 
-/// Attitude and position of the only sensor may be taken as exact; anything else is worth nothing without its noise.
+/// Attitude and position of the only sensor may be taken as exact; any other sensor needs its noise.
 fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
     if covariance(sensor).is_some() {
         return Ok(());

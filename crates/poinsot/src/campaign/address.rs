@@ -38,7 +38,7 @@ pub(crate) struct Documents {
     pub nominal: Option<Table>,
 }
 
-/// What becomes of a number: its index among those of the address, and its value in the file.
+/// New value of a number from its index in the address and its value in the file.
 pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
 
 /// Changes the numbers at an address.

@@ -1,8 +1,8 @@
 //! The verb `campaign`: many trials of many experiments, from one core to a cluster.
 //!
 //! A [`Plan`] names experiments, methods, numbers that vary and numbers that are drawn. Its trials fall into numbered
-//! shards. A shard is a function of the plan and its number alone: it is run anywhere, written whole or not at all, and run
-//! again without harm. [`fold_shards`] adds shards up by their numbers, so that the sums of a campaign have the same bits
+//! shards. A shard is a function of the plan and its number alone: it can run anywhere, is written atomically, and can
+//! be repeated. [`fold_shards`] adds shards up by their numbers, so that the sums of a campaign have the same bits
 //! however often it was interrupted.
 //!
 //! ```no_run

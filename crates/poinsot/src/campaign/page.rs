@@ -6,7 +6,7 @@ use poinsot_report::{
     Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
 };
 
-/// Most numbers that have a figure of their own.
+/// Largest number of separate figures.
 const FIGURES: usize = 12;
 
 /// The page.
@@ -47,7 +47,7 @@ pub(crate) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     })
 }
 
-/// Whether every method holds what a calibrated estimator must.
+/// Whether every method is calibrated.
 fn held(result: &CampaignFile) -> Light {
     let methods = || result.cells.iter().flat_map(|c| &c.methods);
     let missed = methods().filter(|m| !m.misses.is_empty()).count();

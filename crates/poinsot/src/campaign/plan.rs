@@ -92,7 +92,7 @@ pub struct Shard {
 /// Reads and checks a plan.
 ///
 /// # Errors
-/// Everything that is wrong with the plan or with a file that it names.
+/// All faults of the plan and its files.
 pub fn read_plan(path: &Path) -> Result<Plan, Error> {
     let text = poinsot_files::read_text(path, LARGEST).map_err(|e| {
         let text = PlanText::new(path, String::new());
@@ -178,7 +178,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         );
     }
     text.finish()?;
-    // Every point of the grid is tried before an hour is spent on the first.
+    // Every point of the grid is checked before the first trial.
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
         let files = plan.files_at(experiment, cell)?;
@@ -462,7 +462,7 @@ fn digest(file: &PlanFile, experiments: &[Experiment]) -> String {
     sha256(&serde_json::to_vec(&whole).unwrap_or_default())
 }
 
-/// Everything that a trial depends on.
+/// All inputs of a trial.
 #[derive(Serialize)]
 struct Digested<'a> {
     files: Vec<&'a String>,

@@ -16,10 +16,10 @@ use std::time::{Duration, Instant};
 
 /// Largest file of rows that is copied between folders, bytes.
 const LARGEST_ROWS: u64 = 1 << 34;
-/// Between two looks of `--follow`: at least this long, and ten times what a look takes.
+/// Interval of `--follow`: at least this, and ten times its computing time.
 const FOLLOWED: Duration = Duration::from_secs(5);
 
-/// What is to be run.
+/// Request of a campaign.
 pub struct CampaignRequest<'a> {
     /// Folder of the campaign.
     pub out: PathBuf,
@@ -62,7 +62,7 @@ impl CampaignRun {
     }
 }
 
-/// Runs a plan in memory, for a result whose trials nobody keeps.
+/// Runs a plan in memory, without files.
 ///
 /// # Errors
 /// An experiment cannot be simulated.
@@ -209,7 +209,7 @@ fn run_missing(
     let last = Mutex::new((Instant::now(), FOLLOWED));
     let watch = |_: u64| {
         let Some(follow) = request.follow else { return };
-        // Who finds it taken goes on: another thread is looking.
+        // If it is locked, another thread updates it.
         let Ok(mut last) = last.try_lock() else {
             return;
         };
@@ -251,7 +251,7 @@ fn finish(
     Ok(())
 }
 
-/// A folder with shards of another plan holds another campaign: to mix them counts trials that were never planned.
+/// Shards of different plans must not be mixed.
 fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
     let short = |path: &Path| {
         let name = path.file_name()?.to_str()?;

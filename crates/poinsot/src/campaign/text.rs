@@ -130,7 +130,7 @@ fn all(result: &CampaignFile) -> impl Iterator<Item = (usize, &CellFile, &Method
     cells.flat_map(|(k, c)| c.methods.iter().map(move |m| (k, c, m)))
 }
 
-/// What tells the rows of a table apart.
+/// Labels of the rows of a table.
 fn prefix(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> String {
     let mut words = Vec::new();
     if result.cells.iter().any(|c| c.experiment != cell.experiment) {

@@ -1,4 +1,4 @@
-//! The plan of a case for a model, and what is wrong with it.
+//! The plan of a case for a model, with its faults.
 
 use super::fault::{CaseText, did_you_mean};
 use crate::error::CaseFault;
@@ -123,7 +123,7 @@ impl Planner<'_> {
     }
 }
 
-/// What to do about nodes that make no function.
+/// Remedy for invalid nodes.
 pub(super) fn node_remedy(error: &NodeError) -> &'static str {
     match error {
         NodeError::Empty => "give at least one",

@@ -1,4 +1,4 @@
-//! `[[joint_torque]]`, `[[initial.joint]]` and the springs of the model as what drives the joints.
+//! `[[joint_torque]]`, `[[initial.joint]]` and the springs of the model as drives of the joints.
 
 use super::fault::did_you_mean;
 use super::planner::{Planner, node_remedy};
@@ -11,7 +11,7 @@ use poinsot_telemetry::{ReadOptions, TelemetryError, read};
 use std::ops::Range;
 use std::path::Path;
 
-/// What each joint coordinate has of its own: a motor, and where it starts.
+/// Motor and initial state of each joint coordinate.
 struct MotorSettings {
     motor: Option<ForceProfile>,
     position: Option<f64>,
@@ -39,8 +39,8 @@ impl Forms<'_> {
 pub(super) type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
 
 impl Planner<'_> {
-    /// What drives every joint coordinate; `None` where all motion is prescribed. A joint with a motor, or
-    /// with a spring and nothing that leads it, is left to the forces; `led` says which have a motion.
+    /// What drives every joint coordinate; `None` where all motion is prescribed. A joint with a motor, or with a
+    /// spring and no prescribed motion, is free; `led` marks those with a motion.
     pub(super) fn drives(
         &mut self,
         torques: &[JointTorqueFile],
@@ -285,7 +285,7 @@ impl Planner<'_> {
         })
     }
 
-    /// How the torque runs between nodes: held (as a digital controller does) or straight.
+    /// Interpolation of the torque between nodes: constant (as of a digital controller) or linear.
     fn interpolation(&mut self, table: &JointTorqueFile, key: &str) -> Option<Build> {
         match &table.interpolation {
             None => Some(PiecewisePolynomial::steps),

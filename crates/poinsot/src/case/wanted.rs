@@ -33,7 +33,7 @@ impl Case {
     /// What is wanted of the numbers of a model; empty where the case wants nothing.
     ///
     /// # Errors
-    /// Every fault that shows against this model.
+    /// All faults with this model.
     pub fn wants(&self, model: &Model) -> Result<Vec<Want>, CaseError> {
         let mut planner = self.planner(model);
         let mut wants = Vec::new();
@@ -106,7 +106,7 @@ impl Planner<'_> {
         None
     }
 
-    /// What `relative` is a share of: the mass; the mean principal moment of the body.
+    /// Reference of `relative`: the mass; the mean principal moment of the body.
     fn scale(&mut self, terms: &[WantedTerm], span: Range<usize>, key: &str) -> Option<f64> {
         if let [term] = terms {
             let nominal = &self.model.bodies[term.body].nominal;

@@ -5,7 +5,7 @@ use poinsot_telemetry::{as_read, rounded};
 /// Why telemetry and model do not fit together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BindError {
-    /// A channel that the method cannot do without.
+    /// A required channel.
     #[error("E0301 {file}: no channel '{channel}': {why}")]
     Missing {
         /// File or files of the segment.
@@ -50,7 +50,7 @@ pub enum BindError {
         /// Time, s.
         time: f64,
     },
-    /// A reading that no vehicle gives.
+    /// An implausible sample.
     #[error(
         "E0306 {file}: channel '{channel}': {} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample",
         as_read(*value)
@@ -67,7 +67,7 @@ pub enum BindError {
         /// What is wrong with it.
         why: String,
     },
-    /// Vectors in N, and nothing that says how the vehicle stands to N.
+    /// Vectors in N without an attitude.
     #[error(
         "E0307 {file}: no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N, whose orientation is unknown without it; add the attitude, or {remedy}"
     )]

@@ -1,8 +1,8 @@
-//! Why there is nothing to compare.
+//! Error of a comparison.
 
 use std::path::PathBuf;
 
-/// Why there is nothing to compare.
+/// Error of a comparison.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ValidateError {
     /// The estimate.

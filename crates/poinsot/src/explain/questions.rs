@@ -1,4 +1,4 @@
-//! Codes of questions that cannot be asked: binding, methods, simulation, results.
+//! Codes of binding, methods, simulation and results.
 
 use super::Entry;
 

@@ -29,7 +29,7 @@ pub fn prediction_document(prediction: &PredictionFile) -> Document {
     document
 }
 
-/// The document without what the manoeuvre cannot tell.
+/// The document without undetermined numbers.
 pub(crate) fn accuracy(prediction: &PredictionFile) -> Document {
     let enough = match prediction.wants.is_empty() {
         true => prediction.status == Status::Converged.name(),
@@ -105,7 +105,7 @@ fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
         .any(|n| predicted_sigma(&n.2).is_some())
 }
 
-/// The sigma that the manoeuvre gives.
+/// The predicted sigma.
 pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
     let source = n.source.as_deref();
     n.sigma.filter(|_| source.is_some_and(|s| s != "known"))

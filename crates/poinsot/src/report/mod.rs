@@ -35,7 +35,7 @@ use results::{NAMES, result_page};
 use std::path::{Path, PathBuf};
 use truth::Truth;
 
-/// What every section sees.
+/// Input of every section.
 pub(crate) struct Answer {
     pub estimate: EstimateFile,
     pub data: ReportData,

@@ -214,7 +214,7 @@ fn ellipsoid(name: &str, axes: [[f64; 3]; 3], faint: bool) -> Ellipsoid {
     }
 }
 
-/// Ghosts drawn from the covariance, or words where they are thinner than a line.
+/// Ellipsoids drawn from the covariance, or words if they are thinner than a line.
 fn uncertainty(scene: &mut Scene, spread: Option<Spread>, I: &Matrix3, size: f64) -> String {
     let (Some((sigmas, covariance)), Some((moments, axes))) = (spread, principal(I)) else {
         return String::new();

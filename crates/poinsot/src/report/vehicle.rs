@@ -7,7 +7,7 @@ use super::trust::group;
 use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Name and colour of a body, by what the answer says of it.
+/// Name and colour of a body, by its result.
 const DETERMINED: (&str, usize) = ("determined", 0);
 const OPEN: (&str, usize) = ("not all determined", 4);
 const KNOWN: (&str, usize) = ("known", 6);

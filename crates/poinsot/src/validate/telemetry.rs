@@ -207,12 +207,12 @@ fn quaternion(rows: &[Vec<f64>], k: usize) -> UnitQuaternion {
     UnitQuaternion::new_normalize(Quaternion::new(part(3), part(0), part(1), part(2)))
 }
 
-/// Chi-square per degree of freedom of noise a tenth larger than declared: nobody knows it better.
+/// Chi-square per degree of freedom of noise a tenth larger than declared: the usual accuracy of a declaration.
 const ALLOWED: f64 = 1.21;
 /// Probability by chance from which a misfit counts.
 const BY_CHANCE: f64 = 1.0e-6;
 
-/// What the comparison with held-back telemetry says beside the numbers.
+/// Findings of the comparison with held-back telemetry.
 pub struct HeldBackFindings {
     /// One per quantity and segment.
     pub compared: Vec<Compared>,

@@ -32,7 +32,7 @@ pub fn validation_document(validation: &ValidationFile) -> Document {
     document
 }
 
-/// Whether the estimate, where there is one, may be relied on.
+/// Whether the estimate, if any, is reliable.
 fn is_reliable(validation: &ValidationFile) -> bool {
     let estimate = validation.estimate.as_ref();
     estimate.is_none_or(|e| e.covariance_trustworthy)

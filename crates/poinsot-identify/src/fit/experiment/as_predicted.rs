@@ -1,4 +1,4 @@
-//! Readings as a point predicts them.
+//! Samples replaced by their predictions at an iterate.
 
 use super::{Experiment, Iterate};
 use crate::fit::coordinates::Coordinates;
@@ -8,7 +8,7 @@ use crate::problem::segment::{Segment, SensorValue};
 use crate::sensors::across;
 use poinsot_spatial::UnitQuaternion;
 
-/// Rounds in which readings become those predicted: the turn of an attitude is exact after the first.
+/// Iterations until samples equal predictions: the turn of an attitude is exact after the first.
 const ROUNDS: usize = 2;
 
 pub(crate) fn readings_alone<'b>(

@@ -1,4 +1,4 @@
-//! What known numbers do to the predictions: columns beside those of the unknowns.
+//! Sensitivities of the predictions to known numbers.
 
 use super::as_predicted::take_predictions;
 use super::{Experiment, Iterate};
@@ -110,7 +110,7 @@ pub(crate) fn slopes(experiment: &Experiment, at: &Iterate) -> Option<KnownColum
             sensors
                 .map(|i| {
                     let of = |all: &Option<Vec<Vec<Vec<Vector3>>>>| {
-                        // A number that cannot be moved leaves nothing to say.
+                        // A number without a valid step gives no column.
                         let all = all.as_ref().and_then(|all| all.get(s)?.get(i).cloned());
                         all.unwrap_or_default()
                     };

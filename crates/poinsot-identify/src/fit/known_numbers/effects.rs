@@ -1,4 +1,4 @@
-//! What the known numbers do to an answer: its sigma without them, and how it changes with each.
+//! Effect of the known numbers on an answer: its sigma without them, and its change with each.
 
 use crate::fit::Fitted;
 use crate::fit::degrees_of_freedom::known_covariance;
@@ -8,10 +8,10 @@ use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
 
-/// Share of its declared sigma to which the data must bring a known number for it to count as estimated.
+/// Share of its declared sigma below which a known number counts as estimated.
 const ESTIMATED: f64 = 0.7;
 
-/// How the answer depends on the known numbers.
+/// Sensitivity of the answer to the known numbers.
 pub(crate) struct Effects {
     /// What the data determine where every known number is exact.
     pub exact: Spectrum,

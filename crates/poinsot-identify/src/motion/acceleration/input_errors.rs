@@ -1,4 +1,4 @@
-//! How the specific force at a point answers to small errors of state and inputs.
+//! Sensitivity of the specific force at a point to errors of state and inputs.
 
 use super::{BodyPoint, Inputs, Moving, RateSlopes, lower, stack, upper};
 use crate::motion::inputs::JOINT_STEP;
@@ -24,7 +24,7 @@ pub(crate) struct ForceAround<'m, 'a> {
 }
 
 impl<'a> Motion<'a> {
-    /// Wants the instant that [`Motion::velocity`] gave for the same time.
+    /// Requires the instant that [`Motion::velocity`] gave for the same time.
     pub fn force_around(
         &self,
         (state, k): (&State, usize),

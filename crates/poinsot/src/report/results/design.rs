@@ -1,4 +1,4 @@
-//! A designed manoeuvre: what it reaches, which limits hold it back, how it is flown.
+//! A designed manoeuvre: result, active limits, and motion.
 
 use super::curves::commands;
 use super::{Shown, ratio_figure};

@@ -63,7 +63,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
     }
 }
 
-/// The verdict without the paths of its files.
+/// The verdict without file paths.
 fn largest_difference_sentence(v: &ValidationFile, largest: Option<f64>) -> String {
     let moves = match v.verdict.as_str() {
         "undetermined" => "The motion depends on undetermined numbers".to_owned(),
