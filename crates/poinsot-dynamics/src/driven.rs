@@ -1,6 +1,6 @@
-//! Motion of the vehicle under joint torques, wheels and thrust: nothing prescribed that does not have to be.
+//! Motion of the vehicle under joint torques, wheels and thrust.
 //!
-//! The equations stand in `driven_stage.rs`.
+//! The equations are in `driven_stage.rs`.
 
 use crate::dop853::DormandPrince8;
 use crate::driven_stage::{Driven, DrivenPlan, DrivenSample, DrivenStage};

@@ -1,7 +1,6 @@
-//! The law of an instrument with three axes: where a perfect one reads `x(t)`, it reads
-//! `(1 + turn) x(t - lag) + bias`.
+//! Error model of a sensor with three axes: for the ideal measurement `x(t)` it gives `(1 + turn) x(t - lag) + bias`.
 //!
-//! The estimator and the simulator call this one law.
+//! Estimator and simulator share it.
 
 use poinsot_spatial::{Matrix3, Vector3, skew};
 

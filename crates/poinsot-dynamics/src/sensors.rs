@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A sensor at work: its declared errors, its own random stream and its bias.
+/// A simulated sensor: its declared errors, random stream and bias.
 ///
 /// A reading is `(1 + turn) truth + bias + noise`, rounded to the least significant bit ([`SensorErrors`]). Gyro,
 /// accelerometer, direction and attitude have errors in the sensor's axes and samples in those of its body; position

@@ -1,7 +1,7 @@
 //! Estimators, identifiability and information.
 //!
-//! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. A question that cannot be asked is an error;
-//! what the data do not determine is part of the answer.
+//! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. An invalid problem is an error; undetermined
+//! numbers are part of the answer.
 #![allow(non_snake_case)]
 
 mod answer;

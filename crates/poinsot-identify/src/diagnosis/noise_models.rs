@@ -1,7 +1,7 @@
-//! Faults of the scatter: noise larger than declared, single bad samples, times that scatter, rounding.
+//! Faults of the noise: larger than declared, outliers, jitter of times, rounding.
 //!
-//! Each is a law of the variance of one sensor's whitened residual. The fall of `-2 ln L` is that of its best value, on
-//! the same scale as the decrease of chi-square by a fault of the mean.
+//! Each is a model of the variance of one sensor's whitened residual. The fall of `-2 ln L` is that of its best value,
+//! on the same scale as the decrease of chi-square by a fault of the mean.
 
 use super::EXCESS;
 use super::candidate::Candidate;

@@ -1,7 +1,7 @@
-//! From far off to close by on a few of the readings.
+//! A first fit to a few samples.
 //!
-//! Where nominal numbers are off by many sigmas, the first steps need not be exact: a share of the readings leads as
-//! near as the whole record would, for a share of the time. The fit itself then sees every sample.
+//! If nominal numbers are wrong by many sigmas, the first steps need not be exact: a subset of the samples leads as
+//! close, in a fraction of the time. The fit itself uses all samples.
 
 use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{ITERATIONS, is_close};

@@ -1,7 +1,7 @@
-//! Held-back telemetry: how well given mass properties predict a record that they were not found from.
+//! Held-back telemetry: how well given mass properties predict a record that was not used.
 //!
-//! Nothing of the vehicle is fitted. What belongs to the record alone is: pose and momentum at the start of
-//! each segment, and biases and other nuisances that the model declares unknown.
+//! No vehicle parameter is fitted, only those of the record: pose and momentum at the start of each segment, and biases
+//! and other nuisances that the model declares unknown.
 
 use crate::diagnosis::diagnose;
 use crate::fit::degrees_of_freedom::fitted_numbers;

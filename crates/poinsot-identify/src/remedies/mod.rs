@@ -1,9 +1,8 @@
-//! What change would resolve an unobservable direction: tried, not guessed.
+//! Changes that resolve an unobservable direction: computed, not guessed.
 //!
-//! To what the experiment determines already comes one record more, with a motion, a thrust, a momentum or a sensor that
-//! it does not have, or one number that is given. The information of both together is decomposed again, and a
-//! direction counts as resolved where it lies in what is then identified. Nothing is simulated: information needs
-//! the predicted motion and the noise, and no samples. Where no change alone resolves a direction, pairs are tried.
+//! One record with another motion, thrust, momentum or sensor, or one known number, is added to the experiment. The
+//! joint information is decomposed again, and a direction is resolved if it is then identified. Information needs the
+//! predicted motion and the noise, but no simulated samples. Pairs are tested if no single change resolves a direction.
 
 mod baseline;
 mod records;

@@ -1,6 +1,6 @@
-//! What sensors read: one file a kind, one interface.
+//! Measurement models: one file a kind, one interface.
 //!
-//! A kind says what a perfect sensor reads at an instant, and how that changes with pose, base twist and joints
+//! A kind gives the ideal measurement at an instant, and its derivatives over pose, base twist and joints
 //! ([`IdealMeasurement`]: `h`, `H_x`, `H_u`). [`predict`] converts them to derivatives over every unknown and every
 //! input error. Sensor errors (`H_theta`) are added by one model for all: [`SensorErrors`].
 

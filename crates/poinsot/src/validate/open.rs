@@ -1,7 +1,7 @@
-//! Does the prediction depend on what the estimate leaves open?
+//! Test whether the prediction depends on undetermined numbers.
 //!
-//! The data determine combinations, and the motion should depend on these alone. It is tried: the completed numbers are
-//! moved along every unobservable direction, and what the prediction makes of it is looked at.
+//! The data determine combinations, and the motion should depend on these alone. The completed numbers are varied along
+//! every unobservable direction, and the change of the prediction is measured.
 
 use super::Mover;
 use super::motion::{Path, compare_paths, path};
