@@ -188,7 +188,7 @@ fn exact_a_changed_plan_is_refused_and_more_trials_are_not() {
         ] {
             let text = error.unwrap().to_string();
             assert!(
-                text.starts_with("E0602") && text.contains("a shard of the plan"),
+                text.starts_with("E0602") && text.contains("a shard of plan"),
                 "{text}"
             );
         }

@@ -137,10 +137,10 @@ fn csv() -> Vec<Row> {
         row("F5", "Fortran's 1d-3", |b| b.spoil(|s| s.set(3, "omega_x", "1d-3")), 2, &["has a Fortran exponent; write 'e'"]),
         row("F5", "typographic minus", |b| b.spoil(|s| s.set(3, "omega_x", "\u{2212}0.01")), 2, &["has a typographic minus (U+2212); write the ASCII '-'"]),
         row("F6", "one line of 17 MiB", |b| b.write("t.csv", "a".repeat(17 << 20)), 2, &["E0202 t.csv: a line is longer than 16 MiB"]),
-        row("F6", "70,000 columns", |b| b.write("t.csv", format!("time_s{}\n", (0..70_000).map(|k| format!(",c{k}")).collect::<String>())), 2, &["E0205 t.csv: 70001 columns in the header; leave out what is not needed, at most 65536 are read"]),
+        row("F6", "70,000 columns", |b| b.write("t.csv", format!("time_s{}\n", (0..70_000).map(|k| format!(",c{k}")).collect::<String>())), 2, &["E0205 t.csv: 70001 columns in the header; leave out what is not needed, the limit is 65536"]),
         row("F6", "more samples than the memory allowed", |b| { let mut t = sheet().text(); let tail = ",0,0,0,,,,,0,0,0\n"; for k in 0..20_000 { t.push_str(&format!("{}{tail}", 101 + k)); } b.write("t.csv", t); }, 2,
-            &["E0221 t.csv: up to ", "samples in 10 channels are asked for, and 10922 fit into 1 MiB of memory; take every n-th row by --every", "a part by --time-s FROM,TO, or raise --memory-mib"]).more(&["--memory-mib", "1"]),
-        row("F6", "a part of the record", |_| {}, 0, &["t.csv: 151 of 501 rows taken, as --time-s and --every ask"]).more(&["--time-s", "20,80", "--every", "2"]),
+            &["E0221 t.csv: up to ", "samples in 10 channels are requested, but 10922 fit into 1 MiB of memory; use --every", "--time-s FROM,TO, or a larger --memory-mib"]).more(&["--memory-mib", "1"]),
+        row("F6", "a part of the record", |_| {}, 0, &["t.csv: 151 of 501 rows selected by --time-s and --every"]).more(&["--time-s", "20,80", "--every", "2"]),
         row("F6", "no row in the part", |_| {}, 2, &["E0213 where time_s = '200,300': no row of t.csv lies between these times, s; choose times of the record"]).more(&["--time-s", "200,300"]),
         row("F6", "a folder", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::fs::create_dir(b.path("t.csv")).unwrap(); }, 2, &["E0202 t.csv: not a regular file; give a .csv or .parquet file"]),
         row("F6", "a pipe", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); let made = std::process::Command::new("mkfifo").arg(b.path("t.csv")).status(); assert!(made.is_ok_and(|s| s.success())); }, 2, &["E0202 t.csv: not a regular file"]),
@@ -206,7 +206,7 @@ fn parquet_rows() -> Vec<Row> {
             2,
             &[
                 "E0216 t.parquet column 'v_x': type List(",
-                "is not read; store numbers as float64, times as seconds",
+                "is not supported; store numbers as float64, times as seconds",
             ],
         )
         .run(INSPECT_PARQUET),

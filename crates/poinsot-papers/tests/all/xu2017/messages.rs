@@ -180,7 +180,7 @@ fn unit_a_joint_that_does_not_move_makes_one_body_of_two() {
     );
     assert_eq!(
         warned(&found, "does not move"),
-        "joint3 does not move in any segment: B2 and B3 are one body to these data; drive it in a segment of its own"
+        "joint3 does not move in any segment: B2 and B3 are one body to these data; drive it in a separate segment"
     );
     let e = &found.estimate;
     assert_eq!(e.identifiability.determined.len(), 45);

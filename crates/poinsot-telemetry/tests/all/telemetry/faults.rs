@@ -159,7 +159,7 @@ fn unit_times_that_cannot_be() {
         ),
         (
             "time_s,omega_x\n0,1\n1,2\n1,3\n2,1\n",
-            "E0208 run.csv:4 column 'time_s': time 1 s stands already in row 3 with another value of 'omega_x'; keep one of the rows",
+            "E0208 run.csv:4 column 'time_s': time 1 s is already in row 3 with another value of 'omega_x'; keep one of the rows",
         ),
         (
             "time_s,omega_x\n0,1\n,2\n2,3\n",

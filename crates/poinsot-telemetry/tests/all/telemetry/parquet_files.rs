@@ -120,7 +120,7 @@ fn unit_faults_name_file_row_and_column() {
     let error = read(&[&path], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0216 text.parquet column 'omega_x': type Utf8 is not read; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
+        "E0216 text.parquet column 'omega_x': type Utf8 is not supported; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
     );
     let path = folder.path("inf.parquet");
     let inf: ArrayRef = Arc::new(Float64Array::from(vec![0.0, f64::NEG_INFINITY]));
