@@ -250,7 +250,7 @@ fn check_prior(
     })
 }
 
-/// Mass that hangs on each body, itself included.
+/// Mass of the subtree of each body, itself included.
 fn carried_mass(model: &Model) -> Vec<f64> {
     let mut carried: Vec<f64> = model.bodies.iter().map(|b| b.nominal.mass).collect();
     for (k, body) in model.bodies.iter().enumerate().rev() {

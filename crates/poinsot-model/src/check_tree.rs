@@ -1,4 +1,4 @@
-//! The joints make one tree that hangs on the base. No recursion: chains of thousands of links are fine.
+//! The joints form one tree with the base as root. No recursion: chains of thousands of links are fine.
 
 use crate::file::{BodyFile, JointFile};
 use crate::finding::{Findings, Key};

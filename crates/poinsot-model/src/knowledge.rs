@@ -1,4 +1,4 @@
-//! How well the numbers are known that nobody asks for.
+//! Uncertainty of the known numbers.
 //!
 //! One table gives the uncertainty by where a number comes from; a model file may declare another one, or none at all
 //! (`exact = true`). The figures are engineering judgement; each has its reason beside it.

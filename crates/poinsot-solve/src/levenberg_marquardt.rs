@@ -1,35 +1,34 @@
 //! Levenberg-Marquardt: the one loop behind every nonlinear fit.
 //!
-//! A problem says what its cost is, how it looks close by, and where a damped step leads. The loop
-//! decides how much damping a step needs and when the answer is reached. Why it ended is part of the
-//! result, not an error.
+//! A problem gives its cost, its linearisation, and a damped step. The loop chooses the damping and decides
+//! convergence. The reason of its end is part of the result, not an error.
 
-/// Share of the promised decrease that a step must bring.
+/// Smallest accepted ratio of actual to predicted reduction.
 const LEAST_GAIN: f64 = 1.0e-3;
-/// Largest bend of a step that is believed. Transtrum and Sethna 2012 recommend 0.75, less for hard
-/// problems: between 0.15 and 0.25 all 54 certified problems of NIST end at the certified answer.
+/// Largest acceleration ratio of an accepted step. Transtrum and Sethna 2012 recommend 0.75, less for hard problems:
+/// between 0.15 and 0.25 all 54 certified problems of NIST end at the certified answer.
 const LARGEST_ACCELERATION_RATIO: f64 = 0.25;
-/// Most attempts to find a step.
+/// Largest number of attempts to find a step.
 const ATTEMPTS: usize = 30;
-/// Share of a promise by which another one differs: less is the same step.
+/// Relative difference of predicted reductions below which two steps are equal.
 const SAME: f64 = 1.0e-12;
-/// Iterations from which the pace of the convergence is judged.
+/// Iterations before the convergence rate is estimated.
 const PACE: usize = 8;
 
 /// A cost that is a sum of squares.
 pub trait LeastSquares {
     /// A value of all unknowns.
     type Iterate;
-    /// Residuals and sensitivities at a point, in whatever form the steps need.
+    /// Residuals and sensitivities at an iterate, in the form that the steps need.
     type Rows;
 
     /// The cost; `None` where the model does not hold.
     fn cost(&self, at: &Self::Iterate) -> Option<f64>;
 
-    /// The problem close to a point; `None` where the model does not hold.
+    /// The linearisation at an iterate; `None` where the model does not hold.
     fn linearise(&self, at: &Self::Iterate) -> Option<Linearised<Self::Rows>>;
 
-    /// Whether the full step no longer matters.
+    /// Whether the full step is negligible.
     fn converged(&self, at: &Self::Iterate, here: &Linearised<Self::Rows>) -> bool;
 
     /// The step `d` that minimises `|r + J d|^2 + damping |d|^2` over scaled unknowns.
@@ -40,57 +39,55 @@ pub trait LeastSquares {
         damping: f64,
     ) -> Step<Self::Iterate>;
 
-    /// Whether to go on where the full step, at the pace seen, will still lower the cost by `forecast` in the last
-    /// iteration allowed.
+    /// Whether to continue if, at the observed convergence rate, the full step would still reduce the cost by
+    /// `forecast` in the last allowed iteration.
     fn should_continue(&self, here: &Linearised<Self::Rows>, forecast: f64) -> bool {
         let _ = (here, forecast);
         true
     }
 }
 
-/// A least-squares problem close to a point.
+/// A least-squares problem linearised at an iterate.
 #[derive(Debug, Clone)]
 pub struct Linearised<Rows> {
     /// Cost at the point.
     pub cost: f64,
-    /// By how much two evaluations of the cost may differ.
+    /// Round-off difference of two evaluations of the cost.
     pub round_off: f64,
-    /// By how much the cost may rise over a step that is taken: at least the round-off, more where the step does not
-    /// look at all of the cost.
+    /// Allowed increase of the cost over a step: at least the round-off, more if the step ignores a part of the cost.
     pub slack: f64,
-    /// How much the linear model says the full step lowers the cost.
+    /// Predicted reduction of the cost by the full step.
     pub predicted_reduction: f64,
-    /// Smallest singular value that counts, in scaled unknowns: its square is the damping that begins to
-    /// be felt.
+    /// Smallest identified singular value, in scaled unknowns: its square is the smallest significant damping.
     pub smallest_singular_value: f64,
-    /// What the steps need.
+    /// Data for the steps.
     pub rows: Rows,
 }
 
-/// A step proposed.
+/// A proposed step.
 #[derive(Debug, Clone)]
 pub struct Step<Iterate> {
-    /// Where it leads.
+    /// The iterate after it.
     pub to: Iterate,
-    /// How much the linear model says it lowers the cost.
+    /// Predicted reduction of the cost.
     pub predicted_reduction: f64,
-    /// Twice the second-order part of the step over the first-order one, in scaled unknowns: how far the
-    /// model is from linear along it. Zero where a problem does not look.
+    /// Twice the second-order part of the step over the first-order one, in scaled unknowns: the nonlinearity along it
+    /// (geodesic acceleration). Zero if a problem does not compute it.
     pub acceleration_ratio: f64,
 }
 
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// The full step no longer matters.
+    /// The full step is negligible.
     Converged,
-    /// What the full step promises is round-off, and no longer falls.
+    /// The predicted reduction is round-off and no longer decreases.
     RoundOff,
     /// No step lowers the cost: a minimum to round-off, or a model that breaks down next to it.
     NoLowerCost,
-    /// It would not arrive within the iterations allowed, and what is left is not worth them.
+    /// It would not converge within the allowed iterations, and the problem accepts the rest.
     TooSlow,
-    /// As many iterations as allowed.
+    /// The allowed number of iterations.
     IterationLimit,
 }
 
@@ -145,7 +142,7 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         let mut refused = None;
         for _ in 0..ATTEMPTS {
             let step = problem.step(&at, &here, damping);
-            // Damping that no longer changes the step does not mend it either.
+            // More damping has no effect if the step no longer changes.
             if refused.is_some_and(|promise| same(promise, step.predicted_reduction)) {
                 break;
             }
@@ -185,12 +182,12 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     }
 }
 
-/// Whether two steps that promise so much are one.
+/// Whether steps with these predicted reductions are equal.
 fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs() || a.is_nan() && b.is_nan()
 }
 
-/// What the full step will promise after `more` iterations at the pace of the last few; `None` after too few.
+/// Predicted reduction of the full step after `more` iterations at the current convergence rate; `None` after too few.
 fn forecast(promises: &[f64], more: usize) -> Option<f64> {
     let before = promises.get(promises.len().checked_sub(1 + PACE)?)?;
     let now = promises.last()?;

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 const DIFFERENCE: f64 = 1.0e-5;
 /// Limits further below zero than this do not enter a step.
 const FAR: f64 = -0.7;
-/// Price of a broken limit: more than any multiplier of a sensible limit.
+/// Penalty of a violated limit: more than any multiplier of a sensible limit.
 const PRICE: f64 = 20.0;
 /// Share of the predicted fall from which a step is taken.
 const TAKEN: f64 = 0.05;
@@ -68,7 +68,7 @@ pub trait Minimax {
     }
 }
 
-/// How hard the search works.
+/// Options of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MinimaxOptions {
     /// Most evaluations.
@@ -77,7 +77,7 @@ pub struct MinimaxOptions {
     pub steps: usize,
     /// First size of the trust region, in units of the unknowns.
     pub delta: f64,
-    /// A step that promises less ends the search.
+    /// The search ends below this predicted reduction.
     pub tolerance: f64,
 }
 
@@ -90,7 +90,7 @@ pub struct Reached {
     pub values: Values,
     /// Evaluations used.
     pub evaluations: usize,
-    /// Whether no step promises more than the tolerance.
+    /// Whether the predicted reduction is below the tolerance.
     pub settled: bool,
 }
 

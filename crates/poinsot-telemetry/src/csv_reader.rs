@@ -14,7 +14,7 @@ use csv::ByteRecord;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// Reads a CSV file row by row; columns that nobody asked for are not parsed.
+/// Reads a CSV file row by row; unused columns are not parsed.
 pub(crate) fn read(
     path: &Path,
     opened: &Opened,

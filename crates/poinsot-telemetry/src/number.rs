@@ -11,7 +11,7 @@ pub(crate) enum Cell {
     NotANumber,
 }
 
-/// Why a cell is no number, and how to write what was meant; `None` where nobody knows what that is.
+/// Why a cell is no number, and how to write what was meant; `None` if that is unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct InvalidNumber(pub &'static str, pub Option<&'static str>);
 

@@ -317,7 +317,7 @@ impl Planner<'_> {
                 return Ok(());
             };
             if prefix == "v" && !asked {
-                // Listed among the columns that nobody uses.
+                // Listed among the unused columns.
                 self.taken.retain(|index| !found.contains(index));
                 continue;
             }

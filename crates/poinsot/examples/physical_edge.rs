@@ -1,4 +1,4 @@
-//! Are answers honest where a body lies at the edge of what positive mass can have?
+//! Are answers correct for a body at the limit of physical mass properties?
 //!
 //!     cargo run --release -p poinsot --example physical_edge -- [TRIALS [FIRST_SEED [plate|disc]]]
 //!
@@ -135,7 +135,10 @@ fn trial(model: &Model, table: &Table, I: &Matrix3) -> Trial {
                 .warnings
                 .iter()
                 .any(|w| w.contains("no distribution of positive mass")),
-        held: kept.warnings.iter().any(|w| w.contains("at the limit of physical")),
+        held: kept
+            .warnings
+            .iter()
+            .any(|w| w.contains("at the limit of physical")),
         physical: kept.bodies[0].physically_consistent == Some(true),
         covered: std::array::from_fn(|k| {
             let (value, sigma) = (numbers[k].value, numbers[k].sigma);

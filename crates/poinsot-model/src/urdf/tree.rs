@@ -154,7 +154,7 @@ impl<'a> Tree<'a> {
         found
     }
 
-    /// Whether a link is the first of its name: a second one hangs on nothing because of that name.
+    /// Whether a link is the first of its name: a second one has no parent because of that name.
     fn is_first(&self, k: usize) -> bool {
         let link = self.robot.links.get(k);
         link.and_then(|l| self.index.get(l.name.as_str())) == Some(&k)

@@ -98,7 +98,7 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
     list
 }
 
-/// A channel of the sensor, or of nobody in particular.
+/// A channel of the sensor, or without a sensor.
 fn find<'t>(table: &'t Table, sensor: Option<&Sensor>, name: &str) -> Option<&'t Channel> {
     let own = sensor.and_then(|s| table.sensor_channel(&s.name, name));
     own.or_else(|| table.channel(name))

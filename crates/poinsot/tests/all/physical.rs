@@ -118,7 +118,10 @@ fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclus
                 "seed {seed}"
             );
             let beyond = linear.bodies[0].physically_consistent == Some(false);
-            let held = free.warnings.iter().any(|w| w.contains("at the limit of physical"));
+            let held = free
+                .warnings
+                .iter()
+                .any(|w| w.contains("at the limit of physical"));
             assert_eq!(held, beyond, "seed {seed}");
             assert_eq!(held, !free.covariance_trustworthy, "seed {seed}");
             impossible += u32::from(beyond);
