@@ -505,7 +505,7 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
         .next();
     let hint = match candidate {
         Some(s) => format!(
-            "; it may be '{}': write [telemetry.columns] {}. `poinsot inspect FILE` proposes a whole map",
+            "; map '{}' by [telemetry.columns] {}, or run `poinsot inspect FILE` for a whole map",
             s.column, s.toml
         ),
         None => {

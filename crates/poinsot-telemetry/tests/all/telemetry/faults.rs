@@ -116,7 +116,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "t_s,omega_x\n0,1\n",
-            "E0207 run.csv: no column 'time_s'; map 't_s', which may be it, by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }",
+            "E0207 run.csv: no column 'time_s'; map 't_s' by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }, or run `poinsot inspect FILE` for a whole map",
         ),
         (
             "omega_x,n\n0,1\n",

@@ -111,7 +111,7 @@ pub fn rows() -> Vec<Row> {
             "one of them taken",
             |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t + 86400.0 } else { t })),
             0,
-            &["251 of 501 rows taken, as --time-s and --every ask"],
+            &["251 of 501 rows selected by --time-s and --every"],
         )
         .more(&["--time-s", "86000,90000"]),
         row(
