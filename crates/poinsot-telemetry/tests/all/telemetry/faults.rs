@@ -120,7 +120,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "omega_x,n\n0,1\n",
-            "E0207 run.csv: no column 'time_s'; map one of [omega_x, n] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }",
+            "E0207 run.csv: no column 'time_s' among [omega_x, n]; run `poinsot inspect FILE`, which proposes a map",
         ),
         (
             "time_s,omega_x\n0,1\nnone,2\n",
@@ -349,7 +349,7 @@ proptest::proptest! {
 fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
     assert_eq!(
         fault("\"tim\ne\",omega_x\n0,1\n"),
-        "E0207 run.csv: no column 'time_s'; map one of [tim\\ne, omega_x] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }"
+        "E0207 run.csv: no column 'time_s' among [tim\\ne, omega_x]; run `poinsot inspect FILE`, which proposes a map"
     );
 }
 
