@@ -284,7 +284,7 @@ pub struct KnownNumbersFile {
     /// Whether every known number is taken as exact.
     #[serde(default)]
     pub exact: bool,
-    /// Whether some known number has no declared source, so that it is taken as exact.
+    /// Whether some known number has no declared source, so that it is taken as one of a drawing.
     #[serde(default)]
     pub source_assumed: bool,
     /// One sigma of numbers of the answer if every known number were exact, by address.
