@@ -316,7 +316,7 @@ pub struct SensitivityFile {
     pub step: String,
     /// Change of the numbers of the answer with that step, the readings held, by address.
     pub change: IndexMap<String, f64>,
-    /// Share of their variance.
+    /// Share of their variance that would go if this number were known exactly; shares of numbers that err together overlap.
     pub variance_share: IndexMap<String, f64>,
 }
 
