@@ -284,7 +284,7 @@ pub struct KnownNumbersFile {
     /// Whether every known number is exact.
     #[serde(default)]
     pub exact: bool,
-    /// Whether some known number has no declared source and is assumed exact.
+    /// Whether some known number has no declared source and is assumed to come from a drawing.
     #[serde(default)]
     pub source_assumed: bool,
     /// One sigma of numbers of the answer if every known number were exact, by address.
@@ -316,7 +316,7 @@ pub struct SensitivityFile {
     pub step: String,
     /// Change of the numbers of the answer with that step and fixed measurements, by address.
     pub change: IndexMap<String, f64>,
-    /// Share of their variance.
+    /// Share of their variance that would go if this number were known exactly; shares of numbers that err together overlap.
     pub variance_share: IndexMap<String, f64>,
 }
 

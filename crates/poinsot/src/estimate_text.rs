@@ -10,7 +10,7 @@ use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, So
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
 /// Text for known numbers without a declared uncertainty.
-pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. Write source = \"measured\", source = \"cad\" or exact = true in the model.";
+pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source come from a drawing (source = \"cad\"). Write source = \"measured\", source = \"cad\" or exact = true in the model.";
 
 /// Detail of the printed answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

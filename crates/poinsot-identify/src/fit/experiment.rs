@@ -7,7 +7,10 @@
 pub(crate) mod as_predicted;
 mod known_columns;
 
-pub(crate) use known_columns::{DIFFERENCE, KeptColumns, slopes};
+pub(crate) use known_columns::{
+    DIFFERENCE, KeptColumns, PredictedExperiment, PredictionSlopes, Shift, body_slopes, slope,
+    slopes,
+};
 
 use crate::fit::coordinates::Coordinates;
 use crate::fit::triangle::SharedTriangle;

@@ -46,8 +46,8 @@ pub(crate) struct ModelFile {
     pub schema: Option<String>,
     /// Name of the vehicle. Default "vehicle".
     pub name: Option<String>,
-    /// Where the known numbers come from, for every table that does not declare it: "measured" or "cad"; exact without
-    /// one. It sets how uncertain they are.
+    /// Source of the known numbers, for every table that does not declare it: "measured" or "cad", the default. It sets
+    /// their uncertainty.
     pub source: Option<SourceFile>,
     /// true: all known numbers are exact, except in tables that declare otherwise.
     pub exact: Option<bool>,
