@@ -38,7 +38,7 @@ fn stat_exchanged_gyro_axes_are_named_as_such() {
     rename(&mut table, "omega_y", "omega_x");
     rename(&mut table, "held", "omega_y");
     let said = refusal(identify_tables(model(), vec![table], &Question::default()));
-    let right = "the data contradict the model, and fit it as body rates whose x, y, z stand in the columns omega_y, omega_x, omega_z";
+    let right = "the data contradict the model; they fit with body rates with x, y, z in the columns omega_y, omega_x, omega_z";
     assert!(said.contains(right), "{said}");
 }
 

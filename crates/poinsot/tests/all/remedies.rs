@@ -94,9 +94,9 @@ fn regress_mass_and_mass_centre_that_do_not_show_need_no_pair() {
     for open in &answer.identifiability.open {
         let (name, _) = &open.coefficients[0];
         let wanted: &[&str] = match name.rsplit_once('.').unwrap().1 {
-            "m" => &["give the mass of"],
+            "m" => &["fix the mass of"],
             // It turns about a point off the mass centre, which an accelerometer feels.
-            "com_x" | "com_y" | "com_z" => &["give the mass centre of", "add an accelerometer"],
+            "com_x" | "com_y" | "com_z" => &["fix the mass centre of", "add an accelerometer"],
             _ => &["record "],
         };
         let named = wanted.iter().any(|w| open.remedy.starts_with(w));
@@ -134,7 +134,7 @@ fn exact_only_a_number_given_parts_the_bodies_of_a_joint() {
     assert_eq!(open.len(), 3);
     for one in open {
         assert!(
-            one.remedy.starts_with("give "),
+            one.remedy.starts_with("fix "),
             "{}: {}",
             one.text,
             one.remedy

@@ -636,7 +636,7 @@ fn unit_a_wheel_without_motion_is_refused() {
     let text = case.bind(&model).unwrap_err().to_string();
     assert_eq!(text.lines().count(), 3);
     assert!(
-        text.contains("nothing says how wheel \"wheel1\" turns"),
+        text.contains("the case does not prescribe wheel \"wheel1\""),
         "{text}"
     );
 }

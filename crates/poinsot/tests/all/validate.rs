@@ -282,12 +282,12 @@ fn unit_refusals() {
     };
     assert_eq!(
         refused(&with("none.json")),
-        "E0701 none.json: this estimate cannot be moved: there is no such file; give the folder of identify --out"
+        "E0701 none.json: this estimate cannot be simulated: there is no such file; give the folder of identify --out"
     );
     write("no.json", "{}");
     let text = refused(&with("no.json"));
     assert!(
-        text.starts_with("E0701 no.json: this estimate cannot be moved: it has no key \"schema\""),
+        text.starts_with("E0701 no.json: this estimate cannot be simulated: it has no key \"schema\""),
         "{text}"
     );
     // An estimate of another model.
@@ -300,11 +300,11 @@ fn unit_refusals() {
     };
     assert_eq!(
         refused(&slosh),
-        "E0701 estimate.json: this estimate cannot be moved: it has 7 bodies, the model 2; give the model that the estimate was made with (--model)"
+        "E0701 estimate.json: this estimate cannot be simulated: it has 7 bodies, the model 2; give the model that the estimate was made with (--model)"
     );
     assert_eq!(
         refused(&with("estimate.json")),
-        "E0701 estimate.json: this estimate cannot be moved: its nominal numbers of body \"base\" are not those of the model; give the model that the estimate was made with (--model)"
+        "E0701 estimate.json: this estimate cannot be simulated: its nominal numbers of body \"base\" are not those of the model; give the model that the estimate was made with (--model)"
     );
     let rejected = std::fs::read_to_string(at("estimate.json")).unwrap();
     write(
@@ -313,7 +313,7 @@ fn unit_refusals() {
     );
     assert_eq!(
         refused(&with("rejected.json")),
-        "E0701 rejected.json: this estimate cannot be moved: its status is rejected: it has no numbers to predict with; give an estimate with status converged or partial"
+        "E0701 rejected.json: this estimate cannot be simulated: its status is rejected: it has no numbers to predict with; give an estimate with status converged or partial"
     );
     // Usage.
     assert_eq!(

@@ -151,7 +151,7 @@ const VALIDATE: &[&str] = &[
 
 fn validate() -> Vec<Row> {
     vec![
-        row("E0701", "an estimate that is not there", |b| case(b, "seed = 3", "seed = 3"), 2, &["E0701 nowhere: this estimate cannot be moved: there is no such file; give the folder of identify --out"]).run(VALIDATE).more(&["--estimate", "nowhere"]),
+        row("E0701", "an estimate that is not there", |b| case(b, "seed = 3", "seed = 3"), 2, &["E0701 nowhere: this estimate cannot be simulated: there is no such file; give the folder of identify --out"]).run(VALIDATE).more(&["--estimate", "nowhere"]),
         row("E0702", "a controlled case", |b| {
             let (head, _) = CASE.split_once("[[wheel_motion]]").unwrap();
             b.write("truth.toml", truth());

@@ -152,7 +152,7 @@ fn csv() -> Vec<Row> {
         row("F6", "a pipe as the model", |b| { std::fs::remove_file(b.path("m.toml")).unwrap(); pipe(b, "m.toml"); }, 2, &["E0101 m.toml: this is not a regular file; name a file"]).run(&["check", "m.toml"]),
         row("F6", "a pipe as the URDF", |b| pipe(b, "r.urdf"), 2, &["E0101 r.urdf: this is not a regular file; name a file"]).run(&["import", "r.urdf"]),
         row("F6", "a pipe as the estimate", |b| { std::fs::create_dir(b.path("out")).unwrap(); pipe(b, "out/estimate.json"); }, 2, &["E0601 out/estimate.json: no report or export can be made of this: this is not a regular file; name a file"]).run(&["report", "out"]),
-        row("F6", "a pipe as the estimate of a validation", |b| pipe(b, "e.json"), 2, &["E0701 e.json: this estimate cannot be moved: this is not a regular file; give "]).run(&["validate", "--model", "m.toml", "--estimate", "e.json", "--against", "t.csv"]),
+        row("F6", "a pipe as the estimate of a validation", |b| pipe(b, "e.json"), 2, &["E0701 e.json: this estimate cannot be simulated: this is not a regular file; give "]).run(&["validate", "--model", "m.toml", "--estimate", "e.json", "--against", "t.csv"]),
         row("F6", "a pipe where the truth of a simulation would be", |b| pipe(b, "truth.json"), 0, &[": Determined. "]),
         row("F6", "a link to itself", |b| { std::fs::remove_file(b.path("t.csv")).unwrap(); std::os::unix::fs::symlink("t.csv", b.path("t.csv")).unwrap(); }, 3, &["E0201 t.csv: cannot be read:"]),
         row("F6", "no such file", |b| std::fs::remove_file(b.path("t.csv")).unwrap(), 2, &["E0201 t.csv: cannot be read: No such file or directory"]),
@@ -326,7 +326,7 @@ fn toml() -> Vec<Row> {
             |b| b.model("mass_kg = 150.0", "mass_kg = \"heavy\""),
             2,
             &[
-                "E0107 m.toml:6:11: body[0].mass_kg (body \"bus\") = \"heavy\": text stands where another type is needed; write a number",
+                "E0107 m.toml:6:11: body[0].mass_kg (body \"bus\") = \"heavy\": text is here, but another type is needed; write a number",
             ],
         ),
         row(
@@ -341,7 +341,7 @@ fn toml() -> Vec<Row> {
             "a date",
             |b| b.model("mass_kg = 150.0", "mass_kg = 2024-01-01"),
             2,
-            &["E0107", "a date stands where another type is needed"],
+            &["E0107", "a date is here, but another type is needed"],
         ),
         row(
             "F10",

@@ -21,7 +21,7 @@ fn unit_remarkable_models_are_noted() {
         [
             "line 6: body[0].inertia_kg_m2 (body \"base\"): the radius of gyration is 24.4949 m; are mass in kg and inertia in kg m2?",
             "line 13: body[1].prior.mass_kg (body \"panel\"): the prior has no effect: the number is not estimated; remove it, or estimate the number",
-            "line 19: body[2].estimate (body \"payload\"): the body is rigidly connected with \"base\", which is unknown too: only their sum can be identified; give one of them as known",
+            "line 19: body[2].estimate (body \"payload\"): the body is fixed to \"base\", which is unknown too: only their sum is identifiable; fix one of them",
             "line 26: joint[0].axis (joint \"jp\"): the axis of a fixed joint has no effect",
             "line 37: wheel[0].spin_inertia_kg_m2 (wheel \"w\"): the rotor has more inertia than its body \"panel\" about this axis (0.5 kg m2), which should contain it; add it there",
             "line 40: sensor[0].type (sensor \"s\"): the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures",

@@ -58,7 +58,7 @@ pub const CASES: &[Case] = &[
     (
         r#"mass_kg = 12.0"#,
         r#"mass_kg = "12.0""#,
-        r#"E0107 m.toml:11:11: body[1].mass_kg (body "link1") = "12.0": text stands where another type is needed; write a number"#,
+        r#"E0107 m.toml:11:11: body[1].mass_kg (body "link1") = "12.0": text is here, but another type is needed; write a number"#,
     ),
     (
         r#"com_m = [0.0, 0.0, 0.15]"#,
@@ -68,12 +68,12 @@ pub const CASES: &[Case] = &[
     (
         r#"com_m = [0.0, 0.0, 0.15]"#,
         r#"com_m = [0.0, true, 0.15]"#,
-        r#"E0107 m.toml:12:15: body[1].com_m[1] (body "link1") = true: true or false stands where another type is needed; write a number"#,
+        r#"E0107 m.toml:12:15: body[1].com_m[1] (body "link1") = true: true or false is here, but another type is needed; write a number"#,
     ),
     (
         r#"com_m = [0.0, 0.0, 0.15]"#,
         r#"com_m = 2026-01-01"#,
-        r#"E0107 m.toml:12:9: body[1].com_m (body "link1") = 2026-01-01: a date stands where another type is needed; write a list of 3 numbers"#,
+        r#"E0107 m.toml:12:9: body[1].com_m (body "link1") = 2026-01-01: a date is here, but another type is needed; write a list of 3 numbers"#,
     ),
     (
         r#"estimate = true"#,
@@ -83,7 +83,7 @@ pub const CASES: &[Case] = &[
     (
         r#"estimate = true"#,
         r#"estimate = "mass""#,
-        r#"E0107 m.toml:8:12: body[0].estimate (body "bus") = "mass": text stands where another type is needed; write true, false or a list of "mass", "com", "inertia""#,
+        r#"E0107 m.toml:8:12: body[0].estimate (body "bus") = "mass": text is here, but another type is needed; write true, false or a list of "mass", "com", "inertia""#,
     ),
     (
         r#"mass_kg = 12.0"#,
@@ -157,7 +157,7 @@ E0112 m.toml:18:9: joint[0].child (joint "joint1") = "bus": the base has no pare
     (
         r#"xx = 0.51, yy = 0.5, zz = 0.2"#,
         r#"xx = 0.51, yy = 0.5, zz = 1.2"#,
-        r#"E0115 m.toml:13:17: body[1].inertia_kg_m2 (body "link1") = { xx = 0.51, yy = 0.5, zz = 1.2 }: no body has these principal moments: 0.5, 0.51, 1.2 kg m2, the largest exceeds the sum of the other two; correct the numbers; they are tensor elements (xy = -integral x y dm) about the mass centre"#,
+        r#"E0115 m.toml:13:17: body[1].inertia_kg_m2 (body "link1") = { xx = 0.51, yy = 0.5, zz = 1.2 }: these principal moments are not physical: 0.5, 0.51, 1.2 kg m2, the largest exceeds the sum of the other two; correct the numbers; they are tensor elements (xy = -integral x y dm) about the mass centre"#,
     ),
     (
         r#"mass_kg = 12.0"#,
@@ -197,7 +197,7 @@ com_m = [0.0, 0.0, 0.15]"#,
 com_m = "here"
 colour = "red""#,
         r#"E0105 m.toml:11:1: body[1].mass (body "link1") = 12.0: missing unit; write mass_kg
-E0107 m.toml:12:9: body[1].com_m (body "link1") = "here": text stands where another type is needed; write a list of 3 numbers
+E0107 m.toml:12:9: body[1].com_m (body "link1") = "here": text is here, but another type is needed; write a list of 3 numbers
 E0104 m.toml:13:1: body[1].colour (body "link1") = "red": unknown key; remove it; known here: name, mass_kg, com_m, inertia_kg_m2, estimate, prior, source, exact, uncertainty"#,
     ),
 ];

@@ -80,6 +80,6 @@ telemetry.columns = { omega_x = { column = "w" } }"#,
         r#"name = "test""#,
         r#"name = "test"
 telemetry.where = { log = 3 }"#,
-        r#"E0107 m.toml:3:27: telemetry.where.log = 3: a number stands where another type is needed; write text in quotes"#,
+        r#"E0107 m.toml:3:27: telemetry.where.log = 3: a number is here, but another type is needed; write text in quotes"#,
     ),
 ];

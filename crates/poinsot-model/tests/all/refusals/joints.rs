@@ -11,7 +11,7 @@ pub const CASES: &[Case] = &[
     (
         r#"[[wheel]]"#,
         r#"[wheel]"#,
-        r#"E0107 m.toml:22:1: wheel: a table stands where another type is needed; write [[wheel]] with two brackets: there may be several"#,
+        r#"E0107 m.toml:22:1: wheel: a table is here, but another type is needed; write [[wheel]] with two brackets: there may be several"#,
     ),
     (
         r#"axis = [0.0, 0.0, 1.0]
@@ -101,7 +101,7 @@ child = "c"
 origin_m = [0.0, 0.0, 0.0]
 [[joint]]
 "#,
-        r#"E0112 m.toml:32:10: joint[0].parent (joint "ja") = "c": the joints run in a circle: a -> b -> c -> a; connect one of these bodies with the base instead"#,
+        r#"E0112 m.toml:32:10: joint[0].parent (joint "ja") = "c": the joints form a loop: a -> b -> c -> a; connect one of these bodies with the base instead"#,
     ),
     (
         r#"[[wheel]]
@@ -114,7 +114,7 @@ child = "link1"
 origin_m = [0.0, 0.0, 0.0]
 [[wheel]]
 name = "wheel1""#,
-        r#"E0112 m.toml:26:9: joint[1].child (joint "j2") = "link1": the body has two parents: joint "joint1" carries it too; remove one of the joints; closed loops are not supported"#,
+        r#"E0112 m.toml:26:9: joint[1].child (joint "j2") = "link1": the body has two parents: it is also the child of joint "joint1"; remove one of the joints; closed loops are not supported"#,
     ),
     (
         r#"parent = "bus""#,

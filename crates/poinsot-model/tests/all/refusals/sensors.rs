@@ -12,7 +12,7 @@ pub const CASES: &[Case] = &[
         r#"noise_rad_s = 1.0e-4"#,
         r#"noise_rad_s = 1.0e-4
 bias = 1.0e-5"#,
-        r#"E0107 m.toml:36:8: sensor[0].bias (sensor "gyro") = 1.0e-5: a number stands where another type is needed; write "none", "estimate" or a table { sigma_<unit> = x }"#,
+        r#"E0107 m.toml:36:8: sensor[0].bias (sensor "gyro") = 1.0e-5: a number is here, but another type is needed; write "none", "estimate" or a table { sigma_<unit> = x }"#,
     ),
     (
         r#"noise_rad_s = 1.0e-4"#,
@@ -114,7 +114,7 @@ position_m = [0.0, 0.0, 0.0]"#,
         r#"noise_rad_s = 1.0e-4"#,
         r#"noise_rad_s = 1.0e-4
 of = "joint1""#,
-        r#"E0118 m.toml:36:6: sensor[0].of (sensor "gyro") = "joint1": a sensor of type "gyro" reads no joint, wheel or thruster; remove it"#,
+        r#"E0118 m.toml:36:6: sensor[0].of (sensor "gyro") = "joint1": a sensor of type "gyro" measures no joint, wheel or thruster; remove it"#,
     ),
     (
         r#"noise_rad_s = 1.0e-4"#,

@@ -199,7 +199,7 @@ fn unit_a_search_range_that_excludes_the_answer_is_reported() {
     let found = ask(&single, tables.clone(), "swarm");
     let message = warned(&found, "bound of its search range");
     println!("{message}");
-    assert!(message.starts_with("equivalent single body: the swarm's solution lies on the bound of its search range (mass = 300.000000 kg of [100.000000, 300.000000]"), "{message}");
+    assert!(message.starts_with("equivalent single body: the swarm's solution is on the bound of its search range (mass = 300.000000 kg of [100.000000, 300.000000]"), "{message}");
     assert!(message.contains("the range excludes the answer and its numbers are withheld"));
     let e = &found.estimate;
     assert_eq!((e.status, found.passes()), (Status::IterationLimit, false));

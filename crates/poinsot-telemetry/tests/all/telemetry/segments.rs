@@ -110,7 +110,7 @@ fn unit_files_of_a_segment_keep_their_time_bases() {
     let error = read(&[&rates, &rates], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0210 channel 'omega_x' stands in rates.csv column 'omega_x' and again in rates.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"
+        "E0210 channel 'omega_x' is in rates.csv column 'omega_x' and again in rates.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"
     );
 }
 

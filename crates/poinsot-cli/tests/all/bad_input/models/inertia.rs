@@ -73,7 +73,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "izz=\"1.5\"", "izz=\"9\""),
             2,
             &[
-                "E0115 r.urdf:4:5: link \"base\": no body has these principal moments: 1, 1.2, 9 kg m2, the largest exceeds the sum of the other two",
+                "E0115 r.urdf:4:5: link \"base\": these principal moments are not physical: 1, 1.2, 9 kg m2, the largest exceeds the sum of the other two",
             ],
         ),
         urdf(

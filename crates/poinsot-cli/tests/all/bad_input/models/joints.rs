@@ -49,7 +49,7 @@ pub fn rows() -> Vec<Row> {
             },
             2,
             &[
-                "E0112 r.urdf:15:1: joint \"e2\": link \"hand\" has two parents: joint \"elbow\" carries it too; remove one of the joints; closed loops are not supported",
+                "E0112 r.urdf:15:1: joint \"e2\": link \"hand\" has two parents: it is also the child of joint \"elbow\"; remove one of the joints; closed loops are not supported",
             ],
         ),
         urdf(
@@ -73,7 +73,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "parent link=\"base\"", "parent link=\"hand\""),
             2,
             &[
-                "E0112 r.urdf:1:1: robot: the joints of \"hand\" run in a circle; remove one of the joints",
+                "E0112 r.urdf:1:1: robot: the joints of \"hand\" form a loop; remove one of the joints",
             ],
         ),
         urdf(
@@ -82,7 +82,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "</robot>", "<link name=\"lost\"/></robot>"),
             2,
             &[
-                "E0112 r.urdf:1:1: robot: 2 links hang on nothing: \"base\", \"lost\"; connect them by joints of type fixed; one link is the base",
+                "E0112 r.urdf:1:1: robot: 2 links have no parent: \"base\", \"lost\"; connect them by joints of type fixed; one link is the base",
             ],
         ),
         urdf(

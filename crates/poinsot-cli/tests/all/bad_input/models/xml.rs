@@ -216,14 +216,14 @@ pub fn rows() -> Vec<Row> {
             "two numbers where one stands",
             |b| robot(b, "mass value=\"2\"", "mass value=\"1 2\""),
             2,
-            &["2 numbers where 1 should stand; write one number"],
+            &["2 numbers instead of 1; write one number"],
         ),
         urdf(
             "M8",
             "two numbers where three stand",
             |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0\""),
             2,
-            &["2 numbers where 3 should stand; write three numbers with blanks between them"],
+            &["2 numbers instead of 3; write three numbers with blanks between them"],
         ),
         urdf(
             "M8",
@@ -231,7 +231,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "xyz=\"0.1 0 0\"", "xyz=\"0.1 0 0 0\""),
             2,
             &[
-                "E0107 r.urdf:8:15: link \"hand\" <origin xyz> = \"0.1 0 0 0\": 4 numbers where 3 should stand",
+                "E0107 r.urdf:8:15: link \"hand\" <origin xyz> = \"0.1 0 0 0\": 4 numbers instead of 3",
             ],
         ),
         urdf(

@@ -104,7 +104,7 @@ pub fn rows() -> Vec<Row> {
             "an unknown link whose joint stands still",
             locked_link,
             1,
-            &[": Partly determined. ", "j taken as locked at 0"],
+            &[": Partly determined. ", "assumed: j locked at 0"],
         )
         .run(SIMULATED),
         row(

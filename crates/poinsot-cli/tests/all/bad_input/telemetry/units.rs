@@ -56,7 +56,7 @@ pub fn rows() -> Vec<Row> {
             |b| gyro_alone(b, angle),
             2,
             &[
-                "E0220 t.csv: channel 'omega': units: the data contradict the model, and fit it as body rates in deg/s used as rad/s; correct it, or accept it by --policy units=report (without --strict)",
+                "E0220 t.csv: channel 'omega': units: the data contradict the model; they fit with body rates in deg/s used as rad/s; correct it, or accept it by --policy units=report (without --strict)",
             ],
         ),
         row(
@@ -64,7 +64,7 @@ pub fn rows() -> Vec<Row> {
             "the same, accepted",
             |b| gyro_alone(b, angle),
             1,
-            &["units: the data contradict the model, and fit it as body rates in deg/s used as rad/s"],
+            &["units: the data contradict the model; they fit with body rates in deg/s used as rad/s"],
         )
         .more(&["--policy", "units=report"])
         .never(&[": Determined. "]),
