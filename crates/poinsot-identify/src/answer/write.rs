@@ -117,10 +117,7 @@ fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -
     }
     let name = &found.name;
     let times = |value: f64, sigma: f64, nominal: f64| {
-        let nearer = if value > nominal { -2.0 } else { 2.0 };
-        let ratio = (value + nearer * sigma) / nominal;
-        let far = nominal > 0.0 && (ratio > within || ratio < 1.0 / within);
-        far.then(|| value / nominal)
+        lies_beyond(value, sigma, nominal, within).then(|| value / nominal)
     };
     let said = |what: &str, ratio: f64| {
         format!(
@@ -151,6 +148,16 @@ fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -
             away / gyration
         )
     })
+}
+
+/// Whether a value is beyond a factor of the nominal one by more than two sigma.
+fn lies_beyond(value: f64, sigma: f64, nominal: f64, factor: f64) -> bool {
+    // Two sigma towards nominal, and not past it.
+    let nearest = match value > nominal {
+        true => (value - 2.0 * sigma).max(nominal),
+        false => (value + 2.0 * sigma).min(nominal),
+    };
+    nominal > 0.0 && (nearest > factor * nominal || nearest < nominal / factor)
 }
 
 /// The vehicle as one body, at its joints' first positions.
@@ -293,4 +300,19 @@ fn said_of_numbers(
         list.extend(open.map(|n| format!("{} is not identifiable from these data", n.name)));
     }
     list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lies_beyond;
+
+    #[test]
+    fn regress_an_uncertain_value_near_nominal_lies_within() {
+        // Two of these sigmas would take 1,050 past nominal to a negative mass.
+        assert!(!lies_beyond(1050.0, 660.0, 1000.0, 3.0));
+        assert!(!lies_beyond(4000.0, 660.0, 1000.0, 3.0));
+        assert!(lies_beyond(4500.0, 660.0, 1000.0, 3.0));
+        assert!(lies_beyond(200.0, 50.0, 1000.0, 3.0));
+        assert!(!lies_beyond(200.0, 100.0, 1000.0, 3.0));
+    }
 }
