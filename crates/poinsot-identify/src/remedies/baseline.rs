@@ -129,7 +129,10 @@ impl<'a> Baseline<'a> {
         let mut list = Vec::new();
         let mut add = |what: &str, rows: Vec<Row>| {
             list.push(Change {
-                text: format!("fix {what} of {name} to a sigma of {} of nominal", percent(GIVEN)),
+                text: format!(
+                    "fix {what} of {name} to a sigma of {} of nominal",
+                    percent(GIVEN)
+                ),
                 effort: Effort::Number,
                 rows,
             });

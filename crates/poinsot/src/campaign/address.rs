@@ -481,7 +481,11 @@ bias_rad_s = [0.0, 0.0, 0.0]
             ("arm.about_kg", "a body and a joint", "body.arm.about_kg"),
             ("bus.mas_kg", "no \"mas_kg\"", "did you mean \"mass_kg\"?"),
             ("firing.t.on_s", "several elements", "written there first"),
-            ("bus.name", "no number here but string", "end the address at a number"),
+            (
+                "bus.name",
+                "no number here but string",
+                "end the address at a number",
+            ),
             ("giro.noise", "no sensor \"giro\"", "did you mean \"gyro\"?"),
             ("bus.mass_kg.x", "no \"x\"", "end the address before it"),
         ] {

@@ -287,7 +287,9 @@ fn unit_refusals() {
     write("no.json", "{}");
     let text = refused(&with("no.json"));
     assert!(
-        text.starts_with("E0701 no.json: this estimate cannot be simulated: it has no key \"schema\""),
+        text.starts_with(
+            "E0701 no.json: this estimate cannot be simulated: it has no key \"schema\""
+        ),
         "{text}"
     );
     // An estimate of another model.

@@ -113,7 +113,12 @@ fn unit_baselines_print_beside_a_certificate_of_three_of_six() {
     let found = answer(&stsat3(), &paper_noisy(), "suggested").unwrap();
     let screen = estimate_document(&found, Detail::Answer).to_string();
     let certificate = screen.find("not identifiable from these data").unwrap();
-    assert!(certificate < screen.find("results of method kim2010 in its own terms").unwrap());
+    assert!(
+        certificate
+            < screen
+                .find("results of method kim2010 in its own terms")
+                .unwrap()
+    );
 }
 
 /// Basilisk's noise-free run: diagonals are the row sums, suggested products zero.
