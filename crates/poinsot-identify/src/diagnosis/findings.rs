@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn regress_no_finding_lowers_chi_square_by_less_than_nothing() {
-        let good = "drag would lower chi-square by 50: environment.drag_x = 0.001 kg m2; write drag_torque = \"estimate\" in [environment]";
+        let good = "drag would reduce chi-square by 50: environment.drag_x = 0.001 kg m2; write drag_torque = \"estimate\" in [environment]";
         assert_eq!(said(50.0), [good]);
         assert!(said(-0.3).is_empty());
     }
