@@ -335,8 +335,15 @@ pub struct Simulate {
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
 pub struct Predict {
-    /// Case (TOML, poinsot.case/2); the numbers of its model are taken as the truth.
-    pub case: PathBuf,
+    /// Cases (TOML, poinsot.case/2); the numbers of their models are taken as the truth. Several are compared.
+    #[arg(required = true, value_name = "CASE")]
+    pub cases: Vec<PathBuf>,
+    /// Folder for prediction.json, of several cases in a folder with the name of each; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Give the sigmas also for the record ended after each twelfth of its time.
+    #[arg(long)]
+    pub durations: bool,
     /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
@@ -353,7 +360,7 @@ pub struct Predict {
 pub struct Design {
     /// Case (TOML, poinsot.case/2) with the tables want, limits and design.
     pub case: PathBuf,
-    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
+    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv, firings.csv and design.json; made if it is not there.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// End the search after this many minutes with the best manoeuvre so far.
@@ -362,6 +369,10 @@ pub struct Design {
     /// Fly the manoeuvre N times with vehicles of the prior and sensor noise, identify, and compare with the prediction.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub verify: u64,
+    /// Also the largest ratio with one kind of limit tighter and looser: duration, joint-rates, wheel-speeds, body-rate,
+    /// propellant, ...
+    #[arg(long, value_name = "LIMIT")]
+    pub front: Option<String>,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,

@@ -219,7 +219,8 @@ fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
         Form::Spline { nodes, .. } => 0.5 * nodes as f64,
         Form::Slews { slews, .. } => slews as f64,
     });
-    let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.fold(0.0, f64::max));
+    let firings = design.thrusters.iter().map(|t| t.firings as f64);
+    let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.chain(firings).fold(0.0, f64::max));
     (case.duration_s * case.rate_hz / rows).floor().max(1.0)
 }
 
