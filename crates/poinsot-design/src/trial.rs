@@ -19,8 +19,8 @@ use std::time::Instant;
 /// Integration error of candidates: far below what moves a sigma.
 const TOLERANCE: f64 = 1.0e-8;
 /// Rows of a candidate for each cycle of its fastest free motion, and at least: the others repeat what these say.
-const ROWS_A_CYCLE: f64 = 40.0;
-const LEAST_ROWS: f64 = 150.0;
+const ROWS_A_CYCLE: f64 = 20.0;
+const LEAST_ROWS: f64 = 75.0;
 /// Vehicles of the prior that a robust design looks at.
 const SCENARIOS: u64 = 64;
 /// Share of the worst scenarios whose mean a robust design minimises.
