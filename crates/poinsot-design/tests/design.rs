@@ -251,7 +251,7 @@ fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case(
     let (case, model) = changed(
         "tug_design.toml",
         "seed = 1\n",
-        "seed = 1\nstarts = 2\nevaluations = 700\n",
+        "seed = 1\nstarts = 2\nevaluations = 1200\n",
     );
     let found = designed(&case, &model);
     let ratio = |s: Option<f64>, want: f64| s.unwrap() / want;
