@@ -136,12 +136,12 @@ impl<'c> Asked<'c> {
         let refused = SimulateError::from;
         let design = case.design(model).map_err(refused)?;
         let design = design.ok_or_else(|| {
-            usage("it has no [design]: add it, with [[design.joint]], [[design.wheel]] or [[design.thruster]] for what may move")
+            usage("it has no [design]; add it with [[design.joint]], [[design.wheel]] or [[design.thruster]]")
         })?;
         let wants = case.wants(model).map_err(refused)?;
         if wants.is_empty() {
             return Err(usage(
-                "it wants nothing: add [[want]] with number = \"BODY.mass_kg\" and sigma",
+                "it has no [[want]]; add one with number = \"BODY.mass_kg\" and sigma",
             ));
         }
         let minutes = match minutes {

@@ -82,7 +82,7 @@ impl Mover {
         let (low, high) = bounds[0];
         if !(low < moved.start && moved.start < high) {
             let why = format!(
-                "it starts at {}, outside its limits {low} to {high}; give [[limits.joint]] or [[limits.wheel]] that hold its start",
+                "it starts at {}, outside its limits {low} to {high}; give [[limits.joint]] or [[limits.wheel]] that include its initial position",
                 moved.start
             );
             return Err((target, why));
@@ -107,7 +107,7 @@ impl Mover {
             Form::Slews { slews, returns } => vec![swing; slews - usize::from(returns)],
         };
         if units.iter().any(|u| !u.is_finite()) {
-            let why = "no limit bounds it: any amplitude would do; give [[limits.joint]] or [[limits.wheel]]".to_owned();
+            let why = "no limit bounds it: the amplitude is unlimited; give [[limits.joint]] or [[limits.wheel]]".to_owned();
             return Err((target, why));
         }
         Ok(Self {

@@ -11,11 +11,11 @@ mod quadratic;
 
 use crate::polytope::Polytope;
 use nalgebra::{DMatrix, DVector};
-use quadratic::{Slopes, Step, quadratic};
+use quadratic::{Jacobian, Step, quadratic};
 
 /// Step of the differences, in units of the unknowns.
 const DIFFERENCE: f64 = 1.0e-5;
-/// Price of a broken limit: more than any multiplier of a sensible limit.
+/// Penalty of a violated limit: more than any multiplier of a sensible limit.
 const PRICE: f64 = 20.0;
 /// Share of the predicted fall from which a step is taken.
 const TAKEN: f64 = 0.05;
@@ -108,7 +108,7 @@ pub fn minimax(
 pub struct MinimaxSearch {
     /// Where it is.
     pub reached: Reached,
-    slopes: Option<Slopes>,
+    slopes: Option<Jacobian>,
     B: DMatrix<f64>,
     /// Whether B holds more than a guess.
     is_known: bool,
@@ -207,7 +207,7 @@ fn tried(
 }
 
 /// One-sided differences. A function that does not exist beside the point ends the search.
-fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
+fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Jacobian> {
     let n = reached.x.len();
     let beside: Vec<Vec<f64>> = (0..n)
         .map(|j| {
@@ -231,11 +231,11 @@ fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
         .iter()
         .chain(limits.iter())
         .all(|x| x.is_finite());
-    finite.then_some(Slopes { objectives, limits })
+    finite.then_some(Jacobian { objectives, limits })
 }
 
 /// Change of the slope of the Lagrangian.
-fn bent(step: &Step, before: &Slopes, after: &Slopes) -> DVector<f64> {
+fn bent(step: &Step, before: &Jacobian, after: &Jacobian) -> DVector<f64> {
     let (objectives, limits) = &step.multipliers;
     (&after.objectives - &before.objectives).transpose() * objectives
         + (&after.limits - &before.limits).transpose() * limits

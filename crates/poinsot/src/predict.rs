@@ -1,4 +1,4 @@
-//! The verb `predict`: what a planned manoeuvre will tell, before it is flown.
+//! The verb `predict`: the accuracy of a planned manoeuvre before it is flown.
 //!
 //! The case is simulated with perfect sensors, the readings' sensitivities are taken at the truth, and the
 //! declared noise turns them into the Cramer-Rao bound. No telemetry, no estimator.
@@ -15,7 +15,7 @@ pub use lengths::{Ended, against_duration, against_duration_file};
 pub use peaks::{Peak, Peaks};
 pub use several::several_document;
 pub use text::prediction_document;
-pub(crate) use text::{accuracy, durations, peaks, told};
+pub(crate) use text::{accuracy, durations, peaks, predicted_sigma};
 pub use wanted::{Met, covariance_name, wanted_sigma};
 
 use crate::bind::{BindError, bind};
@@ -28,7 +28,7 @@ use poinsot_model::{Model, read_model};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// What a case will tell.
+/// Predicted accuracy of a case.
 pub struct Prediction {
     /// The vehicle; its numbers are taken as the truth.
     pub model: Model,
@@ -36,9 +36,9 @@ pub struct Prediction {
     pub case: String,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
-    /// The bound: values are the truth, sigmas what the readings will leave.
+    /// The bound: values are the truth, sigmas are the bound.
     pub bound: Estimate,
-    /// What the case wants beside what the manoeuvre tells.
+    /// Wanted and predicted sigmas.
     pub wants: Vec<Met>,
     /// What was assumed.
     pub assumptions: Vec<String>,
@@ -51,7 +51,8 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Whether the case reaches what it wants; of a case without `[[want]]` whether every requested number is determined.
+    /// Whether the case reaches its wanted sigmas; of a case without `[[want]]` whether every requested number is
+    /// determined.
     pub fn passes(&self) -> bool {
         match self.wants.is_empty() {
             true => self.bound.passes(),
@@ -164,7 +165,7 @@ fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
         None => Ok(()),
         Some(joint) => Err(BindError::Unsupported {
             what: format!(
-                "joint '{}' moves by torque or spring in this case and no sensor reads it, so no estimator could know its motion; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+                "joint '{}' moves by torque or spring, but no sensor measures it; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
                 joint.name
             ),
         }

@@ -13,8 +13,8 @@ const LIKELY: f64 = 0.3;
 /// Part of the room to a side that a step may not use up, for the round-off of the solver.
 const INSIDE: f64 = 1.0e-9;
 
-/// Slopes of all functions at one point, one row per function.
-pub struct Slopes {
+/// Jacobian of all functions at one point, one row per function.
+pub struct Jacobian {
     pub objectives: DMatrix<f64>,
     pub limits: DMatrix<f64>,
 }
@@ -89,7 +89,7 @@ fn near_sides<'p>(polytope: &'p Polytope, x: &[f64], delta: f64) -> Vec<Near<'p>
 /// The step of the linearised functions. Of many sides few are met: rows are added until the step breaks none.
 pub fn quadratic(
     at: &Reached,
-    slopes: &Slopes,
+    slopes: &Jacobian,
     B: &DMatrix<f64>,
     polytope: &Polytope,
     delta: f64,
@@ -110,7 +110,7 @@ pub fn quadratic(
 
 fn solved(
     at: &Reached,
-    slopes: &Slopes,
+    slopes: &Jacobian,
     B: &DMatrix<f64>,
     sides: &[Near],
     delta: f64,

@@ -1,4 +1,4 @@
-//! `[design]`: what may move and how, and what a design is after.
+//! `[design]`: free motions and objective.
 
 use super::planner::Planner;
 use super::thrusters::Fired;
@@ -15,7 +15,7 @@ const STARTS: usize = 8;
 /// Most free numbers of one joint or wheel: more only follow the noise of the search.
 const MOST: usize = 64;
 
-/// How one joint or wheel may move.
+/// Form of motion of one joint or wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Form {
     /// `sum_k a_k sin(2 pi k f t) + b_k cos(2 pi k f t)` about where the joint is locked.
@@ -56,7 +56,7 @@ pub struct Moved {
     pub start: f64,
 }
 
-/// What a design may move, and what it is after.
+/// Free motions and objective of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
     /// What is minimised.
@@ -83,7 +83,7 @@ impl Case {
     /// What a design of this case may move; `None` without `[design]`.
     ///
     /// # Errors
-    /// Every fault that shows against this model.
+    /// All faults with this model.
     pub fn design(&self, model: &Model) -> Result<Option<Design>, CaseError> {
         let Some(file) = &self.file.design else {
             return Ok(None);
@@ -148,7 +148,7 @@ impl Planner<'_> {
         let thrusters = self.fired(&file.thruster);
         let nothing = joints.is_empty() && wheels.is_empty() && thrusters.is_empty();
         if nothing && self.faults.is_empty() {
-            let problem = "nothing may move";
+            let problem = "no joint, wheel or thruster is free to move";
             let remedy = "add [[design.joint]], [[design.wheel]] or [[design.thruster]]";
             self.refuse("E0507", "design", span, problem, remedy);
         }

@@ -1,6 +1,6 @@
 //! Several cases side by side.
 
-use super::text::{FIGURES, told};
+use super::text::{FIGURES, predicted_sigma};
 use poinsot_formats::PredictionFile;
 use poinsot_report::{Document, Section, Table, Tone, significant};
 use std::path::Path;
@@ -81,7 +81,11 @@ fn sigmas(p: &PredictionFile) -> Vec<Row> {
     bodies
         .flat_map(|(body, mass)| {
             let of = move |(name, unit, n): (String, &str, _)| {
-                (format!("{body} {name}"), unit.to_owned(), told(&n))
+                (
+                    format!("{body} {name}"),
+                    unit.to_owned(),
+                    predicted_sigma(&n),
+                )
             };
             mass.numbers().into_iter().map(of)
         })

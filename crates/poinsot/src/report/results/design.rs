@@ -1,4 +1,4 @@
-//! A designed manoeuvre: what it reaches, which limits hold it back, how it is flown.
+//! A designed manoeuvre: result, active limits, and motion.
 
 use super::curves::{against_duration, commands};
 use super::{Shown, ratio_figure};
@@ -27,7 +27,7 @@ pub fn design_document(design: &DesignFile) -> Document {
         document.push(limits(design));
     }
     if !design.relaxed.is_empty() {
-        document.push(points("what a relaxed limit would give", &design.relaxed));
+        document.push(points("effect of relaxing a limit", &design.relaxed));
     }
     if !design.front.is_empty() {
         document.push(points("with one limit tighter and looser", &design.front));
@@ -39,8 +39,8 @@ pub fn design_document(design: &DesignFile) -> Document {
         document.push(flights(v));
     }
     let settled = match design.search.settled {
-        true => "no further step promises more than 0.1 %",
-        false => "stopped before it settled: more evaluations or minutes may find a better one",
+        true => "the next step would gain less than 0.1 %",
+        false => "stopped before convergence: more evaluations or minutes may find a better one",
     };
     let mut lines = vec![format!(
         "{} manoeuvres evaluated, {settled}",
@@ -205,7 +205,7 @@ fn within_limits(design: &DesignFile) -> Light {
             (
                 Tone::Good,
                 "yes",
-                format!("{active} of {all} limits hold it back"),
+                format!("{active} of {all} limits are active"),
             )
         }
     };
@@ -220,7 +220,11 @@ fn within_limits(design: &DesignFile) -> Light {
 
 fn confirmed(design: &DesignFile) -> Light {
     let (tone, word, found) = match &design.verification {
-        None => (Tone::Plain, "not flown", "--verify flies it".to_owned()),
+        None => (
+            Tone::Plain,
+            "not flown",
+            "--verify simulates trial flights".to_owned(),
+        ),
         Some(v) => {
             let (tone, word) = match v.agrees {
                 true => (Tone::Good, "yes"),
