@@ -439,7 +439,7 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
         (format!("{want}[design]\n{wheel}"), "no limit bounds it"),
         (
             format!("{want}{speed}[design]\n"),
-            "no joint or wheel is free to move",
+            "no joint, wheel or thruster is free to move",
         ),
         (
             format!(

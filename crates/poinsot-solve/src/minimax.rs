@@ -65,7 +65,7 @@ pub trait Minimax {
     }
 }
 
-/// How hard the search works.
+/// Options of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MinimaxOptions {
     /// Most evaluations.
@@ -74,7 +74,7 @@ pub struct MinimaxOptions {
     pub steps: usize,
     /// First size of the trust region, in units of the unknowns.
     pub delta: f64,
-    /// A step that promises less ends the search.
+    /// The search ends below this predicted reduction.
     pub tolerance: f64,
 }
 
@@ -87,7 +87,7 @@ pub struct Reached {
     pub values: Values,
     /// Evaluations used.
     pub evaluations: usize,
-    /// Whether no step promises more than the tolerance.
+    /// Whether the predicted reduction is below the tolerance.
     pub settled: bool,
 }
 

@@ -174,7 +174,7 @@ impl Recorder {
                 }
                 let thruster = self.thrust.iter().position(|n| exact && *n == name);
                 if let Some(k) = thruster {
-                    let (time_s, values) = with_switches(scenario, k, &base, values);
+                    let (time_s, values) = with_switches(scenario, k, base, values);
                     channels.push(channel(name, String::new(), time_s, values));
                     continue;
                 }
