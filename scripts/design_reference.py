@@ -408,7 +408,7 @@ def vehicle(seed, folder):
         points = rng.normal(size=(8, 3)) * size * rng.uniform(0.2, 0.6, size=3)
         spread = mass * points.T @ points / len(points)
         tensor = turn @ (np.trace(spread) * np.eye(3) - spread) @ turn.T
-        entry = ", ".join(f"{a}{b} = {tensor['xyz'.index(a), 'xyz'.index(b)]!r}" for a, b in ("xx", "yy", "zz", "xy", "xz", "yz"))
+        entry = ", ".join(f"{a}{b} = {float(tensor['xyz'.index(a), 'xyz'.index(b)])!r}" for a, b in ("xx", "yy", "zz", "xy", "xz", "yz"))
         model += f'[[body]]\nname = "{name}"\nmass_kg = {mass!r}\ncom_m = {(0.1 * size * rng.normal(size=3)).tolist()}\n'
         model += f"inertia_kg_m2 = {{ {entry} }}\n"
         if k == bodies - 1:
@@ -417,9 +417,8 @@ def vehicle(seed, folder):
         axis = rng.normal(size=3)
         model += f'[[joint]]\nname = "j{k}"\ntype = "revolute"\nparent = "{names[int(rng.integers(k))]}"\nchild = "{name}"\n'
         model += f"origin_m = {rng.uniform(-0.6, 0.6, size=3).tolist()}\naxis = {(axis / np.linalg.norm(axis)).tolist()}\n"
-    if bodies == 1:
-        for k, axis in enumerate(np.eye(3).tolist()):
-            model += f'[[wheel]]\nname = "w{k}"\nbody = "b0"\naxis = {axis}\nspin_inertia_kg_m2 = 0.01\n'
+    for k, axis in enumerate(np.eye(3).tolist()):
+        model += f'[[wheel]]\nname = "w{k}"\nbody = "b0"\naxis = {axis}\nspin_inertia_kg_m2 = 0.01\n'
     for name, kind, noise in [
         ("gyro", "gyro", "noise_rad_s = 5.0e-5"),
         ("tracker", "attitude", "noise_rad = 5.0e-5"),
@@ -429,10 +428,9 @@ def vehicle(seed, folder):
     case = f'schema = "poinsot.case/2"\nmodel = "model.toml"\nduration_s = 60.0\n[initial]\nmomentum_zero = true\n'
     case += f'[output]\nrate_hz = 5\n[design]\nseed = 1\n'
     number = f"{names[-1]}.inertia_kg_m2"
-    if bodies == 1:
-        case += "[[design.wheel]]\nnodes = 7\n[limits]\nbody_rate_rad_s = 0.04\n"
-        case += "[[limits.wheel]]\nspeed_rad_s = 300.0\ntorque_N_m = 0.3\n"
-    else:
+    case += "[[design.wheel]]\nnodes = 7\n[limits]\nbody_rate_rad_s = 0.04\n"
+    case += "[[limits.wheel]]\nspeed_rad_s = 300.0\ntorque_N_m = 0.3\n"
+    if bodies > 1:
         case += '[[design.joint]]\nform = "fourier"\nharmonics = 3\n'
         case += "[[limits.joint]]\nposition_rad = [-0.6, 0.6]\nrate_rad_s = 0.12\n"
         case += f'[[want]]\nnumber = "{names[-1]}.mass_kg"\nrelative = 1.0e-3\n'
