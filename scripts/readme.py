@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "README.md", ROOT / "docs/start.md", ROOT / "docs/howto/without_a_tracker.md"]
+PAGES = [ROOT / "README.md", ROOT / "docs/tutorial/first_fit.md", ROOT / "docs/howto/without_a_tracker.md"]
 BLOCK = re.compile(r"<!-- output of: (?P<command>.+?) -->\n```text\n(?P<output>.*?)```\n", re.DOTALL)
 CARGO = "cargo run --quiet --locked --release -p poinsot-cli --"
 

@@ -91,7 +91,7 @@ const DIFFERENCES: &str = "\
 - S3: no CSV with text cells is written.
 ";
 
-/// `docs/errors.md`.
+/// `docs/reference/errors.md`.
 pub fn errors(
     codes: &[ErrorCode],
     messages: &BTreeMap<String, (String, Option<&'static str>)>,
