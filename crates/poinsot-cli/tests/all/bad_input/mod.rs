@@ -85,7 +85,10 @@ fn cli_every_fault_of_the_list_and_every_code() {
         .filter(|c| !messages.contains_key(*c))
         .collect();
     assert!(without.is_empty(), "no row prints {without:?}");
-    document::compare("docs/reference/errors.md", &document::errors(&codes, &messages));
+    document::compare(
+        "docs/reference/errors.md",
+        &document::errors(&codes, &messages),
+    );
 }
 
 /// The first whole message of each code, and why no input makes the command print it where that is so.
