@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Keeps the outputs on pages honest: runs the commands that README and the book quote, and fills in what they print.
 
-A line `<!-- output of: COMMAND -->` names a command; the block fenced by ```text after it is its standard output.
+A line `<!-- output of: COMMAND -->` names a command; the block fenced by ```text after it is its standard output. The block
+fenced by ```console after `<!-- run: COMMAND -->` shows the command too; `&&` begins a new line.
 Between `<!-- lines of: COMMAND -->` and `<!-- end of lines -->` stands every line of the output with the sentence of
 docs/reference/output_lines.txt that explains it; a line without a sentence is an error. `poinsot` in a command is the
 program built from this checkout; pipes work. Commands of a page run in the order of the page.
@@ -21,7 +22,9 @@ from program import ROOT, add_option, program
 SENTENCES = ROOT / "docs/reference/output_lines.txt"
 OUTPUT = r"<!-- output of: (?P<command>.+?) -->\n```text\n(?P<output>.*?)```\n"
 LINES = r"<!-- lines of: (?P<explained>.+?) -->\n(?P<sentences>.*?)<!-- end of lines -->\n"
-BLOCK = re.compile(f"{OUTPUT}|{LINES}", re.DOTALL)
+RUN = r"<!-- run: (?P<run>.+?) -->\n```console\n(?P<console>.*?)```\n"
+BLOCK = re.compile(f"{OUTPUT}|{RUN}|{LINES}", re.DOTALL)
+LONGEST = 110  # characters of a line of a command
 
 
 def pages():
@@ -37,6 +40,14 @@ def output(command, poinsot):
     if done.returncode > 1:
         sys.exit(f"readme.py: exit code {done.returncode}: {command}")
     lines = [line.rstrip() for line in done.stdout.rstrip().splitlines()]
+    return "\n".join(lines) + "\n"
+
+
+def shown(command):
+    """A command as a person types it, options on lines of their own where it is long."""
+    lines = []
+    for part in command.removesuffix(" 2>&1").split(" && "):
+        lines.append("$ " + (part if len(part) <= LONGEST else part.replace(" --", " \\\n    --")))
     return "\n".join(lines) + "\n"
 
 
@@ -74,6 +85,10 @@ def main():
             command, kept = match["command"], match["output"]
             filled = run(command)
             block = f"<!-- output of: {command} -->\n```text\n{filled}```\n"
+        elif match["run"]:
+            command, kept = match["run"], match["console"]
+            filled = shown(command) + run(command)
+            block = f"<!-- run: {command} -->\n```console\n{filled}```\n"
         else:
             command, kept = match["explained"], match["sentences"]
             filled = explained(run(command))
