@@ -47,7 +47,7 @@ def shown(command):
     """A command as a person types it, options on lines of their own where it is long."""
     lines = []
     for part in command.removesuffix(" 2>&1").split(" && "):
-        lines.append("$ " + (part if len(part) <= LONGEST else part.replace(" --", " \\\n    --")))
+        lines.append("$ " + (part if len(part) <= LONGEST else re.sub(r" (--[a-z])", r" \\\n    \1", part)))
     return "\n".join(lines) + "\n"
 
 
