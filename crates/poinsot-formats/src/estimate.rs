@@ -284,7 +284,7 @@ pub struct KnownNumbersFile {
     /// Whether every known number is taken as exact.
     #[serde(default)]
     pub exact: bool,
-    /// Whether some known number has no declared source, so that it is taken as exact.
+    /// Whether some known number has no declared source, so that it is taken as one of a drawing.
     #[serde(default)]
     pub source_assumed: bool,
     /// One sigma of numbers of the answer if every known number were exact, by address.
@@ -316,7 +316,7 @@ pub struct SensitivityFile {
     pub step: String,
     /// Change of the numbers of the answer with that step, the readings held, by address.
     pub change: IndexMap<String, f64>,
-    /// Share of their variance.
+    /// Share of their variance that would go if this number were known exactly; shares of numbers that err together overlap.
     pub variance_share: IndexMap<String, f64>,
 }
 

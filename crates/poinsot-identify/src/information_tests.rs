@@ -1,6 +1,7 @@
 //! Sensitivities of every kind of unknown against differences of chi-square.
 
 mod inputs;
+mod known_columns;
 mod two_threads;
 
 use crate::fit::experiment::{Experiment, Point};

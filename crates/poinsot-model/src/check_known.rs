@@ -58,13 +58,10 @@ pub(crate) fn check_known(
         if exact == Some(true) {
             continue;
         }
-        let origin = match (source, exact) {
-            (Some(SourceFile::Measured), _) => Origin::Measured,
-            (Some(_), _) | (None, Some(_)) => Origin::Cad,
-            (None, None) => {
-                out.assumed |= number.is_known(model);
-                continue;
-            }
+        out.assumed |= source.is_none() && exact.is_none() && number.is_known(model);
+        let origin = match source {
+            Some(SourceFile::Measured) => Origin::Measured,
+            Some(SourceFile::Cad) | None => Origin::Cad,
         };
         out.uncertain.push(Uncertain {
             number,

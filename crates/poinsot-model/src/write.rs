@@ -6,6 +6,10 @@ use crate::vehicle::{
     Body, EstimateSet, Joint, JointKind, Model, MomentumKnowledge, Nuisance, Sensor, SensorKind,
 };
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
+use std::collections::HashMap;
+
+/// One sigma of every uncertain number.
+type Sigmas = HashMap<KnownNumber, f64>;
 
 /// The text of a model file. Numbers are written with all their digits; `notes` are not written.
 ///
@@ -16,15 +20,15 @@ pub fn write_model(model: &Model) -> String {
     line(&mut out, "schema", quoted(crate::MODEL_SCHEMA));
     line(&mut out, "name", quoted(&model.name));
     if model.knowledge.uncertain.is_empty() {
-        if !model.knowledge.assumed {
-            line(&mut out, "exact", "true".to_owned());
-        }
-    } else {
+        line(&mut out, "exact", "true".to_owned());
+    } else if !model.knowledge.assumed {
         line(&mut out, "source", quoted(Origin::Cad.word()));
     }
     if let Some(factor) = model.knowledge.nominal_within {
         line(&mut out, "nominal_within", number(factor));
     }
+    let known = model.knowledge.uncertain.iter();
+    let known: Sigmas = known.map(|u| (u.number, u.sigma)).collect();
     for (k, body) in model.bodies.iter().enumerate() {
         write_body(&mut out, body);
         let numbers = [
@@ -32,7 +36,7 @@ pub fn write_model(model: &Model) -> String {
             ("com_m", KnownNumber::MassCentre(k)),
             ("inertia", KnownNumber::Inertia(k)),
         ];
-        uncertainty(&mut out, model, &numbers);
+        uncertainty(&mut out, &known, &numbers);
     }
     for (k, joint) in model.joints.iter().enumerate() {
         write_joint(&mut out, model, joint);
@@ -40,7 +44,7 @@ pub fn write_model(model: &Model) -> String {
             ("origin_m", KnownNumber::JointOrigin(k)),
             ("axis_rad", KnownNumber::JointAxis(k)),
         ];
-        uncertainty(&mut out, model, &numbers);
+        uncertainty(&mut out, &known, &numbers);
     }
     for (k, wheel) in model.wheels.iter().enumerate() {
         section(&mut out, "[[wheel]]");
@@ -56,7 +60,7 @@ pub fn write_model(model: &Model) -> String {
             ("spin_inertia", KnownNumber::SpinInertia(k)),
             ("axis_rad", KnownNumber::WheelAxis(k)),
         ];
-        uncertainty(&mut out, model, &numbers);
+        uncertainty(&mut out, &known, &numbers);
     }
     for (k, thruster) in model.thrusters.iter().enumerate() {
         section(&mut out, "[[thruster]]");
@@ -70,14 +74,14 @@ pub fn write_model(model: &Model) -> String {
             ("direction_rad", KnownNumber::ForceDirection(k)),
             ("position_m", KnownNumber::ForcePosition(k)),
         ];
-        uncertainty(&mut out, model, &numbers);
+        uncertainty(&mut out, &known, &numbers);
     }
     for (k, sensor) in model.sensors.iter().enumerate() {
         write_sensor(&mut out, model, sensor);
         if sensor.turns() {
             uncertainty(
                 &mut out,
-                model,
+                &known,
                 &[("mounting_rad", KnownNumber::Mounting(k))],
             );
         }
@@ -91,16 +95,14 @@ pub fn write_model(model: &Model) -> String {
 }
 
 /// Uncertainties of one table that are not those of a drawing.
-fn uncertainty(out: &mut String, model: &Model, numbers: &[(&str, KnownNumber)]) {
-    let knowledge = &model.knowledge;
-    if knowledge.uncertain.is_empty() {
+fn uncertainty(out: &mut String, known: &Sigmas, numbers: &[(&str, KnownNumber)]) {
+    if known.is_empty() {
         return;
     }
     let entries: Vec<String> = numbers
         .iter()
         .filter_map(|(key, of)| {
-            let found = knowledge.uncertain.iter().find(|u| u.number == *of);
-            let sigma = found.map_or(0.0, |u| u.sigma);
+            let sigma = known.get(of).copied().unwrap_or(0.0);
             (sigma != of.usual_sigma(Origin::Cad)).then(|| format!("{key} = {}", number(sigma)))
         })
         .collect();

@@ -10,7 +10,7 @@ use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, So
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
 /// What is said where the model leaves open how good its known numbers are.
-pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source are exact. \
+pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source come from a drawing (source = \"cad\"). \
      Write source = \"measured\", source = \"cad\" or exact = true into the model.";
 
 /// How much of an answer is printed.

@@ -204,7 +204,7 @@ impl Study {
             noise: &bound.noise,
             relative_accuracy: question.relative_accuracy,
         };
-        Ok(judge(&estimate_by(&problem, question, diagnose)?, truth))
+        Ok(judged(&estimate_by(&problem, question, diagnose)?, truth))
     }
 
     /// Trials in the order of their numbers, in parallel.
@@ -284,8 +284,8 @@ impl Study {
     }
 }
 
-/// An answer beside the truth.
-fn judge(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
+/// An answer beside the truth: true numbers by the addresses of an answer, as of [`Study::true_numbers`].
+pub fn judged(estimate: &Estimate, truth: &HashMap<String, f64>) -> Answer {
     let numbers: Vec<TrialNumber> = estimated_numbers(estimate)
         .into_iter()
         .filter_map(|(name, value, sigma)| {

@@ -38,13 +38,14 @@ pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> Kno
             pairs.map(|(g, s)| g * s).sum()
         };
         let change = |row: &Row| asked(row).then(|| step * slope(k, row));
+        // The square of the correlation: what the variance would lose if this number were known exactly. Numbers that the data
+        // tie together, as spin inertias of wheels are, have it in common.
         let share = |(row, total): (&Row, &f64)| {
             let together: f64 = (0..known.places.len())
                 .map(|j| known.covariance[(k, j)] * slope(j, row))
                 .sum();
-            let whole = total * total;
-            let share = (slope(k, row) * together / whole).clamp(0.0, 1.0);
-            (asked(row) && whole > 0.0).then_some(share)
+            let whole = total * total * known.covariance[(k, k)];
+            (asked(row) && whole > 0.0).then(|| together * together / whole)
         };
         out.effects.push(KnownEffect {
             name: unknown.name.clone(),

@@ -3,16 +3,12 @@
 
 use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
-use crate::fit::experiment::as_predicted::take_predictions;
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Perfect, Point, PredictionSlopes, Shift, slope};
 use crate::problem::Problem;
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{InputErrors, Segment};
-use crate::problem::shifted_vehicle::Centre;
 use poinsot_model::{JointKind, KnownNumber, Origin};
-use poinsot_spatial::Vector3;
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// Step of a difference, in the usual uncertainty of a number: the bend over it and its round-off stay far below the noise.
 const CHANGE_STEP: f64 = 1.0e-3;
@@ -134,93 +130,71 @@ fn of_play(experiment: &Experiment) -> Vec<Candidate> {
         .collect()
 }
 
-/// How every whitened prediction moves with a change: by segment, sensor compared and sample.
-pub(super) type Difference = Vec<Vec<Vec<Vector3>>>;
-
-/// The differences of all changes at a point; empty for one that cannot be made. Predictions are compared with each other:
-/// whitening depends on the vehicle where inputs err, and its change times the residual is no slope.
+/// Slopes over all changes at a point; empty for one that cannot be made.
 pub(super) fn differences(
     experiment: &Experiment,
     at: &Point,
     changes: &[Change],
-) -> Option<Vec<Difference>> {
+) -> Option<Vec<PredictionSlopes>> {
     if changes.is_empty() {
         return Some(Vec::new());
     }
-    let mut segments = experiment.problem.segments.to_vec();
-    take_predictions(experiment, at, &mut segments)?;
-    let problem = Problem {
-        segments: &segments,
-        ..*experiment.problem
-    };
-    let perfect = experiment.with_problem(&problem);
-    let here = perfect.evaluate(at, false)?;
-    let of = |change: &Change| -> Option<Difference> {
-        let (there, step) = changed(&perfect, at, *change)?;
-        let segments = here.iter().zip(&there);
-        let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
-        Some(
-            segments
-                .map(|(a, b)| {
-                    let sensors = a.channels.iter().zip(&b.channels);
-                    sensors
-                        .map(|(a, b)| a.white.iter().zip(&b.white).map(slope).collect())
-                        .collect()
-                })
-                .collect(),
-        )
-    };
-    let all = changes.par_iter();
-    Some(all.map(|c| of(c).unwrap_or_default()).collect())
+    let perfect = Perfect::new(experiment, at)?;
+    let numbers = changes.iter().filter_map(|c| shift(experiment, *c));
+    let numbers: Vec<Shift> = numbers.collect();
+    let mut of_numbers = perfect.slopes(experiment, &numbers)?.into_iter();
+    let problem = perfect.problem(experiment.problem);
+    let own = experiment.of_vehicle(&problem, perfect.parameters());
+    let here = own.evaluate(&perfect.base, false)?;
+    let others: Vec<Option<PredictionSlopes>> = changes
+        .par_iter()
+        .map(|change| {
+            let (segments, step) = reread(&problem, *change)?;
+            let other = Problem {
+                segments: &segments,
+                ..problem
+            };
+            let there = experiment.of_vehicle(&other, perfect.parameters());
+            slope(&here, &there.evaluate(&perfect.base, false)?, step)
+        })
+        .collect();
+    let pairs = changes.iter().zip(others);
+    let own = pairs.map(|(change, other)| match shift(experiment, *change) {
+        Some(_) => of_numbers.next(),
+        None => other,
+    });
+    Some(own.map(Option::unwrap_or_default).collect())
 }
 
-/// All segments with the question changed, and by how much it is.
-fn changed(
-    experiment: &Experiment,
-    at: &Point,
-    change: Change,
-) -> Option<(Vec<crate::likelihood::Evaluated>, f64)> {
-    let problem = experiment.problem;
-    if let Change::Known(number, component) = change {
-        let usual = number.usual_sigma(Origin::Cad);
-        let step = CHANGE_STEP * number.absolute(problem.model, component, usual);
-        if step == 0.0 {
-            // A share of nothing.
-            return None;
-        }
-        let changes = [(number, component, step)];
-        let centre = Centre::new(problem, experiment.parameters, &changes)?;
-        let there = centre.problem(problem);
-        let there = experiment.of_vehicle(&there, &centre.parameters);
-        return Some((there.evaluate(at, false)?, step));
-    }
-    let mut segments = Cow::Borrowed(problem.segments);
-    let step = match change {
+/// A known number with the step of its difference; `None` for other changes, and for a share of nothing.
+fn shift(experiment: &Experiment, change: Change) -> Option<Shift> {
+    let Change::Known(number, component) = change else {
+        return None;
+    };
+    let usual = number.usual_sigma(Origin::Cad);
+    let step = CHANGE_STEP * number.absolute(experiment.problem.model, component, usual);
+    (step != 0.0).then_some((number, component, step))
+}
+
+/// The samples of all segments with what drove them changed, and by how much; `None` for a known number.
+fn reread(problem: &Problem, change: Change) -> Option<(Vec<Segment>, f64)> {
+    let copied = || problem.segments.to_vec();
+    match change {
+        Change::Known(..) => None,
         Change::Firing(segment, firing) => {
-            let own = segments
-                .to_mut()
-                .get_mut(segment)?
-                .firings
-                .get_mut(firing)?;
+            let mut segments = copied();
+            let own = segments.get_mut(segment)?.firings.get_mut(firing)?;
             own.force *= 1.0 + SHARE;
-            SHARE
+            Some((segments, SHARE))
         }
         Change::Play(joint) => {
+            let mut segments = copied();
             let dof = problem.tree.dof();
-            segments
-                .to_mut()
-                .iter_mut()
-                .for_each(|s| take_play(s, joint, dof));
-            PLAY
+            let all = segments.iter_mut();
+            all.for_each(|s| take_play(s, joint, dof));
+            Some((segments, PLAY))
         }
-        Change::Known(..) => return None,
-    };
-    let other = Problem {
-        segments: &segments,
-        ..*problem
-    };
-    let there = experiment.of_vehicle(&other, experiment.parameters);
-    Some((there.evaluate(at, false)?, step))
+    }
 }
 
 /// The link behind its drive by half the play, on the side from which the joint moves.

@@ -4,10 +4,10 @@
 //! triangle of the candidates that have slopes of their own; the others are not tried there.
 
 use super::candidate::{Candidate, Change, Columns};
-use super::changes::{Difference, differences};
+use super::changes::differences;
 use super::projected::Projected;
 use crate::fit::Fitted;
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Point, PredictionSlopes};
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
 use poinsot_dynamics::SensorError;
@@ -121,7 +121,7 @@ impl Table {
         experiment: &Experiment,
         candidates: &[Candidate],
         kinds: &[UnknownKind],
-        made: &[Difference],
+        made: &[PredictionSlopes],
     ) {
         for (s, own) in self.segments.iter_mut().enumerate() {
             let t = &experiment.problem.segments[s].observations.time_s;

@@ -7,7 +7,9 @@
 pub(crate) mod as_predicted;
 mod known_columns;
 
-pub(crate) use known_columns::{DIFFERENCE, KeptColumns, slopes};
+pub(crate) use known_columns::{
+    DIFFERENCE, KeptColumns, Perfect, PredictionSlopes, Shift, body_slopes, slope, slopes,
+};
 
 use crate::fit::coordinates::Coordinates;
 use crate::fit::triangle::Shared;

@@ -1,9 +1,8 @@
 //! Known numbers within their uncertainty: unknowns with a prior, whatever kind of number they are.
 //!
-//! A known number enters the predictions through the model alone. So its column is a difference of two whole evaluations at
-//! the end of the fit, the same way for a mass, a joint axis or a mounting. The fit goes on from there with these columns
-//! beside its own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers moved, and
-//! the columns are made again where they have moved. What the data say of a number shrinks its prior; where they say
+//! The fit goes on from the one with exact numbers, with columns of the known numbers (`experiment/known_columns.rs`) beside its
+//! own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers moved, and the columns
+//! are made again where they have moved. What the data say of a number shrinks its prior; where they say
 //! nothing it stays where it is and its prior goes into the covariance (a consider parameter: Schmidt 1966). One sigma of
 //! a known number is therefore no misfit.
 
@@ -12,13 +11,12 @@ mod effects;
 pub(crate) use effects::Effects;
 
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
-use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, slopes};
+use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, body_slopes, slopes};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
-use crate::problem::shifted_vehicle::Centre;
 use nalgebra::DMatrix;
 use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
@@ -138,22 +136,12 @@ fn unknowns(model: &Model) -> Vec<Unknown> {
 fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Parameters {
     let mut out = parameters.clone();
     let x = parameters.nominal_vector();
-    let here = parameters.bodies(&x);
     for unknown in all {
         let mut unknown = unknown.clone();
         if let UnknownKind::Known(known) = &mut unknown.kind {
-            let step = DIFFERENCE * known.sigma;
-            let change = (known.number, known.component, step);
-            if let Some(there) = Centre::new(problem, parameters, &[change]) {
-                let bodies = there.parameters.bodies(&x);
-                for (body, (a, b)) in here.iter().zip(&bodies).enumerate() {
-                    let pairs = a.to_array().into_iter().zip(b.to_array());
-                    let slopes = pairs.enumerate().filter(|(_, (a, b))| a != b);
-                    known
-                        .slopes
-                        .extend(slopes.map(|(k, (a, b))| (10 * body + k, (b - a) / step)));
-                }
-            }
+            let shift = (known.number, known.component, DIFFERENCE * known.sigma);
+            let slopes = body_slopes((problem, problem.model), parameters, &x, shift);
+            known.slopes = slopes.unwrap_or_default();
         }
         out.unknowns.push(unknown);
     }

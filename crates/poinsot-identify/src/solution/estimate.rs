@@ -281,7 +281,8 @@ pub struct KnownEffect {
     pub step_words: &'static str,
     /// Change of each number of the covariance with that step, the readings held; `None` of a number that is known.
     pub changes: Vec<Option<f64>>,
-    /// Share of the variance of each number of the covariance.
+    /// Share of the variance of each number of the covariance that would go if this number were known exactly; shares of
+    /// numbers that err together overlap.
     pub shares: Vec<Option<f64>>,
 }
 

@@ -21,7 +21,8 @@ pub(crate) struct BodyFile {
     pub estimate: Option<EstimateFile>,
     /// One sigma of the nominal values. No prior unless given.
     pub prior: Option<PriorFile>,
-    /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
+    /// Where the known numbers come from: "measured" or "cad", by default that of the
+    /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
     pub exact: Option<bool>,

@@ -35,7 +35,8 @@ pub(crate) struct JointFile {
     /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it then
     /// moves by itself: slosh as a pendulum, a hinged panel.
     pub spring_damper: Option<SpringDamperFile>,
-    /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
+    /// Where the known numbers come from: "measured" or "cad", by default that of the
+    /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
     pub exact: Option<bool>,

@@ -46,8 +46,8 @@ pub(crate) struct ModelFile {
     pub schema: Option<String>,
     /// Name of the vehicle. Default "vehicle".
     pub name: Option<String>,
-    /// Where the known numbers come from, for every table that does not say it: "measured" or "cad"; exact without one. It sets how
-    /// uncertain they are.
+    /// Where the known numbers come from, for every table that does not say it: "measured" or "cad", the
+    /// default. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers as exact, in every table that does not say otherwise.
     pub exact: Option<bool>,

@@ -67,7 +67,8 @@ pub(crate) struct SensorFile {
     pub position_m: Option<[f64; 3]>,
     /// Direction: the vector in inertial axes whose direction it measures, of any length. Without it the columns `reference_x reference_y reference_z` of the sensor give it.
     pub reference_N: Option<[f64; 3]>,
-    /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
+    /// Where the known numbers come from: "measured" or "cad", by default that of the
+    /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
     pub exact: Option<bool>,

@@ -20,7 +20,8 @@ pub(crate) struct ThrusterFile {
     pub force_direction: Option<[f64; 3]>,
     /// Factor between declared and true thrust: "none" (default: exact), "estimate", or { sigma = x }.
     pub scale: Option<NuisanceFile>,
-    /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
+    /// Where the known numbers come from: "measured" or "cad", by default that of the
+    /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
     pub exact: Option<bool>,

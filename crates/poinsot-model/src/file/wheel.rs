@@ -23,7 +23,8 @@ pub(crate) struct WheelFile {
     /// Small tilt of the spin axis about the two directions across it: "none" (default), "estimate", or
     /// { sigma_rad = x }.
     pub misalignment: Option<NuisanceFile>,
-    /// Where the known numbers come from: "measured" or "cad"; exact without one. It sets how uncertain they are.
+    /// Where the known numbers come from: "measured" or "cad", by default that of the
+    /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
     /// true takes all known numbers of this table as exact.
     pub exact: Option<bool>,

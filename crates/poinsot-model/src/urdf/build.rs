@@ -5,7 +5,7 @@ use super::inertial::rotation;
 use super::raw::{Kind, Robot};
 use super::tree::Order;
 use crate::Environment;
-use crate::knowledge::Knowledge;
+use crate::knowledge::{Knowledge, Origin};
 use crate::vehicle::{Body, EstimateSet, Joint, JointKind, Model, Momentum};
 use poinsot_spatial::{MassProperties, Matrix3, Vector3};
 use poinsot_telemetry::TelemetryMap;
@@ -87,5 +87,5 @@ pub(super) fn model(
         },
         notes: Vec::new(),
     };
-    Some(model)
+    Some(model.with_usual_uncertainty(Origin::Cad))
 }

@@ -87,7 +87,38 @@ fn stat_wrong_known_numbers_are_covered_and_raise_no_alarm() {
             let data = known.sigma_data[k].unwrap();
             assert!(covered.estimate.covariance[k][k].sqrt() >= 0.999 * data);
         }
+        // No known number explains more than all, however much numbers that err together cancel.
+        for share in known.effects.iter().flat_map(|e| e.shares.iter().flatten()) {
+            assert!((0.0..1.0 + 1.0e-6).contains(share), "{what}: {share}");
+        }
     }
+}
+
+/// Where one known number alone is uncertain, its share of a variance is what an exact one takes off.
+#[test]
+fn exact_the_share_of_one_known_number_is_what_an_exact_one_saves() {
+    let exact = arm(11);
+    let mut model = exact.clone().with_usual_uncertainty(Origin::Cad);
+    model
+        .knowledge
+        .uncertain
+        .retain(|u| u.number == KnownNumber::Mass(1));
+    let table = noisy(fly(&exact, &moving(&exact, 11)), 5, SIGMA);
+    let found = ask(&model, vec![table], "maximum_likelihood");
+    let known = &found.estimate.known_numbers;
+    let [only] = known.effects.as_slice() else {
+        panic!("{}", known.effects.len());
+    };
+    let mut most = 0.0_f64;
+    for (k, (share, data)) in only.shares.iter().zip(&known.sigma_data).enumerate() {
+        let (Some(share), Some(data)) = (share, data) else {
+            continue;
+        };
+        let saved = 1.0 - data * data / found.estimate.covariance[k][k];
+        assert!((share - saved).abs() < 1.0e-6, "{k}: {share}, {saved}");
+        most = most.max(saved);
+    }
+    assert!(most > 0.1, "{most}");
 }
 
 /// Known numbers drawn from their uncertainties, those of like wheels correlated.

@@ -1,12 +1,18 @@
 //! What known numbers do to the predictions: columns beside those of the unknowns.
+//!
+//! Masses, mass centres, inertias, rotors and thrust move the motion as unknowns of those kinds do: one evaluation with its
+//! sensitivities gives all their columns. Joints, mountings and places of thrusters have no such kind: a difference each.
 
 use super::as_predicted::take_predictions;
 use super::{Experiment, Point};
-use crate::likelihood::KnownColumns;
+use crate::likelihood::{ChannelResidual, Evaluated, KeptRow, KnownColumns};
 use crate::problem::Problem;
-use crate::problem::parameters::KnownUnknown;
+use crate::problem::loss::Loss;
+use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
+use crate::problem::segment::Segment;
 use crate::problem::shifted_vehicle::Centre;
-use poinsot_spatial::Vector3;
+use poinsot_model::{KnownNumber, Model};
+use poinsot_spatial::{InertialParameters, Vector3};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 
@@ -39,85 +45,229 @@ pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<Know
     Some(columns)
 }
 
-/// Slopes of all whitened predictions over each known number, by differences, at a value of all unknowns. Predictions are
-/// compared with each other: whitening depends on the vehicle where inputs err, and its change times the residual is no
-/// slope.
+/// Slopes of all whitened predictions over the known numbers among the unknowns, at a value of all of them.
 pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
-    let (own, kept) = experiment.parameters.without_known();
-    let base = Point {
-        x: kept.iter().map(|k| at.x[*k]).collect(),
-        heads: at.heads.clone(),
-    };
-    let numbers: Vec<(&KnownUnknown, f64)> = experiment
-        .parameters
-        .known_places()
-        .iter()
-        .map(|p| (&experiment.parameters.unknowns[*p], at.x[*p]))
-        .filter_map(|(u, x)| Some((u.kind.known()?, x - u.nominal)))
+    let perfect = Perfect::new(experiment, at)?;
+    let unknowns = &experiment.parameters.unknowns;
+    let known = unknowns.iter().filter_map(|u| u.kind.known());
+    let numbers: Vec<Shift> = known
+        .map(|k| (k.number, k.component, DIFFERENCE * k.sigma))
         .collect();
-    let moved = numbers
-        .iter()
-        .map(|(n, change)| (n.number, n.component, *change));
-    let centre = Centre::new(experiment.problem, &own, &moved.collect::<Vec<_>>())?;
-    let there = centre.problem(experiment.problem);
-    let mut perfect = there.segments.to_vec();
-    take_predictions(
-        &experiment.of_vehicle(&there, &centre.parameters),
-        &base,
-        &mut perfect,
-    )?;
-    let there = Problem {
-        segments: &perfect,
-        ..there
-    };
-    let here = experiment
-        .of_vehicle(&there, &centre.parameters)
-        .evaluate(&base, false)?;
-    let differences = |k: usize| -> Option<Vec<Vec<Vec<Vector3>>>> {
-        let number = numbers[k].0;
-        let step = DIFFERENCE * number.sigma;
-        let change = (number.number, number.component, step);
-        let nominal = experiment.problem.model;
-        let centre = Centre::from(&there, nominal, &centre.parameters, &[change])?;
-        let beside = centre.problem(&there);
-        let evaluated = experiment
-            .of_vehicle(&beside, &centre.parameters)
-            .evaluate(&base, false)?;
-        let segments = here.iter().zip(&evaluated);
-        let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
-        segments
-            .map(|(a, b)| {
-                let sensors = a.channels.iter().zip(&b.channels);
-                sensors
-                    .map(|(a, b)| {
-                        let same = a.white.len() == b.white.len();
-                        same.then(|| a.white.iter().zip(&b.white).map(slope).collect())
-                    })
-                    .collect()
-            })
-            .collect()
-    };
-    let by_number: Vec<Option<_>> = (0..numbers.len())
-        .into_par_iter()
-        .map(differences)
-        .collect();
+    let mut by_number = perfect.slopes(experiment, &numbers)?;
     let mut out = KnownColumns::default();
-    for (s, one) in here.iter().enumerate() {
-        let names = one.channels.iter().map(|c| c.name.clone());
+    for (s, segment) in perfect.segments.iter().enumerate() {
+        let sensors = &segment.observations.sensors;
+        let names = sensors.iter().map(|r| r.name.clone());
         out.sensors.push(names.collect());
-        let sensors = 0..one.channels.len();
-        out.slopes.push(
-            sensors
-                .map(|i| {
-                    let of = |all: &Option<Vec<Vec<Vec<Vector3>>>>| {
-                        // A number that cannot be moved leaves nothing to say.
-                        let all = all.as_ref().and_then(|all| all.get(s)?.get(i).cloned());
-                        all.unwrap_or_default()
-                    };
-                    by_number.iter().map(of).collect()
-                })
-                .collect(),
-        );
+        let mut of = |sensor: usize| -> Vec<Vec<Vector3>> {
+            let own =
+                |all: &mut PredictionSlopes| Some(std::mem::take(all.get_mut(s)?.get_mut(sensor)?));
+            by_number
+                .iter_mut()
+                .map(|all| own(all).unwrap_or_default())
+                .collect()
+        };
+        out.slopes.push((0..sensors.len()).map(&mut of).collect());
     }
     Some(out)
+}
+
+/// How the whitened predictions move with one number: by segment, sensor and sample. Empty for a number that cannot be moved.
+pub(crate) type PredictionSlopes = Vec<Vec<Vec<Vector3>>>;
+
+/// A component of a known number with a step for its difference.
+pub(crate) type Shift = (KnownNumber, usize, f64);
+
+/// The vehicle where a value of all unknowns has its known numbers, with the samples that it predicts there. Only changes of
+/// predictions are left of a residual: whitening depends on the vehicle where inputs err, and its change times a residual is
+/// no slope.
+pub(crate) struct Perfect {
+    vehicle: Centre,
+    segments: Vec<Segment>,
+    /// The other unknowns.
+    pub base: Point,
+}
+
+impl Perfect {
+    pub fn new(experiment: &Experiment, at: &Point) -> Option<Self> {
+        let (own, kept) = experiment.parameters.without_known();
+        let base = Point {
+            x: kept.iter().map(|k| at.x[*k]).collect(),
+            heads: at.heads.clone(),
+        };
+        let unknowns = experiment.parameters.unknowns.iter().zip(&at.x);
+        let moved = unknowns.filter_map(|(u, x)| {
+            let known = u.kind.known()?;
+            Some((known.number, known.component, x - u.nominal))
+        });
+        let moved: Vec<Shift> = moved.collect();
+        let vehicle = Centre::new(experiment.problem, &own, &moved)?;
+        let there = vehicle.problem(experiment.problem);
+        let mut segments = there.segments.to_vec();
+        let own = experiment.of_vehicle(&there, &vehicle.parameters);
+        take_predictions(&own, &base, &mut segments)?;
+        drop(own);
+        Some(Self {
+            vehicle,
+            segments,
+            base,
+        })
+    }
+
+    /// The question asked of it.
+    pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
+        Problem {
+            segments: &self.segments,
+            ..self.vehicle.problem(problem)
+        }
+    }
+
+    /// Its unknowns: those of the fit without the known numbers.
+    pub fn parameters(&self) -> &Parameters {
+        &self.vehicle.parameters
+    }
+
+    /// Slopes over components of known numbers: what has a twin among the unknowns by the variational equation, the others by
+    /// differences.
+    pub fn slopes(
+        &self,
+        experiment: &Experiment,
+        numbers: &[Shift],
+    ) -> Option<Vec<PredictionSlopes>> {
+        let twins = numbers.iter().map(|n| self.twin(experiment, *n));
+        let twins: Vec<Option<Unknown>> = twins.collect();
+        let all = numbers.iter().zip(&twins);
+        let others: Vec<Shift> = all.filter(|(_, t)| t.is_none()).map(|(n, _)| *n).collect();
+        let own: Vec<Unknown> = twins.iter().flatten().cloned().collect();
+        let mut own = self.by_sensitivity(experiment, &own)?.into_iter();
+        let mut others = self.by_difference(experiment, &others)?.into_iter();
+        let take = |twin: &Option<Unknown>| match twin {
+            Some(_) => own.next(),
+            None => others.next(),
+        };
+        let all = twins.iter().map(take);
+        Some(all.map(Option::unwrap_or_default).collect())
+    }
+
+    /// The unknown that moves the predictions as a known number does.
+    fn twin(&self, experiment: &Experiment, shift: Shift) -> Option<Unknown> {
+        let (number, component, _) = shift;
+        let (kind, nominal) = match number {
+            KnownNumber::Mass(_) | KnownNumber::MassCentre(_) | KnownNumber::Inertia(_) => {
+                let there = self.problem(experiment.problem);
+                let nominal = experiment.problem.model;
+                let slopes = body_slopes((&there, nominal), self.parameters(), &self.base.x, shift);
+                (UnknownKind::Barycentric(slopes?), 0.0)
+            }
+            KnownNumber::SpinInertia(k) => {
+                let there = self.problem(experiment.problem);
+                (
+                    UnknownKind::SpinInertia(k),
+                    there.model.wheels.get(k)?.spin_inertia,
+                )
+            }
+            KnownNumber::WheelAxis(k) => (UnknownKind::WheelTilt(k, component), 0.0),
+            KnownNumber::Force(k) => (UnknownKind::ThrusterScale(k), 0.0),
+            _ => return None,
+        };
+        Some(Unknown {
+            kind,
+            name: number.name(experiment.problem.model, component),
+            unit: number.unit(),
+            nominal,
+            natural: 1.0,
+        })
+    }
+
+    /// Slopes over more unknowns: one evaluation with its sensitivities.
+    fn by_sensitivity(
+        &self,
+        experiment: &Experiment,
+        unknowns: &[Unknown],
+    ) -> Option<Vec<PredictionSlopes>> {
+        if unknowns.is_empty() {
+            return Some(Vec::new());
+        }
+        let there = self.problem(experiment.problem);
+        let mut parameters = self.parameters().clone();
+        let base = parameters.len();
+        parameters.unknowns.extend(unknowns.iter().cloned());
+        let mut at = self.base.clone();
+        at.x.extend(unknowns.iter().map(|u| u.nominal));
+        let mut wide = experiment.of_vehicle(&there, &parameters);
+        (wide.keep_rows, wide.loss) = (true, Loss::Gaussian);
+        let evaluated = wide.evaluate(&at, true)?;
+        let mut out: Vec<PredictionSlopes> = vec![Vec::new(); unknowns.len()];
+        for (one, start) in evaluated.iter().zip(&wide.unknown) {
+            let first = start.count() + base;
+            for (k, own) in out.iter_mut().enumerate() {
+                let slope = |row: &KeptRow| Vector3::from_fn(|axis, _| row.rows[axis][first + k]);
+                let channels = one.channels.iter();
+                own.push(
+                    channels
+                        .map(|c| one.kept.of(Some(&c.name)).map(slope).collect())
+                        .collect(),
+                );
+            }
+        }
+        Some(out)
+    }
+
+    /// Slopes by differences of whole evaluations.
+    pub(crate) fn by_difference(
+        &self,
+        experiment: &Experiment,
+        numbers: &[Shift],
+    ) -> Option<Vec<PredictionSlopes>> {
+        if numbers.is_empty() {
+            return Some(Vec::new());
+        }
+        let there = self.problem(experiment.problem);
+        let own = experiment.of_vehicle(&there, self.parameters());
+        let here = own.evaluate(&self.base, false)?;
+        let nominal = experiment.problem.model;
+        let beside = |shift: &Shift| {
+            let vehicle = Centre::from(&there, nominal, self.parameters(), &[*shift])?;
+            let beside = vehicle.problem(&there);
+            let other = experiment.of_vehicle(&beside, &vehicle.parameters);
+            slope(&here, &other.evaluate(&self.base, false)?, shift.2)
+        };
+        let all = numbers.par_iter();
+        Some(all.map(|n| beside(n).unwrap_or_default()).collect())
+    }
+}
+
+/// Slope of every whitened prediction between two evaluations of the same samples.
+pub(crate) fn slope(
+    here: &[Evaluated],
+    there: &[Evaluated],
+    step: f64,
+) -> Option<PredictionSlopes> {
+    let slope = |(a, b): (&Vector3, &Vector3)| (a - b) / step;
+    let sensor = |(a, b): (&ChannelResidual, &ChannelResidual)| {
+        let same = a.white.len() == b.white.len();
+        same.then(|| a.white.iter().zip(&b.white).map(slope).collect())
+    };
+    let segment =
+        |(a, b): (&Evaluated, &Evaluated)| a.channels.iter().zip(&b.channels).map(sensor).collect();
+    here.iter().zip(there).map(segment).collect()
+}
+
+/// Slopes of the barycentric parameters over a known number, at a value of the unknowns: index `10 body + k` and slope. Turns
+/// are about directions of the `nominal` vehicle. `None` where the number cannot be moved.
+pub(crate) fn body_slopes(
+    (problem, nominal): (&Problem, &Model),
+    parameters: &Parameters,
+    x: &[f64],
+    shift: Shift,
+) -> Option<Vec<(usize, f64)>> {
+    let there = Centre::from(problem, nominal, parameters, &[shift])?;
+    let (here, there) = (parameters.bodies(x), there.parameters.bodies(x));
+    let of = |(body, (a, b)): (usize, (&InertialParameters, &InertialParameters))| {
+        let pairs = a.to_array().into_iter().zip(b.to_array());
+        let moved = pairs.enumerate().filter(|(_, (a, b))| a != b);
+        let slope = move |(k, (a, b)): (usize, (f64, f64))| (10 * body + k, (b - a) / shift.2);
+        moved.map(slope).collect::<Vec<_>>()
+    };
+    Some(here.iter().zip(&there).enumerate().flat_map(of).collect())
 }

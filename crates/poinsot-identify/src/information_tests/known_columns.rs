@@ -1,0 +1,78 @@
+//! Columns of known numbers by the variational equation against differences of whole evaluations.
+
+use super::{MODEL, noise, segment};
+use crate::fit::experiment::{Experiment, Perfect, Shift};
+use crate::problem::Problem;
+use crate::problem::parameters::{Equations, Parameters};
+use nalgebra::Vector3;
+use poinsot_dynamics::Tree;
+use poinsot_model::{EstimateSet, KnownNumber, Nuisance, Origin, parse_model};
+
+/// Step of a difference, in the uncertainty of a drawing.
+const STEP: f64 = 1.0e-3;
+
+#[test]
+fn exact_columns_of_known_numbers_are_differences_of_predictions() {
+    let mut model = parse_model(MODEL, "test").unwrap();
+    // The arm and the hand's mass centre are known, and so are the wheel and the thruster.
+    model.bodies[1].estimate = EstimateSet::default();
+    model.bodies[2].estimate.com = false;
+    (model.wheels[0].estimate, model.wheels[0].misalignment) = (false, Nuisance::Known);
+    model.thrusters[0].scale = Nuisance::Known;
+    let tree = Tree::new(&model);
+    for translation in [true, false] {
+        let segments = [segment(&model, &tree, translation)];
+        let noise = noise(&tree);
+        let problem = Problem {
+            model: &model,
+            tree: &tree,
+            segments: &segments,
+            noise: &noise,
+            relative_accuracy: 1.0,
+        };
+        let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+        let experiment = Experiment::new(&problem, &parameters);
+        let perfect = Perfect::new(&experiment, &experiment.nominal_point()).unwrap();
+        let known = model.known_numbers().into_iter();
+        let numbers: Vec<Shift> = known
+            .filter(|n| n.is_known(&model))
+            .flat_map(|n| (0..n.components()).map(move |c| (n, c)))
+            .map(|(n, c)| {
+                let sigma = n.absolute(&model, c, n.usual_sigma(Origin::Cad));
+                (n, c, STEP * sigma)
+            })
+            .collect();
+        let columns = perfect.slopes(&experiment, &numbers).unwrap();
+        let differences = perfect.by_difference(&experiment, &numbers).unwrap();
+        let mut compared = 0;
+        for ((shift, own), other) in numbers.iter().zip(&columns).zip(&differences) {
+            let flat = |all: &[Vec<Vec<Vector3<f64>>>]| -> Vec<f64> {
+                let numbers = all
+                    .iter()
+                    .flatten()
+                    .flatten()
+                    .flat_map(|v| v.iter().copied());
+                numbers.collect()
+            };
+            let (own, other) = (flat(own), flat(other));
+            assert_eq!(own.len(), other.len(), "{shift:?}");
+            let size = other.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+            let pairs = own.iter().zip(&other);
+            let gap = pairs.fold(0.0, |a: f64, (x, y)| a.max((x - y).abs()));
+            let name = shift.0.name(&model, shift.1);
+            // The bend over a step and its round-off.
+            let floor = 1.0e-9 / shift.2;
+            assert!(
+                gap < 1.0e-4 * size + floor,
+                "{name} (translation {translation}): {gap:.3e} of {size:.3e}"
+            );
+            compared += usize::from(size > 1.0e3 * floor);
+        }
+        // A mass, mass centre and inertia at the least, a rotor and a thrust move the predictions.
+        let moves = |n: &Shift| !matches!(n.0, KnownNumber::Mounting(_));
+        assert!(
+            compared > numbers.iter().filter(|n| moves(n)).count() / 2,
+            "{compared}"
+        );
+    }
+}

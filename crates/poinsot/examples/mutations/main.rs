@@ -1,0 +1,200 @@
+//! Random mistakes in shipped models and telemetry: is an answer ever confident and wrong?
+//!
+//!     cargo run --release -p poinsot --example mutations -- [--trials 2000] [--first 0]
+//!
+//! A mutation is drawn from its number: a vehicle, a mistake and its size. Its class is set before the fit: *covered* by the
+//! declared uncertainty, *harmless*, *visible* (a fit to samples without noise leaves a chi-square above 50) or *invisible*.
+//! An answer is wrong where a number of it errs by more than five of its sigmas, and confident where it ends with exit code 0.
+//! A cause is *listed* where the table of sensitivities names the number that is wrong.
+#![allow(non_snake_case)]
+
+mod mutation;
+mod vehicles;
+
+use mutation::{Class, Mutation};
+use poinsot::{Identified, Question, identify_tables};
+use poinsot_model::Model;
+use poinsot_telemetry::Table;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::error::Error;
+use vehicles::{Vehicle, vehicles};
+
+/// Sigmas beyond which a number is wrong.
+const WRONG: f64 = 5.0;
+/// Chi-square of the noise-free samples beyond which a mistake is visible.
+const VISIBLE: f64 = 50.0;
+/// Seconds beyond which a trial is named on the way.
+const SLOW_S: f64 = 5.0;
+const SEED: u64 = 0x6d75_7461_7465;
+
+/// What came of one mutation.
+struct Trial {
+    number: u64,
+    vehicle: &'static str,
+    mistake: String,
+    kind: &'static str,
+    class: Class,
+    /// Exit code 0.
+    confident: bool,
+    /// Largest error, sigmas; nothing determined: zero.
+    worst: f64,
+    /// Whether the table of sensitivities names the number that is wrong.
+    listed: bool,
+    said: String,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut trials, mut first) = (2000_u64, 0_u64);
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let value = words.next().ok_or(format!("{word}: a number is missing"))?;
+        match word.as_str() {
+            "--trials" => trials = value.parse()?,
+            "--first" => first = value.parse()?,
+            _ => return Err(format!("{word}: known are --trials N, --first N").into()),
+        }
+    }
+    let all = vehicles()?;
+    let run = |number: u64| trial(&all, number);
+    let done: Vec<Trial> = (first..first + trials)
+        .into_par_iter()
+        .map(run)
+        .collect::<Result<_, _>>()
+        .map_err(|e: String| e)?;
+    print_table(&done);
+    for t in done.iter().filter(|t| t.worst > WRONG && t.confident) {
+        println!(
+            "\n{} {}: {} ({}): {:.1} sigma, exit code 0, {}",
+            t.number,
+            t.vehicle,
+            t.mistake,
+            t.class.words(),
+            t.worst,
+            if t.listed { "listed" } else { "not listed" }
+        );
+    }
+    for t in done
+        .iter()
+        .filter(|t| !t.confident && t.class == Class::Harmless)
+    {
+        println!("\n{} {}: {}: {}", t.number, t.vehicle, t.mistake, t.said);
+    }
+    Ok(())
+}
+
+fn trial(all: &[Vehicle], number: u64) -> Result<Trial, String> {
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    rng.set_stream(number);
+    let mutation = Mutation::draw(all, &mut rng);
+    let vehicle = mutation.vehicle;
+    let class = class(&mutation)?;
+    let start = std::time::Instant::now();
+    let (mut tables, biases) = vehicle.study.draw(number);
+    let model = mutation.apply(&mut tables, &mut rng);
+    let truth = vehicle.study.true_numbers(&biases);
+    let answer = identify_tables(model, tables, &Question::default());
+    let (confident, worst, listed, said) = match &answer {
+        Err(error) => (false, 0.0, false, error.to_string()),
+        Ok(found) => {
+            let errors = poinsot::trials::judged(&found.estimate, &truth);
+            let z = errors
+                .numbers
+                .iter()
+                .filter(|n| is_mass(&found.model, &n.name));
+            let worst = z.map(|n| (n.error / n.sigma).abs()).fold(0.0, f64::max);
+            let said = found.estimate.doubts.join("; ");
+            (found.passes(), worst, listed(found, &mutation), said)
+        }
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    if seconds > SLOW_S {
+        eprintln!(
+            "{number} {}: {}: {seconds:.1} s",
+            vehicle.name,
+            mutation.words()
+        );
+    }
+    Ok(Trial {
+        number,
+        vehicle: vehicle.name,
+        mistake: mutation.words(),
+        kind: mutation.kind(),
+        class,
+        confident,
+        worst,
+        listed,
+        said,
+    })
+}
+
+/// Whether an address is one of a body.
+fn is_mass(model: &Model, address: &str) -> bool {
+    let mut bodies = model.bodies.iter();
+    bodies.any(|b| {
+        address
+            .strip_prefix(&b.name)
+            .is_some_and(|rest| rest.starts_with('.'))
+    })
+}
+
+fn listed(found: &Identified, mutation: &Mutation) -> bool {
+    let name = mutation.known_name();
+    let effects = &found.estimate.known_numbers.effects;
+    name.is_some_and(|name| effects.iter().any(|e| e.name == name))
+}
+
+/// Set by the mutator alone: by the size of the mistake in its declared uncertainty, and by what it leaves of samples without
+/// noise where known numbers are exact.
+fn class(mutation: &Mutation) -> Result<Class, String> {
+    if let Some(class) = mutation.class_by_size() {
+        return Ok(class);
+    }
+    let mut tables: Vec<Table> = mutation.vehicle.study.exact.clone();
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut model = mutation.apply(&mut tables, &mut rng);
+    model.knowledge.uncertain.clear();
+    let Ok(found) = identify_tables(model, tables, &Question::default()) else {
+        // It is refused on reading.
+        return Ok(Class::Visible);
+    };
+    let chi2 = found.estimate.diagnostics.map_or(f64::INFINITY, |d| d.chi2);
+    Ok(match chi2 > VISIBLE {
+        true => Class::Visible,
+        false => Class::Invisible,
+    })
+}
+
+fn print_table(trials: &[Trial]) {
+    let mut rows: BTreeMap<(Class, &str), Vec<&Trial>> = BTreeMap::new();
+    for t in trials {
+        rows.entry((t.class, t.kind)).or_default().push(t);
+    }
+    println!(
+        "| class | mistake | trials | exit code 0 | of these beyond 5 sigma | of these not listed |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let mut sums = [0; 4];
+    for ((class, kind), list) in rows {
+        let confident = list.iter().filter(|t| t.confident).count();
+        let wrong = |t: &&&Trial| t.confident && t.worst > WRONG;
+        let beyond = list.iter().filter(wrong).count();
+        let unlisted = list.iter().filter(wrong).filter(|t| !t.listed).count();
+        let counts = [list.len(), confident, beyond, unlisted];
+        println!(
+            "| {} | {kind} | {} | {} | {} | {} |",
+            class.words(),
+            counts[0],
+            counts[1],
+            counts[2],
+            counts[3]
+        );
+        sums.iter_mut().zip(counts).for_each(|(s, c)| *s += c);
+    }
+    println!(
+        "| all | | {} | {} | {} | {} |",
+        sums[0], sums[1], sums[2], sums[3]
+    );
+}
