@@ -1,4 +1,4 @@
-//! The words of the command line.
+//! The command line.
 
 use crate::words::Words;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -9,18 +9,15 @@ use std::path::PathBuf;
 pub const EXIT_CODES: [(u8, &str); 5] = [
     (
         0,
-        "answered: every number asked for is determined, and nothing speaks against it",
+        "every requested parameter is identified and every check passed",
     ),
     (
         1,
-        "answered, but not acceptable: partial, not identifiable, rejected, not settled, not to be relied on, or too many samples left out",
+        "answered, but some parameter is not identified or some check failed",
     ),
-    (
-        2,
-        "the question cannot be asked: usage, model, case or telemetry",
-    ),
+    (2, "invalid arguments, model, case or telemetry"),
     (3, "disk or permission"),
-    (4, "an error of the program"),
+    (4, "internal error"),
 ];
 
 /// Mass, centre of mass and inertia of spacecraft and space robots, from telemetry.
@@ -32,72 +29,71 @@ pub struct Arguments {
     pub verb: Verb,
 }
 
-/// What can be done.
+/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
     /// Identify the unknown mass properties of a vehicle from its telemetry.
     ///
-    /// Exit code 0: every number asked for is determined, and nothing speaks against it. 1: answered, but not all of it is
-    /// (partial, not identifiable, rejected), or it is not to be relied on. 2: bad usage, model or telemetry. 3: disk or permission. 4: internal error.
+    /// Exit code 0: every requested parameter is identified and every check passed. 1: some parameter is not identified or
+    /// some check failed. 2: invalid arguments, model or telemetry. 3: disk or permission. 4: internal error.
     Identify(Identify),
-    /// Simulate a case: joints led or driven by torques, springs, wheels, thrusters, sensors with noise.
+    /// Simulate a case: prescribed and driven joints, springs, wheels, thrusters, sensors with noise.
     Simulate(Simulate),
-    /// Say how accurate a planned manoeuvre will be, before it is flown (Cramer-Rao bound).
+    /// Predict the accuracy of a planned manoeuvre before it is flown (Cramer-Rao bound).
     ///
-    /// Exit code 0: every number asked for will be determined. 1: not all of it. 2: bad usage, case or model.
+    /// Exit code 0: every requested parameter will be identified. 1: some will not. 2: invalid arguments, case or model.
     Predict(Predict),
-    /// Design the manoeuvre that gives what a case wants, within its limits.
+    /// Design a manoeuvre that reaches the wanted sigmas of a case within its limits.
     ///
-    /// Exit code 0: every wanted sigma is reached, and trial flights (--verify) agree. 1: not, with the limits that hold
-    /// it back. 2: bad usage, case or model. 3: disk or permission. An interruption (Ctrl-C) ends the search with the
+    /// Exit code 0: every wanted sigma is reached, and trial flights (--verify) agree. 1: otherwise; the answer names the
+    /// active limits. 2: invalid arguments, case or model. 3: disk or permission. An interruption (Ctrl-C) ends the search with the
     /// best manoeuvre so far; a second one ends the program.
     Design(Design),
     /// Compare the motion of a model, or of an estimate, with another model or with telemetry.
     ///
-    /// With a case: both sides under its torques, wheels and thrust; or its motion beside the telemetry. Without:
-    /// what the vehicle predicts for a record that was held back. Exit code 0: compared, within the limits or the
-    /// declared noise. 1: beyond them, or the motion depends on what the estimate leaves open. 2: bad usage, model,
+    /// With a case: both vehicles move under its torques, wheels and thrust, or its motion is compared with telemetry.
+    /// Without a case: the vehicle predicts a held-back record. Exit code 0: the differences are within the limits or the
+    /// declared noise. 1: they are larger, or the motion depends on undetermined numbers. 2: invalid arguments, model,
     /// case or telemetry. 3: disk or permission.
     Validate(Validate),
     /// Compare answers of one vehicle: before and after refuelling, two nights, two methods.
     ///
-    /// Exit code 0: they agree. 1: they differ, share telemetry, or one of them is not to be relied on. 2: invalid
-    /// arguments or files.
+    /// Exit code 0: they agree. 1: they differ, share telemetry, or one of them is not reliable. 2: invalid arguments or
+    /// files.
     Compare(Compare),
     /// Repeat experiments with new noise many times: bias, error over bound, coverage, failures.
     ///
-    /// The plan names experiments, methods, numbers that vary and numbers that are drawn. Exit code 0: every trial was run.
+    /// The plan has experiments, methods, varied numbers and random numbers. Exit code 0: every trial was run.
     /// 1: shards are missing, a trial crashed, or `--until` was not reached. 2: invalid plan, or shards of another plan. 3:
     /// disk or permission.
     Campaign(Campaign),
     /// Vary numbers of one case and compare methods: errors, bounds, figures. A campaign of one case.
     Sweep(Sweep),
-    /// Make a result into one page, report.html, that needs no network: of identify, validate, predict, compare, design or
-    /// campaign.
+    /// Write a result of identify, validate, predict, compare, design or campaign as one page, report.html, without network.
     Report(Report),
-    /// Say what a telemetry file holds and whether its conventions fit the gyro.
+    /// Summarise a telemetry file, propose its map, and test its conventions against the gyro.
     Inspect(Inspect),
-    /// Check a model, map, case, plan or answer, and say what it holds.
+    /// Check a model, map, case, plan or answer, and print its content.
     Check(Check),
-    /// Make a model file (poinsot.model/1) of a URDF file.
+    /// Convert a URDF file into a model file (poinsot.model/1).
     Import(Import),
     /// Write the answer of `identify` into the file of another program.
     ///
-    /// Exit code 1: some bodies are not fully determined and were left as they are.
+    /// Exit code 1: some bodies are not fully determined and keep their values.
     Export(Export),
-    /// Say what an error code means, its usual cause and what to do; all codes without one.
+    /// Explain an error code: meaning, usual cause and remedy. Without a code, explain all.
     Explain(Explain),
-    /// List the units that a map of telemetry may name, by quantity.
+    /// List the units of a telemetry map, by quantity.
     Units(Units),
     /// List the methods of `identify` with their variants and papers.
     Methods(Methods),
-    /// Compute again what a published paper states: tables, figures, claims; the list of studies without a name.
+    /// Reproduce the tables, figures and claims of a published paper. Without a name, list the studies.
     ///
     /// Exit code 0: computed. 2: no such study, or no folder of examples. 3: disk or permission.
     Study(Study),
     /// Print the JSON Schema of a file format.
     Schema(Schema),
-    /// Print the completions of a shell, to be read by it at its start.
+    /// Print a shell completion script.
     Completions(Completions),
     /// Write the manual pages, one per command.
     Man(Man),
@@ -134,58 +130,56 @@ pub struct Identify {
     /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
-    /// Folder for estimate.json; made if it is not there.
+    /// Folder for estimate.json; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write DIR/report.html, the answer as a page.
+    /// Also write the report, DIR/report.html.
     #[arg(long, requires = "out")]
     pub report: bool,
-    /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
+    /// Also write every figure as a file in DIR/figures: svg, png, or both.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT", requires = "out")]
     pub figures: Vec<FigureFile>,
-    /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
+    /// Largest one-sigma uncertainty, relative to nominal, of an identifiable direction.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
-    /// Where the fit may step: physical keeps every unknown body one of positive mass, linear lets an impossible tensor
-    /// pass
+    /// Coordinates of the fit: physical keeps every unknown body physical, linear allows a tensor that is not physical
     #[arg(long, default_value = Coordinates::NAMES[0], value_parser = Coordinates::NAMES, value_name = "COORDINATES")]
     pub coordinates: String,
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
-    /// Print the fit and every check besides.
+    /// Also print the fit and every check.
     #[arg(long, conflicts_with_all = ["json", "quiet"])]
     pub verbose: bool,
-    /// No repairs: what would be repaired is an error.
+    /// Treat every repair as an error.
     #[arg(long)]
     pub strict: bool,
-    /// Read the whole rows of a file that ends inside a row.
+    /// Keep the complete rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
-    /// What is done about a finding of a telemetry check: held, stuck, saturation, outlier (exclude, report,
-    /// refuse), placeholder (report, exclude, refuse), gap, lag, motor_torque
-    /// (report, refuse), units (refuse, report).
+    /// Policy for a failed telemetry check. held, stuck, saturation, outlier: exclude, report, refuse. placeholder: report,
+    /// exclude, refuse. gap, lag, motor_torque: report, refuse. units: refuse, report.
     #[arg(long, value_name = "CHECK=POLICY")]
     pub policy: Vec<String>,
-    /// How telemetry is taken out of its files.
+    /// How telemetry is read from its files.
     #[command(flatten)]
     pub rows: Rows,
 }
 
-/// Which rows of telemetry are taken, and how their text is read.
+/// Which rows of telemetry are read, and in which encoding.
 #[derive(Debug, Args)]
 pub struct Rows {
-    /// Take the rows between these times, s.
+    /// Read the rows between these times, s.
     #[arg(long, value_name = "FROM,TO", value_parser = span)]
     pub time_s: Option<[f64; 2]>,
-    /// Take every n-th row; 1 takes all.
+    /// Read every n-th row; 1 reads all.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: usize,
-    /// Most memory for the samples of one file, MiB: 256, of `identify` 64, which needs about ten times as much
-    /// in all. `inspect` looks at larger files in parts.
+    /// Memory limit for the samples of one file, MiB. Default: 256; 64 for `identify`, which needs about ten times as much
+    /// in total. `inspect` reads larger files in parts.
     #[arg(long, value_name = "MIB")]
     pub memory_mib: Option<usize>,
     /// Encoding of CSV text.
@@ -212,7 +206,7 @@ impl From<TextEncoding> for poinsot_telemetry::Encoding {
 }
 
 fn span(text: &str) -> Result<[f64; 2], String> {
-    let wanted = || "two times in seconds, the first before the second: FROM,TO".to_owned();
+    let wanted = || "give two increasing times in seconds: FROM,TO".to_owned();
     let (from, to) = text.split_once(',').ok_or_else(wanted)?;
     let parse = |t: &str| t.trim().parse::<f64>().map_err(|_| wanted());
     let (from, to) = (parse(from)?, parse(to)?);
@@ -229,13 +223,13 @@ pub struct Import {
     /// Robot (URDF).
     #[arg(value_name = "ROBOT.urdf")]
     pub urdf: PathBuf,
-    /// Model file to write; standard output without.
+    /// Model file to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
     /// Print what was written as JSON on standard output.
     #[arg(long, requires = "out")]
     pub json: bool,
-    /// Print nothing but errors, and the file where no --out is given; not together with --json.
+    /// Print only errors, and the file without --out; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -249,17 +243,17 @@ pub struct Export {
     /// Kind of file.
     #[arg(long, value_name = "FORMAT", value_parser = Words::targets())]
     pub to: String,
-    /// The file that the vehicle came from, for model, urdf, sdf and mjcf: bodies are found by their names, and nothing
-    /// but their mass properties changes.
+    /// Source file of the vehicle, for model, urdf, sdf and mjcf. Only the mass properties of bodies with equal names
+    /// change.
     #[arg(long, value_name = "FILE")]
     pub onto: Option<PathBuf>,
-    /// File to write; standard output without.
+    /// File to write. Default: standard output.
     #[arg(long, short = 'o', value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Print what was written as JSON on standard output.
     #[arg(long, requires = "out")]
     pub json: bool,
-    /// Print nothing but errors, and the file where no --out is given; not together with --json.
+    /// Print only errors, and the file without --out; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -272,7 +266,7 @@ pub struct Explain {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code says whether there is such a code; not together with --json.
+    /// Print only errors: the exit code says whether the code exists; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -285,7 +279,7 @@ pub struct Methods {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code says whether there is such a method; not together with --json.
+    /// Print only errors: the exit code says whether the method exists; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -293,16 +287,16 @@ pub struct Methods {
 /// Arguments of `study`.
 #[derive(Debug, Args)]
 pub struct Study {
-    /// One paper, by its method; all without it.
+    /// Method of one paper; without it, all papers.
     #[arg(value_parser = Words::papers(), hide_possible_values = true)]
     pub paper: Option<String>,
-    /// One of its studies, or `all`; their list without it.
+    /// One of its studies, or `all`; without it, their list.
     #[arg(value_parser = Words::studies(), hide_possible_values = true)]
     pub name: Option<String>,
-    /// Folder of the project's examples, which the studies read.
+    /// Folder of the project's examples.
     #[arg(long, value_name = "DIR", default_value = "examples")]
     pub examples: PathBuf,
-    /// Folder for every table as CSV and every figure; made if it is not there.
+    /// Folder for every table as CSV and every figure; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Formats of the figures: svg, png, or both.
@@ -311,7 +305,7 @@ pub struct Study {
     /// Print as JSON, numbers with all their digits.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -321,13 +315,13 @@ pub struct Study {
 pub struct Simulate {
     /// Case (TOML, poinsot.case/2).
     pub case: PathBuf,
-    /// Folder for telemetry and truth.json; made if it is not there.
+    /// Folder for telemetry and truth.json; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Print what was written as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -335,15 +329,15 @@ pub struct Simulate {
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
 pub struct Predict {
-    /// Case (TOML, poinsot.case/2); the numbers of its model are taken as the truth.
+    /// Case (TOML, poinsot.case/2); its model is the truth.
     pub case: PathBuf,
-    /// One sigma, relative to the nominal value, up to which a direction counts as identifiable.
+    /// Largest one-sigma uncertainty, relative to nominal, of an identifiable direction.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    /// Print only errors: the exit code is the answer; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -353,19 +347,19 @@ pub struct Predict {
 pub struct Design {
     /// Case (TOML, poinsot.case/2) with the tables want, limits and design.
     pub case: PathBuf,
-    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; made if it is not there.
+    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// End the search after this many minutes with the best manoeuvre so far.
+    /// Stop the search after N minutes with the best manoeuvre so far.
     #[arg(long, value_name = "N")]
     pub minutes: Option<f64>,
-    /// Fly the manoeuvre N times with vehicles of the prior and sensor noise, identify, and compare with the prediction.
+    /// Simulate and identify N trial flights with vehicles drawn from the prior, and compare with the prediction.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub verify: u64,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    /// Print only errors: the exit code is the answer; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -373,13 +367,13 @@ pub struct Design {
 /// Arguments of `validate`.
 #[derive(Debug, Args)]
 pub struct Validate {
-    /// Case (TOML, poinsot.case/2) that says what drives the vehicle; not needed for held-back telemetry.
+    /// Case (TOML, poinsot.case/2) that drives the vehicle; not needed for held-back telemetry.
     pub case: Option<PathBuf>,
-    /// Model of the vehicle (TOML, poinsot.model/1); that of the case where it is not given.
+    /// Model of the vehicle (TOML, poinsot.model/1). Default: the model of the case.
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// Estimate made with this model (folder of identify --out, or estimate.json): its numbers replace the nominal
-    /// ones. Where it leaves some open, the combinations it determines are enough, and whether they are is tried.
+    /// ones. Undetermined numbers are allowed if the motion does not depend on them, which is tested.
     #[arg(long, value_name = "DIR")]
     pub estimate: Option<PathBuf>,
     /// Another model (.toml), or telemetry of one record (CSV or Parquet, files joined by commas).
@@ -394,24 +388,24 @@ pub struct Validate {
     /// Largest acceptable difference of attitude and revolute joints, rad.
     #[arg(long, value_name = "RADIANS")]
     pub within_rad: Option<f64>,
-    /// Folder for validation.json and histories.csv; made if it is not there.
+    /// Folder for validation.json and histories.csv; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
-    /// No repairs: what would be repaired is an error.
+    /// Treat every repair as an error.
     #[arg(long)]
     pub strict: bool,
-    /// Read the whole rows of a file that ends inside a row.
+    /// Keep the complete rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
 }
 
-/// For whom scripts are written.
+/// Schedulers for which scripts are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
     /// Slurm: an array of tasks and a merge.
@@ -424,44 +418,44 @@ pub struct Campaign {
     /// Plan (TOML, poinsot.plan/1).
     #[arg(value_name = "PLAN.toml")]
     pub plan: PathBuf,
-    /// Folder for shards, campaign.json and campaign.html; made if it is not there.
+    /// Folder for shards, campaign.json and campaign.html; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Trials of every cell, instead of those of the plan. Shards that are there count.
+    /// Trials of every cell, instead of the plan's number. Existing shards count.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     pub trials: Option<u64>,
-    /// Run what is missing in the folder; without it a folder that has shards of this plan is refused.
+    /// Run only the missing shards. Without it, a folder with shards of this plan is refused.
     #[arg(long)]
     pub resume: bool,
-    /// Run one of n shares of the shards and merge nothing: 1/4 to 4/4.
+    /// Run part I of N of the shards without merging: 1/4 to 4/4.
     #[arg(long, value_name = "I/N", value_parser = share, conflicts_with_all = ["until", "follow", "merge", "processes"])]
     pub shard: Option<(u64, u64)>,
-    /// Merge shards that are there, and those in these folders, into the result.
+    /// Merge the existing shards, and those in these folders, into the result.
     #[arg(long, value_name = "DIR", num_args = 0.., conflicts_with_all = ["until", "follow", "resume"])]
     pub merge: Option<Vec<PathBuf>>,
-    /// Merge what is there, and name what is missing.
+    /// Merge the existing shards, and list the missing ones.
     #[arg(long, requires = "merge")]
     pub partial: bool,
-    /// Stop where every 95 % interval of coverage is this near to its value: coverage=0.5%. Looks at 1000, 2000, 4000 ...
-    /// complete trials, the error of the interval split among the looks.
+    /// Stop when the half-width of every 95 % interval of coverage is below this: coverage=0.5%. It tests after 1000, 2000,
+    /// 4000 ... trials and splits the error probability among the tests.
     #[arg(long, value_name = "coverage=PERCENT", value_parser = until)]
     pub until: Option<f64>,
-    /// Show the statistics while trials are run.
+    /// Show the statistics during the run.
     #[arg(long)]
     pub follow: bool,
-    /// Run the shards in this many processes; one that crashes is named and started again.
+    /// Run the shards in N processes; a crashed process is reported and restarted.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4096))]
     pub processes: Option<u64>,
-    /// Measure a few trials and print core-hours, disk and memory of this plan, of 10^6 and of 10^9 trials.
+    /// Time a few trials, and print core-hours, disk and memory for this plan, 10^6 and 10^9 trials.
     #[arg(long)]
     pub estimate: bool,
-    /// Write scripts for a scheduler into DIR/slurm, and run nothing.
+    /// Write scheduler scripts into DIR/slurm without running anything.
     #[arg(long, value_enum, value_name = "SCHEDULER", requires = "out")]
     pub emit: Option<Emit>,
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -491,16 +485,16 @@ fn until(text: &str) -> Result<f64, String> {
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct Sweep {
-    /// Case (TOML, poinsot.case/2); the numbers of its model are the truth.
+    /// Case (TOML, poinsot.case/2); its model is the truth.
     pub case: PathBuf,
-    /// Model as the identification knows it; that of the case where it is not given.
+    /// Nominal model for the identification. Default: the model of the case.
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// A number of case or model with its values: noise=1,2,5 (a factor on all declared noise), gyro.noise=1,2,
     /// body.arm.mass_kg=10:20:6, output.rate_hz=1:100:5:log. Repeat for a grid.
     #[arg(long, value_name = "ADDRESS=VALUES")]
     pub vary: Vec<String>,
-    /// Method, or METHOD/VARIANT; all are put to the same trials. Repeat to compare.
+    /// Method, or METHOD/VARIANT; all use the same trials. Repeat to compare.
     #[arg(long, value_name = "METHOD", default_value = "auto")]
     pub method: Vec<String>,
     /// Setting of a published method, or METHOD.KEY=VALUE; `poinsot methods NAME` lists them.
@@ -509,19 +503,19 @@ pub struct Sweep {
     /// Trials of every point.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub trials: u64,
-    /// Seed; that of the case where it is not given.
+    /// Seed. Default: the seed of the case.
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Folder for shards, campaign.json and campaign.html; without it nothing is kept.
+    /// Folder for shards, campaign.json and campaign.html; without it, no file is written.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Run what is missing in the folder.
+    /// Run only the missing shards.
     #[arg(long, requires = "out")]
     pub resume: bool,
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -535,7 +529,7 @@ pub struct Compare {
     /// Print the result as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -552,20 +546,20 @@ pub struct Schema {
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct Report {
-    /// Folder of `identify --out`, `validate --out`, `design --out` or `campaign --out`, or the file of a result: what `predict --json`
-    /// and `compare --json` print, kept as prediction.json or comparison.json.
+    /// Folder of `identify`, `validate`, `design` or `campaign --out`; or the JSON of `predict` or `compare`, saved as
+    /// prediction.json or comparison.json.
     #[arg(value_name = "DIR|FILE")]
     pub result: PathBuf,
-    /// Earlier answer of the same vehicle to compare with, in a section of its own; may be given several times.
+    /// Earlier answer of the same vehicle, compared in an extra section. Repeatable.
     #[arg(long, value_name = "DIR")]
     pub compare: Vec<PathBuf>,
-    /// Also write every figure of the page as a file of its own, DIR/figures: svg, png, or both.
+    /// Also write every figure as a file in DIR/figures: svg, png, or both.
     #[arg(long, value_delimiter = ',', value_name = "FORMAT")]
     pub figures: Vec<FigureFile>,
     /// Print what was written as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -575,22 +569,22 @@ pub struct Report {
 pub struct Inspect {
     /// Telemetry (CSV or Parquet); files of one segment joined by commas.
     pub telemetry: String,
-    /// Model whose `[telemetry]` table and mountings of sensors are used.
+    /// Model with the `[telemetry]` table and the sensor mountings to use.
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
-    /// File with a `[telemetry]` table: columns that are not standard names, rows to keep. It replaces that of the model.
+    /// File whose `[telemetry]` table replaces that of the model.
     #[arg(long, value_name = "MAP.toml")]
     pub map: Option<PathBuf>,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    /// Print only errors: the exit code is the answer; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
-    /// Read the whole rows of a file that ends inside a row.
+    /// Keep the complete rows of a file that ends inside a row.
     #[arg(long)]
     pub recover: bool,
-    /// How telemetry is taken out of its files.
+    /// How telemetry is read from its files.
     #[command(flatten)]
     pub rows: Rows,
 }
@@ -604,7 +598,7 @@ pub struct Check {
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit code is the answer; not together with --json.
+    /// Print only errors: the exit code is the answer; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -615,7 +609,7 @@ pub struct Units {
     /// Print as JSON, with the factors to SI.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -630,13 +624,13 @@ pub struct Completions {
 /// Arguments of `man`.
 #[derive(Debug, Args)]
 pub struct Man {
-    /// Folder for poinsot.1 and the pages of its commands; made if it is not there.
+    /// Folder for poinsot.1 and the pages of its commands; created if missing.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Print what was written as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors; not together with --json.
+    /// Print only errors; excludes --json.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }

@@ -67,7 +67,7 @@ mod tests {
             "{message}"
         );
         assert!(message.ends_with(
-            ": this is a fault of poinsot; please report it with the command and, if you can, the input"
+            ": this is a bug in poinsot; please report it with the command and, if possible, the input"
         ));
         assert!(!message.contains('\n'));
     }

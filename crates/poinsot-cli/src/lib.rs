@@ -63,7 +63,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Ok(code) => code,
         Err(failure) => {
             let message = terminal::error_text(&failure.message);
-            // A closed standard error leaves nobody to tell.
+            // A closed standard error is ignored.
             let _ = std::io::Write::write_all(
                 &mut std::io::stderr(),
                 format!("{message}\n").as_bytes(),

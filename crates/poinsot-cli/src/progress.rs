@@ -15,7 +15,7 @@ const TARGET: &str = "poinsot::progress";
 /// Nothing is shown before.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// The bar, or nothing where nobody would see it.
+/// The progress bar, or nothing without a terminal.
 pub struct Progress {
     bar: Option<ProgressBar>,
     done: Arc<AtomicBool>,

@@ -143,12 +143,12 @@ impl<'c> Asked<'c> {
         let refused = SimulateError::from;
         let design = case.design(model).map_err(refused)?;
         let design = design.ok_or_else(|| {
-            usage("it has no [design]: add it, with [[design.joint]] or [[design.wheel]] for what may move")
+            usage("it has no [design]; add it with [[design.joint]] or [[design.wheel]]")
         })?;
         let wants = case.wants(model).map_err(refused)?;
         if wants.is_empty() {
             return Err(usage(
-                "it wants nothing: add [[want]] with number = \"BODY.mass_kg\" and sigma",
+                "it has no [[want]]; add one with number = \"BODY.mass_kg\" and sigma",
             ));
         }
         let minutes = match minutes {
@@ -189,7 +189,7 @@ impl<'c> Asked<'c> {
             option: "CASE",
             value: self.case.path().display().to_string(),
             why: format!(
-                "{}: {why}; give [[limits.joint]] or [[limits.wheel]] that hold its start",
+                "{}: {why}; give [[limits.joint]] or [[limits.wheel]] that include its initial position",
                 self.name(target)
             ),
         })

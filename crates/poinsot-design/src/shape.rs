@@ -325,7 +325,7 @@ impl Mover {
             Form::Slews { slews, returns } => vec![swing; slews - usize::from(returns)],
         };
         if units.iter().any(|u| !u.is_finite()) {
-            let why = "no limit bounds it: any amplitude would do".to_owned();
+            let why = "no limit bounds it: the amplitude is unlimited".to_owned();
             return Err((target, why));
         }
         Ok(Self {

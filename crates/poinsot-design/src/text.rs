@@ -14,7 +14,7 @@ pub(crate) fn sentence(designed: &Designed) -> String {
     let hidden = designed.wants.iter().find(|r| r.sigma.is_none());
     if let Some(hidden) = hidden {
         return format!(
-            "No manoeuvre of this kind shows {} within the limits ({seconds} s, {of}).",
+            "No manoeuvre of this kind determines {} within the limits ({seconds} s, {of}).",
             hidden.want.name
         );
     }
@@ -43,7 +43,7 @@ pub(crate) fn sentence(designed: &Designed) -> String {
                 false => active.join(", "),
             };
             format!(
-                "{seconds} s do not reach all {of}: the largest sigma is {ratio} of the wanted one, held back by {by}."
+                "{seconds} s do not reach all {of}: the largest sigma is {ratio} of the wanted one. Active limits: {by}."
             )
         }
     }

@@ -41,7 +41,7 @@ pub(crate) fn manoeuvre_text(
     }
     let text = file.text().map_err(|e| Error::Report {
         path: case.path().to_owned(),
-        why: format!("{e}; report this fault of poinsot with the case"),
+        why: format!("{e}; report this bug in poinsot with the case"),
     })?;
     let (program, from) = (env!("CARGO_PKG_VERSION"), case.path().display());
     Ok(format!(

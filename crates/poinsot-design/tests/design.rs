@@ -241,9 +241,12 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
     let want = "[[want]]\nnumber = \"box.inertia_kg_m2.xx\"\nsigma = 0.001\n";
     let faults = [
         (format!("{want}{speed}"), "it has no [design]"),
-        (format!("{speed}[design]\n{wheel}"), "it wants nothing"),
+        (format!("{speed}[design]\n{wheel}"), "it has no [[want]]"),
         (format!("{want}[design]\n{wheel}"), "no limit bounds it"),
-        (format!("{want}{speed}[design]\n"), "nothing may move"),
+        (
+            format!("{want}{speed}[design]\n"),
+            "no joint or wheel is free to move",
+        ),
         (
             format!("[[want]]\nnumber = \"box.inertia_kg_m2.xz2\"\nsigma = 1.0\n[design]\n{wheel}"),
             "did you mean \"box.inertia_kg_m2.xz\"?",

@@ -1,4 +1,4 @@
-//! Closed loop: quaternion feedback turns a vehicle with reaction wheels. Joints are locked.
+//! Closed loop: quaternion feedback with reaction wheels. Joints are locked.
 //!
 //! State (pose and momentum, as in `prescribed`); without thrust and gravity gradient the momentum is constant and is left out:
 //!
@@ -9,9 +9,9 @@
 //! R' = R [w]x
 //! ```
 //!
-//! The torque asked of the wheels on the body is `u = -K_P q_e - K_D w` (Kim, Choi, Oh 2010, eq. 17; Wie
-//! 1998, sec. 7.3), `q_e` the vector part of the error quaternion the short way round. The wheels share it
-//! with the smallest sum of squares, `-C^T (C C^T)^-1 u`.
+//! The commanded torque of the wheels on the body is `u = -K_P q_e - K_D w` (Kim, Choi, Oh 2010, eq. 17; Wie 1998, sec.
+//! 7.3), `q_e` the vector part of the error quaternion for the shorter rotation. The wheels share it with the smallest
+//! sum of squares, `-C^T (C C^T)^-1 u`.
 
 use crate::acceleration::Accelerations;
 use crate::gravity_gradient::gravity_gradient_torque;
@@ -19,7 +19,7 @@ use crate::integrate::{DormandPrince, Flow, Halt, Tolerance};
 use crate::kinematics::Kinematics;
 use crate::momentum::composite;
 use crate::orbit::{Orbit, orbit_state};
-use crate::plan::{Start, StartVelocity, Stretches};
+use crate::plan::{SmoothIntervals, Start, StartVelocity};
 use crate::prescribed::{MotionError, gravity_gradient};
 use crate::reaction_wheel::WheelLimits;
 use crate::stage::MotionSample;
@@ -33,7 +33,7 @@ const WHEELS: usize = 4;
 /// Share of a control period within which an output time and a control instant are the same.
 const SAME: f64 = 1e-9;
 
-/// Attitude to reach from a time on.
+/// Target attitude from a time on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Time, s.
@@ -48,8 +48,8 @@ pub enum WheelDrive {
     /// The torque of its motor.
     #[default]
     Torque,
-    /// Its acceleration relative to the body, so that the body feels exactly `u`: eq. (1a) of Kim, Choi,
-    /// Oh, whose u is `-C I_rw omega_rw'`. It differs from the motor torque by `Js a . w'`.
+    /// Its acceleration relative to the body, so that the torque on the body is exactly `u`: eq. (1a) of Kim, Choi, Oh,
+    /// whose u is `-C I_rw omega_rw'`. It differs from the motor torque by `Js a . w'`.
     Acceleration,
 }
 
@@ -68,7 +68,7 @@ pub struct AttitudeControl {
     pub drive: WheelDrive,
 }
 
-/// Why a loop cannot be closed.
+/// Why a controller cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ControlError {
     /// The motion cannot be computed.
@@ -84,7 +84,7 @@ pub enum ControlError {
         /// Directions.
         rank: usize,
     },
-    /// A list that does not fit.
+    /// A list of the wrong length.
     #[error("{found} {what} are given for {wheels} wheels; give one for each")]
     Count {
         /// What is counted.
@@ -94,7 +94,7 @@ pub enum ControlError {
         /// Wheels of the model.
         wheels: usize,
     },
-    /// A number without a meaning.
+    /// An invalid number.
     #[error("{0}")]
     Number(&'static str),
 }
@@ -105,7 +105,7 @@ impl From<Halt> for ControlError {
     }
 }
 
-/// How far a wheel was used.
+/// Use of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WheelUse {
     /// Largest speed relative to the host at an output time, rad/s.
@@ -145,7 +145,7 @@ impl<'c> ControlledVehicle<'c> {
     /// entry per wheel.
     ///
     /// # Errors
-    /// The wheels cannot do it, or a number has no meaning.
+    /// The wheels cannot control all axes, or a number is not valid.
     pub fn new(
         vehicle: impl Into<Vehicle>,
         control: &'c AttitudeControl,
@@ -233,7 +233,7 @@ impl<'c> ControlledVehicle<'c> {
         };
         let mut breaks: Vec<f64> = self.firings.iter().flat_map(|f| [f.on, f.off]).collect();
         breaks.sort_by(f64::total_cmp);
-        let stretches = Stretches::new(breaks);
+        let stretches = SmoothIntervals::new(breaks);
         let mut flight = Flight::new(self, start, wheel_speed)?;
         let mut y = flight.start(start, wheel_speed);
         let mut integrator = DormandPrince::new(flight.scale(), self.tolerance);
@@ -273,7 +273,7 @@ impl<'c> ControlledVehicle<'c> {
         Ok(flight.used)
     }
 
-    /// The target that holds from `t` on.
+    /// The target from `t` on.
     fn target(&self, t: f64) -> UnitQuaternion {
         let targets = &self.control.targets;
         let since = targets.partition_point(|target| target.time <= t + SAME);
@@ -362,7 +362,7 @@ fn allocation(axes: &[Vector3]) -> Result<Vec<Vector3>, ControlError> {
     }
 }
 
-/// One run: its constants, the command that is held, and scratch.
+/// One run: its constants, the current command, and workspace.
 struct Flight<'v> {
     vehicle: &'v ControlledVehicle<'v>,
     moving_inertia: Matrix3,
@@ -515,7 +515,7 @@ impl<'v> Flight<'v> {
     fn decide(&mut self, R: &UnitQuaternion, w: &Vector3, period: Option<f64>) {
         let v = self.vehicle;
         let e = self.target.inverse() * R;
-        // The short way round.
+        // The shorter rotation.
         let q_e = if e.w < 0.0 { -e.imag() } else { e.imag() };
         let u = -(v.control.proportional * q_e) - v.control.derivative * w;
         for (i, row) in v.allocation.iter().enumerate() {
@@ -526,7 +526,7 @@ impl<'v> Flight<'v> {
         }
     }
 
-    /// Takes the command of this instant for the coming period.
+    /// Sets the command for the next period.
     fn hold(&mut self, t: f64, y: &[f64]) -> Result<(), Halt> {
         self.target = self.vehicle.target(t);
         let (R, w) = self.rates(t, y)?;
@@ -551,7 +551,7 @@ impl<'v> Flight<'v> {
         }
     }
 
-    /// Everything an ideal sensor could read.
+    /// All ideal measurements.
     fn sample(&mut self, t: f64, first: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
         let v = self.vehicle;
         let (R, w) = self.rates(t, y)?;

@@ -1,5 +1,5 @@
-//! An explicit Runge-Kutta method of eighth order with step control and dense output: for small errors it needs
-//! far longer steps than fifth order (Hairer, Norsett, Wanner 1993, section II.5, code DOP853).
+//! An explicit Runge-Kutta method of eighth order with step control and dense output: for small errors its steps are
+//! much longer than those of fifth order (Hairer, Norsett, Wanner 1993, section II.5, code DOP853).
 
 use crate::dop853_table::{A, ALL, C, D, E3, E5, STAGES};
 use crate::integrate::{Controller, Flow, Halt, Tolerance, equal_steps, finite};
@@ -49,8 +49,7 @@ impl DormandPrince8 {
         }
     }
 
-    /// Forgets the step size and the last derivative: the next step follows a break in it, or starts from
-    /// another state than the last one ended in.
+    /// Resets the step size and the last derivative: after a discontinuity or a change of state.
     pub fn restart(&mut self) {
         self.step = 0.0;
         self.fresh = false;
@@ -75,7 +74,7 @@ impl DormandPrince8 {
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
             self.attempt(flow, t, h, y)?;
-            let (taken, step) = CONTROL.judge(self.error(h, y), h, last, self.step);
+            let (taken, step) = CONTROL.accept(self.error(h, y), h, last, self.step);
             self.step = step;
             if taken {
                 let reached = if last { end } else { t + h };
@@ -152,7 +151,7 @@ impl DormandPrince8 {
         Ok(())
     }
 
-    /// Stage 0 from the end of the last step, or anew.
+    /// Stage 0 from the end of the last step, or evaluated again.
     fn first_stage(&mut self, flow: &mut impl Flow, t: f64, y: &[f64]) -> Result<(), Halt> {
         if self.fresh {
             let (head, tail) = self.stages.split_at_mut(STAGES);

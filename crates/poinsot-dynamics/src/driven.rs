@@ -1,12 +1,12 @@
-//! Motion of the vehicle under joint torques, wheels and thrust: nothing prescribed that does not have to be.
+//! Motion of the vehicle under joint torques, wheels and thrust.
 //!
-//! The equations stand in `driven_stage.rs`.
+//! The equations are in `driven_stage.rs`.
 
 use crate::dop853::DormandPrince8;
 use crate::driven_stage::{Driven, DrivenPlan, DrivenSample, DrivenStage};
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::joint_drive::JointDrive;
-use crate::plan::{Start, Stretches};
+use crate::plan::{SmoothIntervals, Start};
 use crate::prescribed::{MotionError, gravity_gradient};
 use crate::runge_kutta::RungeKutta4;
 use crate::thrust::Nozzle;
@@ -29,10 +29,10 @@ pub enum Integrator {
 }
 
 impl<'p> Driven<'p> {
-    /// Puts a vehicle under a plan.
+    /// Combines a vehicle with a plan.
     ///
     /// # Errors
-    /// The plan does not fit the vehicle, or gravity is asked for in a way that is not simulated.
+    /// The plan does not fit the vehicle, or this form of gravity is not simulated.
     pub fn new(vehicle: impl Into<Vehicle>, plan: &'p DrivenPlan) -> Result<Self, MotionError> {
         let vehicle: Vehicle = vehicle.into();
         let parameters = vehicle.bodies.clone();
@@ -40,10 +40,10 @@ impl<'p> Driven<'p> {
     }
 
     /// The same with other inertial parameters (one set per body), about the bodies' origins. They need not be
-    /// those of real bodies: base parameters move like the vehicle they came from.
+    /// physical: base parameters have the same motion as the vehicle they were derived from.
     ///
     /// # Errors
-    /// The plan or the parameters do not fit the vehicle, or gravity is asked for in a way that is not simulated.
+    /// The plan or the parameters do not fit the vehicle, or this form of gravity is not simulated.
     pub fn with_parameters(
         vehicle: impl Into<Vehicle>,
         parameters: Vec<InertialParameters>,
@@ -113,8 +113,8 @@ impl<'p> Driven<'p> {
         &self.tree
     }
 
-    /// Moves the vehicle from `start` (at the first of `times`; joints start where their drives say) through
-    /// every time, s, and hands each sample to `sink`.
+    /// Moves the vehicle from `start` (at the first of `times`; joints start as their drives define) through every
+    /// time, s, and hands each sample to `sink`.
     ///
     /// # Errors
     /// The motion cannot be computed; samples before that point have been handed over.
@@ -126,7 +126,7 @@ impl<'p> Driven<'p> {
         mut sink: impl FnMut(&DrivenSample),
     ) -> Result<(), MotionError> {
         let first = MotionError::check_times(times)?;
-        let stretches = Stretches::new(self.plan.breaks());
+        let stretches = SmoothIntervals::new(self.plan.breaks());
         let mut stage = DrivenStage::new(self, stretches.of(first).0);
         let y = stage.start(start, first)?;
         let mut moving = Moving {
@@ -160,7 +160,7 @@ impl Integrator {
     }
 }
 
-/// The scratch of whichever method integrates.
+/// Workspace of the selected method.
 enum Stepper {
     Fourth(RungeKutta4, f64),
     Fifth(DormandPrince),
@@ -201,7 +201,7 @@ impl Stepper {
         Ok(next)
     }
 
-    /// The derivative breaks here.
+    /// The derivative is discontinuous here.
     fn restart(&mut self) {
         match self {
             Self::Fourth(..) => {}
@@ -211,10 +211,10 @@ impl Stepper {
     }
 }
 
-/// A motion under way.
+/// State of a running integration.
 struct Moving<'s> {
     stage: DrivenStage<'s>,
-    stretches: Stretches,
+    stretches: SmoothIntervals,
     stepper: Stepper,
     most_steps: usize,
     /// The last output time, s.

@@ -1,4 +1,4 @@
-//! One evaluation of the driven motion: drives, placement, base twist, joint accelerations, sample.
+//! One evaluation of the driven motion: drives, kinematics, base twist, joint accelerations, sample.
 //!
 //! State, in N: that of `stage.rs` (pose and momentum), continued by the joints that a force drives:
 //!
@@ -6,14 +6,15 @@
 //! y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, h_w of each torque-driven wheel, q, q' ]
 //! ```
 //!
-//! No internal force enters the momenta, so they are exact in free fall without thrust, whatever the joints do and
-//! however long the step. A gravity gradient pulls on every body (`gravity_gradient.rs`), so it drives the joints too. The base twist is what the momentum leaves after the joint rates, and `q''` comes
-//! from the articulated-body algorithm (`forward_dynamics.rs`).
+//! No internal force enters the momenta, so they are exact in free fall without thrust, for any joint motion and step.
+//! A gravity gradient acts on every body (`gravity_gradient.rs`), so it drives the joints too. The base twist follows
+//! from the momentum minus that of the joint rates, and `q''` comes from the articulated-body algorithm
+//! (`forward_dynamics.rs`).
 //!
-//! A wheel driven by a torque has `h_w = Js (Omega + a . w_host)`, `h_w' = torque`. Its host then moves like
-//! one whose inertia lacks `Js a a^T` and that carries the known momentum `a h_w`:
-//! the host feels `-(a torque + w_host x a h_w)`. One with prescribed speed leaves `Js` in the host, which
-//! feels `-(a Js Omega' + w_host x a Js Omega)`.
+//! A wheel driven by a torque has `h_w = Js (Omega + a . w_host)`, `h_w' = torque`. Its host then moves like one whose
+//! inertia lacks `Js a a^T` and that carries the known momentum `a h_w`: the reaction on the host is `-(a torque +
+//! w_host x a h_w)`. One with prescribed speed leaves `Js` in the host, with the reaction `-(a Js Omega' + w_host x a
+//! Js Omega)`.
 
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
 use crate::gravity_gradient::tidal_wrench;
@@ -72,13 +73,13 @@ pub struct Driven<'p> {
     pub(crate) orbit: Option<(f64, Orbit)>,
 }
 
-/// Everything an ideal sensor could read, with the forces at the joints.
+/// All ideal measurements, with the forces at the joints.
 #[derive(Debug, Clone)]
 pub struct DrivenSample {
     /// Pose, velocities, accelerations, joints, wheels, thrust.
     pub motion: MotionSample,
-    /// What the motor of each joint coordinate gives, N m or N, spring and damper not counted; for a joint
-    /// with prescribed motion the force that it takes.
+    /// Motor force of each joint coordinate, N m or N, without spring and damper; for a prescribed joint the force it
+    /// needs.
     pub motor_force: Vec<f64>,
     /// Force of spring and damper of each joint coordinate, N m or N; zero where the motion is prescribed.
     pub spring_force: Vec<f64>,
@@ -89,21 +90,21 @@ pub(crate) struct DrivenStage<'s> {
     vehicle: &'s Driven<'s>,
     /// A time inside the present smooth stretch.
     within: f64,
-    /// When the drives were read last; NaN when never.
+    /// Time of the last evaluation of the drives; NaN before the first.
     read_at: f64,
     /// Motor force of driven joints, acceleration of the others.
     inputs: Vec<f64>,
-    /// Those with the springs: what the dynamics takes.
+    /// The same plus springs: input of the dynamics.
     joints: Vec<JointInput>,
     /// Motor torque of torque-driven wheels, N m; acceleration of the others, rad/s2.
     wheel_input: Vec<f64>,
-    /// Momentum along its axis that the host knows nothing of, N m s.
+    /// Axial momentum not included in the host, N m s.
     wheel_momentum: Vec<f64>,
     dynamics: ForwardDynamics,
     inverse: InverseDynamics,
     /// On each body about its origin, in base axes.
     outside: Vec<Wrench>,
-    /// From outside the tree, on the whole about `Bo`, in base axes.
+    /// External wrench on the vehicle about `Bo`, in base axes.
     total: Wrench,
     c: Vector3,
     inertia: Symmetric,
@@ -145,7 +146,7 @@ impl<'s> DrivenStage<'s> {
         }
     }
 
-    /// Reads what depends on time alone.
+    /// Evaluates all functions of time alone.
     #[inline]
     fn read_drives(&mut self, t: f64) {
         if self.read_at == t {
@@ -217,7 +218,7 @@ impl<'s> DrivenStage<'s> {
             .set_bodies(&vehicle.tree, &vehicle.reduced, kinematics);
     }
 
-    /// The base twist that the momentum, in base axes, leaves: `h` about the system's mass centre.
+    /// The base twist from the momentum in base axes: `h` about the system's mass centre.
     #[inline]
     fn twist(&mut self, t: f64, l: &Vector3, h: &Vector3) -> Result<Twist, Halt> {
         let vehicle = self.vehicle;
@@ -239,8 +240,7 @@ impl<'s> DrivenStage<'s> {
         Ok(Twist { v, w })
     }
 
-    /// What acts on each body from outside the tree and from its wheels, at the placement and velocities found; and
-    /// the sum of what acts from outside, about `Bo`.
+    /// External and wheel wrenches on each body at the current kinematics, and the sum of the external ones about `Bo`.
     #[inline]
     fn set_outside(&mut self, t: f64, R_NB: &UnitQuaternion) {
         let vehicle = self.vehicle;
@@ -258,7 +258,7 @@ impl<'s> DrivenStage<'s> {
         if let Some((gm, orbit)) = &vehicle.orbit {
             motion.p_orbit_N = orbit_state(*gm, orbit, t).0;
             let r_B = R_NB.inverse() * motion.p_orbit_N;
-            // What spins freely about an axis still hangs in the field: bodies with their rotors.
+            // The field acts on free rotors too: bodies include their rotors.
             for (i, body) in vehicle.parameters.iter().enumerate() {
                 let tide = tidal_wrench(*gm, &r_B, &self.c, body, kinematics, i);
                 self.outside[i].force += tide.force;
@@ -413,7 +413,7 @@ impl<'s> DrivenStage<'s> {
         scale
     }
 
-    /// Everything an ideal sensor could read in the state `y`.
+    /// All ideal measurements in the state `y`.
     pub fn sample(&mut self, t: f64, y: &[f64]) -> Result<&DrivenSample, Halt> {
         let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));
         let to_base = R_NB.inverse();

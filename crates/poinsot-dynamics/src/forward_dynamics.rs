@@ -10,11 +10,11 @@
 //! s . [F; N] = tau   =>   q'' = (tau - s . bias - U . a) / D,   U = IA s,   D = s . U
 //! ```
 //!
-//! and what the parent feels is `IA - U U^T / D`, moved from `Co` to `Po`. Accelerations are split into the
-//! part that velocities and prescribed joints cause while the base does not accelerate, which enters the
-//! bias of each body, and the rest, which is linear in the unknowns: no product `IA c` is formed, and the
-//! linear velocity of the base does not appear at all. No wheel, no spring, no gravity in here: they are
-//! forces ([`ForwardDynamics::add_wrench`]).
+//! and the inertia passed to the parent is `IA - U U^T / D`, moved from `Co` to `Po`. Accelerations are split into the
+//! part that velocities and prescribed joints cause while the base does not accelerate, which enters the bias of each
+//! body, and the rest, which is linear in the unknowns: no product `IA c` is formed, and the linear velocity of the
+//! base does not appear at all. No wheel, no spring, no gravity in here: they are forces
+//! ([`ForwardDynamics::add_wrench`]).
 
 use crate::kinematics::Kinematics;
 use crate::momentum::Composite;
@@ -24,25 +24,25 @@ use alloc::vec;
 use alloc::vec::Vec;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3};
 
-/// What is known of a joint at one instant.
+/// Input of a joint at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointInput {
     /// Total force along the axis: N m (revolute) or N (prismatic), on the child.
     Force(f64),
-    /// Prescribed acceleration, rad/s2 or m/s2: the joint gives whatever force it takes.
+    /// Prescribed acceleration, rad/s2 or m/s2, with the force that it needs.
     Acceleration(f64),
 }
 
 /// Why there is no unique acceleration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Singular {
-    /// Nothing behind a joint resists it.
+    /// A joint has no outboard inertia.
     #[error(
-        "nothing resists joint coordinate {0}: what it carries has no mass or inertia about it"
+        "joint coordinate {0} has no inertia: its outboard bodies have no mass or inertia about it"
     )]
     Joint(usize),
-    /// The base and what it carries have no mass or no inertia.
-    #[error("the base with what it carries has no mass, or no inertia about some axis")]
+    /// The vehicle has no mass or no inertia.
+    #[error("the vehicle has no mass, or no inertia about some axis")]
     Base,
 }
 
@@ -62,7 +62,7 @@ struct Node {
     I_S: Symmetric,
     l: Vector3,
     h: Vector3,
-    /// What the children add to inertia and bias.
+    /// Contribution of the children to inertia and bias.
     carried: Articulated,
     /// Joint axis, and position from the parent's origin.
     axis: Vector3,
@@ -75,7 +75,7 @@ struct Node {
     /// Acceleration; first the part without the base.
     a: Vector3,
     alpha: Vector3,
-    /// The rest of it.
+    /// The remaining part.
     da: Vector3,
     dalpha: Vector3,
     /// Bias force and torque about Co; before the solution minus the wrench from outside.
@@ -131,8 +131,8 @@ impl ForwardDynamics {
         }
     }
 
-    /// Takes over the placement of the bodies and their inertial parameters, and forgets all wrenches.
-    /// First call of each evaluation, after [`Kinematics::place`].
+    /// Sets the kinematics and inertial parameters of the bodies, and clears all wrenches. First call of each
+    /// evaluation, after [`Kinematics::place`].
     #[inline]
     pub fn set_bodies(
         &mut self,
@@ -211,7 +211,7 @@ impl ForwardDynamics {
     /// hold the velocities. The accelerations of the bodies follow from [`Self::acceleration`].
     ///
     /// # Errors
-    /// Some part that can move has no inertia.
+    /// A moving body has no inertia.
     #[inline]
     pub fn solve(
         &mut self,
@@ -232,7 +232,7 @@ impl ForwardDynamics {
         (self.nodes[i].a, self.nodes[i].alpha)
     }
 
-    /// Accelerations with the base at rest, and what force they take of each body alone.
+    /// Accelerations with the base at rest, and the forces that each body alone needs for them.
     #[inline]
     fn set_bias(
         &mut self,
@@ -273,7 +273,7 @@ impl ForwardDynamics {
         }
     }
 
-    /// From the leaves to the base: articulated inertia and bias of everything behind each joint.
+    /// From the leaves to the base: articulated inertia and bias outboard of each joint.
     #[inline]
     fn project(&mut self, tree: &Tree, inputs: &[JointInput]) -> Result<(), Singular> {
         for i in (1..tree.links.len()).rev() {
@@ -309,7 +309,7 @@ impl ForwardDynamics {
         Ok(())
     }
 
-    /// The base, then from it to the leaves: what remains of the accelerations.
+    /// The base, then from it to the leaves: the remaining accelerations.
     #[inline]
     fn accelerate(
         &mut self,
@@ -354,7 +354,7 @@ impl ForwardDynamics {
 }
 
 impl Node {
-    /// This body with what its children add.
+    /// This body with the contribution of its children.
     #[inline]
     fn articulated(&self) -> Articulated {
         let (carried, mc) = (&self.carried, &self.mc);
@@ -375,8 +375,8 @@ impl Node {
         whole
     }
 
-    /// A joint that is free to follow `u`, what the force along it exceeds the bias by: keeps its projection, and
-    /// takes from `whole` what the parent does not feel. `None` where nothing resists.
+    /// A free joint with `u`, its force minus the bias: stores its projection, and removes from `whole` the part not
+    /// passed to the parent. `None` without outboard inertia.
     #[inline]
     fn free(
         &mut self,
@@ -433,7 +433,7 @@ impl Articulated {
         N: Vector3::new(0.0, 0.0, 0.0),
     };
 
-    /// Adds inertia and bias, moved from `Co` to `Po` over `r = p_PoCo`, to what the parent carries.
+    /// Adds inertia and bias, moved from `Co` to `Po` over `r = p_PoCo`, to the outboard inertia of the parent.
     #[inline]
     fn pass_on(&self, r: &Vector3, parent: &mut Self) {
         // C_P = C - M [r]x; J_P = J + [r]x C_P + ([r]x C)^T.
@@ -474,8 +474,8 @@ impl Articulated {
     /// The acceleration at which no force acts on the base: `IA [a; alpha] = -bias`.
     #[inline]
     fn free_acceleration(&self) -> Option<(Vector3, Vector3)> {
-        // L D L^T of the whole in two blocks. It is stable where an explicit inverse of M is not: a light base on
-        // a heavy arm loses two more digits with that.
+        // L D L^T of the whole in two blocks. It is stable where an explicit inverse of M is not: for a light base on
+        // a heavy arm that loses two more digits.
         let (M, C, J) = (&self.M, &self.C, &self.J);
         let upper = M.factor();
         let column = |j| upper.forward(&Vector3::new(C[(0, j)], C[(1, j)], C[(2, j)]));
@@ -503,7 +503,7 @@ impl Articulated {
     }
 }
 
-/// Whether an inertia is more than round-off beside another; never for NaN.
+/// Whether an inertia is more than round-off relative to another; never for NaN.
 #[inline]
 fn resists(inertia: f64, size: f64) -> bool {
     inertia > ROUND_OFF * size.abs()

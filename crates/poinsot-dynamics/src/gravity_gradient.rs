@@ -1,4 +1,4 @@
-//! The torque of a gravity field that is not the same everywhere in the vehicle.
+//! The gravity-gradient torque.
 
 use crate::inverse_dynamics::Wrench;
 use crate::kinematics::Kinematics;
@@ -20,10 +20,10 @@ pub fn gravity_gradient_torque(gm: f64, r: &Vector3, I_SScm: &Matrix3) -> Vector
     u.cross(&(I_SScm * u)) * (3.0 * gm / distance.powi(3))
 }
 
-/// What the field does to one body of a vehicle whose mass centre falls freely: the wrench about the body's origin, in base
-/// axes, to first order in the size of the vehicle over the distance `|r|`. With `u = r / |r|` and `d` from the system's mass
-/// centre to a particle the force on it is `gm / |r|^3 (3 u u^T - 1) d dm`. Over all bodies the forces cancel and the
-/// torques add up to [`gravity_gradient_torque`].
+/// Gravity-gradient wrench on one body of a vehicle with a freely falling mass centre, about the body's origin, in base
+/// axes, to first order in the size of the vehicle over the distance `|r|`. With `u = r / |r|` and `d` from the
+/// system's mass centre to a particle the force on it is `gm / |r|^3 (3 u u^T - 1) d dm`. Over all bodies the forces
+/// cancel and the torques add up to [`gravity_gradient_torque`].
 pub fn tidal_wrench(
     gm: f64,
     r_B: &Vector3,
@@ -67,12 +67,12 @@ mod tests {
         let mass: f64 = points.iter().map(|(m, _)| m).sum();
         let centre: Vector3 = points.iter().map(|(m, p)| p * *m).sum::<Vector3>() / mass;
         let (mut torque, mut I) = (Vector3::zeros(), Matrix3::zeros());
-        // Larger than life, so that the difference of two pulls is not round-off.
+        // Unrealistically large, so that the difference of two forces is not round-off.
         let size = 1.0e3;
         for (m, p) in points {
             let arm = (p - centre) * size;
             let place = r + arm;
-            // What all points feel alike has no moment: taken off to keep the digits.
+            // A uniform field has no moment: subtracted to keep the digits.
             let pull = -place * (gm / place.norm().powi(3)) + r * (gm / r.norm().powi(3));
             torque += arm.cross(&(pull * m));
             I += (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * m;

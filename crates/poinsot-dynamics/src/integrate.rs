@@ -1,4 +1,4 @@
-//! An explicit adaptive Runge-Kutta integrator that lands exactly on the times asked for.
+//! An explicit adaptive Runge-Kutta integrator that steps exactly onto the requested times.
 
 /// Nodes, weights and error weights of Dormand and Prince (1980), table 2, RK5(4)7M.
 const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
@@ -23,7 +23,7 @@ const A: [[f64; 6]; 7] = [
         -5103.0 / 18656.0,
         0.0,
     ],
-    // The last stage sits at the fifth-order solution.
+    // The last stage is at the fifth-order solution.
     [
         35.0 / 384.0,
         0.0,
@@ -73,7 +73,7 @@ impl Default for Tolerance {
 pub enum Halt {
     /// The derivative could not be formed.
     #[error(
-        "the locked inertia is singular at t = {time} s: some part that must move has no mass or inertia; give it both"
+        "the locked inertia is singular at t = {time} s: a moving body has no mass or inertia; give it both"
     )]
     Singular {
         /// Time, s.
@@ -89,7 +89,7 @@ pub enum Halt {
     },
     /// The step shrank to round-off.
     #[error(
-        "the tolerance cannot be met at t = {time} s: the step shrank to round-off; loosen relative_tolerance in [integration], or soften what changes there"
+        "the tolerance cannot be met at t = {time} s: the step reached round-off; increase relative_tolerance in [integration], or smooth the input there"
     )]
     StepTooSmall {
         /// Time, s.
@@ -97,7 +97,7 @@ pub enum Halt {
     },
     /// Too many steps between two outputs.
     #[error(
-        "more than the allowed number of steps before t = {time} s; loosen relative_tolerance in [integration], or shorten the duration"
+        "more than the allowed number of steps before t = {time} s; increase relative_tolerance in [integration], or reduce the duration"
     )]
     TooManySteps {
         /// Time, s.
@@ -120,15 +120,15 @@ impl Halt {
 pub(crate) struct Controller {
     /// One over the order.
     pub exponent: f64,
-    /// By how much a step may shrink and grow at once.
+    /// Limits of the step change.
     pub range: [f64; 2],
 }
 
 impl Controller {
-    /// Whether a step of `h` with this error, in units of the tolerance, is taken; and the next `step` to try.
-    /// A step cut short by the `last` time asked for says nothing against the longer one.
-    pub fn judge(&self, error: f64, h: f64, last: bool, step: f64) -> (bool, f64) {
-        // NaN and infinity: the step was far too long.
+    /// Whether a step of `h` with this error, in units of the tolerance, is taken; and the next `step` to try. A step
+    /// shortened for the `last` requested time keeps the longer proposal.
+    pub fn accept(&self, error: f64, h: f64, last: bool, step: f64) -> (bool, f64) {
+        // NaN or infinity: the step was far too long.
         let error = if error.is_finite() {
             error
         } else {
@@ -146,7 +146,7 @@ impl Controller {
 
 /// Number and length of the equal steps, of at most `step` seconds, from `start` to `end`.
 pub(crate) fn equal_steps(start: f64, end: f64, step: f64) -> Result<(f64, f64), Halt> {
-    // A hair more than a whole number of steps is that number.
+    // Round-off above a whole number of steps is ignored.
     let count = ((end - start) / step * (1.0 - 1e-12)).ceil().max(1.0);
     match count.is_finite() {
         true => Ok((count, (end - start) / count)),
@@ -198,7 +198,7 @@ impl DormandPrince {
         }
     }
 
-    /// Forgets the step size: the next step follows a break in the derivative.
+    /// Resets the step size, after a discontinuity of the derivative.
     pub fn restart(&mut self) {
         self.step = 0.0;
     }
@@ -225,7 +225,7 @@ impl DormandPrince {
             let last = t + self.step * (1.0 + 1e-9) >= end;
             let h = if last { end - t } else { self.step };
             let error = self.attempt(flow, t, h, y)?;
-            let (taken, step) = CONTROL.judge(error, h, last, self.step);
+            let (taken, step) = CONTROL.accept(error, h, last, self.step);
             self.step = step;
             if taken {
                 t = if last { end } else { t + h };
@@ -254,7 +254,7 @@ impl DormandPrince {
         for (j, (y, scale)) in y.iter().zip(&self.scale).enumerate() {
             let e: f64 = E.iter().zip(&self.stages).map(|(e, k)| e * k[j]).sum();
             let ratio = (h * e).abs() / (self.tolerance.relative * (y.abs() + scale));
-            // NaN must win over every number.
+            // NaN must exceed every number.
             worst = if ratio.is_nan() {
                 ratio
             } else {

@@ -1,5 +1,5 @@
-//! Inverse dynamics of the free-floating tree: the forces that given accelerations take (Newton-Euler
-//! recursion; Luh, Walker, Paul 1980; Featherstone 2008, ch. 5).
+//! Inverse dynamics of the free-floating tree: the forces for given accelerations (Newton-Euler recursion; Luh, Walker,
+//! Paul 1980; Featherstone 2008, ch. 5).
 
 use crate::acceleration::Accelerations;
 use crate::kinematics::Kinematics;
@@ -13,7 +13,7 @@ use poinsot_spatial::{InertialParameters, Vector3};
 pub struct Wrench {
     /// Force, N.
     pub force: Vector3,
-    /// Torque about the point that the context names, N m.
+    /// Torque about the point of the context, N m.
     pub torque: Vector3,
 }
 
@@ -28,8 +28,8 @@ impl Wrench {
 /// Workspace of the Newton-Euler recursion. No call allocates.
 #[derive(Debug, Clone)]
 pub struct InverseDynamics {
-    /// What the joint of each body transmits to it, about that body's origin, in base axes; for the base what
-    /// acts on it from outside.
+    /// What the joint of each body transmits to it, about that body's origin, in base axes; for the base the external
+    /// wrench.
     pub transmitted: Vec<Wrench>,
 }
 

@@ -1,4 +1,4 @@
-//! What moves one joint: a motor force with a spring and a damper, or a prescribed motion.
+//! The drive of one joint: a motor force with a spring and a damper, or a prescribed motion.
 
 use crate::joint_motion::JointMotion;
 use crate::piecewise::PiecewisePolynomial;
@@ -71,7 +71,7 @@ impl SpringDamper {
     }
 }
 
-/// What moves one joint.
+/// The drive of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointDrive {
     /// A force, and where the joint starts.
@@ -85,7 +85,7 @@ pub enum JointDrive {
         /// Rate at the start, rad/s or m/s.
         initial_rate: f64,
     },
-    /// A motion that the joint follows whatever it takes.
+    /// A prescribed motion.
     Motion(JointMotion),
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 /// A sum of harmonics: `offset + sum_k sine_k sin(2 pi k f t) + cosine_k cos(2 pi k f t)`, k from 1.
 ///
-/// Periodic and infinitely smooth, so it excites without jerks (Swevers et al. 1997).
+/// Periodic and infinitely smooth (Swevers et al. 1997).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fourier {
     /// Offset, rad or m.
@@ -36,7 +36,7 @@ impl JointMotion {
     /// Rest-to-rest quintics between knots; holds before the first and after the last.
     ///
     /// # Errors
-    /// Nodes that make no profile.
+    /// Nodes that define no profile.
     pub fn quintic_rest(time_s: &[f64], position: &[f64]) -> Result<Self, NodeError> {
         PiecewisePolynomial::quintic_rest(time_s, position).map(Self::Nodes)
     }
@@ -44,7 +44,7 @@ impl JointMotion {
     /// Clamped cubic spline through nodes; holds before the first and after the last.
     ///
     /// # Errors
-    /// Nodes that make no profile.
+    /// Nodes that define no profile.
     pub fn cubic_clamped(time_s: &[f64], position: &[f64]) -> Result<Self, NodeError> {
         PiecewisePolynomial::cubic_clamped(time_s, position).map(Self::Nodes)
     }

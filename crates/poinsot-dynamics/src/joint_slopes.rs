@@ -1,8 +1,8 @@
-//! What a small change of one joint does to the momentum, for all joints in one pass from the tips to the base.
+//! Derivatives of the momentum over all joints in one pass from the tips to the base.
 //!
-//! Everything is at fixed base twist, about the base origin `Bo`, in base axes. Beyond joint j the subtree moves
-//! rigidly with it: the part of its momentum that is the parent's motion changes with the subtree's mass, first
-//! moment and inertia; the part that is relative to the parent turns with the subtree.
+//! Everything is at fixed base twist, about the base origin `Bo`, in base axes. The subtree of joint j moves rigidly
+//! with it: the part of its momentum that is the parent's motion changes with the subtree's mass, first moment and
+//! inertia; the part that is relative to the parent turns with the subtree.
 
 use crate::kinematics::Kinematics;
 use crate::tree::{Motion, Tree};
@@ -39,8 +39,8 @@ struct Subtree {
 }
 
 impl JointSlopes {
-    /// Slopes where the vehicle stands and moves as `kinematics` says (velocities set with the twist of the
-    /// base and the joint rates), its wheels at `wheel_speed` rad/s.
+    /// Slopes at the state of `kinematics` (velocities from the base twist and the joint rates), its wheels at
+    /// `wheel_speed` rad/s.
     pub fn fill(
         &mut self,
         tree: &Tree,
@@ -96,7 +96,7 @@ fn alone(body: &InertialParameters, kinematics: &Kinematics, i: usize) -> Subtre
     }
 }
 
-/// What the inertia about a point gains when that point moves by `-p`, `mc` the first moment about it before.
+/// Change of the inertia about a point that moves by `-p`, `mc` the first moment about it before.
 fn moved(mass: f64, p: &Vector3, mc: &Vector3) -> Matrix3 {
     Matrix3::identity() * (2.0 * p.dot(mc)) - p * mc.transpose() - mc * p.transpose()
         + parallel_axis(mass, p)

@@ -1,4 +1,4 @@
-//! Where every body is and how it moves, seen from the base.
+//! Position, attitude and velocity of every body relative to the base.
 
 use crate::tree::{Motion, Tree, product};
 use alloc::vec;

@@ -96,7 +96,7 @@ pub use orbit::{Orbit, orbit_state};
 #[cfg(feature = "std")]
 pub use piecewise::{Jet, NodeError, PiecewisePolynomial};
 #[cfg(feature = "std")]
-pub use plan::{Plan, Start, StartVelocity, Stretches};
+pub use plan::{Plan, SmoothIntervals, Start, StartVelocity};
 #[cfg(feature = "std")]
 pub use prescribed::MotionError;
 pub use rate_regressor::{momentum_rate_column, wheel_rate};

@@ -52,7 +52,7 @@ impl MassMatrix {
                 continue;
             };
             let (force, mut torque) = self.of_unit_rate(tree, kinematics, i);
-            // Up the tree: what each joint on the way feels of this one.
+            // Up the tree: coupling of this joint with each joint on the way.
             let mut at = i;
             while at > 0 {
                 let above = &tree.links[at];
@@ -76,7 +76,7 @@ impl MassMatrix {
         self.H_m[k * n + j] = value;
     }
 
-    /// Each body with all it carries, about its own origin, in base axes.
+    /// Each body with its subtree, about its own origin, in base axes.
     fn set_carried(
         &mut self,
         tree: &Tree,

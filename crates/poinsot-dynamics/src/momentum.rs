@@ -137,8 +137,8 @@ impl Composite {
     }
 }
 
-/// The base twist that gives momentum `l`, `h` (about `Bo`, in B) once the part that needs no base
-/// motion, `l_joints`, `h_joints` (joint rates and wheels), is taken off: `V = H^-1 (momentum - c)`.
+/// The base twist that gives momentum `l`, `h` (about `Bo`, in B) after subtraction of the part of joint rates and
+/// wheels, `l_joints`, `h_joints`: `V = H^-1 (momentum - c)`.
 ///
 /// `None` where the composite has no mass or a singular central inertia.
 #[inline]
@@ -151,7 +151,7 @@ pub fn twist_from_momentum(
 ) -> Option<Twist> {
     let l_base = l - l_joints;
     let c = composite.p_BoScm_B();
-    // About the mass centre the two halves uncouple: I_cm w = h - c x l, v = l / m - w x c.
+    // About the mass centre the equations decouple: I_cm w = h - c x l, v = l / m - w x c.
     let h_cm = h - h_joints - c.cross(&l_base);
     let w = composite.I_SScm_B().cholesky()?.solve(&h_cm);
     let v = l_base / composite.mass - w.cross(&c);

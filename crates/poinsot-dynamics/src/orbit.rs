@@ -54,7 +54,7 @@ pub fn orbit_state(gm: f64, orbit: &Orbit, time: f64) -> (Vector3, Vector3) {
     )
 }
 
-/// Unit vectors to the periapsis and square to it in the orbit plane, in N.
+/// Unit vectors to the periapsis and perpendicular to it in the orbit plane, in N.
 fn perifocal_axes(orbit: &Orbit) -> (Vector3, Vector3) {
     let (so, co) = orbit.raan.sin_cos();
     let (si, ci) = orbit.inclination.sin_cos();
@@ -83,7 +83,7 @@ mod tests {
         };
         let (r0, v0) = orbit_state(GM, &orbit, 30.0);
         let h = r0.cross(&v0);
-        // Where it is at the epoch, by the conic section itself.
+        // Position at the epoch from the conic section.
         let p = 8.0e6 * (1.0 - 0.09);
         assert!((r0.norm() - p / (1.0 + 0.3 * 0.4_f64.cos())).abs() < 1.0e-6);
         assert!((h.normalize().z - 1.1_f64.cos()).abs() < 1.0e-14);

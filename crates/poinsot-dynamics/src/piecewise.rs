@@ -1,6 +1,6 @@
-//! Piecewise polynomials of time: the one form behind joint plans, wheel speeds and motor torques.
+//! Piecewise polynomials of time, for joint plans, wheel speeds and motor torques.
 
-/// Why nodes make no profile.
+/// Why nodes define no profile.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NodeError {
     /// No node at all.
@@ -18,7 +18,7 @@ pub enum NodeError {
     #[error("node {0} is not finite")]
     NotFinite(usize),
     /// Times must increase strictly.
-    #[error("time of node {0} does not lie after that of the node before")]
+    #[error("time of node {0} is not after that of the previous node")]
     NotIncreasing(usize),
 }
 
@@ -58,7 +58,7 @@ impl PiecewisePolynomial {
     /// every node.
     ///
     /// # Errors
-    /// Nodes that make no profile.
+    /// Nodes that define no profile.
     pub fn quintic_rest(times: &[f64], values: &[f64]) -> Result<Self, NodeError> {
         Self::from_pieces(times, values, |_, y0, y1| {
             let d = y1 - y0;
@@ -69,7 +69,7 @@ impl PiecewisePolynomial {
     /// The cubic spline through the nodes with zero rate at both ends (de Boor 1978, ch. IV).
     ///
     /// # Errors
-    /// Nodes that make no profile.
+    /// Nodes that define no profile.
     pub fn cubic_clamped(times: &[f64], values: &[f64]) -> Result<Self, NodeError> {
         check(times, values)?;
         let slope = clamped_slopes(times, values);
@@ -84,7 +84,7 @@ impl PiecewisePolynomial {
     /// Straight lines between the nodes.
     ///
     /// # Errors
-    /// Nodes that make no profile.
+    /// Nodes that define no profile.
     pub fn linear(times: &[f64], values: &[f64]) -> Result<Self, NodeError> {
         Self::from_pieces(times, values, |_, y0, y1| [y0, y1 - y0, 0.0, 0.0, 0.0, 0.0])
     }
@@ -92,7 +92,7 @@ impl PiecewisePolynomial {
     /// Each value from its node to the next; the last to the end.
     ///
     /// # Errors
-    /// Nodes that make no profile.
+    /// Nodes that define no profile.
     pub fn steps(times: &[f64], values: &[f64]) -> Result<Self, NodeError> {
         Self::from_pieces(times, values, |_, y0, _| [y0, 0.0, 0.0, 0.0, 0.0, 0.0])
     }

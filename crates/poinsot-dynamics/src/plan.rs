@@ -1,4 +1,4 @@
-//! Everything that is prescribed of a motion, and its start.
+//! The prescribed inputs of a motion, and its initial state.
 
 use crate::joint_motion::JointMotion;
 use crate::thrust::Firing;
@@ -28,7 +28,7 @@ pub struct Start {
     pub velocity: StartVelocity,
 }
 
-/// Velocity at the first instant: of the base, or of the whole.
+/// Initial velocity: of the base, or momentum of the system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StartVelocity {
     /// Twist of the base.
@@ -62,7 +62,7 @@ impl Start {
 }
 
 impl Plan {
-    /// Joints held where the vehicle locks them, wheels at rest relative to their hosts, thrusters off.
+    /// Joints at their locked positions, wheels at rest relative to their hosts, thrusters off.
     pub fn hold(vehicle: impl Into<Vehicle>) -> Self {
         let vehicle: Vehicle = vehicle.into();
         let locked = vehicle.locked_at.iter();
@@ -87,11 +87,11 @@ impl Plan {
 
 /// The smooth stretches between breaks.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stretches {
+pub struct SmoothIntervals {
     breaks: Vec<f64>,
 }
 
-impl Stretches {
+impl SmoothIntervals {
     /// Between ascending breaks.
     pub fn new(breaks: Vec<f64>) -> Self {
         Self { breaks }
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn unit_a_break_belongs_to_the_stretch_after_it() {
-        let s = Stretches::new(vec![0.0, 2.0, 6.0]);
+        let s = SmoothIntervals::new(vec![0.0, 2.0, 6.0]);
         assert_eq!(s.of(-3.0), (-1.0, 0.0));
         assert_eq!(s.of(0.0), (1.0, 2.0));
         assert_eq!(s.of(1.9), (1.0, 2.0));

@@ -1,10 +1,10 @@
 //! Motion of the vehicle under prescribed joint and wheel motion and thrust.
 //!
-//! The equations stand in `stage.rs`.
+//! The equations are in `stage.rs`.
 
 use crate::integrate::{DormandPrince, Halt, Tolerance};
 use crate::orbit::Orbit;
-use crate::plan::{Plan, Start, Stretches};
+use crate::plan::{Plan, SmoothIntervals, Start};
 use crate::stage::{MotionSample, Prescribed, Stage};
 use crate::tree::Tree;
 use crate::vehicle::{Gravity, Vehicle};
@@ -19,11 +19,11 @@ pub enum MotionError {
     /// The vehicle has no mass.
     #[error("the vehicle has no mass; give its base one")]
     NoMass,
-    /// Gravity is asked for in a way that is not simulated.
+    /// This form of gravity is not simulated.
     #[error("{0}")]
     Gravity(&'static str),
     /// The plan does not fit the vehicle.
-    #[error("the plan holds {found} {what}, the model {expected}; give one for each of the model")]
+    #[error("the plan has {found} {what}, the model {expected}; give one for each of the model")]
     Plan {
         /// What is counted.
         what: &'static str,
@@ -39,16 +39,16 @@ pub enum MotionError {
     InertialessWheel(usize),
     /// Output times must not decrease, and be finite.
     #[error(
-        "output time {0} (counted from 0) is not finite or lies before the one before it; sort the times"
+        "output time {0} (counted from 0) is not finite or not after the previous one; sort the times"
     )]
     Times(usize),
 }
 
 impl<'p> Prescribed<'p> {
-    /// Puts a vehicle under a plan.
+    /// Combines a vehicle with a plan.
     ///
     /// # Errors
-    /// The plan does not fit the vehicle, or gravity is asked for in a way that is not simulated.
+    /// The plan does not fit the vehicle, or this form of gravity is not simulated.
     pub fn new(
         vehicle: impl Into<Vehicle>,
         plan: &'p Plan,
@@ -97,7 +97,7 @@ impl<'p> Prescribed<'p> {
         mut sink: impl FnMut(&MotionSample),
     ) -> Result<(), MotionError> {
         let first = MotionError::check_times(times)?;
-        let stretches = Stretches::new(self.plan.breaks());
+        let stretches = SmoothIntervals::new(self.plan.breaks());
         let mut stage = Stage::new(self, stretches.of(first).0);
         let mut y = stage.start(start, first)?;
         let mut integrator = DormandPrince::new(stage.scale(), self.tolerance);
@@ -130,13 +130,13 @@ pub(crate) fn gravity_gradient(around: &Gravity) -> Result<Option<(f64, Orbit)>,
             "the gravity gradient of a simulation needs an orbit; add orbit = { semi_major_axis_m = ... } to [environment]",
         )),
         (Some(_), false, _) => Err(MotionError::Gravity(
-            "N falls freely with the vehicle, so gravity alone moves nothing; add gravity_gradient = true, or take gravity out of [environment]",
+            "N is in free fall with the vehicle, so gravity alone has no effect; add gravity_gradient = true, or take gravity out of [environment]",
         )),
     }
 }
 
 impl MotionError {
-    /// The plan must hold as many of something as the model.
+    /// The plan must have as many entries as the model.
     pub(crate) fn count(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
         if found == expected {
             return Ok(());

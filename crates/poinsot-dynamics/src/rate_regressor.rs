@@ -1,4 +1,4 @@
-//! The regressor of the momentum's rate of change: what an accelerometer sees of the unknowns.
+//! The regressor of the momentum's rate of change: the sensitivity of accelerometers to the parameters.
 
 use crate::acceleration::Accelerations;
 use crate::kinematics::Kinematics;

@@ -1,8 +1,8 @@
-//! What a reaction wheel can do: torque, speed, friction.
+//! Limits and friction of a reaction wheel.
 
 /// Speed below which Coulomb friction fades out, so that a wheel at rest stays there, rad/s.
 const STICTION_SPEED: f64 = 0.1;
-/// Share of the speed limit over which the motor of a continuous controller gives way.
+/// Share of the speed limit over which a continuous controller reduces the torque.
 const GIVING_WAY: f64 = 0.01;
 
 /// Limits and friction of one wheel. The default has neither.
@@ -30,7 +30,7 @@ impl Default for WheelLimits {
 }
 
 impl WheelLimits {
-    /// Whether the numbers mean something: limits positive, friction not negative.
+    /// Whether the numbers are valid: limits positive, friction not negative.
     pub fn is_valid(&self) -> bool {
         self.torque > 0.0
             && self.speed > 0.0
@@ -45,8 +45,8 @@ impl WheelLimits {
         -self.viscous * speed - self.coulomb * (speed / STICTION_SPEED).tanh()
     }
 
-    /// The torque that the motor gives of the one commanded. A torque held over `period` ends at the speed
-    /// limit at the latest; a continuous one (`None`) fades out over the last hundredth before it.
+    /// The motor torque for a command. A torque constant over `period` ends at the speed limit; a continuous one
+    /// (`None`) is reduced linearly just before it.
     pub fn admit(&self, torque: f64, speed: f64, spin_inertia: f64, period: Option<f64>) -> f64 {
         let within = match period {
             _ if self.speed == f64::INFINITY => torque,

@@ -1,4 +1,4 @@
-//! The momentum regressor: the 6 x 10(n+1) matrix that is the whole idea of linear identification.
+//! The momentum regressor: the 6 x 10(n+1) matrix of linear identification.
 
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;

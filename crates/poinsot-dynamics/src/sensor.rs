@@ -4,10 +4,10 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// What is known of a number that is not asked for but may be wrong.
+/// Knowledge of a nuisance parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Nuisance {
-    /// Taken as exact.
+    /// Exact.
     #[default]
     Known,
     /// Unknown.
@@ -46,7 +46,7 @@ pub enum SensorKind {
 /// In which axes a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axes {
-    /// Its own, which stand somehow on its body; its columns are in those of the body.
+    /// Its own, mounted on its body; its columns are in the body's axes.
     Sensor,
     /// Inertial.
     Inertial,
@@ -54,11 +54,11 @@ pub enum Axes {
     None,
 }
 
-/// What distinguishes a kind of sensor from another: one row a kind.
+/// Properties of a kind of sensor: one row a kind.
 struct Facts {
     /// Word in a model file.
     word: &'static str,
-    /// Unit of its readings as it ends a key, and that of prismatic joints where it is another.
+    /// Unit of its samples as a key suffix, and that of prismatic joints if different.
     units: &'static [&'static str],
     axes: Axes,
     /// Standard names of the columns of a sensor with axes.
@@ -137,18 +137,18 @@ impl SensorKind {
         self.facts().word
     }
 
-    /// Units that its readings may have, as they end a key (`rad_s`): of revolute joints first, of prismatic ones last.
+    /// Units of its samples as key suffixes (`rad_s`): of revolute joints first, of prismatic ones last.
     pub const fn units(self) -> &'static [&'static str] {
         self.facts().units
     }
 
-    /// The unit of a sensor of this kind that does, or does not, read prismatic joints.
+    /// The unit of a sensor of this kind, for prismatic joints or not.
     pub const fn unit(self, slides: bool) -> &'static str {
         let units = self.facts().units;
         units[if slides { units.len() - 1 } else { 0 }]
     }
 
-    /// How many numbers one reading of a sensor with axes tells: a direction says nothing along itself.
+    /// Degrees of freedom of one sample: a direction has no component along itself.
     pub const fn numbers(self) -> usize {
         match self {
             Self::Direction => 2,
@@ -161,7 +161,7 @@ impl SensorKind {
         self.facts().axes
     }
 
-    /// Standard names of its columns; none for a kind that reads joints, wheels or thrusters.
+    /// Standard names of its columns; none for joint, wheel and thrust sensors.
     pub const fn columns(self) -> &'static [&'static str] {
         self.facts().columns
     }
@@ -171,7 +171,7 @@ impl SensorKind {
         Self::ALL.into_iter().filter(|kind| !kind.is_scalar())
     }
 
-    /// Whether it reads one number per joint, wheel or thruster, and so has no axes.
+    /// Whether it measures one number per joint, wheel or thruster, without axes.
     pub fn is_scalar(self) -> bool {
         self.axes() == Axes::None
     }
@@ -194,12 +194,12 @@ pub struct Sensor {
     pub name: String,
     /// Kind.
     pub kind: SensorKind,
-    /// Index of the body it sits on.
+    /// Index of its body.
     pub body: usize,
     /// Covariance of one sample in the sensor's own axes, SI squared. Scalar channels use `[(0, 0)]`.
     /// `None` where the file declares no noise.
     pub noise_covariance: Option<Matrix3>,
-    /// Time after which the noise has forgotten itself to 1/e, s; zero where it is white.
+    /// Correlation time of the noise, to 1/e, s; zero for white noise.
     pub correlation_s: f64,
     /// Least significant bit, SI; zero where not quantised.
     pub quantisation: f64,
@@ -209,8 +209,8 @@ pub struct Sensor {
     pub scale: Nuisance,
     /// Misalignment.
     pub misalignment: Nuisance,
-    /// How far the axes are from square to each other, rad: axis i reads `g_ij` of the rate about axis j and axis j
-    /// as much of that about i.
+    /// Nonorthogonality of the axes, rad: axis i measures `g_ij` of the rate about axis j and axis j as much of that
+    /// about i.
     pub nonorthogonality: Nuisance,
     /// Lag, s.
     pub lag: Nuisance,
@@ -227,7 +227,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// Whether it measures in axes of its own, which stand somehow on its body.
+    /// Whether it measures in its own axes, mounted on its body.
     pub fn turns(&self) -> bool {
         self.kind.axes() == Axes::Sensor
     }

@@ -1,11 +1,10 @@
-//! The law of an instrument with three axes: where a perfect one reads `x(t)`, it reads
-//! `(1 + turn) x(t - lag) + bias`.
+//! Error model of a sensor with three axes: for the ideal measurement `x(t)` it gives `(1 + turn) x(t - lag) + bias`.
 //!
-//! The estimator and the simulator call this one law.
+//! Estimator and simulator share it.
 
 use poinsot_spatial::{Matrix3, Vector3, skew};
 
-/// One number that may be wrong with an instrument.
+/// One error parameter of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SensorError {
     /// Component of a constant error, in the unit of the instrument.
@@ -16,23 +15,23 @@ pub enum SensorError {
     Misalignment(usize),
     /// Turn of two axes towards each other, rad: of the pair that leaves out this axis.
     Nonorthogonality(usize),
-    /// How late it reads, s.
+    /// Delay, s.
     Lag,
 }
 
-/// The errors of one instrument at work.
+/// Error parameters of one sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SensorErrors {
     /// Constant error, in the unit of the instrument.
     pub bias: Vector3,
-    /// Scale on the diagonal, misalignment and nonorthogonality beside it; no unit.
+    /// Scale on the diagonal, misalignment and nonorthogonality off it; no unit.
     pub turn: Matrix3,
-    /// How late it reads, s.
+    /// Delay, s.
     pub lag_s: f64,
 }
 
 impl SensorErrors {
-    /// Adds so much of one error.
+    /// Adds a value to one error.
     pub fn add(&mut self, error: SensorError, value: f64) {
         match error {
             SensorError::Bias(k) => self.bias[k] += value,
@@ -41,25 +40,25 @@ impl SensorErrors {
         }
     }
 
-    /// What the instrument reads where a perfect one reads `x`, which changes by `rate` a second.
+    /// Measurement for the ideal value `x` with rate of change `rate` per second.
     pub fn reading(&self, x: &Vector3, rate: &Vector3) -> Vector3 {
         let then = x - rate * self.lag_s;
         then + self.turn * then + self.bias
     }
 
-    /// What a perfect instrument reads where this one reads `reading`, the lag left aside.
+    /// Ideal value for the measurement `reading`, without the lag.
     pub fn corrected(&self, reading: &Vector3) -> Vector3 {
         let clear = reading - self.bias;
         let map = Matrix3::identity() + self.turn;
         map.lu().solve(&clear).unwrap_or(clear)
     }
 
-    /// Change of the reading with a change of what a perfect instrument reads.
+    /// Change of the measurement with the ideal value.
     pub fn change(&self, dx: &Vector3) -> Vector3 {
         dx + self.turn * dx
     }
 
-    /// Slope of the reading over one error.
+    /// Derivative of the measurement over one error.
     pub fn slope(&self, error: SensorError, x: &Vector3, rate: &Vector3) -> Vector3 {
         match error {
             SensorError::Bias(k) => unit(k),
@@ -69,7 +68,7 @@ impl SensorErrors {
     }
 }
 
-/// What one unit of an error does to the axes.
+/// Effect of one unit of an error on the axes.
 fn turn_of(error: SensorError) -> Matrix3 {
     match error {
         SensorError::Scale(k) => Matrix3::from_diagonal(&unit(k)),
@@ -95,7 +94,7 @@ fn unit(k: usize) -> Vector3 {
 mod tests {
     use super::*;
 
-    /// Each slope is the difference of the law over its error, and a corrected reading is what was read.
+    /// Each derivative is the difference of the model over its error, and a corrected measurement returns the original.
     #[test]
     fn exact_slopes_are_those_of_the_law() {
         let (x, rate) = (Vector3::new(0.3, -1.0, 2.0), Vector3::new(0.1, 0.7, -0.4));

@@ -1,5 +1,4 @@
-//! What the sensors of a vehicle report of a motion: the truth with all errors that the estimator knows, noise and
-//! rounding.
+//! Simulated sensors: the truth with all errors of the estimator's model, noise and quantisation.
 
 use crate::sensor::{Axes, Nuisance, Sensor, SensorKind};
 use crate::sensor_errors::{SensorError, SensorErrors};
@@ -12,11 +11,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A sensor at work: its declared errors, its own random stream and its bias.
+/// A simulated sensor: its declared errors, random stream and bias.
 ///
 /// A reading is `(1 + turn) truth + bias + noise`, rounded to the least significant bit ([`SensorErrors`]). Gyro,
-/// accelerometer, direction and attitude err in the sensor's axes and report in those of its body; position and velocity err and
-/// report in N. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
+/// accelerometer, direction and attitude have errors in the sensor's axes and samples in those of its body; position
+/// and velocity both in N. A lag shifts the times of the samples, not their values: see [`Instrument::lag_s`].
 #[derive(Debug, Clone)]
 pub struct Instrument {
     kind: SensorKind,
@@ -26,19 +25,19 @@ pub struct Instrument {
     reference_N: Vector3,
     /// Joint coordinates, wheels or thrusters read by a scalar sensor.
     of: Vec<usize>,
-    /// Absent where the sensor's axes are the body's: no rounding from turning there and back.
+    /// Absent if the sensor's axes are the body's, to avoid round-off.
     R_BS: Option<Matrix3>,
     /// A square root of the noise covariance.
     noise: Option<Matrix3>,
     /// Correlation time of the noise, s; zero where it is white.
     correlation_s: f64,
-    /// Time and noise of the sample before, where the noise is coloured.
+    /// Time and noise of the previous sample, for correlated noise.
     last_noise: Option<(f64, Vector3)>,
     quantisation: f64,
     bias: Vec<f64>,
-    /// Scale, misalignment, nonorthogonality and lag; the bias stands beside, since a sensor may read many joints.
+    /// Scale, misalignment, nonorthogonality and lag; the bias is separate, since a sensor may measure many joints.
     errors: SensorErrors,
-    /// Where the steps of a rounding sensor lie, one per channel, in steps.
+    /// Phase of the quantisation steps, one per channel, in steps.
     phase: Vec<f64>,
     rng: ChaCha8Rng,
     last_velocity: Option<Vector3>,
@@ -87,33 +86,32 @@ impl Instrument {
         }
     }
 
-    /// Draws where the steps of a rounding sensor lie, which no experimenter knows: without it equal motions
-    /// are rounded alike in every trial, and what is scatter between experiments shows as a bias.
+    /// Draws the phase of the quantisation steps. With a fixed phase, equal motions have equal rounding errors in every
+    /// trial, which then appear as a bias.
     pub fn draw_phase(&mut self) {
         for phase in &mut self.phase {
             *phase = self.rng.random::<f64>() - 0.5;
         }
     }
 
-    /// Draws how large the steps are, evenly within this share of the declared step. A motion that repeats to the last
-    /// digit passes the steps in the same rhythm every time, and errors that follow one rhythm add up to less, or more,
-    /// than those of motions that are never quite the same.
+    /// Draws the size of the quantisation steps, uniformly within this share of the declared step. For exactly
+    /// repeating motion, the quantisation error is periodic, not white.
     pub fn draw_step(&mut self, share: f64) {
         self.quantisation *= 1.0 + share * (2.0 * self.rng.random::<f64>() - 1.0);
     }
 
-    /// The bias at work, in the sensor's axes.
+    /// The current bias, in the sensor's axes.
     pub fn bias(&self) -> &[f64] {
         &self.bias
     }
 
-    /// Gives one error its value, in the sensor's axes; the bias is given to [`Self::new`].
+    /// Sets one error, in the sensor's axes; [`Self::new`] sets the bias.
     pub fn set_error(&mut self, error: SensorError, value: f64) {
         let now = self.error(error);
         self.errors.add(error, value - now);
     }
 
-    /// An error at work other than the bias, in the sensor's axes.
+    /// A current error other than the bias, in the sensor's axes.
     pub fn error(&self, error: SensorError) -> f64 {
         let turn = &self.errors.turn;
         let pair = |k: usize| {
@@ -131,7 +129,7 @@ impl Instrument {
         }
     }
 
-    /// How late the sensor reads, s: a sample of the motion at t bears the time t + lag.
+    /// Delay of the sensor, s: a sample of the motion at t has the time t + lag.
     pub fn lag_s(&self) -> f64 {
         self.errors.lag_s
     }
@@ -168,7 +166,7 @@ impl Instrument {
         }
     }
 
-    /// Replaces `out` with the reading at a time, s, where a perfect sensor reads `exact`: as many numbers, in one order.
+    /// Replaces `out` with the reading at a time, s, for the ideal values `exact`, in the same order.
     pub fn disturb(&mut self, time_s: f64, exact: &[f64], out: &mut Vec<f64>) {
         out.clear();
         match (self.kind, exact) {
@@ -273,8 +271,8 @@ fn scalars(kind: SensorKind, sample: &MotionSample) -> &[f64] {
     }
 }
 
-/// What a perfect sensor with three axes reads at a point fixed in a body; for a velocity increment the
-/// velocity itself. Gyro and accelerometer in the body's axes, position and velocity in N.
+/// Ideal measurement of a sensor with three axes at a point fixed in a body; for a velocity increment the velocity
+/// itself. Gyro and accelerometer in the body's axes, position and velocity in N.
 pub fn vector_reading(
     kind: SensorKind,
     sample: &MotionSample,

@@ -16,9 +16,9 @@
 //! R' = R [w]x,   l_S' = sum F,   h_SScm' = sum (p - p_Scm) x F
 //! ```
 //!
-//! A wheel with prescribed speed adds `Js Omega a` to `h_wheels`. One driven by a torque has
-//! `h_w = Js (Omega + a . w_host)`, `h_w' = torque`; with `w_host = w + w_rel` its relative momentum is
-//! `a h_w - Js a a^T w_rel - Js a a^T w`: the last term moves to the left and lessens the inertia.
+//! A wheel with prescribed speed adds `Js Omega a` to `h_wheels`. One driven by a torque has `h_w = Js (Omega + a .
+//! w_host)`, `h_w' = torque`; with `w_host = w + w_rel` its relative momentum is `a h_w - Js a a^T w_rel - Js a a^T w`:
+//! the last term moves to the left side and reduces the inertia.
 
 use crate::acceleration::Accelerations;
 use crate::gravity_gradient::gravity_gradient_torque;
@@ -46,7 +46,7 @@ pub(crate) fn attitude(y: &[f64]) -> UnitQuaternion {
     UnitQuaternion::new_normalize(Quaternion::new(y[3], y[0], y[1], y[2]))
 }
 
-/// The vehicle at one instant: what every ideal sensor would read.
+/// The vehicle at one instant, with all ideal measurements.
 #[derive(Debug, Clone)]
 pub struct MotionSample {
     /// Time, s.
@@ -126,7 +126,7 @@ pub struct Prescribed<'p> {
     pub(crate) tolerance: Tolerance,
 }
 
-/// What a wheel contributes: known relative speed, or known absolute axial momentum.
+/// Input of a wheel: known relative speed, or known absolute axial momentum.
 #[derive(Clone, Copy)]
 enum Spin {
     Speed(f64),
@@ -236,8 +236,8 @@ impl<'s> Stage<'s> {
         Ok(Twist { v, w })
     }
 
-    /// Gravity-gradient torque about the system's mass centre, in B; the placement is that of `inertia`, from which
-    /// the torque-driven rotors are missing: what spins freely about an axis still hangs in the field.
+    /// Gravity-gradient torque about the system's mass centre, in B; the placement is that of `inertia`, without
+    /// torque-driven rotors, on which the field acts too.
     fn gradient_torque(&self, t: f64, R_NB: &UnitQuaternion) -> Vector3 {
         let Some((gm, orbit)) = &self.vehicle.orbit else {
             return Vector3::zeros();
@@ -303,7 +303,7 @@ impl<'s> Stage<'s> {
         scale
     }
 
-    /// Everything an ideal sensor could read in the state `y`.
+    /// All ideal measurements in the state `y`.
     pub fn sample(&mut self, t: f64, y: &[f64]) -> Result<&MotionSample, Halt> {
         self.set_inputs(t, &y[WHEELS..]);
         let (R_NB, l, h) = (attitude(y), vector(y, LINEAR), vector(y, ANGULAR));

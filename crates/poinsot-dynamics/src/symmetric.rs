@@ -97,8 +97,7 @@ impl Symmetric {
         self.zz -= a.z * b.z;
     }
 
-    /// The factors of `L D L^T`, without square roots. Whether the pivots are positive is for the
-    /// caller to see.
+    /// The factors of `L D L^T`, without square roots. The caller checks that the pivots are positive.
     #[inline]
     pub fn factor(&self) -> Factor {
         let d1 = self.xx;

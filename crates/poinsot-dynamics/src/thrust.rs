@@ -16,7 +16,7 @@ pub struct Firing {
     pub force: f64,
 }
 
-/// Where a thruster sits and pushes.
+/// Position and direction of a thruster.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nozzle {
     /// Index of the host body.

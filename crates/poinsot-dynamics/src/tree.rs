@@ -20,13 +20,13 @@ pub enum Motion {
 
 /// A joint axis that is a coordinate axis of its body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Along {
+enum AxisDirection {
     X,
     Y,
     Z,
 }
 
-impl Along {
+impl AxisDirection {
     fn of(axis: &Vector3) -> Option<Self> {
         let is = |e: Vector3| *axis == e;
         match () {
@@ -55,10 +55,10 @@ pub struct Link {
     pub axis_P: Vector3,
     /// `R_PC_zero [axis]x` and `R_PC_zero [axis]x^2`: with them Rodrigues' formula is two scaled sums.
     rodrigues: [Matrix3; 2],
-    along: Option<Along>,
+    along: Option<AxisDirection>,
 }
 
-/// A rotor with the kinematics that matter.
+/// Kinematic constants of a rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor {
     /// Index of the host body.
@@ -96,7 +96,7 @@ impl Link {
             axis_C,
             axis_P: R_PC_zero * axis_C,
             rodrigues: [R_PC_zero * k, R_PC_zero * k * k],
-            along: Along::of(&axis_C),
+            along: AxisDirection::of(&axis_C),
         }
     }
 
@@ -117,9 +117,9 @@ impl Link {
         let (sin, cos) = angle.sin_cos();
         match self.along {
             // About a coordinate axis the turn mixes the two other columns.
-            Some(Along::X) => turn::<1, 2>(product(R_BP, &self.R_PC_zero), sin, cos),
-            Some(Along::Y) => turn::<2, 0>(product(R_BP, &self.R_PC_zero), sin, cos),
-            Some(Along::Z) => turn::<0, 1>(product(R_BP, &self.R_PC_zero), sin, cos),
+            Some(AxisDirection::X) => turn::<1, 2>(product(R_BP, &self.R_PC_zero), sin, cos),
+            Some(AxisDirection::Y) => turn::<2, 0>(product(R_BP, &self.R_PC_zero), sin, cos),
+            Some(AxisDirection::Z) => turn::<0, 1>(product(R_BP, &self.R_PC_zero), sin, cos),
             // Rodrigues.
             None => {
                 let [first, second] = &self.rodrigues;
@@ -132,9 +132,9 @@ impl Link {
     #[inline]
     pub fn axis_B(&self, R_BC: &Matrix3) -> Vector3 {
         match self.along {
-            Some(Along::X) => R_BC.column(0).into_owned(),
-            Some(Along::Y) => R_BC.column(1).into_owned(),
-            Some(Along::Z) => R_BC.column(2).into_owned(),
+            Some(AxisDirection::X) => R_BC.column(0).into_owned(),
+            Some(AxisDirection::Y) => R_BC.column(1).into_owned(),
+            Some(AxisDirection::Z) => R_BC.column(2).into_owned(),
             None => R_BC * self.axis_C,
         }
     }

@@ -1,4 +1,4 @@
-//! What a motion needs to know of a vehicle: plain numbers, no names and no files.
+//! The vehicle parameters of a motion: numbers only, no names and no files.
 
 use crate::orbit::Orbit;
 use crate::thrust::Nozzle;
@@ -6,7 +6,7 @@ use crate::tree::Tree;
 use alloc::vec::Vec;
 use poinsot_spatial::InertialParameters;
 
-/// A vehicle whose numbers are taken as the truth.
+/// A vehicle with its true numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vehicle {
     /// The kinematic constants.
@@ -17,7 +17,7 @@ pub struct Vehicle {
     pub spin_inertia: Vec<f64>,
     /// Thrusters.
     pub nozzles: Vec<Nozzle>,
-    /// Where each joint coordinate stands while it is locked, rad or m.
+    /// Locked position of each joint coordinate, rad or m.
     pub locked_at: Vec<f64>,
     /// Gravity, where it is declared.
     pub gravity: Gravity,
@@ -28,7 +28,7 @@ pub struct Vehicle {
 pub struct Gravity {
     /// Gravitational parameter, m3/s2; `None` in free fall.
     pub gm: Option<f64>,
-    /// Whether the gravity-gradient torque acts.
+    /// Whether the gravity-gradient torque is included.
     pub gradient: bool,
     /// The reference orbit, where it is known.
     pub orbit: Option<Orbit>,

@@ -2,7 +2,7 @@
 
 use crate::piecewise::PiecewisePolynomial;
 
-/// What drives a wheel.
+/// The input of a wheel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum WheelMotion {
     /// Speed relative to the host as a function of time, rad/s.

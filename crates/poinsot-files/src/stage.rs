@@ -93,8 +93,7 @@ impl Stage {
             .map_err(|e| StageError::new(folder, "its folder cannot be made", e))
             .and_then(|()| {
                 sweep(folder);
-                open_hidden(folder)
-                    .map_err(|e| StageError::new(folder, "nothing can be written into it", e))
+                open_hidden(folder).map_err(|e| StageError::new(folder, "it is not writable", e))
             });
         match opened {
             Ok((hidden, lock)) => Ok(Self {
@@ -167,7 +166,8 @@ impl Stage {
         };
         for (done, draft) in self.drafts.iter().enumerate() {
             if let Err(source) = fs::rename(&draft.draft, &draft.target) {
-                let mut error = StageError::new(&draft.target, "cannot be put in place", source);
+                let mut error =
+                    StageError::new(&draft.target, "cannot be written to its path", source);
                 if !self.roll_back(done, &earlier) {
                     error.kept = self.hidden.take().map(TempDir::keep);
                 }
@@ -253,7 +253,7 @@ pub fn check_target(target: &Path) -> Result<(), StageError> {
     let refuse = |kind: ErrorKind| {
         Err(StageError::new(
             target,
-            "cannot be put in place",
+            "cannot be written to its path",
             kind.into(),
         ))
     };

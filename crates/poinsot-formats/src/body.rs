@@ -93,7 +93,7 @@ impl BodyFile {
         all
     }
 
-    /// Whether any of its numbers was asked for.
+    /// Whether any of its numbers was requested.
     pub fn is_asked(&self) -> bool {
         self.numbers().iter().any(|(_, _, n)| !n.is_known())
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const CAMPAIGN: &str = "poinsot.campaign/1";
 
-/// What the trials of a plan show.
+/// Statistics of the trials of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CampaignFile {
     /// "poinsot.campaign/1".
@@ -16,7 +16,7 @@ pub struct CampaignFile {
     pub poinsot: String,
     /// Name of the campaign.
     pub name: String,
-    /// What it is about.
+    /// Description.
     pub about: String,
     /// SHA-256 of the plan and of all files that it names.
     pub digest: String,
@@ -63,9 +63,9 @@ pub struct MethodResultFile {
     pub method: String,
     /// Trials.
     pub trials: u64,
-    /// Share of trials without an answer, rejected, not settled or crashed.
+    /// Share of trials without an answer, rejected, not converged or crashed.
     pub failed: BandedFile,
-    /// Share of answers with a doubt.
+    /// Share of answers with evidence against them.
     pub doubted: BandedFile,
     /// Trials by status.
     pub statuses: IndexMap<String, u64>,
@@ -79,11 +79,11 @@ pub struct MethodResultFile {
     pub chi2_per_dof: Option<f64>,
     /// Mean and most iterations.
     pub iterations: (f64, u64),
-    /// Processor time of one trial, s, the drawing of its readings shared among the methods.
+    /// Processor time of one trial, s; the simulation is shared among the methods.
     pub seconds_per_trial: Option<f64>,
     /// Every number that some trial determined, by name; SI.
     pub numbers: IndexMap<String, NumberResultFile>,
-    /// Statistics beyond what is asked of a calibrated estimator, in words.
+    /// Statistics outside the limits of a calibrated estimator, in words.
     pub misses: Vec<String>,
 }
 
@@ -102,9 +102,10 @@ pub struct NumberResultFile {
     pub rmse: BandedFile,
     /// Root mean square error over the bound.
     pub rmse_over_bound: BandedFile,
-    /// Share of 95 % intervals that hold the truth, of the trials that determined the number; null where none is stated.
+    /// Share of 95 % intervals that contain the truth, of the trials that determined the number; null where none is
+    /// stated.
     pub coverage_answered: BandedFile,
-    /// The same of all trials: one without an answer holds nothing.
+    /// The same of all trials: a trial without an answer counts as a miss.
     pub coverage_all: BandedFile,
 }
 
@@ -124,11 +125,11 @@ pub struct PairFile {
 pub struct PairNumberFile {
     /// Trials that both determined.
     pub trials: u64,
-    /// Trials whose interval holds the truth by the first method alone.
+    /// Trials whose interval contains the truth by the first method alone.
     pub held_by_first_alone: u64,
     /// By the other alone.
     pub held_by_other_alone: u64,
-    /// Probability of a difference in coverage as large by chance (exact McNemar test); null where a method states no sigma.
+    /// p-value of equal coverage (exact McNemar test); null where a method states no sigma.
     pub mcnemar_p: Option<f64>,
     /// RMSE of the other over that of the first, with the interval of a paired bootstrap.
     pub rmse_ratio: BandedFile,

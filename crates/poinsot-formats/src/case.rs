@@ -11,7 +11,7 @@ use toml::Spanned;
 
 /// Name and version of the format.
 pub const CASE: &str = "poinsot.case/2";
-/// The version before it, without motions of wheels from files; it is read alike.
+/// The version before it, without motions of wheels from files; it is read the same way.
 pub const CASE_BEFORE: &str = "poinsot.case/1";
 
 /// A value with its place in the file.
@@ -20,7 +20,7 @@ pub const CASE_BEFORE: &str = "poinsot.case/1";
 pub struct Placed<T>(Spanned<T>);
 
 impl<T> From<T> for Placed<T> {
-    /// A value that stands in no file yet.
+    /// A value that is not yet in a file.
     fn from(value: T) -> Self {
         Self(Spanned::new(0..0, value))
     }
@@ -62,12 +62,12 @@ impl<T: JsonSchema> JsonSchema for Placed<T> {
     }
 }
 
-/// What a vehicle does, for how long, and what is written of it. SI; every key that holds a quantity ends in its unit. Frames are
-/// those of the model: N is inertial and falls with the vehicle, B is the frame of the base.
+/// The motion of a vehicle, its duration, and the output. SI; every key that holds a quantity ends in its unit. Frames
+/// are those of the model: N is inertial and in free fall with the vehicle, B is the frame of the base.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
-    /// "poinsot.case/2"; "poinsot.case/1" is read alike.
+    /// "poinsot.case/2"; "poinsot.case/1" is read the same way.
     pub schema: Placed<String>,
     /// Model file, relative to the case. Its nominal numbers are the truth.
     pub model: Placed<String>,
@@ -76,7 +76,7 @@ pub struct CaseFile {
     /// Pose and velocity of the base, or momentum of the vehicle, at time 0. Default: at rest at the origin of N.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub initial: InitialFile,
-    /// Prescribed motions of joints. A joint without motion, torque or spring stays where the model locks it.
+    /// Prescribed motions of joints. A joint without motion, torque or spring stays locked.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub joint_motion: Vec<JointMotionFile>,
     /// Speeds or motor torques of wheels; one for each wheel unless `control` drives them.
@@ -85,24 +85,24 @@ pub struct CaseFile {
     /// Firings of thrusters.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub firing: Vec<FiringFile>,
-    /// Torques of joint motors; such a joint moves by itself.
+    /// Torques of joint motors; such a joint is free.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub joint_torque: Vec<JointTorqueFile>,
     /// Attitude feedback by the wheels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<Placed<ControlFile>>,
-    /// How accurate the integration is.
+    /// Accuracy of the integration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integration: Option<IntegrationFile>,
     /// What is written.
     pub output: Placed<OutputFile>,
-    /// Numbers with the accuracy that `predict` and `design` judge a manoeuvre by.
+    /// Required accuracies for `predict` and `design`.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub want: Vec<Placed<WantFile>>,
     /// Limits that no manoeuvre of `design` exceeds.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub limits: LimitsFile,
-    /// What `design` may move, and what it minimises.
+    /// Free motions and objective of `design`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<Placed<DesignFile>>,
 }
@@ -116,7 +116,7 @@ impl CaseFile {
         parse_toml(text)
     }
 
-    /// The text of the case. What is as usual is left out.
+    /// The text of the case, without default values.
     ///
     /// # Errors
     /// A number is larger than TOML holds.
@@ -124,7 +124,7 @@ impl CaseFile {
         toml::to_string(self)
     }
 
-    /// Every file that it names beside its model.
+    /// Every file that it names, except the model.
     pub fn files(&self) -> impl Iterator<Item = &Placed<String>> {
         let torques = self.joint_torque.iter().map(|t| &t.file);
         let wheels = self.wheel_motion.iter().map(|w| &w.file);
@@ -181,7 +181,8 @@ pub struct InitialFile {
 pub struct InitialJointFile {
     /// Name of the joint.
     pub joint: Placed<String>,
-    /// Position of a revolute joint, rad. Default: where its spring rests, else where the model locks it.
+    /// Position of a revolute joint, rad. Default: the rest position of its spring, else the locked position of the
+    /// model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<f64>>,
     /// Position of a prismatic joint, m.
@@ -356,7 +357,7 @@ pub struct ControlFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ControlTargetFile {
-    /// Time from which on the target holds, s.
+    /// Time from which the target applies, s.
     pub time_s: Placed<f64>,
     /// Attitude R_NB: quaternion, Hamilton, scalar last.
     pub q_xyzw: Placed<[f64; 4]>,
@@ -385,7 +386,7 @@ pub struct ControlWheelFile {
     pub coulomb_N_m: Option<f64>,
 }
 
-/// How accurate the integration is.
+/// Accuracy of the integration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IntegrationFile {
@@ -405,11 +406,11 @@ pub struct OutputFile {
     /// Seed of all noise. Default 0.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub seed: u64,
-    /// true leaves out what no sensor of the model measures. Commanded motions of joints and wheels and commanded thrust are
-    /// always written. Default false.
+    /// true omits quantities that no sensor of the model measures. Commanded motions of joints and wheels and commanded
+    /// thrust are always written. Default false.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub sensors_only: bool,
-    /// What sensors of the model do in this case.
+    /// Rates and errors of the sensors in this case.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub sensor: Vec<SensorOutputFile>,
 }
@@ -425,7 +426,7 @@ pub enum Format {
     Parquet,
 }
 
-/// What a sensor of the model does in this case.
+/// Rate and errors of a sensor in this case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorOutputFile {
@@ -461,12 +462,12 @@ pub struct SensorOutputFile {
     /// Turn of two axes towards each other, yz, xz, xy, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nonorthogonality_rad: Option<Placed<[f64; 3]>>,
-    /// How late the sensor reads, s.
+    /// Delay of the sensor, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<Placed<f64>>,
 }
 
-/// A number, or a combination of numbers, and the sigma that is wanted of it.
+/// A number, or a combination of numbers, with its wanted sigma.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WantFile {
@@ -484,7 +485,7 @@ pub struct WantFile {
     pub relative: Option<Placed<f64>>,
 }
 
-/// What no designed manoeuvre may exceed.
+/// Limits of a designed manoeuvre.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsFile {
@@ -515,10 +516,10 @@ pub struct JointLimitFile {
     /// Names. Default: all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<Placed<String>>>,
-    /// Least and largest position, rad.
+    /// Smallest and largest position, rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rad: Option<Placed<[f64; 2]>>,
-    /// Least and largest position, m.
+    /// Smallest and largest position, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Placed<[f64; 2]>>,
     /// Largest rate, rad/s.
@@ -559,7 +560,7 @@ pub struct WheelLimitFile {
     pub momentum_N_m_s: Option<Placed<f64>>,
 }
 
-/// An axis of the base that must stay out of, or in, a cone about a direction in N.
+/// A cone about a direction in N that an axis of the base must avoid or stay in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConeFile {
@@ -592,7 +593,7 @@ pub struct CapsuleFile {
     pub radius_m: Placed<f64>,
 }
 
-/// What a design may move, and what it is after.
+/// Free motions and objective of a design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CaseDesignFile")]
@@ -600,13 +601,13 @@ pub struct DesignFile {
     /// What is minimised. Default "worst_ratio".
     #[serde(default, skip_serializing_if = "is_usual")]
     pub objective: Objective,
-    /// Whether the vehicles of the prior count and not the nominal one alone.
+    /// Whether vehicles drawn from the prior count, not only the nominal one.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub robust: bool,
     /// Whether declared priors of mass properties count in the sigmas.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub priors: bool,
-    /// Most evaluations of a manoeuvre.
+    /// Largest number of manoeuvre evaluations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<Placed<usize>>,
     /// Starts of the search.
@@ -660,7 +661,7 @@ pub struct DesignJointFile {
     /// Slews: how many.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slews: Option<Placed<usize>>,
-    /// Whether the joint ends where it began. Default true.
+    /// Whether the final position equals the initial one. Default true.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }
@@ -677,7 +678,7 @@ pub struct DesignWheelFile {
     /// Speed at time 0, rad/s. Default 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_speed_rad_s: Option<Placed<f64>>,
-    /// Whether the speed ends where it began. Default true.
+    /// Whether the final speed equals the initial one. Default true.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
 }

@@ -27,7 +27,7 @@ pub struct Contradiction {
     pub problem: String,
 }
 
-/// What contradicts itself in an answer; empty where nothing does.
+/// Contradictions in an answer; empty without any.
 pub fn contradictions(file: &EstimateFile) -> Vec<Contradiction> {
     let mut found = Vec::new();
     let mut say = |key: String, value: String, problem: &str| {

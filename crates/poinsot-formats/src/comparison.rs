@@ -24,14 +24,14 @@ pub struct ComparisonFile {
     pub numbers: IndexMap<String, ComparedNumberFile>,
     /// Joint tests: all numbers together, then mass, mass centre and inertia of each body.
     pub tests: Vec<JointTestFile>,
-    /// What was not compared, and why.
+    /// Numbers that were not compared, with the reason.
     pub not_compared: Vec<String>,
-    /// Why the probabilities are not to be relied on; empty where they are.
+    /// Why the p-values are not reliable; empty if they are.
     pub doubts: Vec<String>,
 }
 
 impl ComparisonFile {
-    /// Whether all answers agree, by probabilities that can be relied on.
+    /// Whether all answers agree, by reliable p-values.
     pub fn passes(&self) -> bool {
         self.verdict == "agree" && self.doubts.is_empty()
     }
@@ -57,11 +57,11 @@ pub struct ComparedNumberFile {
     pub values: Vec<f64>,
     /// One sigma in each answer.
     pub sigmas: Vec<f64>,
-    /// Last value less the first.
+    /// Last value minus the first.
     pub difference: f64,
     /// One sigma of the difference, for independent answers.
     pub difference_sigma: f64,
-    /// Probability of differences as large by chance, where the vehicle did not change.
+    /// p-value of no change.
     pub p: f64,
     /// Weighted mean of all answers; absent where they differ.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,6 +80,6 @@ pub struct JointTestFile {
     pub chi2: f64,
     /// Degrees of freedom.
     pub dof: usize,
-    /// Probability of a chi-square as large by chance.
+    /// p-value of the chi-square.
     pub p: f64,
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const DESIGN: &str = "poinsot.design/1";
 
-/// A designed manoeuvre and what it gives.
+/// A designed manoeuvre with its predicted accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignFile {
     /// "poinsot.design/1".
@@ -25,20 +25,20 @@ pub struct DesignFile {
     pub objective: String,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
-    /// Largest ratio of predicted to wanted sigma; null where something wanted is not identifiable.
+    /// Largest ratio of predicted to wanted sigma; null if a wanted number is not identifiable.
     pub worst_ratio: Option<f64>,
     /// Mean of the worst tenth of ln(largest ratio) over the vehicles of the prior, of a robust design.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust_log_ratio: Option<f64>,
-    /// What is wanted, in the order of the case.
+    /// Wanted numbers, in the order of the case.
     pub wants: Vec<DesignedNumberFile>,
-    /// How far every limit is used.
+    /// Use of every limit.
     pub limits: Vec<LimitUseFile>,
-    /// What relaxed limits would give, where something is not reached.
+    /// Effect of relaxed limits, if a wanted sigma is not reached.
     pub relaxed: Vec<RelaxedFile>,
     /// The search.
     pub search: SearchFile,
-    /// Trial flights, where they were asked for.
+    /// Trial flights, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verification: Option<DesignVerificationFile>,
 }
@@ -52,14 +52,14 @@ pub struct DesignedNumberFile {
     pub unit: String,
     /// Wanted sigma.
     pub wanted_sigma: f64,
-    /// Predicted sigma; null where the manoeuvre does not show the number.
+    /// Predicted sigma; null if the manoeuvre does not determine the number.
     pub sigma: Option<f64>,
-    /// Predicted sigma of the manoeuvre in the case, where it holds one.
+    /// Predicted sigma of the case's own manoeuvre, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_sigma: Option<f64>,
 }
 
-/// How far one limit is used.
+/// Use of one limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LimitUseFile {
     /// What is limited.
@@ -70,20 +70,20 @@ pub struct LimitUseFile {
     pub value: f64,
     /// The limit.
     pub limit: f64,
-    /// Room as a share of the limit (cones: rad, distances: m), after the margin for the vehicles of the prior.
+    /// Margin as a share of the limit (cones: rad, distances: m), after the margin for the vehicles of the prior.
     pub margin: f64,
-    /// Whether it holds the manoeuvre back.
+    /// Whether the limit is active.
     pub active: bool,
 }
 
-/// What one kind of limit, relaxed, would give.
+/// Effect of relaxing one kind of limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RelaxedFile {
     /// Which limits.
     pub what: String,
     /// Factor on them.
     pub factor: f64,
-    /// Largest ratio of predicted to wanted sigma then.
+    /// Largest ratio of predicted to wanted sigma with that limit.
     pub worst_ratio: f64,
 }
 
@@ -94,22 +94,22 @@ pub struct SearchFile {
     pub evaluations: usize,
     /// Logarithm of the largest ratio at the end of every start, after its first steps.
     pub starts: Vec<f64>,
-    /// Whether no further step promised more than a tenth of a percent.
+    /// Whether the next step would gain less than 0.1 %.
     pub settled: bool,
 }
 
 /// Trial flights of the manoeuvre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignVerificationFile {
-    /// Flights, each with a vehicle of the prior and noise of its own.
+    /// Flights, each with another vehicle of the prior and other noise.
     pub flights: u64,
     /// Flights without an answer, and why.
     pub failed: Vec<String>,
-    /// What was reached of every wanted number.
+    /// Result for every wanted number.
     pub numbers: Vec<VerifiedNumberFile>,
     /// Flights in which a limit was broken.
     pub limits_broken: u64,
-    /// Whether every ratio lies in its band, no flight failed, and at most one in a hundred broke a limit.
+    /// Whether every ratio is in its band, no flight failed, and at most one in a hundred broke a limit.
     pub agrees: bool,
 }
 
@@ -120,7 +120,7 @@ pub struct VerifiedNumberFile {
     pub name: String,
     /// Root mean square of error over the predicted sigma of that flight.
     pub rms_ratio: f64,
-    /// Where it lies with a probability of 99.9 % if the prediction is right.
+    /// 99.9 % band if the prediction is correct.
     pub band: [f64; 2],
     /// Flights that determined it.
     pub flights: u64,

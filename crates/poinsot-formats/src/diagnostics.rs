@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Tests of the residuals. What nothing determines is null.
+/// Tests of the residuals. Undetermined numbers are null.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DiagnosticsFile {
     /// Chi-square of all segments.
@@ -20,11 +20,11 @@ pub struct DiagnosticsFile {
     /// The end of every record against the prediction of a fit without it. Absent where it is not tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub held_out: Option<HeldOutFile>,
-    /// Change of momentum that no declared force or torque explains.
+    /// Change of momentum not explained by declared forces or torques.
     pub momentum_drift: Vec<DriftFile>,
     /// Delays between sensors.
     pub lags: Vec<LagFile>,
-    /// Faults whose estimation would lower chi-square, best first.
+    /// Faults whose estimation would reduce chi-square, best first.
     pub suspects: Vec<SuspectFile>,
     /// Spectral lines of the residual.
     pub lines: Vec<LineFile>,
@@ -39,13 +39,13 @@ pub struct ChannelFile {
     pub readings: usize,
     /// Chi-square per number.
     pub chi2_per_number: Option<f64>,
-    /// The same from the median, which outliers do not move.
+    /// The same from the median, robust against outliers.
     pub typical_chi2_per_number: Option<f64>,
     /// Outliers.
     pub outliers: usize,
     /// Share of outliers.
     pub outlier_share: f64,
-    /// Probability that a white residual is as correlated in time. Absent where it is not tested.
+    /// p-value of a white residual. Absent where it is not tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness_p: Option<f64>,
 }
@@ -57,9 +57,9 @@ pub struct HeldOutFile {
     pub share: f64,
     /// Numbers held out.
     pub numbers: usize,
-    /// Square of the prediction error in its covariance, noise and uncertainty of the fit together.
+    /// Normalised square of the prediction error; its covariance includes noise and fit.
     pub chi2: f64,
-    /// Probability of an error as large by chance.
+    /// p-value of the error.
     pub p: f64,
 }
 
@@ -79,7 +79,7 @@ pub struct DriftFile {
     /// One sigma each.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_sigma_N: Option<[Option<f64>; 3]>,
-    /// Probability of a drift as large by chance.
+    /// p-value of no drift.
     pub p: Option<f64>,
 }
 
@@ -92,11 +92,11 @@ pub struct LagFile {
     pub lag_s: f64,
     /// One sigma, s.
     pub sigma_s: f64,
-    /// Probability of a delay as large by chance.
+    /// p-value of no delay.
     pub p: Option<f64>,
 }
 
-/// A fault whose estimation would lower chi-square.
+/// A fault whose estimation would reduce chi-square.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SuspectFile {
     /// Kind of fault.

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const ESTIMATE: &str = "poinsot.estimate/2";
 
-/// The answer of `identify`. SI units, stated by the key. Null means: not determined by the data and the declared priors.
-/// What was not asked, or does not apply, is absent.
+/// The answer of `identify`. SI units, stated by the key. Null means: not determined by the data and the declared
+/// priors. What was not requested, or does not apply, is absent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EstimateFile {
     /// "poinsot.estimate/2".
@@ -25,7 +25,7 @@ pub struct EstimateFile {
     pub variant: Option<String>,
     /// "converged", "partial", "not_identifiable", "iteration_limit" or "rejected".
     pub status: String,
-    /// Iterations taken; 1 for a closed form.
+    /// Number of iterations; 1 for a closed form.
     #[serde(default)]
     pub iterations: usize,
     /// Name of the vehicle.
@@ -34,7 +34,7 @@ pub struct EstimateFile {
     /// Units, frames and points of all numbers.
     #[serde(default)]
     pub reference: ReferenceFile,
-    /// What all times count from. Absent for tables in memory without an epoch.
+    /// Origin of all times. Absent for tables in memory without an epoch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epoch: Option<EpochFile>,
     /// The model file. Absent for a model that is no file.
@@ -57,19 +57,19 @@ pub struct EstimateFile {
     /// Everything else that was estimated, by address: biases, scales, lags, spin inertias, for example
     /// "gyro.bias_rad_s.x".
     pub nuisance: IndexMap<String, NumberFile>,
-    /// What the data determine and what they do not.
+    /// Identifiable and unidentifiable combinations.
     pub identifiability: IdentifiabilityFile,
     /// Fit, one entry per segment.
     pub fit: Vec<SegmentFitFile>,
-    /// Tests of the residuals. Absent for a method that makes none.
+    /// Tests of the residuals. Absent for a method without them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnostics: Option<DiagnosticsFile>,
-    /// How the answer depends on numbers that the model gives as known.
+    /// Sensitivity of the answer to known numbers.
     #[serde(default)]
     pub known_numbers: KnownNumbersFile,
     /// Whether the covariance is stated and no evidence contradicts it.
     pub covariance_trustworthy: bool,
-    /// Evidence against relying on the answer, most important first.
+    /// Evidence against the answer, most important first.
     #[serde(default)]
     pub doubts: Vec<String>,
     /// Numbers that a published method prints. Absent for other methods.
@@ -87,7 +87,7 @@ pub struct EstimateFile {
     pub warnings: Vec<String>,
 }
 
-/// What all times count from: a date, or a count of the files where their epoch is unknown. Times are in seconds.
+/// Origin of all times: a date, or a count of the files where their epoch is unknown. Times are in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EpochFile {
     /// Date and time of day in `scale`, for example "2026-03-14T18:19:00".
@@ -101,8 +101,8 @@ pub struct EpochFile {
     pub own_count_s: Option<f64>,
 }
 
-/// Units, frames and points of all numbers of an answer. N does not rotate and falls freely near the vehicle; B is the
-/// frame of a body, with its origin Bo and its axes as the model gives them; Bcm is the body's mass centre.
+/// Units, frames and points of all numbers of an answer. N does not rotate and is in free fall near the vehicle. B is
+/// the frame of a body, with origin Bo and axes from the model. Bcm is the body's mass centre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceFile {
     /// "SI": s, m, kg, rad, N. The key of a number ends in its unit.
@@ -187,7 +187,7 @@ pub struct SystemFile {
     /// Its mass properties about the base's frame.
     #[serde(flatten)]
     pub body: BodyFile,
-    /// Joint positions for which they hold: `<joint>_rad` or `<joint>_m`.
+    /// Their joint positions: `<joint>_rad` or `<joint>_m`.
     pub joint_positions: IndexMap<String, f64>,
 }
 
@@ -207,11 +207,11 @@ pub struct IdentifiabilityFile {
     pub parameters: usize,
     /// Directions that are identifiable under the declared noise.
     pub rank: usize,
-    /// Directions that round-off alone would call identifiable.
+    /// Identifiable directions with respect to round-off alone.
     pub structural_rank: usize,
     /// One sigma of each direction in natural units, ascending; null where unbounded.
     pub sigmas_natural: Vec<Option<f64>>,
-    /// Combinations that are determined; where they are fewer than the rank, other functions of the parameters behind them.
+    /// Determined combinations. If they are fewer than the rank, other functions of the parameters follow.
     pub identifiable: Vec<DeterminedFile>,
     /// Directions that are not.
     pub not_identifiable: Vec<UndeterminedFile>,
@@ -243,8 +243,8 @@ pub struct UndeterminedFile {
     pub reason: String,
     /// What would determine it.
     pub remedy: String,
-    /// Values of every unknown of each body that the direction moves, at points of equal prediction along it, evenly spaced,
-    /// the answer in the middle.
+    /// Values of the changed unknowns at evenly spaced points of equal prediction along the direction. The answer is in
+    /// the middle.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub walk: IndexMap<String, Vec<f64>>,
 }
@@ -269,33 +269,33 @@ pub struct SensorFitFile {
     pub rms: Option<f64>,
     /// Unit.
     pub unit: String,
-    /// Chi-square per number measured. Absent where the method does not weigh this sensor on its own.
+    /// Chi-square per number measured. Absent if the method does not weight this sensor separately.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chi2_per_number: Option<f64>,
-    /// Probability that a white residual is as correlated in time. Absent where it is not tested.
+    /// p-value of a white residual. Absent where it is not tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness_p: Option<f64>,
 }
 
-/// How the answer depends on numbers that the model gives as known. Every sigma of the answer holds their uncertainty:
-/// sigma = hypot(sigma_data, sigma_known).
+/// Sensitivity of the answer to known numbers. Every sigma of the answer includes their uncertainty: sigma =
+/// hypot(sigma_data, sigma_known).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct KnownNumbersFile {
-    /// Whether every known number is taken as exact.
+    /// Whether every known number is exact.
     #[serde(default)]
     pub exact: bool,
-    /// Whether some known number has no declared source, so that it is taken as one of a drawing.
+    /// Whether some known number has no declared source and is assumed to come from a drawing.
     #[serde(default)]
     pub source_assumed: bool,
     /// One sigma of numbers of the answer if every known number were exact, by address.
     #[serde(default)]
     pub sigma_data: IndexMap<String, f64>,
-    /// Uncertain known numbers on which the readings depend, the largest share of a variance first.
+    /// Uncertain known numbers that affect the measurements, largest share of a variance first.
     #[serde(default)]
     pub sensitivities: Vec<SensitivityFile>,
 }
 
-/// What one known number does to the answer.
+/// Effect of one known number on the answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensitivityFile {
     /// Address of the known number, for example "link1.mass_kg".
@@ -306,7 +306,7 @@ pub struct SensitivityFile {
     pub value: f64,
     /// Declared one sigma.
     pub sigma: f64,
-    /// Value with the data, where they bring its sigma below 0.7 of the declared one.
+    /// Estimated value, if the data reduce its sigma below 0.7 of the declared one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<f64>,
     /// One sigma of the same.
@@ -314,7 +314,7 @@ pub struct SensitivityFile {
     pub estimate_sigma: Option<f64>,
     /// Step of the number for `change`: "1 %", "1 mm" or "1 mrad".
     pub step: String,
-    /// Change of the numbers of the answer with that step, the readings held, by address.
+    /// Change of the numbers of the answer with that step and fixed measurements, by address.
     pub change: IndexMap<String, f64>,
     /// Share of their variance that would go if this number were known exactly; shares of numbers that err together overlap.
     pub variance_share: IndexMap<String, f64>,
@@ -351,11 +351,11 @@ pub struct CheckFile {
     pub check: String,
     /// Channel, or the channels of a sensor as `omega_x..z`.
     pub channel: String,
-    /// Samples (of a gap: gaps) concerned.
+    /// Number of samples (of a gap: gaps).
     pub count: usize,
     /// Samples of the channel.
     pub of: usize,
-    /// Times of the first of them, s.
+    /// Times of the first ones, s.
     pub first_times_s: Vec<f64>,
     /// In words.
     pub text: String,
@@ -364,7 +364,7 @@ pub struct CheckFile {
 }
 
 impl EstimateFile {
-    /// Whether numbers were computed and are not shown, because the model contradicts the data or the fit did not settle.
+    /// Whether numbers are withheld because the model contradicts the data or the fit did not converge.
     pub fn is_withheld(&self) -> bool {
         ["rejected", "iteration_limit"].contains(&self.status.as_str())
     }

@@ -46,7 +46,7 @@ pub struct MethodsFile {
 pub struct ListedMethodFile {
     /// Name on the command line.
     pub name: String,
-    /// What it does, in one line.
+    /// Summary in one line.
     pub summary: String,
     /// Where it was published. Absent for a method of this project.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -174,7 +174,7 @@ pub struct StudyFindingsFile {
     pub summary: String,
     /// Tables.
     pub tables: Vec<FoundTableFile>,
-    /// Numbers beside what the paper states.
+    /// Numbers compared with the paper.
     pub statements: Vec<StatementFile>,
 }
 
@@ -231,7 +231,7 @@ pub struct ErrorFile {
     pub schema: String,
     /// Exit code.
     pub exit_code: u8,
-    /// What is wrong, in the order of its places.
+    /// Faults, in the order of their places.
     pub errors: Vec<FaultFile>,
 }
 
@@ -248,7 +248,7 @@ pub struct FaultFile {
     pub value: Option<String>,
     /// What is wrong.
     pub problem: String,
-    /// What to do. Absent where the problem says it.
+    /// What to do. Absent if the problem contains it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub advice: Option<String>,
 }

@@ -26,7 +26,7 @@ pub struct TrueNumberFile {
 /// One number of a prediction: there is no measurement yet, so it has no value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictedNumberFile {
-    /// Value in the model, which the prediction takes as true.
+    /// Value in the model, assumed true.
     pub nominal: f64,
     /// Smallest one sigma that an unbiased estimator reaches (Cramer-Rao); null where the number is not identifiable.
     pub sigma: Option<f64>,

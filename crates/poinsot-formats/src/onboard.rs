@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const ONBOARD: &str = "poinsot.onboard/1";
 
-/// Determined mass properties with their covariance: no null anywhere.
+/// Determined mass properties with their covariance, without null.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OnboardFile {
     /// "poinsot.onboard/1".
@@ -17,7 +17,7 @@ pub struct OnboardFile {
     pub poinsot: String,
     /// Name of the vehicle.
     pub model: String,
-    /// What the times of the record count from.
+    /// Origin of the times of the record.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epoch: Option<EpochFile>,
     /// Whether the covariance is stated and no evidence contradicts it.

@@ -23,11 +23,11 @@ pub struct PlanFile {
     /// What it is about, in one line.
     #[serde(default)]
     pub about: String,
-    /// Trials of every experiment at every point. A sampling counts its own.
+    /// Trials of every experiment at every point. A sampling has its own number.
     pub trials: Option<u64>,
     /// Trials of one shard. Default 100; of a sampling its points.
     pub trials_per_shard: Option<u64>,
-    /// Seed of all random numbers. Default: that of the case, 1 for a record.
+    /// Seed of all random numbers. Default: the seed of the case; 1 for a record.
     pub seed: Option<u64>,
     /// What is repeated.
     pub experiment: Vec<ExperimentFile>,
@@ -78,13 +78,13 @@ pub struct ExperimentFile {
     pub record: Option<String>,
     /// Model with the true numbers. Default: that of the case.
     pub truth: Option<String>,
-    /// Model as the identification knows it. Default: the true one.
+    /// Nominal model of the identification. Default: the true one.
     pub model: Option<String>,
-    /// Every n-th sample is taken. Default 1.
+    /// Every n-th sample is used. Default 1.
     pub every: Option<u64>,
-    /// Whether every trial draws where the steps of rounding sensors lie. Default true.
+    /// Whether every trial draws the phase of the quantisation steps. Default true.
     pub draw_phase: Option<bool>,
-    /// Share of the declared step of a rounding sensor within which every trial draws the true one. Default 0.
+    /// Relative range in which every trial draws the true quantisation step. Default 0.
     pub step_spread: Option<f64>,
     /// True constant bias of a sensor in its own axes, SI, by the name of the sensor; only for a record.
     #[serde(default)]
@@ -102,7 +102,7 @@ pub struct MethodFile {
     /// Settings of a published method, see `poinsot methods NAME`.
     #[serde(default)]
     pub set: BTreeMap<String, SettingFile>,
-    /// Whether maximum likelihood searches what would explain a misfit. It changes no number. Default false.
+    /// Whether maximum likelihood searches the cause of a misfit. It changes no number. Default false.
     #[serde(default)]
     pub diagnose: bool,
 }

@@ -29,9 +29,9 @@ pub struct PredictionFile {
     pub status: String,
     /// The answer in one sentence.
     pub in_words: String,
-    /// What the case wants; empty where it wants nothing.
+    /// Wanted numbers of the case; empty without any.
     pub wants: Vec<WantedFile>,
-    /// Bodies with something unknown, by name.
+    /// Bodies with unknown numbers, by name.
     pub bodies: IndexMap<String, MassFile<PredictedNumberFile>>,
     /// The whole vehicle at the first sample, base axes, from the base origin. Absent of a single body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -40,7 +40,7 @@ pub struct PredictionFile {
     pub nuisance: IndexMap<String, PredictedNumberFile>,
     /// Addresses, units and matrix of all determined numbers.
     pub covariance: CovarianceFile,
-    /// What the data would determine and what not.
+    /// Identifiable and unidentifiable combinations.
     pub identifiability: IdentifiabilityFile,
     /// What was assumed.
     pub assumptions: Vec<String>,

@@ -5,10 +5,10 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue, Error};
 use toml::{Deserializer, Spanned};
 
-/// Most faults of one file that are told.
+/// Largest number of faults reported for one file.
 const MOST: usize = 20;
 
-/// One thing that is wrong with the shape of a file.
+/// One fault of the structure of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ShapeFault {
     /// Its bytes in the file.

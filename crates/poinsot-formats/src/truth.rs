@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Name and version of the format.
 pub const TRUTH: &str = "poinsot.truth/2";
 
-/// The truth of a simulation, every number under the name and in the place that it has in `estimate.json`.
+/// The truth of a simulation, with the names and places of `estimate.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TruthFile {
     /// "poinsot.truth/2".
@@ -41,10 +41,10 @@ pub struct TruthFile {
     /// Spin inertias and errors of sensors by address, for example "gyro.bias_rad_s.x". An error that is absent is zero.
     #[serde(default)]
     pub nuisance: IndexMap<String, TrueNumberFile>,
-    /// How every sensor was drawn, by name.
+    /// Random stream and noise of every sensor, by name.
     #[serde(default)]
     pub sensors: IndexMap<String, TrueSensorFile>,
-    /// How far a controller used each wheel. Absent without a controller.
+    /// Use of each wheel by the controller. Absent without a controller.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub wheel_use: IndexMap<String, WheelUseFile>,
 }
@@ -136,7 +136,7 @@ pub struct TrueSensorFile {
     pub quantisation: f64,
 }
 
-/// How far a controller used a wheel.
+/// Use of a wheel by the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WheelUseFile {
     /// Largest speed, rad/s.

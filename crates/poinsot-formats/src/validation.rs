@@ -50,12 +50,12 @@ pub struct EstimateRefFile {
     pub path: String,
     /// Its status.
     pub status: String,
-    /// Whether the estimate says that its covariance may be relied on.
+    /// Whether the covariance of the estimate is trustworthy.
     #[serde(default = "relied_on")]
     pub covariance_trustworthy: bool,
 }
 
-/// Of files before this was written.
+/// Default for older files.
 fn relied_on() -> bool {
     true
 }
@@ -98,7 +98,7 @@ pub struct InSigmasFile {
     pub rms: f64,
     /// Largest.
     pub largest: f64,
-    /// Probability that a white residual is as correlated in time. Absent where it is not tested.
+    /// p-value of a white residual. Absent where it is not tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub whiteness_p: Option<f64>,
 }
@@ -112,7 +112,7 @@ pub struct CompletedFile {
     pub open: usize,
     /// Distance of the completed numbers from the nominal ones, natural units.
     pub distance_natural: f64,
-    /// How far undetermined directions were moved, natural units.
+    /// Variation of undetermined directions, natural units.
     pub open_moved_by_natural: f64,
     /// Changes of the prediction with them.
     pub prediction_changes: Vec<PredictionChangeFile>,

@@ -4,7 +4,7 @@ mod inputs;
 mod known_columns;
 mod two_threads;
 
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::methods::linear::linear;
 use crate::methods::maximum_likelihood::maximum_likelihood;
 use crate::problem::Problem;
@@ -364,7 +364,7 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
             .map(|i| triangle.r[(i, j)] * triangle.r[(i, last)])
             .sum()
     };
-    let chi2 = |p: &Point| {
+    let chi2 = |p: &Iterate| {
         let evaluated = &experiment.evaluate(p, false).unwrap()[0];
         match loss {
             Loss::Gaussian => evaluated.chi2,
@@ -379,20 +379,20 @@ fn slopes(translation: bool, loss: Loss) -> Vec<(String, f64, f64)> {
             if let Some(u) = j.checked_sub(h) {
                 p.x[u] += d;
             } else {
-                let head = &mut p.heads[0];
+                let initial_state = &mut p.initial_states[0];
                 let mut e = Vector3::zeros();
                 e[j % 3] = d;
                 match (j / 3, translation) {
-                    (0, _) => head.R_NB *= UnitQuaternion::from_scaled_axis(e),
-                    (1, true) => head.p_NoBo_N += e,
-                    (2, true) => head.P += e,
-                    _ => head.h_SScm_N += e,
+                    (0, _) => initial_state.R_NB *= UnitQuaternion::from_scaled_axis(e),
+                    (1, true) => initial_state.p_NoBo_N += e,
+                    (2, true) => initial_state.P += e,
+                    _ => initial_state.h_SScm_N += e,
                 }
             }
             chi2(&p)
         });
         let name = j.checked_sub(h).map_or_else(
-            || format!("head {j}"),
+            || format!("initial state {j}"),
             |u| parameters.unknowns[u].name.clone(),
         );
         let by_differences = -(ends[0] - ends[1]) / (4.0 * step);

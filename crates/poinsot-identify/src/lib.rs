@@ -1,7 +1,7 @@
 //! Estimators, identifiability and information.
 //!
-//! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. A question that cannot be asked is an error; what the
-//! data leave open is part of the answer.
+//! [`Problem`] -> [`linear`] or [`maximum_likelihood`] -> [`Estimate`]. An invalid problem is an error; undetermined
+//! numbers are part of the answer.
 #![allow(non_snake_case)]
 
 mod answer;
@@ -53,6 +53,6 @@ pub use problem::segment::{
 pub use problem::{Problem, ProblemError};
 pub use solution::estimate::{
     BodyEstimate, ChannelFit, DeterminedCombination, Estimate, Identifiability, KnownEffect,
-    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, OpenCombination, Principal,
-    SegmentFit, Source, Status,
+    KnownNumbers, MethodReport, MomentumEstimate, NamedNumber, Number, Principal, SegmentFit,
+    Source, Status, UnobservableCombination,
 };

@@ -1,17 +1,17 @@
-//! Predicted against measured: whitened residuals of one segment and their sensitivities.
+//! Whitened residuals of one segment and their sensitivities.
 
-mod carried;
-mod colour;
-mod follow;
-mod head;
+mod carried_columns;
 pub(crate) mod impulse;
+mod initial_state;
+mod parallel;
 mod rate_noise;
 pub(crate) mod rows;
-mod side_by_side;
+mod sensor_rows;
+mod whitener;
 
-use carried::Carried;
-pub(crate) use carried::KnownColumns;
-pub(crate) use head::{Head, HeadColumns, Sight, start};
+use carried_columns::CarriedColumns;
+pub(crate) use carried_columns::KnownColumns;
+pub(crate) use initial_state::{InitialState, InitialStateColumns, MeasuredMotion, start};
 
 use crate::motion::input_curves::InputCurves;
 use crate::motion::input_noise::InputNoise;
@@ -20,15 +20,15 @@ use crate::motion::{Steps, Vehicle, tilted};
 use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{InputErrors, Noise, Segment};
-use crate::sensors::Ideal;
-use follow::Follower;
+use crate::sensors::IdealSeries;
 use nalgebra::Cholesky;
+use parallel::compare_all;
 use poinsot_dynamics::Tree;
 use poinsot_model::{RandomTorque, SensorKind, Thruster};
 use poinsot_solve::{BlockQr, Triangle};
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
 use rate_noise::RateNoise;
-use side_by_side::compare_all;
+use sensor_rows::SensorCursor;
 
 /// What stays the same over all evaluations.
 #[derive(Clone, Copy)]
@@ -39,9 +39,9 @@ pub(crate) struct Setting<'a> {
     pub nominal_spin: &'a [f64],
     pub noise: &'a Noise,
     pub loss: Loss,
-    /// Whether wheel speeds run smoothly between the readings.
+    /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
-    /// Random torque of the surroundings, where one is declared.
+    /// Random torque of the environment, where one is declared.
     pub random_torque: Option<RandomTorque>,
     /// Curves along which lags shift the inputs, one per segment; empty where no lag is unknown.
     pub curves: &'a [InputCurves],
@@ -58,7 +58,7 @@ pub(crate) struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// How finely a segment is propagated.
+    /// Integration steps of a segment.
     pub fn steps(&self, segment: usize) -> Steps<'_> {
         Steps {
             grid: self.grids.get(segment),
@@ -144,24 +144,24 @@ pub(crate) fn evaluate(
     setting: &Setting,
     (index, segment): (usize, &Segment),
     x: &[f64],
-    head: &Head,
-    unknown: HeadColumns,
+    initial_state: &InitialState,
+    unknown: InitialStateColumns,
     with_sensitivities: bool,
 ) -> Option<Evaluated> {
-    // Known numbers do not enter the motion: their columns come ready, and act on what is compared.
+    // Known numbers do not enter the motion: their columns are given and act on the residuals.
     let whole = setting.parameters;
     if !whole.has_known() {
         return evaluate_driven(
             setting,
             (index, segment),
             x,
-            head,
+            initial_state,
             (unknown, with_sensitivities),
             None,
         );
     }
     let (reduced, kept) = whole.without_known();
-    let carried = Carried::new(setting, (index, segment), x, kept);
+    let carried = CarriedColumns::new(setting, (index, segment), x, kept);
     let driving = carried.driving(x);
     let setting = Setting {
         parameters: &reduced,
@@ -172,20 +172,20 @@ pub(crate) fn evaluate(
         &setting,
         (index, segment),
         &driving,
-        head,
+        initial_state,
         asked,
         Some(carried),
     )
 }
 
-/// The same of unknowns that drive the motion or the sensors; `carried` ones act on what is compared alone.
+/// The same of unknowns that drive the motion or the sensors; `carried_columns` ones act on what is compared alone.
 fn evaluate_driven(
     setting: &Setting,
     (index, segment): (usize, &Segment),
     x: &[f64],
-    head: &Head,
-    (unknown, with_sensitivities): (HeadColumns, bool),
-    carried: Option<Carried>,
+    initial_state: &InitialState,
+    (unknown, with_sensitivities): (InitialStateColumns, bool),
+    carried: Option<CarriedColumns>,
 ) -> Option<Evaluated> {
     let tree = tilted(setting.tree, setting.parameters, x);
     let mut vehicle = Vehicle::new(
@@ -201,40 +201,40 @@ fn evaluate_driven(
     let joints = setting.noise.joint_position.iter();
     let rates = &setting.noise.joint_rate;
     vehicle.noisy_joints = joints.zip(rates).map(|(q, r)| q + r > 0.0).collect();
-    let (state, columns) = start(head, unknown, x.len());
+    let (state, columns) = start(initial_state, unknown, x.len());
     let columns = if with_sensitivities {
         columns
     } else {
         Vec::new()
     };
     let motion = || Motion::new(&vehicle, segment, columns.clone(), unknown.count());
-    let mut compare = Compare::new(setting, segment, x, unknown, with_sensitivities);
+    let mut compare = SegmentComparison::new(setting, segment, x, unknown, with_sensitivities);
     compare.carry(carried);
-    let forced = !segment.firings.is_empty() || vehicle.has_surroundings();
+    let forced = !segment.firings.is_empty() || vehicle.has_environment_torque();
     let noise = (setting.noise, setting.random_torque);
     compare.inputs = InputNoise::new(noise, segment, forced, compare.followed());
     if compare.inputs.tracks_rates() {
         compare.joint_rate.fill(0.0);
     }
-    let late: Vec<bool> = compare.followers.iter().map(|f| f.late).collect();
-    compare.ideal = Ideal::new(&vehicle, segment, &state, &late)?;
+    let late: Vec<bool> = compare.cursors.iter().map(|f| f.late).collect();
+    compare.ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let samples = segment.observations.time_s.len();
     compare_all(&mut compare, motion, &state, (samples, setting.split))?;
-    // One direction alone leaves the turn about itself open.
+    // One direction alone does not determine the rotation about itself.
     if unknown.attitude && !segment.observations.reads(SensorKind::Attitude) {
         let from = segment.samples.R_NB.first().copied().unwrap_or_default();
-        compare.weak_attitude(&(from.inverse() * head.R_NB));
+        compare.weak_attitude(&(from.inverse() * initial_state.R_NB));
     }
     compare.finish()
 }
 
 /// Collects the rows of one segment.
-struct Compare<'a> {
+struct SegmentComparison<'a> {
     setting: &'a Setting<'a>,
     segment: &'a Segment,
     /// One for each sensor of the segment.
-    followers: Vec<Follower>,
-    head: usize,
+    cursors: Vec<SensorCursor>,
+    initial_columns: usize,
     qr: Option<BlockQr>,
     rows: usize,
     inputs: InputNoise,
@@ -242,35 +242,35 @@ struct Compare<'a> {
     joint_rate: Vec<f64>,
     /// `ln det` of the covariance of all readings over that of the sensors alone, and a weak prior of the start.
     log_det: f64,
-    ideal: Ideal,
+    ideal: IdealSeries,
     kept: KeptRows,
     /// Grid time in hand.
     now: usize,
     /// Known numbers, where they are unknowns.
-    carried: Option<Carried<'a>>,
+    carried: Option<CarriedColumns<'a>>,
 }
 
-impl<'a> Compare<'a> {
+impl<'a> SegmentComparison<'a> {
     fn new(
         setting: &'a Setting<'a>,
         segment: &'a Segment,
         x: &[f64],
-        unknown: HeadColumns,
+        unknown: InitialStateColumns,
         with_sensitivities: bool,
     ) -> Self {
-        let head = unknown.count();
+        let initial_columns = unknown.count();
         let sensors = &segment.observations.sensors;
         Self {
             setting,
             segment,
-            followers: Follower::all(sensors, setting.parameters, x, head),
-            head,
-            qr: with_sensitivities.then(|| BlockQr::new(head + x.len() + 1)),
+            cursors: SensorCursor::all(sensors, setting.parameters, x, initial_columns),
+            initial_columns,
+            qr: with_sensitivities.then(|| BlockQr::new(initial_columns + x.len() + 1)),
             rows: 0,
             inputs: InputNoise::default(),
             joint_rate: joint_rate_noise(setting.noise, segment),
             log_det: 0.0,
-            ideal: Ideal::default(),
+            ideal: IdealSeries::default(),
             kept: KeptRows::default(),
             now: 0,
             carried: None,
@@ -278,23 +278,23 @@ impl<'a> Compare<'a> {
     }
 
     /// Takes known numbers in: the triangle gets their columns.
-    fn carry(&mut self, carried: Option<Carried<'a>>) {
+    fn carry(&mut self, carried: Option<CarriedColumns<'a>>) {
         self.carried = carried;
         if self.qr.is_some() {
             self.qr = Some(BlockQr::new(self.width()));
         }
     }
 
-    /// Columns of the triangle: head, all unknowns, residual.
+    /// Columns of the triangle: initial state, all unknowns, residual.
     fn width(&self) -> usize {
-        let own = self.head + self.setting.parameters.len() + 1;
-        own + self.carried.as_ref().map_or(0, Carried::len)
+        let own = self.initial_columns + self.setting.parameters.len() + 1;
+        own + self.carried.as_ref().map_or(0, CarriedColumns::len)
     }
 
     /// Sequences that go through the filter of the inputs: sensitivities and the residual.
     fn followed(&self) -> usize {
         match self.qr {
-            Some(_) => self.head + self.setting.parameters.len() + 1,
+            Some(_) => self.initial_columns + self.setting.parameters.len() + 1,
             None => 1,
         }
     }
@@ -302,18 +302,18 @@ impl<'a> Compare<'a> {
     fn sample(&mut self, motion: &mut Motion, state: &State, k: usize) -> Option<()> {
         self.now = k;
         let sensors = &self.segment.observations.sensors;
-        let mut pairs = self.followers.iter().zip(sensors);
-        let due = pairs.any(|(follower, record)| follower.is_due(record, k));
+        let mut pairs = self.cursors.iter().zip(sensors);
+        let due = pairs.any(|(cursor, record)| cursor.is_due(record, k));
         let errs = !self.inputs.is_silent();
         if !due && !errs {
             return Some(());
         }
         let (instant, _) = motion.velocity(state, k)?;
         if errs || self.joint_rate.iter().any(|v| *v > 0.0) {
-            self.inputs.reach(motion, state, &instant, k);
+            self.inputs.propagate_to(motion, state, &instant, k);
         }
         if due && self.setting.keep_rows && self.qr.is_some() {
-            let start = motion.columns[..self.head].to_vec();
+            let start = motion.columns[..self.initial_columns].to_vec();
             self.kept.transitions.push(Transition {
                 at: k,
                 R_NB: state.R_NB,
@@ -321,15 +321,15 @@ impl<'a> Compare<'a> {
             });
         }
         let mut joint_rates = RateNoise::new(&self.joint_rate);
-        for i in 0..self.followers.len() {
-            self.follow(i, motion, (state, k), &instant, &mut joint_rates);
+        for i in 0..self.cursors.len() {
+            self.add_sensor_rows(i, motion, (state, k), &instant, &mut joint_rates);
         }
         Some(())
     }
 
-    /// A reading, sensitivities first and the residual last: what earlier readings say of the inputs' errors is taken
-    /// off, the rest is whitened and goes into the triangle. Gives the white residual; `None` for a sensor taken as
-    /// exact, which is left out.
+    /// A reading, sensitivities first and the residual last: the part predicted from earlier samples is subtracted; the
+    /// rest is whitened and added to the triangle. Gives the white residual; `None` for a sensor taken as exact, which
+    /// is left out.
     ///
     /// `noise` is the covariance of what is new at this time, `sensor` the part of it that no input causes.
     fn take(
@@ -352,8 +352,8 @@ impl<'a> Compare<'a> {
                 .sum::<f64>();
         let residual = self.inputs.expected(slopes, *rows.last()?);
         let white = root.solve_lower_triangular(&residual)?;
-        // A reading with less weight is one with more noise: so the filter does not believe it either.
-        let numbers = self.followers[i].channel.numbers;
+        // A smaller weight means more noise, in the filter too.
+        let numbers = self.cursors[i].channel.numbers;
         let weight = self.setting.loss.weight(white.norm_squared(), numbers);
         if weight != 1.0 {
             root = Cholesky::new(noise / weight + spread)?.l();
@@ -362,8 +362,8 @@ impl<'a> Compare<'a> {
         self.inputs
             .take(slopes, &correlation, &inverse_root, &mut rows);
         if let Some(carried) = self.carried.as_ref().filter(|_| self.qr.is_some()) {
-            let reading = self.followers[i].channel.white.len();
-            rows = carried.widened(&rows, (i, reading), (self.head, weight.sqrt()));
+            let reading = self.cursors[i].channel.white.len();
+            rows = carried.widened(&rows, (i, reading), (self.initial_columns, weight.sqrt()));
         }
         if let Some(qr) = &mut self.qr {
             qr.push(3, |i, j| rows[j][i]);
@@ -376,8 +376,8 @@ impl<'a> Compare<'a> {
         Some(white)
     }
 
-    /// Keeps an attitude at the start that nobody measured within half a turn of the one that the fit begins with, for motions
-    /// that say nothing of it. `turn` takes the axes of that one to those in hand.
+    /// A weak prior of an unmeasured initial attitude, for motions that do not determine it. `turn` takes the axes of
+    /// that one to those in hand.
     fn weak_attitude(&mut self, turn: &UnitQuaternion) {
         let sigma = std::f64::consts::PI;
         let residual = -turn.scaled_axis() / sigma;
@@ -408,7 +408,7 @@ impl<'a> Compare<'a> {
     }
 
     fn note(&mut self, i: usize, residual: &Vector3, white: Vector3) {
-        let channel = &mut self.followers[i].channel;
+        let channel = &mut self.cursors[i].channel;
         channel.square += residual.norm_squared();
         channel.white.push(white);
         self.rows += channel.numbers;
@@ -430,7 +430,7 @@ impl<'a> Compare<'a> {
         let loss = self.setting.loss;
         let (mut chi2, mut cost) = (0.0, self.log_det);
         let channels: Vec<ChannelResidual> = self
-            .followers
+            .cursors
             .into_iter()
             .map(|f| f.channel)
             .filter(|c| !c.white.is_empty())

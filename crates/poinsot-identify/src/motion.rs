@@ -1,29 +1,29 @@
 //! The pose-momentum equation with its forward sensitivities, on measured joint and wheel motion.
 //!
-//! State: attitude R_NB, position p_NoBo, linear momentum P, and angular momentum h **about the system's mass
-//! centre**, all momenta in N. Velocity follows from momentum, `V = H(q)^-1 (X [P; h] - c - c_w)` (DESIGN
-//! section 2); about the mass centre the position does not enter, so its integration error cannot turn into
-//! a false rate (`dp x P`), and what no data can show stays exactly unseen. A small change of the state is
-//! `[dphi_B, dp_N, dP_N, dh_N]` with `R -> R exp([dphi]x)`.
+//! State: attitude R_NB, position p_NoBo, linear momentum P, and angular momentum h **about the system's mass centre**,
+//! all momenta in N. Velocity follows from momentum, `V = H(q)^-1 (X [P; h] - c - c_w)` (DESIGN section 2); about the
+//! mass centre the position does not enter, so its integration error cannot turn into a false rate (`dp x P`), and
+//! unobservable directions stay exactly unobservable. A small change of the state is `[dphi_B, dp_N, dP_N, dh_N]` with
+//! `R -> R exp([dphi]x)`.
 
 mod acceleration;
 mod advance;
 mod chord;
+mod environment;
 mod grid;
 pub(crate) mod input_curves;
 pub(crate) mod input_noise;
 mod input_slopes;
 mod inputs;
-mod place;
+mod point_kinematics;
 mod steps;
-mod surroundings;
 mod variation;
 mod vehicle;
 
-pub(crate) use acceleration::Point;
-pub(crate) use place::{JointEffect, Place};
+pub(crate) use acceleration::BodyPoint;
+pub(crate) use environment::GRADIENT;
+pub(crate) use point_kinematics::{JointEffect, PointKinematics};
 pub(crate) use steps::{Fineness, Grid, Steps};
-pub(crate) use surroundings::GRADIENT;
 pub(crate) use variation::{Matrix6x12, pose_change};
 pub(crate) use vehicle::{Running, Vehicle, parabola_slope, slope_weights, tilted};
 
@@ -51,14 +51,14 @@ pub(crate) struct State {
     pub h_SScm_N: Vector3,
 }
 
-/// Inputs at one instant, their faults taken off, and what depends on them alone.
-struct Site {
+/// Corrected inputs at one instant, and all quantities that depend on them alone.
+struct InputState {
     q: Vec<f64>,
     rates: Vec<f64>,
     wheels: Vec<f64>,
-    /// What faults of the readings do to the inputs.
+    /// Effect of sensor errors on the inputs.
     changes: Vec<InputChange>,
-    /// Slopes of the momentum over the joints, where faults of their readings need them.
+    /// Slopes of the momentum over the joints, if sensor errors need them.
     joint_slopes: JointSlopes,
     /// Position of the reference orbit, in N, m; where a gravity gradient acts.
     orbit_N: Vector3,
@@ -86,8 +86,8 @@ struct Locked {
     h_joints: Vector3,
 }
 
-/// A point of the path whose velocity is known; its inputs are those in [`Motion::site`].
-struct Ready {
+/// An evaluated state; its inputs are those in [`Motion::input_state`].
+struct EvaluatedState {
     /// Grid time, and share of the interval after it.
     at: (usize, f64),
     state: State,
@@ -96,21 +96,22 @@ struct Ready {
     variation: Option<Arc<Variation>>,
 }
 
-/// What one propagation knows at a grid time, sensitivities aside: another one of the same segment can look from there.
-pub(crate) struct Known {
+/// State of one propagation at a grid time without sensitivities, from which another one of the same segment can
+/// resume.
+pub(crate) struct PropagatedState {
     pub state: State,
     instant: Instant,
     variation: Option<Arc<Variation>>,
 }
 
-/// Scratch of one propagation.
+/// Workspace of one propagation.
 pub(crate) struct Motion<'a> {
     vehicle: &'a Vehicle<'a>,
     /// Integration steps that may still be made.
     steps_left: f64,
     /// Integration steps in the interval after each grid time.
     grid: Cow<'a, [u32]>,
-    /// How wheels run in the interval in hand, where not straight.
+    /// Wheel motion in the current interval, if not linear.
     chord: Option<Chord>,
     column_chord: Option<ColumnChord>,
     /// Radius of gyration, m.
@@ -118,22 +119,22 @@ pub(crate) struct Motion<'a> {
     observations: &'a Observations,
     /// Thrust in the interval after each grid time.
     thrust: Vec<Vec<(usize, f64)>>,
-    /// The inputs in hand, and those in the middle of a step.
-    site: Site,
-    middle: Site,
+    /// The current inputs, and those in the middle of a step.
+    input_state: InputState,
+    middle: InputState,
     still: Kinematics,
     regressor: Vec<[f64; 6]>,
     wheel_columns: Vec<[f64; 6]>,
-    /// Sensitivity columns: head first, then unknowns; empty where only the motion is wanted.
+    /// Sensitivity columns: initial state first, then unknowns; empty where only the motion is wanted.
     pub columns: Vec<Column>,
     twist_columns: Vec<Vector6>,
     /// Index in `columns` of the first unknown.
-    head: usize,
-    /// Boxed: it is large, and changes hands at every step.
-    ready: Option<Box<Ready>>,
+    initial_columns: usize,
+    /// Boxed: it is large and moves at every step.
+    evaluated: Option<Box<EvaluatedState>>,
 }
 
-/// How much faster than measured a vehicle may turn, on the whole, for its motion to be followed.
+/// Largest total rotation of a propagated motion, relative to the measured one.
 const FASTER: f64 = 3.0;
 
 /// Integration steps for a run: some for each interval, and those of a motion faster than the measured one.
@@ -153,17 +154,17 @@ fn steps_allowed(o: &Observations) -> f64 {
     1000.0 + 6.0 * o.time_s.len() as f64 + FASTER * share * turn / TURN
 }
 
-/// Velocity at an instant with what is needed of it.
+/// Velocity at an instant with its inverse inertia and mass centre.
 #[derive(Clone, Copy)]
 pub(crate) struct Instant {
     pub twist: Twist,
     pub inverse_inertia: Matrix6,
-    centre: Centre,
+    centre: MassCentre,
 }
 
 /// The system's mass centre at an instant, with the momentum in B.
 #[derive(Clone, Copy)]
-struct Centre {
+struct MassCentre {
     c: Vector3,
     l: Vector3,
     h_cm: Vector3,
@@ -172,7 +173,7 @@ struct Centre {
     I_SScm_B: Matrix3,
 }
 
-impl Site {
+impl InputState {
     fn new(tree: &Tree) -> Self {
         Self {
             q: vec![0.0; tree.dof()],
@@ -190,12 +191,12 @@ impl Site {
 }
 
 impl<'a> Motion<'a> {
-    /// Scratch; `columns` are the sensitivities at the first grid time, `head` of them before the unknowns.
+    /// Scratch; `columns` are the sensitivities at the first grid time, `initial_columns` of them before the unknowns.
     pub fn new(
         vehicle: &'a Vehicle<'a>,
         segment: &'a Segment,
         columns: Vec<Column>,
-        head: usize,
+        initial_columns: usize,
     ) -> Self {
         let tree = vehicle.tree;
         let o = &segment.observations;
@@ -208,19 +209,19 @@ impl<'a> Motion<'a> {
             chord: None,
             column_chord: None,
             gyration: gyration(&composite(&vehicle.bodies, &Kinematics::new(tree))),
-            site: Site::new(tree),
-            middle: Site::new(tree),
+            input_state: InputState::new(tree),
+            middle: InputState::new(tree),
             still: Kinematics::new(tree),
             regressor: vec![[0.0; 6]; 10 * tree.bodies()],
             wheel_columns: vec![[0.0; 6]; tree.rotors.len()],
             thrust: thrust_by_interval(segment),
             steps_left: steps_allowed(o),
             observations: o,
-            head,
+            initial_columns,
             twist_columns: vec![Vector6::zeros(); columns.len()],
             columns,
             vehicle,
-            ready: None,
+            evaluated: None,
         }
     }
 
@@ -228,33 +229,33 @@ impl<'a> Motion<'a> {
     ///
     /// `None` where the parameters have no positive mass or inertia there.
     pub fn velocity(&mut self, state: &State, k: usize) -> Option<(Instant, &[Vector6])> {
-        self.arrive(state, k)?;
-        let ready = self.ready.as_ref()?;
-        if let Some(variation) = &ready.variation {
+        self.evaluate_at_grid_time(state, k)?;
+        let evaluated = self.evaluated.as_ref()?;
+        if let Some(variation) = &evaluated.variation {
             let columns = self.columns.iter().zip(&mut self.twist_columns);
             for (j, (column, twist)) in columns.enumerate() {
-                *twist = variation.twist(column, j.checked_sub(self.head));
+                *twist = variation.twist(column, j.checked_sub(self.initial_columns));
             }
         }
-        Some((ready.instant, &self.twist_columns))
+        Some((evaluated.instant, &self.twist_columns))
     }
 
-    /// What is known at grid time k.
-    pub fn known(&mut self, state: &State, k: usize) -> Option<Known> {
-        self.arrive(state, k)?;
-        let ready = self.ready.as_ref()?;
-        Some(Known {
-            state: ready.state,
-            instant: ready.instant,
-            variation: ready.variation.clone(),
+    /// State at grid time k.
+    pub fn propagated_state(&mut self, state: &State, k: usize) -> Option<PropagatedState> {
+        self.evaluate_at_grid_time(state, k)?;
+        let evaluated = self.evaluated.as_ref()?;
+        Some(PropagatedState {
+            state: evaluated.state,
+            instant: evaluated.instant,
+            variation: evaluated.variation.clone(),
         })
     }
 
-    /// Goes to grid time k, of which another propagation knows this and these sensitivities.
-    pub fn look_from(&mut self, known: &Known, columns: &[Column], k: usize) {
+    /// Resumes at grid time k from another propagation and these sensitivities.
+    pub fn resume_from(&mut self, known: &PropagatedState, columns: &[Column], k: usize) {
         self.columns.copy_from_slice(columns);
-        self.go(k, 0.0);
-        self.ready = Some(Box::new(Ready {
+        self.set_inputs(k, 0.0);
+        self.evaluated = Some(Box::new(EvaluatedState {
             at: (k, 0.0),
             state: known.state,
             instant: known.instant,
@@ -264,36 +265,36 @@ impl<'a> Motion<'a> {
 
     /// Joint positions, joint rates and wheel speeds that the last evaluation of the velocity used.
     pub fn used(&self) -> (&[f64], &[f64], &[f64]) {
-        let site = &self.site;
-        (&site.q, &site.rates, &site.wheels)
+        let input_state = &self.input_state;
+        (&input_state.q, &input_state.rates, &input_state.wheels)
     }
 
-    /// Makes grid time k ready: the end of the interval before it is, where no fault moves the inputs.
-    fn arrive(&mut self, state: &State, k: usize) -> Option<()> {
+    /// Evaluates the state at grid time k; reuses the end of the previous interval if no sensor error moves the inputs.
+    fn evaluate_at_grid_time(&mut self, state: &State, k: usize) -> Option<()> {
         let moved = self.vehicle.input_faults.iter().any(|f| f.value != 0.0);
         let end = |at: (usize, f64)| !moved && at.1 == 1.0 && at.0 + 1 == k;
-        match self.ready.take().filter(|r| r.state == *state) {
-            Some(ready) if ready.at == (k, 0.0) => {
-                self.ready = Some(ready);
+        match self.evaluated.take().filter(|r| r.state == *state) {
+            Some(evaluated) if evaluated.at == (k, 0.0) => {
+                self.evaluated = Some(evaluated);
                 return Some(());
             }
-            Some(mut ready) if end(ready.at) => {
-                self.other_side(&mut ready, k);
-                self.ready = Some(ready);
+            Some(mut evaluated) if end(evaluated.at) => {
+                self.cross_grid_time(&mut evaluated, k);
+                self.evaluated = Some(evaluated);
                 return Some(());
             }
             _ => {}
         }
-        self.go(k, 0.0);
-        self.look((k, 0.0), state)
+        self.set_inputs(k, 0.0);
+        self.evaluate_here((k, 0.0), state)
     }
 
-    /// Makes a state at the inputs in hand ready.
-    fn look(&mut self, at: (usize, f64), state: &State) -> Option<()> {
+    /// Evaluates a state at the current inputs.
+    fn evaluate_here(&mut self, at: (usize, f64), state: &State) -> Option<()> {
         let instant = self.instant(state)?;
         let variation =
             (!self.columns.is_empty()).then(|| Arc::new(self.linearise(state, &instant)));
-        self.ready = Some(Box::new(Ready {
+        self.evaluated = Some(Box::new(EvaluatedState {
             at,
             state: *state,
             instant,
@@ -302,32 +303,39 @@ impl<'a> Motion<'a> {
         Some(())
     }
 
-    /// Takes the inputs at a share of the interval after grid time k in hand.
-    fn go(&mut self, k: usize, at: f64) {
-        self.ready = None;
+    /// Sets the inputs at a share of the interval after grid time k.
+    fn set_inputs(&mut self, k: usize, at: f64) {
+        self.evaluated = None;
         self.inputs(k, at);
-        let (v, site) = (self.vehicle, &mut self.site);
+        let (v, input_state) = (self.vehicle, &mut self.input_state);
         let zero = Vector3::zeros();
-        site.kinematics.place(v.tree, &site.q);
-        site.kinematics
-            .set_velocities(v.tree, &zero, &zero, &site.rates);
-        let joints = momentum(&v.bodies, &site.kinematics);
-        let whole = composite(&v.bodies, &site.kinematics);
+        input_state.kinematics.place(v.tree, &input_state.q);
+        input_state
+            .kinematics
+            .set_velocities(v.tree, &zero, &zero, &input_state.rates);
+        let joints = momentum(&v.bodies, &input_state.kinematics);
+        let whole = composite(&v.bodies, &input_state.kinematics);
         let mut turning = whole;
-        site.free.clear();
+        input_state.free.clear();
         if let Some(chord) = self.chord.as_ref().filter(|_| at > 0.0 && at < 1.0) {
             for (j, (rotor, spin)) in v.tree.rotors.iter().zip(&v.spin).enumerate() {
-                let axis = site.kinematics.R[rotor.body] * rotor.axis_B;
+                let axis = input_state.kinematics.R[rotor.body] * rotor.axis_B;
                 // The base is still: its host turns with the joints alone.
-                site.wheels[j] += chord.at(j, at) - axis.dot(&site.kinematics.w[rotor.body]);
-                site.free.push((axis, site.wheels[j]));
+                input_state.wheels[j] +=
+                    chord.at(j, at) - axis.dot(&input_state.kinematics.w[rotor.body]);
+                input_state.free.push((axis, input_state.wheels[j]));
                 turning.I_SBo_B -= Matrix3::identity() * *spin - parallel_axis(*spin, &axis);
             }
         }
-        let wheels = wheel_momentum(v.tree, &site.kinematics, &v.spin, &site.wheels);
+        let wheels = wheel_momentum(
+            v.tree,
+            &input_state.kinematics,
+            &v.spin,
+            &input_state.wheels,
+        );
         let c = whole.p_BoScm_B();
         let l_joints: Vector3 = joints.fixed_rows::<3>(0).into();
-        site.locked = turning
+        input_state.locked = turning
             .inverse_locked_inertia()
             .map(|inverse_inertia| Locked {
                 mass: whole.mass,
@@ -340,23 +348,23 @@ impl<'a> Motion<'a> {
             });
     }
 
-    /// Velocity of a state at the inputs in hand: about the mass centre the two halves uncouple,
-    /// `I_cm w = h_cm - h_joints`, `v = (l - l_joints) / m - w x c`.
+    /// Velocity of a state at the current inputs: about the mass centre the equations decouple, `I_cm w = h_cm -
+    /// h_joints`, `v = (l - l_joints) / m - w x c`.
     fn instant(&self, state: &State) -> Option<Instant> {
-        let locked = self.site.locked.as_ref()?;
+        let locked = self.input_state.locked.as_ref()?;
         let to_base = matrix(&state.R_NB).transpose();
         let (l, h_cm) = (to_base * state.P, to_base * state.h_SScm_N);
         let inverse_inertia = locked.inverse_inertia;
         let inverse = inverse_inertia.fixed_view::<3, 3>(3, 3);
         let h_turn = h_cm - locked.h_joints;
         let w = inverse * h_turn;
-        // Refined once: what the inverse is off by would add up over a record, and show what no data can.
+        // One refinement: errors of the inverse would accumulate and make unobservable directions observable.
         let w = w + inverse * (h_turn - locked.turning_B * w);
         let v = (l - locked.l_joints) / locked.mass - w.cross(&locked.c);
         Some(Instant {
             twist: Twist { v, w },
             inverse_inertia,
-            centre: Centre {
+            centre: MassCentre {
                 c: locked.c,
                 l,
                 h_cm,
@@ -367,8 +375,8 @@ impl<'a> Motion<'a> {
     }
 
     /// Thrusters with their arms from the system's mass centre.
-    fn forces(&self, thrust: &[(usize, f64)], centre: &Centre) -> Vec<Force> {
-        let kinematics = &self.site.kinematics;
+    fn forces(&self, thrust: &[(usize, f64)], centre: &MassCentre) -> Vec<Force> {
+        let kinematics = &self.input_state.kinematics;
         thrust
             .iter()
             .map(|&(at, declared)| {
@@ -395,7 +403,7 @@ impl<'a> Motion<'a> {
     /// Change of the base twist per unit of a wheel's speed at the instant given: `-H^-1 [0; Js a]`.
     pub fn wheel_gain(&self, instant: &Instant, wheel: usize) -> Vector6 {
         let rotor = &self.vehicle.tree.rotors[wheel];
-        let h = self.site.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
+        let h = self.input_state.kinematics.R[rotor.body] * rotor.axis_B * self.vehicle.spin[wheel];
         -(instant.inverse_inertia * Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z))
     }
 }
@@ -414,7 +422,7 @@ fn along(inverse_inertia: &Matrix6, direction: &Vector3) -> Vector3 {
 }
 
 /// `[a]x` of a small rotation between two attitudes, body axes of the first.
-pub(crate) fn small_turn(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 {
+pub(crate) fn small_rotation(from: &UnitQuaternion, to: &UnitQuaternion) -> Vector3 {
     (from.inverse() * to).scaled_axis()
 }
 

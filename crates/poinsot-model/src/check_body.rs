@@ -85,7 +85,7 @@ fn check_mass_properties(
             "E0108",
             &key.at("mass_kg"),
             format!("the mass is below {SMALLEST_MASS:e} kg"),
-            "correct it; 0 stands for a body without mass",
+            "correct it; 0 means a body without mass",
         );
         return None;
     }
@@ -165,7 +165,7 @@ fn refuse_unphysical(fault: Unphysical, key: &Key, findings: &mut Findings<'_, '
             "E0115",
             &inertia,
             format!(
-                "no body has these principal moments: {} kg m2, the largest exceeds the sum of the other two",
+                "these principal moments are not physical: {} kg m2, the largest exceeds the sum of the other two",
                 list(&moments)
             ),
             remedy,
@@ -197,12 +197,12 @@ fn check_estimate(
             "E0117",
             &key.at("estimate"),
             "the body is to be estimated but its nominal inertia is zero".to_owned(),
-            "give a rough positive inertia_kg_m2: it sets the scale by which the answer is judged",
+            "give a rough positive inertia_kg_m2: it sets the scale of the estimate",
         );
     } else if moments[0] + moments[1] - moments[2] <= PHYSICAL_TOLERANCE * moments[2] {
         findings.note(
             &key.at("inertia_kg_m2"),
-            "the nominal body is flat or thin to rounding: it lies on the border of what is physical"
+            "the nominal body is flat or thin to rounding: it is at the limit of physical mass properties"
                 .to_owned(),
         );
     }
@@ -250,7 +250,7 @@ fn check_prior(
     })
 }
 
-/// Mass that hangs on each body, itself included.
+/// Mass of the subtree of each body, itself included.
 fn carried_mass(model: &Model) -> Vec<f64> {
     let mut carried: Vec<f64> = model.bodies.iter().map(|b| b.nominal.mass).collect();
     for (k, body) in model.bodies.iter().enumerate().rev() {
@@ -295,7 +295,7 @@ pub(crate) fn check_massless(model: &Model, order: &[usize], findings: &mut Find
                 "E0116",
                 &key(k),
                 format!(
-                    "the body moves on joint \"{}\", but neither it nor what it carries has mass",
+                    "the body moves on joint \"{}\", but neither it nor its outboard bodies have mass",
                     joint.name
                 ),
                 "give it a mass, make its joint fixed, or remove it",
@@ -342,7 +342,7 @@ pub(crate) fn check_together(model: &Model, order: &[usize], findings: &mut Find
             findings.note(
                 &Key::entry("body", at, Some(&body.name)).at("estimate"),
                 format!(
-                    "the body is rigidly connected with \"{}\", which is unknown too: only their sum can be identified; give one of them as known",
+                    "the body is fixed to \"{}\", which is unknown too: only their sum is identifiable; fix one of them",
                     parent.map_or("", |p| p.name.as_str())
                 ),
             );

@@ -176,8 +176,7 @@ fn check_spring_damper(
             findings.refuse(
                 "E0108",
                 &key.at(name),
-                "stiffness and damping must not be negative: they would drive the motion"
-                    .to_owned(),
+                "stiffness and damping must not be negative: negative values add energy".to_owned(),
                 "give zero or a positive number",
             );
         }

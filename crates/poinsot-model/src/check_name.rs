@@ -60,7 +60,7 @@ pub(crate) fn misspelt(name: &str) -> Option<&'static str> {
     } else if name.len() > LONGEST {
         Some("the name is longer than 200 bytes")
     } else if name.chars().any(is_unprintable) {
-        Some("the name holds a character that cannot be printed")
+        Some("the name has an unprintable character")
     } else {
         None
     }
@@ -175,7 +175,7 @@ fn columns_unique(file: &ModelFile, findings: &mut Findings<'_, '_>) {
     for (table, index, name, column) in others {
         let Some(name) = name else { continue };
         if let Some(joint) = joints.get(&(name, column)) {
-            clashes.push((table, index, format!("joint[{joint}] has the same name, and both would read the column {name}_{column}")));
+            clashes.push((table, index, format!("joint[{joint}] has the same name, and both would have the column {name}_{column}")));
         }
     }
     for (table, index, problem) in clashes {

@@ -201,7 +201,7 @@ fn check_orbit(
         findings.refuse(
             "E0106",
             key,
-            "an orbit that nothing uses".to_owned(),
+            "an orbit without effect".to_owned(),
             "add gravity_gradient = true with gravity = \"point_mass\", or remove it",
         );
         return None;

@@ -140,7 +140,7 @@ fn check_sensor(
     if kind.is_scalar() && of.is_empty() && findings.count() == before {
         findings.note(
             &key.at("type"),
-            "the sensor has no effect: there is nothing that it could read; remove it, or add what it reads".to_owned(),
+            "the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures".to_owned(),
         );
     }
     // A joint sensor without declared noise takes the unit of the joints it reads.
@@ -354,7 +354,7 @@ fn check_of(
                 "E0118",
                 &here,
                 format!(
-                    "a sensor of type \"{}\" reads no joint, wheel or thruster",
+                    "a sensor of type \"{}\" measures no joint, wheel or thruster",
                     kind.word()
                 ),
                 "remove it",
@@ -382,7 +382,7 @@ fn check_of(
                 "E0105",
                 &here,
                 format!(
-                    "this joint is read in {u}, the noise is declared in {}",
+                    "this joint is measured in {u}, but its noise is declared in {}",
                     unit.unwrap_or("")
                 ),
                 format!("write noise_{u} or quantisation_{u}"),

@@ -203,7 +203,7 @@ fn check_layout(part: &Part<'_>, key: &Key, findings: &mut Findings<'_, '_>) -> 
                 }
                 _ => {
                     let problem =
-                        "one character that no number and no name holds is needed".to_owned();
+                        "the value must be one character that is in no number or name".to_owned();
                     let remedy = match name {
                         "comment" => "write for example \"#\"",
                         _ => "write \",\", \";\", \"|\", \"tab\" or \"space\"",

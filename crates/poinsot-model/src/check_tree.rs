@@ -1,4 +1,4 @@
-//! The joints make one tree that hangs on the base. No recursion: chains of thousands of links are fine.
+//! The joints form one tree with the base as root. No recursion: chains of thousands of links are fine.
 
 use crate::file::{BodyFile, JointFile};
 use crate::finding::{Findings, Key};
@@ -79,7 +79,8 @@ pub(crate) fn check_tree(
                 findings.refuse(
                     "E0112",
                     &Key::entry("body", k, None).at("name"),
-                    "no joint carries this body: it is not connected with the base".to_owned(),
+                    "no joint has this body as its child: it is not connected to the base"
+                        .to_owned(),
                     "add a [[joint]] with this child, type = \"fixed\" where it does not move",
                 );
             }
@@ -100,7 +101,7 @@ fn wrong_child(
 ) -> Option<(String, &'static str)> {
     if child == 0 {
         return Some((
-            "the base hangs on nothing".to_owned(),
+            "the base has no parent".to_owned(),
             "the first [[body]] is the base: name another child, or move the base to the top",
         ));
     }
@@ -113,7 +114,7 @@ fn wrong_child(
     first.map(|other| {
         let other = excerpt(other.unwrap_or("?"), 60);
         (
-            format!("the body has two parents: joint \"{other}\" carries it too"),
+            format!("the body has two parents: it is also the child of joint \"{other}\""),
             "remove one of the joints; closed loops are not supported",
         )
     })
@@ -173,7 +174,7 @@ fn report_cycles<'n>(
         findings.refuse(
             "E0112",
             &Key::entry("joint", joint, name).at("parent"),
-            format!("the joints run in a circle: {}", path.join(" -> ")),
+            format!("the joints form a loop: {}", path.join(" -> ")),
             "connect one of these bodies with the base instead",
         );
     }

@@ -17,7 +17,7 @@ pub(crate) fn environment(around: &Environment) -> Vec<String> {
     };
     let mut lines = vec![format!("gravity of a point mass of {gm:e} m3/s2{body}")];
     if around.gravity_gradient {
-        lines.push("gravity-gradient torque: acts".to_owned());
+        lines.push("gravity-gradient torque: included".to_owned());
         lines.push(match &around.orbit {
             Some(orbit) => orbit_words(orbit, gm),
             None => {
@@ -34,7 +34,7 @@ const EARTH: f64 = 3.986_004_418e14;
 fn orbit_words(orbit: &Orbit, gm: f64) -> String {
     let period_min = std::f64::consts::TAU * (orbit.semi_major_axis.powi(3) / gm).sqrt() / 60.0;
     format!(
-        "orbit: semi-major axis {} km, eccentricity {}, inclination {} deg, node {} deg, periapsis {} deg, true anomaly {} deg at {} s; one turn in {} min",
+        "orbit: semi-major axis {} km, eccentricity {}, inclination {} deg, node {} deg, periapsis {} deg, true anomaly {} deg at {} s; one one orbit in {} min",
         short(orbit.semi_major_axis / 1e3),
         short(orbit.eccentricity),
         short(orbit.inclination.to_degrees()),
@@ -82,12 +82,12 @@ fn file(head: &str, map: &FileMap) -> Vec<String> {
     }
     for map in &map.columns {
         let rows = map.rows.iter();
-        let rows = rows.map(|(c, text)| format!(", where '{c}' holds '{text}'"));
+        let rows = rows.map(|(c, text)| format!(", where '{c}' is '{text}'"));
         say(column(map) + &rows.collect::<String>());
     }
     map.attitude.iter().for_each(|a| say(attitude(a)));
     if let Some(orbit) = &map.orbit {
-        let unit = orbit.unit.as_deref().unwrap_or("as the units row says");
+        let unit = orbit.unit.as_deref().unwrap_or("from the units row");
         let frame = match orbit.earth_fixed {
             true => "axes that turn with the Earth (turned back by the Earth rotation angle)",
             false => "inertial axes",
@@ -98,7 +98,7 @@ fn file(head: &str, map: &FileMap) -> Vec<String> {
         ));
         if let Some(velocity) = &orbit.velocity {
             let unit = orbit.velocity_unit.as_deref();
-            let unit = unit.unwrap_or("as the units row says");
+            let unit = unit.unwrap_or("from the units row");
             say(format!(
                 "orbit: velocity from {}, {unit}",
                 velocity.join(" ")
@@ -163,7 +163,7 @@ fn column(map: &ColumnMap) -> String {
             short(counts)
         ),
         (None, Some(unit)) => format!("{channel}: {value}, {unit}"),
-        (None, None) => format!("{channel}: {value}, unit as the units row says"),
+        (None, None) => format!("{channel}: {value}, unit from the units row"),
     }
 }
 
@@ -182,7 +182,7 @@ fn attitude(map: &AttitudeMap) -> String {
                 .iter()
                 .filter_map(|a| ["x", "y", "z"].get(*a).copied())
                 .collect();
-            let unit = map.unit.as_deref().unwrap_or("unit as the units row says");
+            let unit = map.unit.as_deref().unwrap_or("unit from the units row");
             format!("Euler angles about {}, {unit}", axes.join(", "))
         }
     };

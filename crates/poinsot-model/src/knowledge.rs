@@ -1,4 +1,4 @@
-//! How well the numbers are known that nobody asks for.
+//! Uncertainty of the known numbers.
 //!
 //! One table gives the uncertainty by where a number comes from, a drawing unless the model says otherwise; a model file may
 //! declare another one, or none at all (`exact = true`). The figures are engineering judgement; each has its reason beside it.
@@ -66,7 +66,7 @@ pub struct Uncertain {
 pub struct Knowledge {
     /// Uncertain numbers; every other one is exact.
     pub uncertain: Vec<Uncertain>,
-    /// Whether some table says nothing of its source, so that its known numbers are taken as those of a drawing.
+    /// Whether some table has no source, so that its known numbers are assumed to come from a drawing.
     pub assumed: bool,
     /// How far an answer may be from nominal: a factor of masses and principal moments, and as many radii of gyration of a
     /// mass centre; `None`: [`NOMINAL_WITHIN`].

@@ -162,7 +162,7 @@ fn check_version(findings: &mut Findings<'_, '_>) {
         findings.refuse(
             "E0103",
             &Key::top("schema"),
-            "this program does not read this format".to_owned(),
+            "this program does not support this format".to_owned(),
             format!("write schema = \"{MODEL_SCHEMA}\""),
         );
     }

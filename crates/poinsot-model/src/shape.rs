@@ -296,7 +296,7 @@ impl<'s> Shape<'s, '_, '_, '_> {
         self.findings.refuse(
             "E0107",
             key,
-            format!("{found} stands where another type is needed"),
+            format!("{found} is here, but another type is needed"),
             remedy,
         );
         None

@@ -51,8 +51,8 @@ pub(crate) fn put(
         *body = found;
     }
     if let Some((gap, name)) = worst {
-        estimate.doubt(format!(
-            "{name} differs from the certified answer to the same data by {:.1} % of its natural unit: the method's approximations do not hold for this motion; use --method auto",
+        estimate.add_evidence_against(format!(
+            "{name} differs from the reference estimate of the same data by {:.1} % of its natural unit: the method's approximations do not hold here; use --method auto",
             100.0 * gap
         ));
     }
@@ -149,7 +149,7 @@ fn replaced(body: &BodyEstimate, pi: &InertialParameters, withheld: bool) -> Bod
     let p = pi.mass_properties().filter(|_| !withheld);
     let of = |number: &Number, value: Option<f64>| match (number.source, value) {
         (Source::Known | Source::Open, _) => *number,
-        (_, None) => Number::open(number.nominal),
+        (_, None) => Number::undetermined(number.nominal),
         (_, Some(value)) => {
             let apart = value - number.value.unwrap_or(value);
             let sigma = number.sigma.unwrap_or(0.0).hypot(apart);

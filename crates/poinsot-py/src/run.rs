@@ -112,7 +112,7 @@ pub fn run<T: Send + 'static>(
     let (send, mut receive) = channel();
     let theirs = Arc::clone(&watch);
     let work = move || {
-        // Nobody listens to a verb that was interrupted.
+        // An interrupted verb has no listener.
         let _ = send.send(watched(theirs, verb));
     };
     let started = Builder::new().stack_size(STACK).spawn(work);

@@ -4,8 +4,8 @@ use crate::fault::Fault;
 use crate::run::run;
 use crate::verbs::{Printed, json, text};
 use poinsot::campaign::{
-    CampaignRequest, Plan, Ran, campaign as run_campaign, campaign_document, campaign_in_memory,
-    made_plan, read_plan,
+    CampaignRequest, CampaignRun, Plan, campaign as run_campaign, campaign_document,
+    campaign_in_memory, made_plan, read_plan,
 };
 use poinsot::case::read_case;
 use poinsot::check_outputs;
@@ -148,7 +148,7 @@ fn flown(
         }
     };
     let code = poinsot_cli::exit_of(ran.passes());
-    let Ran {
+    let CampaignRun {
         result: Some(result),
         folded: Some(folded),
         ..

@@ -1,104 +1,101 @@
 //! Levenberg-Marquardt: the one loop behind every nonlinear fit.
 //!
-//! A problem says what its cost is, how it looks close by, and where a damped step leads. The loop
-//! decides how much damping a step needs and when the answer is reached. Why it ended is part of the
-//! result, not an error.
+//! A problem gives its cost, its linearisation, and a damped step. The loop chooses the damping and decides
+//! convergence. The reason of its end is part of the result, not an error.
 
-/// Share of the promised decrease that a step must bring.
+/// Smallest accepted ratio of actual to predicted reduction.
 const LEAST_GAIN: f64 = 1.0e-3;
-/// Largest bend of a step that is believed. Transtrum and Sethna 2012 recommend 0.75, less for hard
-/// problems: between 0.15 and 0.25 all 54 certified problems of NIST end at the certified answer.
-const MOST_BEND: f64 = 0.25;
-/// Most attempts to find a step.
+/// Largest acceleration ratio of an accepted step. Transtrum and Sethna 2012 recommend 0.75, less for hard problems:
+/// between 0.15 and 0.25 all 54 certified problems of NIST end at the certified answer.
+const LARGEST_ACCELERATION_RATIO: f64 = 0.25;
+/// Largest number of attempts to find a step.
 const ATTEMPTS: usize = 30;
-/// Share of a promise by which another one differs: less is the same step.
+/// Relative difference of predicted reductions below which two steps are equal.
 const SAME: f64 = 1.0e-12;
-/// Iterations from which the pace of the convergence is judged.
+/// Iterations before the convergence rate is estimated.
 const PACE: usize = 8;
 
 /// A cost that is a sum of squares.
 pub trait LeastSquares {
     /// A value of all unknowns.
-    type Point;
-    /// Residuals and sensitivities at a point, in whatever form the steps need.
+    type Iterate;
+    /// Residuals and sensitivities at an iterate, in the form that the steps need.
     type Rows;
 
     /// The cost; `None` where the model does not hold.
-    fn cost(&self, at: &Self::Point) -> Option<f64>;
+    fn cost(&self, at: &Self::Iterate) -> Option<f64>;
 
-    /// The problem close to a point; `None` where the model does not hold.
-    fn linearise(&self, at: &Self::Point) -> Option<Linearised<Self::Rows>>;
+    /// The linearisation at an iterate; `None` where the model does not hold.
+    fn linearise(&self, at: &Self::Iterate) -> Option<Linearised<Self::Rows>>;
 
-    /// Whether the full step no longer matters.
-    fn settled(&self, at: &Self::Point, here: &Linearised<Self::Rows>) -> bool;
+    /// Whether the full step is negligible.
+    fn converged(&self, at: &Self::Iterate, here: &Linearised<Self::Rows>) -> bool;
 
     /// The step `d` that minimises `|r + J d|^2 + damping |d|^2` over scaled unknowns.
     fn step(
         &self,
-        at: &Self::Point,
+        at: &Self::Iterate,
         here: &Linearised<Self::Rows>,
         damping: f64,
-    ) -> Step<Self::Point>;
+    ) -> Step<Self::Iterate>;
 
-    /// Whether to go on where the full step, at the pace seen, will still lower the cost by `forecast` in the last
-    /// iteration allowed.
-    fn worth_it(&self, here: &Linearised<Self::Rows>, forecast: f64) -> bool {
+    /// Whether to continue if, at the observed convergence rate, the full step would still reduce the cost by
+    /// `forecast` in the last allowed iteration.
+    fn should_continue(&self, here: &Linearised<Self::Rows>, forecast: f64) -> bool {
         let _ = (here, forecast);
         true
     }
 }
 
-/// A least-squares problem close to a point.
+/// A least-squares problem linearised at an iterate.
 #[derive(Debug, Clone)]
 pub struct Linearised<Rows> {
     /// Cost at the point.
     pub cost: f64,
-    /// By how much two evaluations of the cost may differ.
+    /// Round-off difference of two evaluations of the cost.
     pub round_off: f64,
-    /// By how much the cost may rise over a step that is taken: at least the round-off, more where the step does not
-    /// look at all of the cost.
+    /// Allowed increase of the cost over a step: at least the round-off, more if the step ignores a part of the cost.
     pub slack: f64,
-    /// How much the linear model says the full step lowers the cost.
-    pub promised: f64,
-    /// Smallest singular value that counts, in scaled unknowns: its square is the damping that begins to
-    /// be felt.
-    pub weakest: f64,
-    /// What the steps need.
+    /// Predicted reduction of the cost by the full step.
+    pub predicted_reduction: f64,
+    /// Smallest identified singular value, in scaled unknowns: its square is the smallest significant damping.
+    pub smallest_singular_value: f64,
+    /// Data for the steps.
     pub rows: Rows,
 }
 
-/// A step proposed.
+/// A proposed step.
 #[derive(Debug, Clone)]
-pub struct Step<Point> {
-    /// Where it leads.
-    pub to: Point,
-    /// How much the linear model says it lowers the cost.
-    pub promised: f64,
-    /// Twice the second-order part of the step over the first-order one, in scaled unknowns: how far the
-    /// model is from linear along it. Zero where a problem does not look.
-    pub bend: f64,
+pub struct Step<Iterate> {
+    /// The iterate after it.
+    pub to: Iterate,
+    /// Predicted reduction of the cost.
+    pub predicted_reduction: f64,
+    /// Twice the second-order part of the step over the first-order one, in scaled unknowns: the nonlinearity along it
+    /// (geodesic acceleration). Zero if a problem does not compute it.
+    pub acceleration_ratio: f64,
 }
 
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// The full step no longer matters.
-    Settled,
-    /// What the full step promises is round-off, and no longer falls.
+    /// The full step is negligible.
+    Converged,
+    /// The predicted reduction is round-off and no longer decreases.
     RoundOff,
     /// No step lowers the cost: a minimum to round-off, or a model that breaks down next to it.
     NoLowerCost,
-    /// It would not arrive within the iterations allowed, and what is left is not worth them.
-    Creeping,
-    /// As many iterations as allowed.
+    /// It would not converge within the allowed iterations, and the problem accepts the rest.
+    TooSlow,
+    /// The allowed number of iterations.
     IterationLimit,
 }
 
 /// Where and why the iteration ended.
 #[derive(Debug, Clone)]
-pub struct Minimum<Point, Rows> {
+pub struct Minimum<Iterate, Rows> {
     /// The best point found.
-    pub at: Point,
+    pub at: Iterate,
     /// The problem there.
     pub here: Linearised<Rows>,
     /// Steps taken.
@@ -116,16 +113,16 @@ pub struct Minimum<Point, Rows> {
 /// Tingleff 2004, algorithm 3.16).
 pub fn levenberg_marquardt<P: LeastSquares>(
     problem: &P,
-    mut at: P::Point,
+    mut at: P::Iterate,
     mut here: Linearised<P::Rows>,
     limit: usize,
-) -> Minimum<P::Point, P::Rows> {
+) -> Minimum<P::Iterate, P::Rows> {
     let mut damping = 0.0;
     let mut iterations = 0;
-    let mut promises = vec![here.promised];
+    let mut promises = vec![here.predicted_reduction];
     let end = loop {
-        if problem.settled(&at, &here) {
-            break End::Settled;
+        if problem.converged(&at, &here) {
+            break End::Converged;
         }
         if iterations == limit {
             break End::IterationLimit;
@@ -139,17 +136,17 @@ pub fn levenberg_marquardt<P: LeastSquares>(
             at_most = true
         );
 
-        let felt = here.weakest * here.weakest;
+        let felt = here.smallest_singular_value * here.smallest_singular_value;
         let mut growth = 2.0;
         let mut accepted = None;
         let mut refused = None;
         for _ in 0..ATTEMPTS {
             let step = problem.step(&at, &here, damping);
-            // Damping that no longer changes the step does not mend it either.
-            if refused.is_some_and(|promise| same(promise, step.promised)) {
+            // More damping has no effect if the step no longer changes.
+            if refused.is_some_and(|promise| same(promise, step.predicted_reduction)) {
                 break;
             }
-            refused = Some(step.promised);
+            refused = Some(step.predicted_reduction);
             accepted = attempt(problem, &here, step, damping);
             if accepted.is_some() {
                 break;
@@ -160,14 +157,16 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         let Some((next, there, gain)) = accepted else {
             break End::NoLowerCost;
         };
-        if here.promised < here.round_off && there.promised >= here.promised {
+        if here.predicted_reduction < here.round_off
+            && there.predicted_reduction >= here.predicted_reduction
+        {
             break End::RoundOff;
         }
         (at, here) = (next, there);
-        promises.push(here.promised);
+        promises.push(here.predicted_reduction);
         let forecast = forecast(&promises, limit - iterations);
-        if forecast.is_some_and(|left| !problem.worth_it(&here, left)) {
-            break End::Creeping;
+        if forecast.is_some_and(|left| !problem.should_continue(&here, left)) {
+            break End::TooSlow;
         }
 
         damping *= f64::max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0).powi(3));
@@ -183,12 +182,12 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     }
 }
 
-/// Whether two steps that promise so much are one.
+/// Whether steps with these predicted reductions are equal.
 fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs() || a.is_nan() && b.is_nan()
 }
 
-/// What the full step will promise after `more` iterations at the pace of the last few; `None` after too few.
+/// Predicted reduction of the full step after `more` iterations at the current convergence rate; `None` after too few.
 fn forecast(promises: &[f64], more: usize) -> Option<f64> {
     let before = promises.get(promises.len().checked_sub(1 + PACE)?)?;
     let now = promises.last()?;
@@ -200,19 +199,19 @@ fn forecast(promises: &[f64], more: usize) -> Option<f64> {
 fn attempt<P: LeastSquares>(
     problem: &P,
     here: &Linearised<P::Rows>,
-    step: Step<P::Point>,
+    step: Step<P::Iterate>,
     damping: f64,
-) -> Option<(P::Point, Linearised<P::Rows>, f64)> {
+) -> Option<(P::Iterate, Linearised<P::Rows>, f64)> {
     if damping == 0.0 {
         // A full step is rarely refused: its cost comes with the linearisation that follows.
         let there = problem.linearise(&step.to)?;
-        let gain = (here.cost - there.cost + here.slack) / (step.promised + here.slack);
-        let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;
+        let gain = (here.cost - there.cost + here.slack) / (step.predicted_reduction + here.slack);
+        let believed = step.acceleration_ratio <= LARGEST_ACCELERATION_RATIO && gain >= LEAST_GAIN;
         return believed.then_some((step.to, there, gain));
     }
     let cost = problem.cost(&step.to)?;
-    let gain = (here.cost - cost + here.slack) / (step.promised + here.slack);
-    let believed = step.bend <= MOST_BEND && gain >= LEAST_GAIN;
+    let gain = (here.cost - cost + here.slack) / (step.predicted_reduction + here.slack);
+    let believed = step.acceleration_ratio <= LARGEST_ACCELERATION_RATIO && gain >= LEAST_GAIN;
     let there = believed.then(|| problem.linearise(&step.to)).flatten()?;
     Some((step.to, there, gain))
 }
@@ -232,7 +231,7 @@ mod tests {
     const SETTLED: f64 = 1.0e-8;
 
     impl LeastSquares for Slow {
-        type Point = f64;
+        type Iterate = f64;
         type Rows = ();
 
         fn cost(&self, at: &f64) -> Option<f64> {
@@ -245,25 +244,25 @@ mod tests {
                 cost: self.cost(at)?,
                 round_off: 1.0e-12,
                 slack: 1.0e-12,
-                promised: at * at,
-                weakest: 1.0,
+                predicted_reduction: at * at,
+                smallest_singular_value: 1.0,
                 rows: (),
             })
         }
 
-        fn settled(&self, _: &f64, here: &Linearised<()>) -> bool {
-            here.promised < SETTLED
+        fn converged(&self, _: &f64, here: &Linearised<()>) -> bool {
+            here.predicted_reduction < SETTLED
         }
 
-        fn worth_it(&self, _: &Linearised<()>, forecast: f64) -> bool {
+        fn should_continue(&self, _: &Linearised<()>, forecast: f64) -> bool {
             forecast < SETTLED
         }
 
         fn step(&self, at: &f64, _: &Linearised<()>, _: f64) -> Step<f64> {
             Step {
                 to: self.pace * at,
-                promised: at * at,
-                bend: 0.0,
+                predicted_reduction: at * at,
+                acceleration_ratio: 0.0,
             }
         }
     }
@@ -278,8 +277,8 @@ mod tests {
             cost: 1.0e6 + 1.0,
             round_off: 1.0e-12,
             slack: 1.0e-12,
-            promised: 1.0,
-            weakest: 1.0,
+            predicted_reduction: 1.0,
+            smallest_singular_value: 1.0,
             rows: (),
         };
         let minimum = levenberg_marquardt(&problem, 1.0, here, 60);
@@ -289,10 +288,10 @@ mod tests {
     #[test]
     fn unit_a_fit_that_would_not_arrive_in_time_is_given_up() {
         let (slow, _) = minimum(0.9, true);
-        assert_eq!((slow.end, slow.iterations), (End::Creeping, PACE));
+        assert_eq!((slow.end, slow.iterations), (End::TooSlow, PACE));
         // 0.8^(2 * 42) < 1e-8: it arrives.
         let (steady, _) = minimum(0.8, true);
-        assert_eq!((steady.end, steady.iterations), (End::Settled, 42));
+        assert_eq!((steady.end, steady.iterations), (End::Converged, 42));
     }
 
     #[test]

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 const DIFFERENCE: f64 = 1.0e-5;
 /// Limits further below zero than this do not enter a step.
 const FAR: f64 = -0.7;
-/// Price of a broken limit: more than any multiplier of a sensible limit.
+/// Penalty of a violated limit: more than any multiplier of a sensible limit.
 const PRICE: f64 = 20.0;
 /// Share of the predicted fall from which a step is taken.
 const TAKEN: f64 = 0.05;
@@ -68,7 +68,7 @@ pub trait Minimax {
     }
 }
 
-/// How hard the search works.
+/// Options of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MinimaxOptions {
     /// Most evaluations.
@@ -77,7 +77,7 @@ pub struct MinimaxOptions {
     pub steps: usize,
     /// First size of the trust region, in units of the unknowns.
     pub delta: f64,
-    /// A step that promises less ends the search.
+    /// The search ends below this predicted reduction.
     pub tolerance: f64,
 }
 
@@ -90,12 +90,12 @@ pub struct Reached {
     pub values: Values,
     /// Evaluations used.
     pub evaluations: usize,
-    /// Whether no step promises more than the tolerance.
+    /// Whether the predicted reduction is below the tolerance.
     pub settled: bool,
 }
 
 /// Slopes of all functions at one point, one row per function.
-struct Slopes {
+struct Jacobian {
     objectives: DMatrix<f64>,
     limits: DMatrix<f64>,
 }
@@ -185,7 +185,7 @@ fn tried(
 }
 
 /// One-sided differences. A function that does not exist beside the point ends the search.
-fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
+fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Jacobian> {
     let n = reached.x.len();
     let beside: Vec<Vec<f64>> = (0..n)
         .map(|j| {
@@ -209,11 +209,11 @@ fn slopes(program: &impl Minimax, reached: &mut Reached) -> Option<Slopes> {
         .iter()
         .chain(limits.iter())
         .all(|x| x.is_finite());
-    finite.then_some(Slopes { objectives, limits })
+    finite.then_some(Jacobian { objectives, limits })
 }
 
 /// Change of the slope of the Lagrangian.
-fn bent(step: &Step, before: &Slopes, after: &Slopes) -> DVector<f64> {
+fn bent(step: &Step, before: &Jacobian, after: &Jacobian) -> DVector<f64> {
     let (objectives, limits) = &step.multipliers;
     (&after.objectives - &before.objectives).transpose() * objectives
         + (&after.limits - &before.limits).transpose() * limits
@@ -267,7 +267,7 @@ impl Rows {
 
 fn quadratic(
     at: &Reached,
-    slopes: &Slopes,
+    slopes: &Jacobian,
     B: &DMatrix<f64>,
     polytope: &Polytope,
     delta: f64,

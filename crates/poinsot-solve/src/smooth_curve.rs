@@ -1,4 +1,4 @@
-//! A smooth curve through the noisy readings of a joint or a wheel: the smoothing spline of fifth degree.
+//! A smoothing spline of fifth degree through noisy joint or wheel samples.
 //!
 //! The third derivative is taken as white noise of an intensity that the readings tell by their likelihood; the curve
 //! is then the posterior mean, a spline whose pieces are quintics (Wahba 1978, Wecker and Ansley 1983). With the state
@@ -16,7 +16,7 @@ const DECADES: std::ops::RangeInclusive<i32> = -16..=12;
 /// Size of what is not known at the start, over that of noise and intensity.
 const DIFFUSE: f64 = 1.0e8;
 
-/// What was read at one time: value and variance.
+/// One sample: value and variance.
 #[derive(Debug, Clone, Copy)]
 pub struct Reading {
     /// Time, s.
@@ -141,7 +141,7 @@ impl Unit {
     }
 }
 
-/// What one scalar reading does to the filter: innovation over its variance, its variance, gain, and what was read.
+/// Filter update by one scalar sample: innovation over its variance, its variance, gain, and what was read.
 #[derive(Clone, Copy)]
 struct Update {
     reading: usize,

@@ -1,10 +1,10 @@
-//! What the data determine: the spectrum of the whitened sensitivity in natural units.
+//! Identifiability: the spectrum of the whitened sensitivity in natural units.
 
 use faer::Mat;
 
-/// A gradient that leans on undetermined directions by more than this share is not answered.
+/// Largest share of a gradient along undetermined directions for a determined number.
 const TOUCH: f64 = 1.0e-4;
-/// Share of a direction's squared length that may be measurement noise before it is not believed.
+/// Largest share of measurement noise in a direction's squared length for an identified direction.
 const NOISE_SHARE: f64 = 0.5;
 
 /// The spectrum of the problem with nuisance parameters projected out.
@@ -199,7 +199,7 @@ impl Spectrum {
         z
     }
 
-    /// How much the step of [`Self::damped`] lowers the squared length of the right-hand side.
+    /// Reduction of the squared right-hand side by the step of [`Self::damped`].
     pub fn decrease(&self, rhs: &[f64], damping: f64) -> f64 {
         (0..self.rank)
             .map(|k| {
@@ -210,7 +210,7 @@ impl Spectrum {
     }
 
     /// Smallest singular value of the identified directions; infinite where there is none.
-    pub fn weakest(&self) -> f64 {
+    pub fn smallest_singular_value(&self) -> f64 {
         let identified = self.singular.iter().take(self.rank);
         identified.fold(f64::INFINITY, |a, b| a.min(*b))
     }
@@ -245,7 +245,7 @@ impl Spectrum {
         }
     }
 
-    /// Sigma of a number with this gradient over the unknowns; `None` where the data leave it open.
+    /// Sigma of a number with this gradient over the unknowns; `None` if it is undetermined.
     ///
     /// The sigma holds the declared noise and the bias that noise in the regressor causes.
     pub fn sigma(&self, gradient: &[f64]) -> Option<f64> {
@@ -261,7 +261,7 @@ impl Spectrum {
             .map(|k| (self.along(&g, k) / self.singular[k]).powi(2))
             .sum();
         let bias: f64 = g.iter().zip(&self.bias).map(|(a, b)| a * b).sum();
-        // What little leans on open directions is as uncertain as the nominal values themselves.
+        // The small part along undetermined directions is as uncertain as the nominal values.
         let open = self.touch(&g);
         Some(
             (noise + bias * bias + open * open * f64::from(u8::from(open > 1.0e-9 * length)))
@@ -283,7 +283,7 @@ impl Spectrum {
     }
 
     /// Directions that are not identified, one column each, in natural units.
-    pub fn open_directions(&self) -> Mat<f64> {
+    pub fn unobservable_directions(&self) -> Mat<f64> {
         let n = self.natural.len();
         Mat::from_fn(n, n - self.rank, |i, j| self.directions[(i, self.rank + j)])
     }

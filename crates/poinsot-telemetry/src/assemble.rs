@@ -85,7 +85,7 @@ fn check_cells(
         }
         if nan > 0 {
             let place = Place::cell(path, first, &channel.column);
-            let repair = format!("{nan} NaN cells taken as no sample");
+            let repair = format!("{nan} NaN cells treated as missing samples");
             if strict {
                 return Err(TelemetryError::Strict { place, repair });
             }

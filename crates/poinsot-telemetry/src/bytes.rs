@@ -89,7 +89,7 @@ pub(crate) fn check_unchanged(path: &Path, opened: &Opened) -> Result<(), Teleme
     }
     Err(TelemetryError::Format {
         place: Place::file(path),
-        why: "the file changed while it was read; read it again when it is complete".into(),
+        why: "the file changed during reading; use it when it is complete".into(),
     })
 }
 

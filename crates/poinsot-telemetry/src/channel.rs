@@ -27,7 +27,7 @@ pub struct Table {
     pub channels: Vec<Channel>,
     /// What was read, repaired and left out, in plain words.
     pub repairs: Vec<String>,
-    /// Columns nobody asked for.
+    /// Unused columns.
     pub ignored: Vec<String>,
     /// The files, in the order given.
     pub sources: Vec<Source>,

@@ -1,7 +1,7 @@
 //! The time of a row: seconds since the origin of the run.
 
 use crate::instant::{ATTO, Calendar};
-use crate::number::{self, Cell, NoNumber};
+use crate::number::{self, Cell, InvalidNumber};
 use crate::{Dimension, Origin, Scale, TimeFormat, TimeMap, Unit, parse_unit};
 
 /// Times beyond this count from an origin of the run: there a double resolves 2e-9 s.
@@ -11,7 +11,7 @@ const WEEK_S: i128 = 604_800;
 
 /// What numbers count from.
 #[derive(Debug, Clone, PartialEq)]
-enum Since {
+enum TimeOrigin {
     /// An unknown epoch.
     Own,
     /// 1970 January 1, with 86,400 s to every day.
@@ -25,7 +25,7 @@ enum Since {
 pub(crate) struct Clock {
     format: TimeFormat,
     pub(crate) unit: Unit,
-    since: Since,
+    since: TimeOrigin,
     calendar: Calendar,
     /// What all files of the run count from, once the first row is read.
     pub(crate) origin: Option<Origin>,
@@ -67,18 +67,18 @@ pub(crate) fn check_time(map: &TimeMap) -> Result<Clock, (&'static str, String, 
     }
     let mut calendar = Calendar::new(scale.unwrap_or(Scale::Utc));
     let since = match map.epoch.as_deref() {
-        None => Since::Own,
-        Some("unix") if scale.is_none_or(|s| s == Scale::Utc) => Since::Unix,
+        None => TimeOrigin::Own,
+        Some("unix") if scale.is_none_or(|s| s == Scale::Utc) => TimeOrigin::Unix,
         Some("gps") if scale.is_none_or(|s| s == Scale::Gps) => {
             calendar = Calendar::new(Scale::Gps);
-            Since::At(gps_epoch())
+            TimeOrigin::At(gps_epoch())
         }
         Some("unix" | "gps") => {
             let what = "\"unix\" counts in UTC, \"gps\" in GPS time".to_owned();
             return fault("scale", what, "remove the scale");
         }
         Some(date) => match calendar.instant(date.as_bytes(), false) {
-            Ok(at) => Since::At(at),
+            Ok(at) => TimeOrigin::At(at),
             Err(why) => {
                 let what = format!("the epoch {}", why.text(true));
                 return fault("epoch", what, "use \"unix\", \"gps\", or a date and time");
@@ -109,7 +109,7 @@ impl Clock {
         Self {
             format: TimeFormat::Number,
             unit,
-            since: Since::Own,
+            since: TimeOrigin::Own,
             calendar: Calendar::new(Scale::Utc),
             origin: None,
         }
@@ -128,28 +128,32 @@ impl Clock {
     }
 
     /// Time of the row, s since the origin; the first row of a run sets the origin.
-    pub(crate) fn seconds(&mut self, cell: &[u8], week: Option<&[u8]>) -> Result<Cell, NoNumber> {
+    pub(crate) fn seconds(
+        &mut self,
+        cell: &[u8],
+        week: Option<&[u8]>,
+    ) -> Result<Cell, InvalidNumber> {
         let cell = cell.trim_ascii();
         if cell.is_empty() {
             return Ok(Cell::Empty);
         }
-        if self.format == TimeFormat::Number && self.since == Since::Own {
+        if self.format == TimeFormat::Number && self.since == TimeOrigin::Own {
             return self.own_seconds(cell);
         }
         let at = match self.format {
             TimeFormat::Number => {
                 let count = self.count(cell)?;
                 match self.since {
-                    Since::Unix => self.calendar.unix(count)?,
-                    Since::At(epoch) => epoch + count,
-                    Since::Own => count,
+                    TimeOrigin::Unix => self.calendar.unix(count)?,
+                    TimeOrigin::At(epoch) => epoch + count,
+                    TimeOrigin::Own => count,
                 }
             }
             TimeFormat::GpsWeek => {
                 let week = number::decimal(week.unwrap_or_default().trim_ascii());
                 let week = week.filter(|w| w % ATTO == 0 && (0..100_000 * ATTO).contains(w));
-                let week = week.ok_or(NoNumber(
-                    "stands beside a GPS week that is not a whole number",
+                let week = week.ok_or(InvalidNumber(
+                    "has a GPS week that is not a whole number",
                     Some("correct the row"),
                 ))?;
                 gps_epoch() + week * WEEK_S + self.count(cell)?
@@ -160,7 +164,7 @@ impl Clock {
         let scale = Some(self.calendar.scale());
         let origin = *self.origin.get_or_insert(Origin { at, scale });
         if origin.scale.is_none() {
-            return Err(NoNumber(
+            return Err(InvalidNumber(
                 "is a date, and files before it count from an unknown epoch",
                 Some("name their epoch in [telemetry] time"),
             ));
@@ -170,7 +174,7 @@ impl Clock {
 
     /// Seconds of a small number that counts from an unknown epoch; `None` where its decimals matter.
     pub(crate) fn small(&mut self, number: f64) -> Option<f64> {
-        let counts = self.format == TimeFormat::Number && self.since == Since::Own;
+        let counts = self.format == TimeFormat::Number && self.since == TimeOrigin::Own;
         let seconds = self.unit.to_si(number);
         let own = self.origin.is_none_or(|o| o == Origin::OWN);
         if !counts || !own || seconds.is_nan() || seconds.abs() >= COUNTED_S {
@@ -181,7 +185,7 @@ impl Clock {
     }
 
     /// A count from an unknown epoch: as it stands where it is small.
-    fn own_seconds(&mut self, cell: &[u8]) -> Result<Cell, NoNumber> {
+    fn own_seconds(&mut self, cell: &[u8]) -> Result<Cell, InvalidNumber> {
         let plain = number::parse(cell)?;
         let Cell::Number(x) = plain else {
             return Ok(plain);
@@ -197,7 +201,7 @@ impl Clock {
         };
         self.origin = Some(origin);
         if origin.scale.is_some() {
-            return Err(NoNumber(
+            return Err(InvalidNumber(
                 "counts from an unknown epoch, and files before it have dates",
                 Some("name its epoch in [telemetry] time"),
             ));
@@ -212,11 +216,11 @@ impl Clock {
     }
 
     /// Attoseconds of a number in its unit.
-    fn count(&self, cell: &[u8]) -> Result<i128, NoNumber> {
+    fn count(&self, cell: &[u8]) -> Result<i128, InvalidNumber> {
         number::parse(cell)?;
         let (factor, divisor) = (self.unit.factor as i128, self.unit.divisor as i128);
         let exact = number::decimal(cell).and_then(|x| x.checked_mul(factor));
-        exact.map(|x| x / divisor).ok_or(NoNumber(
+        exact.map(|x| x / divisor).ok_or(InvalidNumber(
             "is too large for a time",
             Some("correct the number or its unit"),
         ))

@@ -114,13 +114,15 @@ pub fn test_conventions(
     let verdict = if still {
         undecided("the attitude does not move")
     } else if lowest > EXPLAINED * rate {
-        undecided("motion too small, or attitude and gyro too noisy: no reading explains the rates")
+        undecided(
+            "motion too small, or attitude and gyro too noisy: no convention explains the rates",
+        )
     } else if level(&declared) >= DECISIVE * lowest {
         Verdict::DeclaredContradicted
     } else if level(&declared) <= 2.0 * lowest {
         Verdict::DeclaredFits
     } else {
-        undecided("another reading fits better, but not clearly")
+        undecided("another convention fits better, but not clearly")
     };
     let only =
         |test: &dyn Fn(&Hypothesis) -> bool| all.iter().copied().filter(|h| test(h)).collect();

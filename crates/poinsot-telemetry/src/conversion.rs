@@ -1,6 +1,6 @@
 //! A cell as the file writes it, and what it is in SI.
 
-use crate::number::{self, Cell, NoNumber};
+use crate::number::{self, Cell, InvalidNumber};
 use crate::{ColumnMap, Unit};
 use std::f64::consts::TAU;
 
@@ -37,7 +37,7 @@ impl Conversion {
     }
 
     /// Reads a cell of text.
-    pub(crate) fn cell(&self, text: &[u8]) -> Result<Cell, NoNumber> {
+    pub(crate) fn cell(&self, text: &[u8]) -> Result<Cell, InvalidNumber> {
         match self {
             Self::Flag(force) => Ok(match number::flag(text)? {
                 Some(on) => Cell::Number(if on { *force } else { 0.0 }),

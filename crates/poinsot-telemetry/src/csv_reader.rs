@@ -4,7 +4,7 @@ use crate::bytes::{ByteFault, Opened, TextBytes, check_unchanged, sha256_of};
 use crate::clock::Clock;
 use crate::columns::Columns;
 use crate::error::{Place, shown};
-use crate::number::{Cell, NoNumber};
+use crate::number::{Cell, InvalidNumber};
 use crate::packing::{Packing, damaged};
 use crate::plan::{self, Plan};
 use crate::selection::{Selection, WhenFull};
@@ -14,7 +14,7 @@ use csv::ByteRecord;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// Reads a CSV file row by row; columns that nobody asked for are not parsed.
+/// Reads a CSV file row by row; unused columns are not parsed.
 pub(crate) fn read(
     path: &Path,
     opened: &Opened,
@@ -131,7 +131,7 @@ pub(crate) fn read(
             ));
         } else {
             repairs.push(format!(
-                "{}: the last row has no line end; taken as whole",
+                "{}: the last row has no line end; assumed complete",
                 Place::row(path, last_row)
             ));
         }
@@ -176,7 +176,7 @@ fn take_row(
             return Ok(());
         }
     }
-    let fault = |index: usize, column: &str, why: NoNumber| TelemetryError::Number {
+    let fault = |index: usize, column: &str, why: InvalidNumber| TelemetryError::Number {
         place: Place::cell(path, row, column),
         value: shown(record.get(index).unwrap_or_default()),
         why: why.text(index == plan.time_index),
@@ -244,7 +244,7 @@ fn no_header(header: &[String], comment: Option<u8>) -> Option<String> {
     let first = header.first()?.chars().next()?;
     let usual = matches!(first, '#' | '%' | '!');
     (usual && comment.is_none()).then(|| {
-        format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" where such lines are comments, or header_row = N where the header is line N")
+        format!("the first row begins with '{first}'; write [telemetry] comment = \"{first}\" if such lines are comments, or header_row = N for a header in line N")
     })
 }
 

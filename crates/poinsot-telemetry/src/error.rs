@@ -164,7 +164,7 @@ pub enum TelemetryError {
     },
     /// One channel comes from two places.
     #[error(
-        "E0210 channel '{channel}' stands in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{}'",
+        "E0210 channel '{channel}' is in {first} and again in {second}; leave one out, or name the sensors: '<sensor>.{}'",
         escaped(channel.rsplit('.').next().unwrap_or_default()),
         channel = escaped(channel)
     )]
@@ -290,7 +290,7 @@ pub enum TelemetryError {
     },
     /// More samples than fit into the memory that is allowed.
     #[error(
-        "E0221 {place}: up to {samples} samples in {channels} channels are asked for, and {fit} fit into {mib} MiB of memory; take every n-th row by --every {every}, a part by --time-s FROM,TO, or raise --memory-mib"
+        "E0221 {place}: up to {samples} samples in {channels} channels are requested, but {fit} fit into {mib} MiB of memory; use --every {every}, --time-s FROM,TO, or a larger --memory-mib"
     )]
     TooLarge {
         /// The file.
@@ -368,9 +368,9 @@ pub fn advice(source: &std::io::Error) -> &'static str {
         Kind::PermissionDenied => "correct the permission, or name another place",
         Kind::StorageFull | Kind::QuotaExceeded => "free space, or write to another place",
         Kind::ReadOnlyFilesystem => "write to another place",
-        Kind::IsADirectory => "move the folder that stands in the way, or name another place",
+        Kind::IsADirectory => "move the folder at this path, or name another place",
         Kind::AlreadyExists | Kind::NotADirectory => {
-            "move the file that stands in the way, or name another folder"
+            "move the file at this path, or name another folder"
         }
         Kind::InvalidData | Kind::UnexpectedEof => "name a whole file of the right kind",
         _ => "check the path, the disk and its permissions",

@@ -172,10 +172,10 @@ impl fmt::Display for Hypothesis {
                 parts.push("gyro in rad/s (it is mapped as rpm)".into())
             }
             GyroUnit::TimeInMilliseconds => {
-                parts.push("times in ms that are read as s (or a gyro in mrad/s)".into());
+                parts.push("times in ms used as s (or a gyro in mrad/s)".into());
             }
             GyroUnit::TimeTakenForMilliseconds => {
-                parts.push("times in s that are read as ms (or a gyro read as mrad/s)".into());
+                parts.push("times in s used as ms (or a gyro used as mrad/s)".into());
             }
         }
         if self.gyro_axes != Axes::IDENTITY {

@@ -169,14 +169,13 @@ pub(crate) fn notes(channel: &ChannelSummary) -> Vec<String> {
     let largest = channel.max.abs().max(channel.min.abs());
     if name.ends_with("_rad_s") && largest > FAST_WHEEL {
         notes.push(format!(
-            "{name} reaches {largest:.0} rad/s ({:.0} rpm); if the file holds rpm, map it with unit = \"rpm\". \
-             Attitude and gyro cannot tell",
+            "{name} reaches {largest:.0} rad/s ({:.0} rpm); if the file has rpm, map it with unit = \"rpm\". Attitude and gyro cannot decide",
             largest * 30.0 / std::f64::consts::PI
         ));
     }
     if name.starts_with("r_") && largest > 1e5 {
         notes.push(format!(
-            "{name} reaches {} m: with [environment] gravity in the model they are taken relative to free fall",
+            "{name} reaches {} m: with [environment] gravity in the model, they are used relative to free fall",
             crate::rounded(largest, 4)
         ));
     }

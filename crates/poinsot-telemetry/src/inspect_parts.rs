@@ -67,7 +67,7 @@ fn in_parts(
     let passed_over = unused.pass_over(&map);
     if passed_over > 0 {
         repairs.push(format!(
-            "{}: {passed_over} channels with a choice of rows are not looked at in a file of this size",
+            "{}: {passed_over} channels with a row selection are skipped in a file of this size",
             path.display()
         ));
     }
@@ -232,7 +232,7 @@ fn finished(mut all: Inspection) -> Inspection {
     all.notes = all.channels.iter().flat_map(notes).collect();
     all.notes.insert(
         0,
-        "the files are larger than --memory-mib and were looked at in parts: noise is the mean of the parts, rate and quantum are those of the first, a finding's words are those of the first part that has it"
+        "the files are larger than --memory-mib and were read in parts: noise is the mean over the parts; rate, quantum and the text of a finding are of the first part"
             .to_owned(),
     );
     all.suggestions = all.ignored.iter().filter_map(|c| suggest(c)).collect();

@@ -60,7 +60,7 @@ impl fmt::Display for Inspection {
             .chunks(10)
             .map(|names| names.join(", "))
             .collect();
-        section(f, "Columns not taken", &ignored)?;
+        section(f, "Unused columns", &ignored)?;
         let lines: Vec<String> = self.suggestions.iter().map(|s| s.toml.clone()).collect();
         section(
             f,
@@ -90,7 +90,7 @@ impl fmt::Display for ConventionTest {
             writeln!(f, "  {:.3e} rad/s  {h}", h.residual_rad_s)?;
         }
         match &self.verdict {
-            Verdict::DeclaredFits => writeln!(f, "  The declared reading fits best.")?,
+            Verdict::DeclaredFits => writeln!(f, "  The declared convention fits best.")?,
             Verdict::DeclaredContradicted => writeln!(
                 f,
                 "  CONTRADICTED. Best: {:.3e} rad/s  {}",
@@ -101,7 +101,7 @@ impl fmt::Display for ConventionTest {
         if !self.as_good.is_empty() && !matches!(self.verdict, Verdict::Undecided { .. }) {
             writeln!(
                 f,
-                "  {} other readings fit as well; this motion cannot tell them apart.",
+                "  {} other conventions fit as well; this motion cannot distinguish them.",
                 self.as_good.len()
             )?;
         }

@@ -1,6 +1,6 @@
 //! Instants without loss: dates and counts become attoseconds of TAI, and seconds since a first sample.
 
-use crate::number::NoNumber;
+use crate::number::InvalidNumber;
 use hifitime::{Duration, Epoch, TimeScale};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -169,7 +169,7 @@ pub(crate) struct Calendar {
     last: Option<(i64, i128)>,
 }
 
-const NO_DATE: NoNumber = NoNumber(
+const NO_DATE: InvalidNumber = InvalidNumber(
     "is not a date and time",
     Some("write for example 2026-03-14T18:19:00.25"),
 );
@@ -198,18 +198,18 @@ impl Calendar {
     }
 
     /// The instant of a count of seconds that gives every day 86,400 of them, from 1970 January 1.
-    pub(crate) fn unix(&mut self, atto: i128) -> Result<i128, NoNumber> {
+    pub(crate) fn unix(&mut self, atto: i128) -> Result<i128, InvalidNumber> {
         let day = atto.div_euclid(ATTO * i128::from(DAY));
         let rest = atto.rem_euclid(ATTO * i128::from(DAY));
         let midnight = i64::try_from(day).ok().and_then(|day| self.midnight(day));
-        midnight.map(|at| at + rest).ok_or(NoNumber(
+        midnight.map(|at| at + rest).ok_or(InvalidNumber(
             "is no time between 1972 and 2199",
             Some("correct the unit or the epoch in [telemetry] time"),
         ))
     }
 
     /// The instant of a text: date, `T` or blank, time of day, and a zone or none.
-    pub(crate) fn instant(&mut self, text: &[u8], ordinal: bool) -> Result<i128, NoNumber> {
+    pub(crate) fn instant(&mut self, text: &[u8], ordinal: bool) -> Result<i128, InvalidNumber> {
         let mut rest = text;
         let year = digits(&mut rest, 4)?;
         one_of(&mut rest, b"-/:")?;
@@ -217,7 +217,10 @@ impl Calendar {
             let of_year = digits(&mut rest, 3)?;
             let whole = day_number(year + 1, 1, 1) - day_number(year, 1, 1);
             if !(1..=whole).contains(&of_year) {
-                return Err(NoNumber("has no such day of the year", Some("correct it")));
+                return Err(InvalidNumber(
+                    "has no such day of the year",
+                    Some("correct it"),
+                ));
             }
             day_number(year, 1, 1) + of_year - 1
         } else {
@@ -226,13 +229,16 @@ impl Calendar {
             let of_month = digits(&mut rest, 2)?;
             let day = day_number(year, month, of_month);
             if !(1..=12).contains(&month) || civil(day).2 as i64 != of_month {
-                return Err(NoNumber("has no such day of the month", Some("correct it")));
+                return Err(InvalidNumber(
+                    "has no such day of the month",
+                    Some("correct it"),
+                ));
             }
             day
         };
         if !YEARS.contains(&year) {
-            return Err(NoNumber(
-                "lies outside of 1972 to 2199",
+            return Err(InvalidNumber(
+                "is outside 1972 to 2199",
                 Some("correct the year"),
             ));
         }
@@ -245,10 +251,10 @@ impl Calendar {
         let fraction = fraction(&mut rest);
         let zone_minutes = zone(rest)?;
         if hour > 23 || minute > 59 || second > 60 {
-            return Err(NoNumber("has no such time of day", Some("correct it")));
+            return Err(InvalidNumber("has no such time of day", Some("correct it")));
         }
         if zone_minutes != 0 && self.scale != Scale::Utc {
-            return Err(NoNumber(
+            return Err(InvalidNumber(
                 "has a zone, and only UTC has zones",
                 Some("leave the zone out, or write scale = \"UTC\" in [telemetry] time"),
             ));
@@ -261,7 +267,7 @@ impl Calendar {
             let lasts = self.midnight(day).zip(self.midnight(day + 1));
             let leap = i128::from(DAY + 1) * ATTO;
             if of_day != DAY || lasts.is_none_or(|(a, b)| b - a != leap) {
-                return Err(NoNumber(
+                return Err(InvalidNumber(
                     "has second 60, and there is no leap second then",
                     Some("correct the time"),
                 ));
@@ -273,7 +279,7 @@ impl Calendar {
 }
 
 /// So many digits at the start of the text.
-fn digits(text: &mut &[u8], n: usize) -> Result<i64, NoNumber> {
+fn digits(text: &mut &[u8], n: usize) -> Result<i64, InvalidNumber> {
     let (head, rest) = text.split_at_checked(n).ok_or(NO_DATE)?;
     *text = rest;
     head.iter().try_fold(0, |sum, byte| match byte {
@@ -282,7 +288,7 @@ fn digits(text: &mut &[u8], n: usize) -> Result<i64, NoNumber> {
     })
 }
 
-fn one_of(text: &mut &[u8], separators: &[u8]) -> Result<(), NoNumber> {
+fn one_of(text: &mut &[u8], separators: &[u8]) -> Result<(), InvalidNumber> {
     let (first, rest) = text.split_first().ok_or(NO_DATE)?;
     *text = rest;
     separators.contains(first).then_some(()).ok_or(NO_DATE)
@@ -304,7 +310,7 @@ fn fraction(text: &mut &[u8]) -> i128 {
 }
 
 /// Minutes east of UTC: `Z`, nothing, `+01:00`, `+0100`, `+01`.
-fn zone(text: &[u8]) -> Result<i64, NoNumber> {
+fn zone(text: &[u8]) -> Result<i64, InvalidNumber> {
     let (sign, mut rest) = match text.split_first() {
         None | Some((b'Z' | b'z', [])) => return Ok(0),
         Some((b'+', rest)) => (1, rest),

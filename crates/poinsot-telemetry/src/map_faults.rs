@@ -176,7 +176,7 @@ pub(crate) fn resolve(
         return fault(
             "sign",
             "the sign is neither 1 nor -1".to_owned(),
-            "write 1 or -1; scale takes any factor",
+            "write 1 or -1; scale is for other factors",
         );
     }
     let time = name.quantity == Quantity::Time;

@@ -11,11 +11,11 @@ pub(crate) enum Cell {
     NotANumber,
 }
 
-/// Why a cell is no number, and how to write what was meant; `None` where nobody knows what that is.
+/// Why a cell is no number, and how to write what was meant; `None` if that is unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct NoNumber(pub &'static str, pub Option<&'static str>);
+pub(crate) struct InvalidNumber(pub &'static str, pub Option<&'static str>);
 
-impl NoNumber {
+impl InvalidNumber {
     /// To follow the value in an error line. A row without time means nothing, so a time cannot be left empty.
     pub(crate) fn text(self, is_time: bool) -> String {
         let Self(what, remedy) = self;
@@ -31,7 +31,7 @@ impl NoNumber {
 ///
 /// # Errors
 /// What is wrong and what to do.
-pub(crate) fn parse(cell: &[u8]) -> Result<Cell, NoNumber> {
+pub(crate) fn parse(cell: &[u8]) -> Result<Cell, InvalidNumber> {
     let cell = cell.trim_ascii();
     if cell.is_empty() {
         return Ok(Cell::Empty);
@@ -42,11 +42,11 @@ pub(crate) fn parse(cell: &[u8]) -> Result<Cell, NoNumber> {
     let parsed = std::str::from_utf8(cell).ok().map(str::parse::<f64>);
     match parsed {
         Some(Ok(x)) if x.is_finite() => Ok(Cell::Number(x)),
-        Some(Ok(_)) if cell.iter().any(u8::is_ascii_digit) => Err(NoNumber(
+        Some(Ok(_)) if cell.iter().any(u8::is_ascii_digit) => Err(InvalidNumber(
             "is too large for a double",
             Some("correct the number"),
         )),
-        Some(Ok(_)) => Err(NoNumber("is infinite", None)),
+        Some(Ok(_)) => Err(InvalidNumber("is infinite", None)),
         _ => Err(cause(cell)),
     }
 }
@@ -82,7 +82,7 @@ pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
 }
 
 /// A flag: whether it is on.
-pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, NoNumber> {
+pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, InvalidNumber> {
     const WORDS: [(&str, bool); 10] = [
         ("1", true),
         ("0", false),
@@ -102,16 +102,16 @@ pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, NoNumber> {
     let word = WORDS
         .iter()
         .find(|(word, _)| cell.eq_ignore_ascii_case(word.as_bytes()));
-    word.map(|(_, on)| Some(*on)).ok_or(NoNumber(
+    word.map(|(_, on)| Some(*on)).ok_or(InvalidNumber(
         "is no flag",
         Some("write 0 or 1, or map the column with a unit in place of nominal_N"),
     ))
 }
 
 /// The likely reason why a text is not a number.
-fn cause(cell: &[u8]) -> NoNumber {
+fn cause(cell: &[u8]) -> InvalidNumber {
     let Ok(text) = std::str::from_utf8(cell) else {
-        return NoNumber("is not UTF-8 text", Some("save the file as UTF-8"));
+        return InvalidNumber("is not UTF-8 text", Some("save the file as UTF-8"));
     };
     let lower = text.to_lowercase();
     let digits = text.chars().any(|c| c.is_ascii_digit());
@@ -131,9 +131,9 @@ fn cause(cell: &[u8]) -> NoNumber {
     } else if digits && lower.contains('d') {
         ("has a Fortran exponent", "write 'e'")
     } else {
-        return NoNumber("is not a number", None);
+        return InvalidNumber("is not a number", None);
     };
-    NoNumber(what, Some(remedy))
+    InvalidNumber(what, Some(remedy))
 }
 
 #[cfg(test)]

@@ -123,13 +123,15 @@ impl Header {
         let mut header = Self::default();
         let read = fields(pages, |pages, id, kind| {
             match (id, kind) {
-                (3, I32) => header.size = u64::try_from(zigzag(pages)?).map_err(|_| Misread::No)?,
+                (3, I32) => {
+                    header.size = u64::try_from(zigzag(pages)?).map_err(|_| HeaderError::No)?
+                }
                 // Stored as a signed number.
                 (4, I32) => header.crc = Some(zigzag(pages)? as u32),
                 // Headers of data pages, version 1 and 2: the first field is the number of values.
                 (5 | 8, STRUCT) => fields(pages, |pages, id, kind| match (id, kind) {
                     (1, I32) => {
-                        header.rows = u64::try_from(zigzag(pages)?).map_err(|_| Misread::No)?;
+                        header.rows = u64::try_from(zigzag(pages)?).map_err(|_| HeaderError::No)?;
                         Ok(())
                     }
                     _ => skip(pages, kind, DEPTH),
@@ -140,8 +142,8 @@ impl Header {
         });
         match read {
             Ok(()) => Ok(Some(header)),
-            Err(Misread::No) => Ok(None),
-            Err(Misread::Disk(error)) => Err(error),
+            Err(HeaderError::No) => Ok(None),
+            Err(HeaderError::Disk(error)) => Err(error),
         }
     }
 }
@@ -151,7 +153,7 @@ const I32: u8 = 5;
 const STRUCT: u8 = 12;
 
 /// Why a header is not read.
-enum Misread {
+enum HeaderError {
     /// The bytes are none.
     No,
     /// The disk refuses.
@@ -161,8 +163,8 @@ enum Misread {
 /// Reads the fields of a struct: `each` gets number and kind of a field and takes its value.
 fn fields(
     pages: &mut Pages,
-    mut each: impl FnMut(&mut Pages, i64, u8) -> Result<(), Misread>,
-) -> Result<(), Misread> {
+    mut each: impl FnMut(&mut Pages, i64, u8) -> Result<(), HeaderError>,
+) -> Result<(), HeaderError> {
     let mut id = 0;
     loop {
         let head = byte(pages)?;
@@ -179,8 +181,8 @@ fn fields(
 
 /// Passes over a value. Every value but a flag, which stands in its field's head, takes at least a byte, so that the
 /// bytes of the chunk bound the work.
-fn skip(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), Misread> {
-    let depth = depth.checked_sub(1).ok_or(Misread::No)?;
+fn skip(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), HeaderError> {
+    let depth = depth.checked_sub(1).ok_or(HeaderError::No)?;
     match kind {
         1 | 2 => {}
         3 => {
@@ -213,30 +215,30 @@ fn skip(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), Misread> {
             }
         }
         STRUCT => fields(pages, |pages, _, kind| skip(pages, kind, depth))?,
-        _ => return Err(Misread::No),
+        _ => return Err(HeaderError::No),
     }
     Ok(())
 }
 
 /// The same inside of a list, where a flag takes a byte.
-fn skip_element(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), Misread> {
+fn skip_element(pages: &mut Pages, kind: u8, depth: usize) -> Result<(), HeaderError> {
     skip(pages, if kind <= 2 { 3 } else { kind }, depth)
 }
 
-fn skip_bytes(pages: &mut Pages, count: u64) -> Result<(), Misread> {
-    let skipped = io::copy(&mut pages.take(count), &mut io::sink()).map_err(Misread::Disk)?;
+fn skip_bytes(pages: &mut Pages, count: u64) -> Result<(), HeaderError> {
+    let skipped = io::copy(&mut pages.take(count), &mut io::sink()).map_err(HeaderError::Disk)?;
     match skipped == count {
         true => Ok(()),
-        false => Err(Misread::No),
+        false => Err(HeaderError::No),
     }
 }
 
-fn zigzag(pages: &mut Pages) -> Result<i64, Misread> {
+fn zigzag(pages: &mut Pages) -> Result<i64, HeaderError> {
     let n = varint(pages)?;
     Ok((n >> 1) as i64 ^ -((n & 1) as i64))
 }
 
-fn varint(pages: &mut Pages) -> Result<u64, Misread> {
+fn varint(pages: &mut Pages) -> Result<u64, HeaderError> {
     let mut value = 0;
     for shift in (0..63).step_by(7) {
         let byte = byte(pages)?;
@@ -245,15 +247,15 @@ fn varint(pages: &mut Pages) -> Result<u64, Misread> {
             return Ok(value);
         }
     }
-    Err(Misread::No)
+    Err(HeaderError::No)
 }
 
-fn byte(pages: &mut Pages) -> Result<u8, Misread> {
+fn byte(pages: &mut Pages) -> Result<u8, HeaderError> {
     let mut one = [0];
     match pages.read(&mut one) {
-        Ok(0) => Err(Misread::No),
+        Ok(0) => Err(HeaderError::No),
         Ok(_) => Ok(one[0]),
-        Err(error) => Err(Misread::Disk(error)),
+        Err(error) => Err(HeaderError::Disk(error)),
     }
 }
 

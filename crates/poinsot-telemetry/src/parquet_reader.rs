@@ -139,7 +139,7 @@ fn decode(
         return Err(refused(
             path,
             format!(
-                "the footer declares {sound} rows, the columns hold {}",
+                "the footer declares {sound} rows, the columns have {}",
                 columns.rows_read
             ),
         ));
@@ -166,7 +166,7 @@ fn sound_rows(
             return Err(TelemetryError::Parquet {
                 place,
                 why: format!(
-                    "the page that holds this row does not match its checksum: its bytes were changed; {more}"
+                    "the page of this row does not match its checksum: its bytes were changed; {more}"
                 ),
             });
         }
@@ -302,7 +302,7 @@ fn unsupported(path: &Path, name: &str, array: &dyn Array) -> TelemetryError {
     TelemetryError::Parquet {
         place: Place::cell(path, 0, name),
         why: format!(
-            "type {} is not read; store numbers as float64, times as seconds or timestamps",
+            "type {} is not supported; store numbers as float64, times as seconds or timestamps",
             array.data_type()
         ),
     }

@@ -119,7 +119,7 @@ impl Planner<'_> {
             _ => Err(self.fault(
                 &name.full(),
                 format!(
-                    "the units row says '{text}', which is no {}; correct it, or write unit in [telemetry], one of: {}",
+                    "the units row has '{text}', which is no {}; correct it, or write unit in [telemetry], one of: {}",
                     name.dimension.words(),
                     crate::unit::list(name.dimension)
                 ),
@@ -201,7 +201,12 @@ impl Planner<'_> {
             None => Ok(Some(found.into_iter().flatten().collect())),
             Some(k) => {
                 let missing = columns.get(k).cloned().unwrap_or_default();
-                Err(self.fault(channel, format!("there is no column '{missing}' beside the others; add it, or correct its name")))
+                Err(self.fault(
+                    channel,
+                    format!(
+                        "column '{missing}' is missing from its group; add it, or correct its name"
+                    ),
+                ))
             }
         }
     }
@@ -312,7 +317,7 @@ impl Planner<'_> {
                 return Ok(());
             };
             if prefix == "v" && !asked {
-                // Listed among the columns that nobody uses.
+                // Listed among the unused columns.
                 self.taken.retain(|index| !found.contains(index));
                 continue;
             }
@@ -467,7 +472,7 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
     };
     if header.len() > MAX_COLUMNS {
         return Err(fault(format!(
-            "{} columns in the header; leave out what is not needed, at most {MAX_COLUMNS} are read",
+            "{} columns in the header; leave out what is not needed, the limit is {MAX_COLUMNS}",
             header.len()
         )));
     }
@@ -486,7 +491,7 @@ fn check_header(path: &Path, header: &[String]) -> Result<(), TelemetryError> {
     for name in header.iter().filter(|h| !h.is_empty()) {
         if !seen.insert(name) {
             return Err(fault(format!(
-                "column '{name}' stands twice in the header; rename one"
+                "column '{name}' is twice in the header; rename one"
             )));
         }
     }
@@ -500,13 +505,13 @@ fn no_time(path: &Path, header: &[String]) -> TelemetryError {
         .next();
     let hint = match candidate {
         Some(s) => format!(
-            "; map '{}', which may be it, by [telemetry.columns] {}",
+            "; map '{}' by [telemetry.columns] {}, or run `poinsot inspect FILE` for a whole map",
             s.column, s.toml
         ),
         None => {
             let first: Vec<&str> = header.iter().take(8).map(String::as_str).collect();
             format!(
-                "; map one of [{}] by [telemetry.columns] time_s = {{ column = \"...\", unit = \"s\" }}",
+                " among [{}]; run `poinsot inspect FILE`, which proposes a map",
                 first.join(", ")
             )
         }

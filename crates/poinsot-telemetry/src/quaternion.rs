@@ -87,11 +87,13 @@ pub(crate) fn tidy(
         ));
     }
     if zero > 0 {
-        repairs.push(format!("{zero} zero quaternions taken as no sample"));
+        repairs.push(format!(
+            "{zero} zero quaternions treated as missing samples"
+        ));
     }
     if partial > 0 {
         repairs.push(format!(
-            "{partial} quaternions with missing components taken as no sample"
+            "{partial} quaternions with missing components treated as missing samples"
         ));
     }
     if strict && let Some(repair) = repairs.first() {

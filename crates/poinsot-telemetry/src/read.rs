@@ -110,7 +110,7 @@ impl Reading<'_> {
         let rows = columns.rows_read;
         if options.time_s.is_some() || options.every > 1 {
             self.table.repairs.push(format!(
-                "{}: {} of {rows} rows taken, as --time-s and --every ask",
+                "{}: {} of {rows} rows selected by --time-s and --every",
                 path.display(),
                 columns.rows.len()
             ));

@@ -7,7 +7,7 @@ use crate::{Channel, rotation};
 const DEFAULT_GAP: f64 = 3.0;
 
 /// Where a time falls in a time base.
-enum Spot {
+enum TimePosition {
     /// On this sample.
     On(usize),
     /// Between this sample and the next.
@@ -33,7 +33,7 @@ impl<'a> Base<'a> {
         }
     }
 
-    fn locate(&self, t: f64) -> Option<Spot> {
+    fn locate(&self, t: f64) -> Option<TimePosition> {
         let next = self.time_s.partition_point(|&x| x < t);
         let near = |k: usize| {
             self.time_s
@@ -41,14 +41,14 @@ impl<'a> Base<'a> {
                 .is_some_and(|x| (x - t).abs() <= self.tolerance)
         };
         if near(next) {
-            return Some(Spot::On(next));
+            return Some(TimePosition::On(next));
         }
         let before = next.checked_sub(1)?;
         if near(before) {
-            return Some(Spot::On(before));
+            return Some(TimePosition::On(before));
         }
         let (a, b) = (self.time_s.get(before)?, self.time_s.get(next)?);
-        (b - a <= self.max_gap).then_some(Spot::After(before))
+        (b - a <= self.max_gap).then_some(TimePosition::After(before))
     }
 }
 
@@ -60,8 +60,8 @@ impl<'a> Base<'a> {
 pub fn resample(channel: &Channel, times_s: &[f64], max_gap_s: Option<f64>) -> Vec<Option<f64>> {
     let base = Base::new(&channel.time_s, max_gap_s);
     let at = |&t: &f64| match base.locate(t)? {
-        Spot::On(k) => channel.values.get(k).copied(),
-        Spot::After(k) => {
+        TimePosition::On(k) => channel.values.get(k).copied(),
+        TimePosition::After(k) => {
             let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
             let (x0, x1) = (channel.values.get(k)?, channel.values.get(k + 1)?);
             Some(x0 + (x1 - x0) * (t - t0) / (t1 - t0))
@@ -81,8 +81,8 @@ pub fn resample_hermite(
     let base = Base::new(&channel.time_s, max_gap_s);
     let slopes = resample(derivative, &channel.time_s, max_gap_s);
     let at = |&t: &f64| match base.locate(t)? {
-        Spot::On(k) => channel.values.get(k).copied(),
-        Spot::After(k) => {
+        TimePosition::On(k) => channel.values.get(k).copied(),
+        TimePosition::After(k) => {
             let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
             let (x0, x1) = (*channel.values.get(k)?, *channel.values.get(k + 1)?);
             let (h, u) = (t1 - t0, (t - t0) / (t1 - t0));
@@ -143,8 +143,8 @@ pub fn resample_attitude(
         Some([(*a.get(k)?)?, (*b.get(k)?)?, (*c.get(k)?)?])
     };
     let at = |&t: &f64| match base.locate(t)? {
-        Spot::On(k) => q(k),
-        Spot::After(k) => {
+        TimePosition::On(k) => q(k),
+        TimePosition::After(k) => {
             let (t0, t1) = (base.time_s.get(k)?, base.time_s.get(k + 1)?);
             let (h, u) = (t1 - t0, (t - t0) / (t1 - t0));
             let q0 = q(k)?;

@@ -50,7 +50,7 @@ impl Selection {
     /// Hands the rows kept to `full` where they fill the memory allowed; `rows` are those of the whole file.
     ///
     /// # Errors
-    /// Nobody takes them, or the one who does finds a fault.
+    /// Returns an error if no consumer is set or the consumer fails.
     pub(crate) fn check(
         &self,
         path: &Path,

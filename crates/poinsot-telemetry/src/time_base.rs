@@ -59,8 +59,7 @@ pub(crate) fn check(
                     return Err(fault(
                         row,
                         format!(
-                            "time {} s stands already in row {row_before} with another value of \
-                             '{column}'; keep one of the rows",
+                            "time {} s is already in row {row_before} with another value of '{column}'; keep one of the rows",
                             as_read(time + zero)
                         ),
                     ));
@@ -133,8 +132,7 @@ pub(crate) fn check_one_run(
     Err(TelemetryError::Time {
         place: Place::cell(path, row, &plan.time_column),
         why: format!(
-            "time jumps from {} s (row {row_before}) to {} s, and the record covers {} s in all: these are several runs; \
-             choose one by --time-s or [telemetry] where, or give each as a segment",
+            "time jumps from {} s (row {row_before}) to {} s in a record of {} s: these are several runs; choose one by --time-s or [telemetry] where, or give each as a segment",
             as_read(from + columns.own_zero_s()),
             as_read(to + columns.own_zero_s()),
             rounded(covered, 9)

@@ -12,7 +12,7 @@
 
 use crate::{Matrix3, Matrix6, Vector3, Vector6, turn};
 
-/// How a body hangs on its parent.
+/// Joint between a body and its parent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KitJoint {
     /// The free base: no parent.

@@ -1,10 +1,10 @@
-//! Are answers honest where a body lies at the edge of what positive mass can have?
+//! Are answers correct for a body at the limit of physical mass properties?
 //!
 //!     cargo run --release -p poinsot --example physical_edge -- [TRIALS [FIRST_SEED [plate|disc]]]
 //!
 //! A nearly flat plate and a flat disc turn on three wheels; their thickness is far below what the data can
 //! tell. Each trial draws new noise and is solved twice: over all tensors and over physical ones. Beyond: the free answer
-//! is impossible. Held: the physical one says that it is held at the edge; it should exactly then. Covered: share of the
+//! is impossible. Held: the physical one says that it is at the limit of physical; it should exactly then. Covered: share of the
 //! 95 % intervals of the six elements of the tensor that hold the truth, in the trials that are held and in all; and that
 //! of the element that fares worst.
 #![allow(clippy::unwrap_used, non_snake_case)]
@@ -135,7 +135,10 @@ fn trial(model: &Model, table: &Table, I: &Matrix3) -> Trial {
                 .warnings
                 .iter()
                 .any(|w| w.contains("no distribution of positive mass")),
-        held: kept.warnings.iter().any(|w| w.contains("held at the edge")),
+        held: kept
+            .warnings
+            .iter()
+            .any(|w| w.contains("at the limit of physical")),
         physical: kept.bodies[0].physically_consistent == Some(true),
         covered: std::array::from_fn(|k| {
             let (value, sigma) = (numbers[k].value, numbers[k].sigma);

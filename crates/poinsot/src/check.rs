@@ -1,4 +1,4 @@
-//! The verb `check`: a model, map, case, plan or answer is checked and said in words.
+//! The verb `check`: checks and describes a model, map, case, plan or answer.
 
 use crate::campaign::read_plan;
 use crate::case::{CaseError, CaseFault, CaseText, counted, describe_case, shaped_case};
@@ -16,10 +16,10 @@ use std::path::Path;
 
 /// Largest file that is checked, bytes: the largest result that is read.
 const LARGEST: u64 = poinsot_formats::LARGEST_RESULT;
-/// Contradictions of one file that are said.
+/// Largest number of reported contradictions of one file.
 const SHOWN: usize = 10;
 
-/// What a file holds, in words.
+/// Description of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Described {
@@ -29,7 +29,7 @@ pub enum Described {
     Lines {
         /// "map", "case", "plan" or "estimate".
         file: &'static str,
-        /// What it says, one statement a line.
+        /// Its content, one statement a line.
         lines: Vec<String>,
     },
 }
@@ -43,10 +43,10 @@ impl fmt::Display for Described {
     }
 }
 
-/// Checks a file and says what it holds. The key `schema` tells its kind; a file with a `[telemetry]` table alone is a map.
+/// Checks and describes a file. The key `schema` tells its kind; a file with a `[telemetry]` table alone is a map.
 ///
 /// # Errors
-/// Everything that is wrong with it, or with a file that it names.
+/// All faults of it and of its files.
 pub fn check(path: &Path) -> Result<StatedFile<Described>, Error> {
     let content = described(path)?;
     Ok(StatedFile {
@@ -151,7 +151,7 @@ fn estimate(path: &Path, text: String) -> Result<Described, Error> {
             &c.key,
             0..0,
             c.problem,
-            "write the file anew with `poinsot identify --out DIR`",
+            "write the file again with `poinsot identify --out DIR`",
         )
     });
     Err(Error::File(CaseError {

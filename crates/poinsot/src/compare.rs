@@ -1,4 +1,4 @@
-//! The verb `compare`: several answers of one vehicle, what agrees and what changed.
+//! The verb `compare`: consistency of several answers of one vehicle.
 //!
 //! With `x_i` the numbers of answer i and `C_i` their covariance, the differences `x_i - x_1` have covariance
 //! `C_1 + delta_ij C_i` if the answers are independent and the vehicle did not change; their square in that metric is
@@ -237,7 +237,7 @@ fn not_compared(files: &[&EstimateFile], common: &Answers) -> Vec<String> {
     out
 }
 
-/// Why two records are taken to share time.
+/// Why two records are assumed to overlap in time.
 #[derive(Clone, Copy, PartialEq)]
 enum Shared {
     /// Both have one content.
@@ -248,8 +248,8 @@ enum Shared {
     Counts,
 }
 
-/// The longest time that a record of one answer shares with a record of the other. Records without a date that begin at one
-/// count tell nothing: counts often begin anew with every record.
+/// The longest time that a record of one answer shares with a record of the other. Records without a date and with
+/// equal first counts are no evidence: counts often restart with every record.
 fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
     let origin = |file: &EstimateFile| {
         let epoch = file.epoch.as_ref()?;
@@ -280,12 +280,12 @@ fn overlap(one: &EstimateFile, other: &EstimateFile) -> Option<(f64, Shared)> {
         .max_by(|x, y| x.0.total_cmp(&y.0))
 }
 
-/// Why the answers are not independent, or not to be relied on.
+/// Why the answers are not independent or not reliable.
 fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
     let mut out = Vec::new();
     for (i, file) in (1..).zip(files) {
         if let Some(doubt) = file.doubts.first() {
-            out.push(format!("answer {i} is not to be relied on: {doubt}"));
+            out.push(format!("answer {i} is not reliable: {doubt}"));
         } else if !file.covariance_trustworthy {
             out.push(format!("the covariance of answer {i} is not trustworthy"));
         }
@@ -303,17 +303,16 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
                         format!("the telemetry of answers {i} and {j} overlaps by {seconds} s")
                     }
                     Shared::Counts => format!(
-                        "the telemetry of answers {i} and {j} has no dates and overlaps by {seconds} s if its clocks are one (declare `epoch` in the map)"
+                        "the telemetry of answers {i} and {j} has no dates; with one clock it overlaps by {seconds} s (declare `epoch` in the map)"
                     ),
                 };
-                out.push(format!("{what}: they are not independent, and the differences are smaller than the stated sigma"));
+                out.push(format!("{what}: they are not independent, so differences are smaller than their stated sigma"));
             }
         }
     }
     if agreement.is_some_and(|p| p > 1.0 - TOO_GOOD) && out.len() == before {
         out.push(
-            "the answers agree better than independent answers do: they may come from one record"
-                .to_owned(),
+            "the answers agree better than independent answers: they may share a record".to_owned(),
         );
     }
     let uses_prior = |f: &&EstimateFile| {
@@ -321,7 +320,10 @@ fn doubts(files: &[&EstimateFile], agreement: Option<f64>) -> Vec<String> {
         numbers.any(|(_, _, n)| n.source.as_deref() == Some("prior"))
     };
     if files.iter().filter(|f| uses_prior(f)).count() > 1 {
-        out.push("more than one answer uses a prior: a common prior counts in each".to_owned());
+        out.push(
+            "more than one answer uses a prior: a shared prior is counted in each answer"
+                .to_owned(),
+        );
     }
     out
 }

@@ -7,7 +7,7 @@ use poinsot_formats::{
 use poinsot_identify::{Diagnostics, HeldOut, MomentumDrift};
 use poinsot_report::{Tone, probability, significant};
 
-/// Probability below which a drift or a lag is worth a word.
+/// p-value below which a drift or a lag is reported.
 pub(crate) const SIGNIFICANT: f64 = 1.0e-4;
 
 /// The tests of the residuals as in the result file.
@@ -31,9 +31,9 @@ pub(crate) fn diagnostics_file(d: &Diagnostics) -> DiagnosticsFile {
 pub(crate) struct Check {
     /// What was tested.
     pub test: String,
-    /// What came out.
+    /// Result.
     pub found: String,
-    /// What it means.
+    /// Meaning.
     pub verdict: String,
     /// Colour of the verdict.
     pub tone: Tone,
@@ -81,7 +81,7 @@ pub(crate) fn causes(d: &DiagnosticsFile) -> Vec<Check> {
         let fall = s.decrease_of_chi2.unwrap_or(f64::NAN);
         Check {
             test: s.name.clone(),
-            found: format!("would lower chi-square by {fall:.0}"),
+            found: format!("would reduce chi-square by {fall:.0}"),
             verdict: s.fault.replace('_', " "),
             tone: Tone::Bad,
         }
@@ -207,7 +207,7 @@ pub(crate) fn held_out_verdict(h: &HeldOutFile) -> Verdict {
 fn held_out_row(h: &HeldOutFile) -> Check {
     let percent = 100.0 * h.share;
     let found = format!(
-        "chi-square {:.0} for {} expected, p = {}",
+        "chi-square {:.0}, expected {}, p = {}",
         h.chi2,
         h.numbers,
         probability(h.p)
@@ -258,7 +258,7 @@ fn lag_row(l: &LagFile) -> Check {
     )
 }
 
-/// What a small probability means.
+/// Word for a small p-value.
 fn seen(p: f64, word: &'static str) -> Verdict {
     match p < SIGNIFICANT {
         true => (Tone::Bad, word),

@@ -1,4 +1,4 @@
-//! Everything that can keep a verb from answering.
+//! Errors of the verbs.
 
 mod bind;
 mod case;
@@ -18,7 +18,7 @@ use poinsot_report::PageError;
 use poinsot_telemetry::{TelemetryError, advice};
 use std::path::{Path, PathBuf};
 
-/// Where the cause of an error lies.
+/// Cause of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// In the arguments, model or telemetry.
@@ -29,7 +29,7 @@ pub enum ErrorKind {
     Internal,
 }
 
-/// Why a verb gives no answer.
+/// Error of a verb.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The model file.
@@ -66,7 +66,7 @@ pub enum Error {
     /// A validation.
     #[error(transparent)]
     Validate(#[from] ValidateError),
-    /// A word on the command line.
+    /// An argument of the command line.
     #[error("E0001 {option} '{value}': {why}")]
     Usage {
         /// Option.
@@ -84,7 +84,7 @@ pub enum Error {
     },
     /// A fault of this program.
     #[error(
-        "E0009 internal error: {what}: this is a fault of poinsot; please report it with the command and, if you can, the input"
+        "E0009 internal error: {what}: this is a bug in poinsot; please report it with the command and, if possible, the input"
     )]
     Internal {
         /// Message and place of the panic.
@@ -110,7 +110,7 @@ pub enum Error {
     },
     /// No thread to work with.
     #[error(
-        "E0005 the system starts no thread: {why}; raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs"
+        "E0005 the system cannot start a thread: {why}; raise the limit of processes or memory (ulimit -u, ulimit -v), or end other programs"
     )]
     Threads {
         /// What the system said.
@@ -118,7 +118,7 @@ pub enum Error {
     },
     /// No memory to work with.
     #[error(
-        "E0006 the system gives no more memory; raise its limit (ulimit -v), take fewer rows by --every, or end other programs"
+        "E0006 out of memory; raise the limit (ulimit -v), take fewer rows by --every, or end other programs"
     )]
     Memory,
     /// Files were put in place in part, and the earlier ones cannot be put back.
@@ -192,5 +192,5 @@ pub(crate) fn unreadable(path: &Path, error: InputError) -> Error {
 
 /// A page or figure that cannot be made of sound files.
 pub(crate) fn no_page(error: &PageError) -> String {
-    format!("{error}; report this fault of poinsot, if you can with the folder")
+    format!("{error}; report this bug in poinsot, if possible with the folder")
 }

@@ -71,7 +71,7 @@ pub(crate) fn covariance(e: &Estimate) -> CovarianceFile {
     }
 }
 
-/// What all times count from; without dates, the files' own count.
+/// Origin of all times; without dates, the files' own count.
 fn epoch(identified: &Identified) -> EpochFile {
     let date = identified.origin.and_then(|origin| origin.date());
     let parts = date.as_deref().and_then(|date| date.split_once(' '));
@@ -194,7 +194,7 @@ fn known_numbers(e: &Estimate) -> KnownNumbersFile {
     }
 }
 
-/// What the data determine and what they do not, as in the result file.
+/// Identifiable and undetermined combinations, as in the result file.
 pub(crate) fn identifiability(i: &Identifiability) -> IdentifiabilityFile {
     let coefficients = |list: &[(String, f64)]| {
         let named = list.iter().map(|(name, c)| (address(name, ""), *c));

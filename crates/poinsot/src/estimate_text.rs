@@ -9,17 +9,16 @@ use poinsot_formats::{EstimateFile, UndeterminedFile};
 use poinsot_identify::{BodyEstimate, DeterminedCombination, Estimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, number_with_sigma, probability, significant};
 
-/// What is said where the model leaves open how good its known numbers are.
-pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source come from a drawing (source = \"cad\"). \
-     Write source = \"measured\", source = \"cad\" or exact = true into the model.";
+/// Text for known numbers without a declared uncertainty.
+pub(crate) const ASSUMED: &str = "Assumed: known numbers without a declared source come from a drawing (source = \"cad\"). Write source = \"measured\", source = \"cad\" or exact = true in the model.";
 
-/// How much of an answer is printed.
+/// Detail of the printed answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Detail {
-    /// What a reader needs to use the answer.
+    /// The summary.
     #[default]
     Answer,
-    /// The fit and every check besides.
+    /// Also the fit and every check.
     Everything,
 }
 
@@ -138,7 +137,7 @@ fn evidence(document: &mut Document, e: &Estimate, file: &EstimateFile) {
     }
 }
 
-/// What a published method prints of its own.
+/// Results of a published method in its own terms.
 fn method_report(e: &Estimate) -> Option<Section> {
     let report = e.method_report.as_ref()?;
     let mut table = Table::new(&["", "value", "nominal", "unit"]);
@@ -155,7 +154,10 @@ fn method_report(e: &Estimate) -> Option<Section> {
             item.unit.to_owned(),
         ]);
     }
-    let mut section = Section::table(&format!("what the method {} prints", e.method), table);
+    let mut section = Section::table(
+        &format!("results of method {} in its own terms", e.method),
+        table,
+    );
     section.note = Some(report.note.clone());
     Some(section)
 }
@@ -163,7 +165,7 @@ fn method_report(e: &Estimate) -> Option<Section> {
 /// Sensitivity to known numbers, or that all of them are exact.
 fn known(e: &Estimate) -> Option<Section> {
     let exact = || {
-        let line = "all taken as exact, as the model declares".to_owned();
+        let line = "all exact, as the model declares".to_owned();
         Section::list("known numbers", vec![line])
     };
     let declared = e.known_numbers.exact && !e.known_numbers.assumed;
@@ -234,7 +236,7 @@ fn body_section(body: &BodyEstimate, status: Status) -> Section {
         .count();
     if seen > 0 && body.inertia.iter().any(|n| n.source == Source::Open) {
         section.note = Some(format!(
-            "{seen} of its 10 barycentric parameters about its frame origin are determined: see the result file"
+            "{seen} of its 10 barycentric parameters about its frame origin are determined (see the result file)"
         ));
     }
     if body.physically_consistent == Some(false) {
@@ -243,7 +245,7 @@ fn body_section(body: &BodyEstimate, status: Status) -> Section {
     section
 }
 
-/// Difference from nominal in sigmas, or in percent where the sigma is far smaller.
+/// Difference from nominal in sigmas, or in percent if the sigma is far smaller.
 fn difference(n: &Number) -> String {
     let Some(value) = n.value else {
         return String::new();

@@ -7,7 +7,7 @@ use poinsot_formats::FaultFile;
 use poinsot_model::{Finding, ModelError};
 
 impl Error {
-    /// Everything that is wrong.
+    /// All faults.
     pub fn faults(&self) -> Vec<FaultFile> {
         match self {
             Self::Model(error) | Self::Simulate(SimulateError::Model(error)) => of_model(error),

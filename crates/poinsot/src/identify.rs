@@ -27,7 +27,7 @@ const ALLOWED_LOSS: f64 = 0.2;
 /// Most points of a curve kept for the report, and of the curves of all segments together.
 const CURVE_POINTS: (usize, usize) = (1500, 3000);
 
-/// What is asked of the telemetry.
+/// Options of the identification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question {
     /// Name of a method, see [`crate::methods::methods`].
@@ -47,7 +47,7 @@ pub struct Question {
 }
 
 impl Question {
-    /// The question with the usual settings, put to a method.
+    /// Default options with a method.
     pub fn by(method: &str) -> Self {
         Self {
             method: method.to_owned(),
@@ -77,7 +77,7 @@ pub struct Reading {
     pub model: Option<PathBuf>,
     /// File with a `[telemetry]` table that replaces the model's.
     pub map: Option<PathBuf>,
-    /// Read what a damaged file still holds.
+    /// Read the complete part of a damaged file.
     pub recover: bool,
     /// Encoding of CSV text.
     pub encoding: Encoding,
@@ -89,7 +89,7 @@ pub struct Reading {
     pub memory_mib: usize,
 }
 
-/// A question about files.
+/// A request with files.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct IdentifyRequest {
     /// Model file.
@@ -98,12 +98,12 @@ pub struct IdentifyRequest {
     pub segments: Vec<Vec<PathBuf>>,
     /// How the files are read.
     pub reading: Reading,
-    /// What is asked.
+    /// Options.
     pub question: Question,
 }
 
 impl IdentifyRequest {
-    /// The usual question about a model and telemetry, one segment a file.
+    /// Default request for a model and telemetry, one segment a file.
     pub fn new<P: Into<PathBuf>>(
         model: impl Into<PathBuf>,
         telemetry: impl IntoIterator<Item = P>,
@@ -115,7 +115,7 @@ impl IdentifyRequest {
         }
     }
 
-    /// The same put to a method.
+    /// The same with a method.
     #[must_use]
     pub fn by(mut self, method: &str) -> Self {
         method.clone_into(&mut self.question.method);
@@ -123,7 +123,7 @@ impl IdentifyRequest {
     }
 }
 
-/// The answer with where it came from.
+/// The answer with its sources.
 pub struct Identified {
     /// The vehicle.
     pub model: Model,
@@ -136,17 +136,17 @@ pub struct Identified {
     pub inputs: Vec<Vec<Source>>,
     /// Files of the model and of the map of the telemetry.
     pub files: ModelFiles,
-    /// What all times count from; `None` for tables that were not read from files.
+    /// Origin of all times; `None` for tables in memory.
     pub origin: Option<Origin>,
     /// Assumptions and repairs.
     pub repairs: Vec<String>,
     /// Columns that were not used.
     pub ignored: Vec<String>,
-    /// What the checks of the telemetry found.
+    /// Findings of the telemetry checks.
     pub findings: Vec<Finding>,
 }
 
-/// The files that say what the vehicle is and what the columns of the telemetry are.
+/// The model file and the map of the telemetry.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModelFiles {
     /// Of the model.
@@ -258,7 +258,7 @@ fn read_records(
     Ok((model, tables))
 }
 
-/// What an estimator of one's own needs: the model and its records behind the same gate as [`identify`].
+/// Input of a separate estimator: the model and its records after the same checks as [`identify`].
 pub struct Gated {
     /// The vehicle.
     pub model: Model,
@@ -266,7 +266,7 @@ pub struct Gated {
     pub tree: Tree,
     /// Segments and noise.
     pub bound: Bound,
-    /// What the checks of the telemetry found.
+    /// Findings of the telemetry checks.
     pub findings: Vec<Finding>,
 }
 
@@ -297,7 +297,7 @@ pub fn gated(
 fn join_files(error: Error, segments: usize) -> Error {
     match error {
         Error::Bind(BindError::Missing { file, channel, why }) if segments > 1 => {
-            let how = "each --telemetry is a segment of its own; join the files of one segment by commas: --telemetry a.csv,b.csv";
+            let how = "each --telemetry is a separate segment; join the files of one segment by commas: --telemetry a.csv,b.csv";
             let why = format!("{why}; {how}");
             Error::Bind(BindError::Missing { file, channel, why })
         }
@@ -330,7 +330,7 @@ pub fn identify_tables(
     Ok(identified)
 }
 
-/// Everything that telemetry must pass before anything is estimated.
+/// All checks of telemetry before the estimation.
 fn gate(model: &Model, tables: &mut [Table], question: &Question) -> Result<Vec<Finding>, Error> {
     let policies = policies(question)?;
     refuse_twice(tables)?;
@@ -361,14 +361,14 @@ fn policies(question: &Question) -> Result<Policies, Error> {
     })
 }
 
-/// The same samples given twice would count twice, and make every sigma too small.
+/// Duplicate samples would make every sigma too small.
 fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
     let twice = |value: &str, of: &str| {
         Err(Error::Usage {
             option: "--telemetry",
             value: value.to_owned(),
             why: format!(
-                "its content is that of {of}: the same samples would count twice and make every sigma too small; give each record once"
+                "its content is that of {of}: the same samples would count twice; give each record once"
             ),
         })
     };
@@ -392,16 +392,16 @@ fn refuse_twice(tables: &[Table]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Where rows were left out on purpose, wheels are known to have done something between those that were taken.
+/// Wheels may have changed speed between the selected rows.
 fn distrust_thinned(estimate: &mut Estimate, every: usize) {
     let found = estimate.diagnostics.as_ref();
     let shift = found.map_or(0.0, |d| d.shift_between_readings);
     if shift > SENSITIVE {
-        estimate.doubt(format!(
-            "it is sensitive to the wheel motion between the rows taken ({shift:.1} sigma)"
+        estimate.add_evidence_against(format!(
+            "the estimate is sensitive to the wheel motion between the selected rows ({shift:.1} sigma)"
         ));
         estimate.warnings.push(format!(
-            "--every {every} leaves out wheel samples, and the answer would move by {shift:.1} sigma: the covariance is not trustworthy; take more rows"
+            "--every {every} leaves out wheel samples, which changes the estimate by {shift:.1} sigma: the covariance is not trustworthy; use more rows"
         ));
     }
 }
@@ -426,7 +426,7 @@ fn against_model(
             return Err(checks::refused(label, &finding).into());
         }
         let text = format!("{}: {}", finding.check.name(), finding.text);
-        identified.estimate.doubt(text.clone());
+        identified.estimate.add_evidence_against(text.clone());
         identified.estimate.warnings.push(text);
         identified.findings.push(finding);
     }
@@ -500,20 +500,20 @@ fn answer(model: Model, tables: Vec<Table>, question: &Question) -> Result<Ident
     })
 }
 
-/// Says where a method takes uncertain known numbers as exact.
+/// Warns if a method assumes uncertain known numbers exact.
 fn known_as_exact(model: &Model, estimate: &mut Estimate) {
     let uncertain = model.uncertain().next().is_some();
     estimate.known_numbers.exact = !uncertain;
     if uncertain && estimate.method != "maximum_likelihood" {
         estimate.assumptions.push(
-            "known numbers taken as exact: this method does not use their uncertainties, its sigmas hold the noise of the sensors alone".to_owned(),
+            "assumed: known numbers exact, because this method ignores their uncertainties; its sigmas include sensor noise only".to_owned(),
         );
     }
 }
 
 fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
     estimate.warnings.push(format!(
-        "{:.0} % of the samples of {of} were left out (see repairs): the answer is not acceptable without a look at them",
+        "{:.0} % of the samples of {of} were left out; check the repairs before you use the answer",
         100.0 * share
     ));
     if estimate.status == Status::Converged {
@@ -521,7 +521,7 @@ fn not_acceptable(estimate: &mut Estimate, share: f64, of: &str) {
     }
 }
 
-/// Only maximum likelihood knows the gravity gradient.
+/// Only maximum likelihood supports the gravity gradient.
 fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     if !model.environment.gravity_gradient
         || matches!(question.method.as_str(), "auto" | "maximum_likelihood")
@@ -531,7 +531,7 @@ fn refuse_gravity(model: &Model, question: &Question) -> Result<(), Error> {
     Err(Error::Usage {
         option: "--method",
         value: question.method.clone(),
-        why: "the model has a gravity gradient, which this method does not know; use maximum_likelihood, or take it out of [environment]".to_owned(),
+        why: "the model has a gravity gradient, which this method does not support; use maximum_likelihood, or take it out of [environment]".to_owned(),
     })
 }
 

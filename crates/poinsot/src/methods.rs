@@ -1,4 +1,4 @@
-//! The verb `methods`: what `identify --method` and `--variant` take.
+//! The verb `methods`: the values of `identify --method` and `--variant`.
 
 use poinsot_formats::{ListedMethodFile, ListedSettingFile, METHODS, MethodsFile, VariantFile};
 pub use poinsot_papers::{SettingText, VariantText};

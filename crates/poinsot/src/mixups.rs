@@ -1,5 +1,5 @@
-//! Mixed-up units that nothing in the telemetry contradicts: they show by the size of the answer, or because the
-//! record fits as soon as it is read in another unit.
+//! Unit errors without a contradiction in the telemetry: detected by the size of the answer, or by a fit in another
+//! unit.
 
 use crate::bind::bind;
 use poinsot_dynamics::Tree;
@@ -9,23 +9,17 @@ use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Channel, Table, median_step};
 use std::f64::consts::PI;
 
-/// Factors between the estimated and the nominal inertia that mistaken units make, and which.
+/// Ratios of estimated to nominal inertia caused by unit errors.
 const FACTORS: [(f64, &str); 10] = [
-    (30.0 / PI, "wheel speeds in rpm that are read as rad/s"),
-    (PI / 30.0, "wheel speeds in rad/s that are mapped as rpm"),
+    (30.0 / PI, "wheel speeds in rpm used as rad/s"),
+    (PI / 30.0, "wheel speeds in rad/s mapped as rpm"),
     (
         180.0 / PI,
-        "wheel speeds in deg/s that are read as rad/s, or body rates in rad/s that are mapped as deg/s",
+        "wheel speeds in deg/s used as rad/s, or body rates in rad/s mapped as deg/s",
     ),
-    (PI / 180.0, "body rates in deg/s that are read as rad/s"),
-    (
-        2.0 * PI,
-        "wheel speeds in rad/s that are mapped as turns per second",
-    ),
-    (
-        0.5 / PI,
-        "wheel speeds in turns per second that are read as rad/s",
-    ),
+    (PI / 180.0, "body rates in deg/s used as rad/s"),
+    (2.0 * PI, "wheel speeds in rad/s mapped as turns per second"),
+    (0.5 / PI, "wheel speeds in turns per second used as rad/s"),
     (
         1.0e3,
         "a factor of a thousand (g for kg, mN for N) in the model or the telemetry",
@@ -39,8 +33,8 @@ const FACTORS: [(f64, &str); 10] = [
 ];
 /// Factors that put body rates right, and the mistake.
 const RATES: [(f64, &str); 2] = [
-    (PI / 180.0, "body rates in deg/s that are read as rad/s"),
-    (PI / 30.0, "body rates in rpm that are read as rad/s"),
+    (PI / 180.0, "body rates in deg/s used as rad/s"),
+    (PI / 30.0, "body rates in rpm used as rad/s"),
 ];
 /// Chi-square per degree of freedom up to which a record fits.
 const FITS: f64 = 10.0;
@@ -53,7 +47,7 @@ const FAR: f64 = 0.3;
 const MEAN: f64 = 0.15;
 /// How far the factor of one axis may be off the mean, relative.
 const SPREAD: f64 = 0.4;
-/// Inertia that is a telling factor off the nominal one about every axis.
+/// A unit error from the ratio of estimated to nominal inertia.
 pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
     if estimate.status == Status::Rejected {
         return Vec::new();
@@ -82,7 +76,7 @@ pub(crate) fn units(estimate: &Estimate) -> Vec<Finding> {
                 Check::Units,
                 &body.name,
                 format!(
-                    "the data ask for {:.3} times the nominal inertia about every axis, as {words} would",
+                    "the data fit {:.3} times the nominal inertia about every axis; possible cause: {words}",
                     mean.exp()
                 ),
             ));
@@ -107,17 +101,17 @@ pub(crate) fn rates(problem: &Problem, tables: &[Table], estimate: &Estimate) ->
         .map(|(factor, words)| (scaled(tables, *factor), (*words).to_owned()));
     let mut all: Vec<(Vec<Table>, String)> = exchanged.chain(scaled).collect();
     if turn_per_reading(tables) > FAST {
-        // Numbers this large are slow to follow, other axes or not.
+        // Motions this fast are slow to integrate, in any axes.
         all.rotate_left(ORDERS.len());
     }
     let mut all = all.into_iter();
     let (_, words) = all.find(|(other, _)| fits(problem, other).unwrap_or(false))?;
-    let text = format!("the data contradict the model, and fit it as {words}");
+    let text = format!("the data contradict the model; they fit with {words}");
     Some(finding(Check::Units, "omega", text))
 }
 
-/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds. Looked
-/// at before the fit, which would take minutes for nothing.
+/// A record without attitude that turns far between its readings, and fits as soon as its times are milliseconds.
+/// Tested before the fit, which would take minutes.
 pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
     let has_attitude = |t: &Table| t.channels.iter().any(|c| c.name == "q_w");
     let turn = turn_per_reading(tables);
@@ -136,7 +130,7 @@ pub(crate) fn times(model: &Model, tables: &[Table]) -> Option<Finding> {
         relative_accuracy: 1.0,
     };
     let text = format!(
-        "the vehicle turns by {turn:.1} rad from one reading to the next, and the data fit as times in ms that are read as s"
+        "the vehicle turns by {turn:.1} rad between samples; the times are probably in ms, not s"
     );
     fits(&problem, &other)?.then(|| finding(Check::Units, "time_s", text))
 }
@@ -164,7 +158,7 @@ const RATE_COLUMNS: [&str; 3] = ["omega_x", "omega_y", "omega_z"];
 
 fn along(order: [usize; 3]) -> String {
     let read = order.map(|k| RATE_COLUMNS[k]).join(", ");
-    format!("body rates whose x, y, z stand in the columns {read}")
+    format!("body rates with x, y, z in the columns {read}")
 }
 
 /// The tables with their body rates taken from other columns.

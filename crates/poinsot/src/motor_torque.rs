@@ -1,11 +1,12 @@
-//! Telemetered motor torque of wheels against their speed: two readings of one thing, of which the fit uses the speed.
+//! Telemetered motor torque of wheels against their speed: two measurements of one quantity, of which the fit uses the
+//! speed.
 
 use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, Wheel};
 use poinsot_telemetry::checks::{Check, Finding, Policy};
 use poinsot_telemetry::{Channel, Table, resample};
 
-/// Sigma of the scale of a torque that nobody calibrated: it is a current times a nominal constant.
+/// Sigma of the scale of an uncalibrated torque: a current times a nominal constant.
 const SCALE: f64 = 0.05;
 /// Sigmas from which the two contradict each other.
 const CONTRADICTED: f64 = 5.0;
@@ -18,7 +19,7 @@ const FEWEST: usize = 3 * UNKNOWNS;
 /// Share of the identity that keeps columns apart which are alike: a wheel that keeps its sense.
 const APART: f64 = 1.0e-9;
 
-/// Wheels whose speed does not change as their motor torque says.
+/// Wheels whose speed change contradicts their motor torque.
 ///
 /// `Js dOmega = s int tau dt - b dt - c0 int sign(Omega) dt - c1 int Omega dt` over windows: scale and offset of the torque, Coulomb
 /// and viscous friction. What the body's own turn adds to the axial speed is left out: it is below a thousandth.
@@ -44,7 +45,7 @@ fn contradiction(wheel: &Wheel, tables: &[Table]) -> Option<Finding> {
         of: 0,
         first_times_s: Vec::new(),
         text: format!(
-            "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque says ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
+            "the speed of {0} changes {scale:.2} +- {sigma:.2} times as much as its motor torque predicts ({torque}, spin inertia {1} kg m2); check spin inertia, units and signs",
             wheel.name, wheel.spin_inertia
         ),
         policy: Policy::Report,
@@ -109,7 +110,7 @@ fn scale(changes: &[Change], spin_inertia: f64) -> Option<(f64, f64)> {
     );
     let sizes: [f64; UNKNOWNS] =
         std::array::from_fn(|k| changes.iter().map(|c| c.of[k].abs()).fold(0.0, f64::max));
-    // Columns of unit size; a column of zeros says nothing and takes nothing.
+    // Columns of unit size; a column of zeros has no effect.
     let size = |k: usize| if sizes[k] > 0.0 { sizes[k] } else { 1.0 };
     let A = DMatrix::from_fn(changes.len(), UNKNOWNS, |i, k| changes[i].of[k] / size(k));
     let normal = A.tr_mul(&A) + DMatrix::identity(UNKNOWNS, UNKNOWNS) * APART;

@@ -1,4 +1,4 @@
-//! The verb `predict`: what a planned manoeuvre will tell, before it is flown.
+//! The verb `predict`: the accuracy of a planned manoeuvre before it is flown.
 //!
 //! The case is simulated with perfect sensors, the readings' sensitivities are taken at the truth, and the
 //! declared noise turns them into the Cramer-Rao bound. No telemetry, no estimator.
@@ -9,7 +9,7 @@ mod wanted;
 
 pub use file::prediction_file;
 pub use text::prediction_document;
-pub(crate) use text::{accuracy, told};
+pub(crate) use text::{accuracy, predicted_sigma};
 pub use wanted::{Met, covariance_name, wanted_sigma};
 
 use crate::bind::{BindError, bind};
@@ -21,7 +21,7 @@ use poinsot_identify::{Estimate, Problem, cramer_rao};
 use poinsot_model::{Model, read_model};
 use std::path::Path;
 
-/// What a case will tell.
+/// Predicted accuracy of a case.
 pub struct Prediction {
     /// The vehicle; its numbers are taken as the truth.
     pub model: Model,
@@ -29,16 +29,17 @@ pub struct Prediction {
     pub case: String,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
-    /// The bound: values are the truth, sigmas what the readings will leave.
+    /// The bound: values are the truth, sigmas are the bound.
     pub bound: Estimate,
-    /// What the case wants beside what the manoeuvre tells.
+    /// Wanted and predicted sigmas.
     pub wants: Vec<Met>,
     /// What was assumed.
     pub assumptions: Vec<String>,
 }
 
 impl Prediction {
-    /// Whether the case reaches what it wants; of a case without `[[want]]` whether every requested number is determined.
+    /// Whether the case reaches its wanted sigmas; of a case without `[[want]]` whether every requested number is
+    /// determined.
     pub fn passes(&self) -> bool {
         match self.wants.is_empty() {
             true => self.bound.passes(),
@@ -111,7 +112,7 @@ fn refuse_unread(case: &Case, model: &Model) -> Result<(), Error> {
         None => Ok(()),
         Some(joint) => Err(BindError::Unsupported {
             what: format!(
-                "joint '{}' moves by torque or spring in this case and no sensor reads it, so no estimator could know its motion; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
+                "joint '{}' moves by torque or spring, but no sensor measures it; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]",
                 joint.name
             ),
         }

@@ -1,5 +1,4 @@
-//! What is being done, for whoever shows a bar: events of `tracing` under one target. Without a listener
-//! they cost a comparison.
+//! Progress of a verb: events of `tracing` under one target. Without a listener they cost a comparison.
 
 /// One of a number of steps is done; `total` 0 where the number is not known.
 pub(crate) fn step(stage: &str, done: usize, total: usize) {

@@ -1,4 +1,4 @@
-//! A `[telemetry]` table for a CSV file that nobody has described: what its first lines suggest, and what they leave open.
+//! Proposes a `[telemetry]` table for a CSV file from its first lines.
 
 use crate::bind::mountings;
 use crate::error::Error;
@@ -22,7 +22,7 @@ const UNIX: (f64, f64) = (1.0e9, 4.0e9);
 const UNIX_UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1.0e3), ("us", 1.0e6), ("ns", 1.0e9)];
 
 /// The first lines of a file, taken apart.
-struct Head {
+struct FileHead {
     comment: Option<char>,
     delimiter: char,
     header_row: usize,
@@ -31,7 +31,7 @@ struct Head {
     first: Vec<String>,
 }
 
-/// What the files of one segment hold. The map is that of `map`, else of `model`; where neither describes a column, a
+/// Content of the files of one segment. The map is that of `map`, else of `model`; where neither describes a column, a
 /// `[telemetry]` table is proposed, and files that cannot be read as they are are read by it.
 ///
 /// # Errors
@@ -90,7 +90,7 @@ impl std::fmt::Display for InspectionAnswer {
         if let Some(map) = &self.proposed_map {
             write!(
                 f,
-                "\n\nProposed map, to paste into the model file or into a file for --map; check what is unsure:\n\n{map}"
+                "\n\nProposed map, for the model file or a file for --map; check the lines marked unsure:\n\n{map}"
             )?;
         }
         match &self.proposed_sensors {
@@ -122,7 +122,7 @@ fn proposed(path: &Path) -> Option<String> {
     if bytes.contains(&0) {
         return None;
     }
-    let head = Head::of(&text)?;
+    let head = FileHead::of(&text)?;
     let mut out = String::from("[[telemetry.file]]\n");
     let name = path.file_name()?.to_string_lossy();
     let _ = writeln!(out, "name = {}", quoted(&name));
@@ -134,7 +134,7 @@ fn proposed(path: &Path) -> Option<String> {
     (out.len() > before).then_some(out)
 }
 
-impl Head {
+impl FileHead {
     fn of(text: &str) -> Option<Self> {
         let lines: Vec<&str> = text.lines().take(LINES).collect();
         let comment = lines.first()?.chars().next().filter(|c| "#%!".contains(*c));

@@ -101,7 +101,7 @@ fn noise(channels: &[&ChannelSummary], kind: SensorKind) -> Option<String> {
 /// How far the noise may be off.
 fn error(channels: &[&ChannelSummary]) -> String {
     if channels.iter().any(|c| c.noise_is_upper_bound) {
-        return "an upper bound: motion between the samples is part of it".to_owned();
+        return "an upper bound: it includes motion between the samples".to_owned();
     }
     let errors = channels.iter().filter_map(|c| c.noise_relative_error);
     let percent = 100.0 * errors.fold(0.0, f64::max);

@@ -118,7 +118,7 @@ pub fn simulate_trial(case: &Case, model: &Model, trial: u64) -> Result<Simulati
     })
 }
 
-/// The readings of perfect sensors.
+/// Ideal measurements.
 #[derive(Debug, Clone)]
 pub struct Exact {
     /// Only what some sensor measures, and the motion of joints, wheels and thrusters.
@@ -127,7 +127,7 @@ pub struct Exact {
     pub biases: Vec<Option<Vec<f64>>>,
 }
 
-/// What perfect sensors read, each at its own times and place, and the biases that the case gives them.
+/// Ideal measurements, each at its own times and place, and the biases of the case.
 ///
 /// # Errors
 /// As [`simulate_case`].
@@ -163,7 +163,7 @@ pub fn simulate_exact_of(
     })?;
     let mut table = recorder.table(&scenario);
     keep_measured(model, &mut table);
-    // What torques and springs do is not commanded: only a sensor can tell.
+    // Motion by torques and springs is not commanded: only a sensor measures it.
     for joint in free_joints(model, &scenario) {
         if !is_read(model, joint) {
             let own = joint_channels(joint);
@@ -173,8 +173,8 @@ pub fn simulate_exact_of(
     Ok(Exact { table, biases })
 }
 
-/// Leaves out what no sensor of the model measures: a simulation knows the whole motion, an experiment does
-/// not. Joints, wheels and thrusters are commanded and stay.
+/// Leaves out what no sensor of the model measures: an experiment does not measure the whole motion. Joints, wheels and
+/// thrusters are commanded and stay.
 pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     let blind: Vec<String> = SensorKind::ALL
         .into_iter()
@@ -184,8 +184,8 @@ pub(crate) fn keep_measured(model: &Model, table: &mut Table) {
     table.channels.retain(|c| !blind.contains(&c.name));
 }
 
-/// What perfect sensors read of a vehicle with other mass properties than the model's, at the times of the
-/// scenario, with every other channel of the exact motion.
+/// Ideal measurements of a vehicle with other mass properties than the model's, at the times of the scenario, with
+/// every other channel of the exact motion.
 pub(crate) fn perfect_table(
     case: &Case,
     model: &Model,
@@ -204,7 +204,7 @@ pub(crate) fn perfect_table(
     Ok(recorder.table(&scenario))
 }
 
-/// The model with sensors that do not err.
+/// The model with ideal sensors.
 fn without_errors(model: &Model) -> Model {
     let mut perfect = model.clone();
     for sensor in &mut perfect.sensors {
@@ -308,7 +308,7 @@ pub fn run(
     Ok(Vec::new())
 }
 
-/// Refuses a driven joint that carries nothing which resists it, by name.
+/// Refuses a driven joint without outboard inertia, by name.
 fn free_to_move(
     model: &Model,
     parameters: &[InertialParameters],

@@ -1,4 +1,4 @@
-//! The verb `study`: what a paper states, computed again.
+//! The verb `study`: reproduction of the results of papers.
 //!
 //! The studies are those of [`poinsot_papers::study`]. They simulate and identify through [`Tools`], which is made of the
 //! verbs of this crate here.
@@ -26,7 +26,7 @@ use poinsot_spatial::InertialParameters;
 use poinsot_telemetry::{Table, read};
 use std::path::{Path, PathBuf};
 
-/// What counts as determined in a bound: the default of `--relative-accuracy`.
+/// Accuracy of a determined number in a bound: the default of `--relative-accuracy`.
 const ACCURACY: f64 = 1.0;
 
 /// The tools of this crate.
@@ -160,7 +160,7 @@ pub fn run(study: &Study, examples: &Path) -> Result<Findings, Error> {
         return Err(Error::Usage {
             option: "--examples",
             value: examples.display().to_string(),
-            why: "this folder does not hold the project's examples (no folder 'cases'); run in the project's folder, or give the path of its folder 'examples'".to_owned(),
+            why: "this folder does not have the project's examples (no folder 'cases'); run in the project's folder, or give the path of its folder 'examples'".to_owned(),
         });
     }
     let context = Context {

@@ -1,4 +1,4 @@
-//! The verb `validate`: does a model, or an estimate, move as another model or as telemetry?
+//! The verb `validate`: compares the motion of a model or an estimate with another model or with telemetry.
 //!
 //! Three questions. Against a model, in a case: both move under the same torques, wheels and thrust. Against
 //! telemetry, in a case: the motion that the case gives beside the readings. Against telemetry alone: what
@@ -54,7 +54,7 @@ pub struct ValidateRequest {
     pub within_rad: Option<f64>,
     /// No repairs.
     pub strict: bool,
-    /// Read what a damaged file still holds.
+    /// Read the complete part of a damaged file.
     pub recover: bool,
 }
 
@@ -69,7 +69,7 @@ pub enum Against {
     HeldBack,
 }
 
-/// How it ended.
+/// Verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// Compared; nothing says what would be acceptable.
@@ -78,7 +78,7 @@ pub enum Verdict {
     Agrees,
     /// Beyond them.
     Differs,
-    /// The motion depends on what the estimate leaves open.
+    /// The motion depends on undetermined numbers.
     Undetermined,
 }
 
@@ -94,7 +94,7 @@ impl Verdict {
     }
 }
 
-/// How an estimate that leaves numbers open was made whole.
+/// Completion of an estimate with undetermined numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Completed {
     /// Numbers the estimate determines, and those it leaves open.
@@ -103,7 +103,7 @@ pub struct Completed {
     pub open: usize,
     /// How far the completed numbers lie from the nominal ones, natural units.
     pub distance: f64,
-    /// What the prediction has of the open directions.
+    /// Sensitivity of the prediction to the unobservable directions.
     pub effect: OpenEffect,
 }
 
@@ -112,13 +112,13 @@ pub struct Completed {
 pub struct Validation {
     /// What was asked.
     pub kind: Against,
-    /// How it ended.
+    /// Verdict.
     pub verdict: Verdict,
     /// Path of the model.
     pub model: String,
     /// Path of the estimate, with its status.
     pub estimate: Option<(String, String)>,
-    /// Whether the estimate says that it may be relied on; true of a model.
+    /// Whether the estimate is reliable; true for a model.
     pub relied_on: bool,
     /// What it was compared with.
     pub against: String,
@@ -128,7 +128,7 @@ pub struct Validation {
     pub compared: Vec<Compared>,
     /// Chi-square per degree of freedom of held-back telemetry.
     pub chi2_per_dof: Option<f64>,
-    /// How open numbers were completed.
+    /// Completion of undetermined numbers.
     pub completed: Option<Completed>,
     /// Limits given, m and rad.
     pub limits: (Option<f64>, Option<f64>),
@@ -139,7 +139,7 @@ pub struct Validation {
 }
 
 impl Validation {
-    /// Whether both motions agree, by an estimate that can be relied on.
+    /// Whether both motions agree, with a reliable estimate.
     pub fn passes(&self) -> bool {
         let failed = matches!(self.verdict, Verdict::Differs | Verdict::Undetermined);
         self.relied_on && !failed
@@ -186,7 +186,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         (Some(case), false) => asked.against_telemetry(case)?,
         (None, false) => asked.held_back()?,
         (None, true) => {
-            let why = "no case is given; give one that says which torques both vehicles get";
+            let why = "no case is given; give one with the torques of both vehicles";
             return Err(usage("CASE", "", why));
         }
     };
@@ -195,8 +195,7 @@ pub fn validate(request: &ValidateRequest) -> Result<Validation, Error> {
         validation.estimate = Some((path.display().to_string(), estimated.status.clone()));
         validation.relied_on = estimated.trustworthy;
         if !estimated.trustworthy {
-            let warning =
-                "the estimate says that its covariance is not trustworthy; see its warnings";
+            let warning = "the covariance of the estimate is not trustworthy; see its warnings";
             validation.warnings.push(warning.to_owned());
         }
     }
@@ -332,7 +331,7 @@ fn check(request: &ValidateRequest) -> Result<(), Error> {
     ];
     for (option, limit) in limits {
         if let Some(x) = limit.filter(|x| *x < 0.0 || x.is_nan()) {
-            let why = "the limit is no number from zero up; give one";
+            let why = "the limit must be a number of at least zero";
             return Err(usage(option, &x.to_string(), why));
         }
     }

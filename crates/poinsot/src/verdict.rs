@@ -2,11 +2,11 @@
 
 use poinsot_report::Tone;
 
-/// What an answer says of itself; the names are those of `estimate.json`.
+/// State of an answer; the names are those of `estimate.json`.
 pub struct Standing<'a> {
     /// Name of the status.
     pub status: &'a str,
-    /// Whether the method states an uncertainty that can be relied on.
+    /// Whether the method states a reliable uncertainty.
     pub covariance_trustworthy: bool,
     /// Evidence against the answer.
     pub doubts: &'a [String],

@@ -3,7 +3,7 @@
 use super::{Failure, Outcome, exit_of, note, print, print_document, print_json};
 use crate::arguments::{Campaign, Emit};
 use poinsot::campaign::{
-    CampaignRequest, Plan, Ran, campaign, campaign_cost, campaign_document, cost_document,
+    CampaignRequest, CampaignRun, Plan, campaign, campaign_cost, campaign_document, cost_document,
     merge_campaign, read_plan, slurm_scripts,
 };
 use poinsot::{check_outputs, write_files};
@@ -31,7 +31,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
         Failure::from(poinsot::Error::Usage {
             option: "--out",
             value: String::new(),
-            why: "a campaign keeps its shards; name a folder for them".to_owned(),
+            why: "a campaign needs a folder for its shards".to_owned(),
         })
     })?;
     let results = ["campaign.json", "campaign.html"].map(|n| out.join(n));
@@ -62,7 +62,7 @@ pub fn run(arguments: &Campaign) -> Outcome {
 }
 
 /// Prints what a campaign or a sweep gave; its exit code.
-pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &Ran) -> Outcome {
+pub fn shown(json: bool, quiet: bool, plan: &Plan, ran: &CampaignRun) -> Outcome {
     if !quiet {
         for (shard, why) in ran.damaged.iter().take(10) {
             note(&format!("shard {shard}: {why}"));
@@ -164,7 +164,7 @@ fn supervised(
     while let Some((share, crashes, mut child)) = running.pop() {
         let ended = child.wait().map_err(|source| poinsot::Error::Io {
             path: program.clone(),
-            what: "cannot be waited for",
+            what: "its end cannot be observed",
             source,
         })?;
         match ended.code() {
@@ -176,7 +176,7 @@ fn supervised(
                 let (missing, _) = poinsot::campaign::missing_shards(plan, out, of_share)?;
                 let at = missing.first().map_or("none".to_owned(), u64::to_string);
                 let again = if crashes < TRIES {
-                    "it is started again"
+                    "it is restarted"
                 } else {
                     "given up"
                 };

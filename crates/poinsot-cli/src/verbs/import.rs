@@ -25,7 +25,7 @@ pub fn run(arguments: &Import) -> Outcome {
         note(&format!("note: {}:{found}", arguments.urdf.display()));
     }
     note(&format!(
-        "{} bodies, {} joints; add sensors with their noise and say what is to be estimated",
+        "{} bodies, {} joints; add sensors with their noise, and set estimate on the unknown bodies",
         model.bodies.len(),
         model.joints.len()
     ));

@@ -108,7 +108,7 @@ pub fn step(rows: &crate::arguments::Rows) -> Result<usize, Failure> {
     }
 }
 
-/// One line on standard error. Where that is closed nobody reads it, and the answer is none the worse.
+/// One line on standard error; a closed one is ignored.
 pub fn note(line: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{}", error_line(line));

@@ -177,7 +177,7 @@ fn cli_a_process_that_is_killed_is_named_and_started_again() {
     succeeded(&output);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
-        said.contains("signal: 9") && said.contains("it is started again"),
+        said.contains("signal: 9") && said.contains("it is restarted"),
         "{said}"
     );
     assert_eq!(result(&bench.join("many")), whole);

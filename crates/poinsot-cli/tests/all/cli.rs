@@ -390,7 +390,7 @@ fn cli_a_missing_column_is_named_in_one_whole_line() {
         row.remove(at);
     });
     let expected = format!(
-        "E0301 {file}: no channel 'wheel3_rad_s': the momentum of a wheel cannot be guessed; add the column, or take the wheel out of the model\n"
+        "E0301 {file}: no channel 'wheel3_rad_s': the momentum of a wheel has no default; add the column, or take the wheel out of the model\n"
     );
     assert_eq!(satellite.refused(&file), expected);
 }

@@ -87,7 +87,7 @@ fn cli_results_of_other_verbs_have_the_same_page() {
         (
             &prediction,
             "Partly determined",
-            "What the data cannot tell",
+            "Not identifiable from the data",
         ),
         (&comparison, "Agree, not reliable", "Notes"),
     ] {

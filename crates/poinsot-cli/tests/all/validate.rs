@@ -131,7 +131,7 @@ fn cli_a_driven_case_is_simulated_and_a_singular_one_refused() {
         words.starts_with("E0509 ") && words.contains("joint \"joint6\""),
         "{words}"
     );
-    assert!(words.contains("the mass matrix is singular"), "{words}");
+    assert!(words.contains("singular mass matrix"), "{words}");
     assert!(!Path::new(&bad).exists());
 }
 

@@ -1,44 +1,44 @@
 //! Mass properties with sigma and source, for each body and for the whole vehicle.
 
-use crate::fit::triangle::{HeadSolution, head};
+use crate::fit::triangle::{ConditionalEstimate, conditional_estimate};
 use crate::problem::parameters::{Equations, TENSOR, UnknownKind, rotation_properties};
 use crate::problem::quantity::{Quantity, TenParameters};
 use crate::solution::estimate::{BodyEstimate, Number, Principal, Source};
-use crate::solution::open_set::OpenSet;
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
+use crate::solution::unobservable_set::UnobservableSet;
 use nalgebra::Rotation3;
 use poinsot_dynamics::{Kinematics, Tree};
 use poinsot_model::EstimateSet;
 use poinsot_solve::Spectrum;
 use poinsot_spatial::{MassProperties, Matrix3, Vector3, pseudo_inertia};
 
-/// Judges quantities: determined or open.
-pub(crate) struct Judge<'a> {
+/// Value and sigma of quantities; `None` for an undetermined one.
+pub(crate) struct QuantityEstimator<'a> {
     spectrum: &'a Spectrum,
     /// What the data say without the priors of mass properties.
     data_alone: Option<&'a Spectrum>,
-    /// What stays the same along it is determined.
-    open_set: &'a OpenSet,
+    /// A quantity that is constant along it is determined.
+    unobservable_set: &'a UnobservableSet,
     /// Factor on sigma where the residual is larger than declared.
     inflation: f64,
     rejected: bool,
-    /// Nuisances as functions of the mass properties, and what they scatter by beside.
-    nuisances: HeadSolution,
+    /// Nuisances as functions of the mass properties, and their conditional covariance.
+    nuisances: ConditionalEstimate,
 }
 
-impl<'a> Judge<'a> {
-    pub(crate) fn new(solved: &'a Solved, inflation: f64, rejected: bool) -> Self {
-        let spectrum = &solved.spectrum;
+impl<'a> QuantityEstimator<'a> {
+    pub(crate) fn new(solution: &'a Solution, inflation: f64, rejected: bool) -> Self {
+        let spectrum = &solution.spectrum;
         Self {
             spectrum,
-            data_alone: solved.data_alone.as_ref(),
-            open_set: &solved.open_set,
+            data_alone: solution.data_alone.as_ref(),
+            unobservable_set: &solution.unobservable_set,
             inflation,
             rejected,
-            nuisances: head(
-                &solved.shared.r,
-                solved.shared.nuisances,
-                &solved.x[..solved.shared.mass],
+            nuisances: conditional_estimate(
+                &solution.shared.r,
+                solution.shared.nuisances,
+                &solution.x[..solution.shared.mass],
             ),
         }
     }
@@ -73,10 +73,10 @@ impl<'a> Judge<'a> {
             return Number::known(quantity.value);
         }
         if self.rejected || !quantity.value.is_finite() {
-            return Number::open(nominal);
+            return Number::undetermined(nominal);
         }
         match self.spectrum.sigma(used) {
-            Some(sigma) if self.open_set.holds(quantity, sigma, at) => {
+            Some(sigma) if self.unobservable_set.holds(quantity, sigma, at) => {
                 let sigma = sigma.hypot(own.sqrt()) * self.inflation;
                 let mut number = Number::data(quantity.value, sigma, nominal);
                 if self.data_alone.is_some_and(|d| d.sigma(used).is_none()) {
@@ -84,11 +84,11 @@ impl<'a> Judge<'a> {
                 }
                 number
             }
-            _ => Number::open(nominal),
+            _ => Number::undetermined(nominal),
         }
     }
 
-    /// Sigma of a number with this gradient and a variance of its own; `None` where it is open.
+    /// Sigma of a number with this gradient and a variance of its own; `None` if it is undetermined.
     pub(crate) fn sigma_with(&self, gradient: &[f64], own: f64) -> Option<f64> {
         if self.rejected {
             return None;
@@ -100,8 +100,8 @@ impl<'a> Judge<'a> {
 }
 
 /// One body.
-pub(crate) fn body(judge: &Judge, solved: &Solved, at: usize) -> BodyEstimate {
-    let parameters = &solved.parameters;
+pub(crate) fn body(estimator: &QuantityEstimator, solution: &Solution, at: usize) -> BodyEstimate {
+    let parameters = &solution.parameters;
     let asked = parameters.estimate[at];
     let nominal = parameters.nominal_properties[at];
     let name = parameters.body_names[at].clone();
@@ -111,39 +111,39 @@ pub(crate) fn body(judge: &Judge, solved: &Solved, at: usize) -> BodyEstimate {
     match parameters.equations {
         Equations::Momentum => {
             let ten = |x: &[f64]| TenParameters::of_body(parameters, at, x);
-            from_ten(judge, name, asked, &nominal, &ten(&solved.x), ten)
+            from_ten(estimator, name, asked, &nominal, &ten(&solution.x), ten)
         }
-        Equations::Rotation => rotation_body(judge, solved, name, asked, &nominal),
+        Equations::Rotation => rotation_body(estimator, solution, name, asked, &nominal),
     }
 }
 
 /// The whole vehicle with the joints where they are in `kinematics`.
 pub(crate) fn system(
-    judge: &Judge,
-    solved: &Solved,
+    estimator: &QuantityEstimator,
+    solution: &Solution,
     tree: &Tree,
     joint_position: &[f64],
 ) -> BodyEstimate {
     let mut kinematics = Kinematics::new(tree);
     kinematics.place(tree, joint_position);
-    let parameters = &solved.parameters;
+    let parameters = &solution.parameters;
     let ten = |x: &[f64]| TenParameters::of_system(parameters, &kinematics, x);
     let nominal = ten(&parameters.nominal_vector())
         .inertial()
         .mass_properties()
         .unwrap_or(MassProperties::ZERO);
     from_ten(
-        judge,
+        estimator,
         "system".to_owned(),
         EstimateSet::ALL,
         &nominal,
-        &ten(&solved.x),
+        &ten(&solution.x),
         ten,
     )
 }
 
 fn from_ten(
-    judge: &Judge,
+    estimator: &QuantityEstimator,
     name: String,
     asked: EstimateSet,
     nominal: &MassProperties,
@@ -151,12 +151,12 @@ fn from_ten(
     at: impl Fn(&[f64]) -> TenParameters,
 ) -> BodyEstimate {
     let nominal_pi = nominal.parameters().to_array();
-    let mass = judge.number(&ten.parameter(0), nominal.mass, |x| at(x).parameter(0));
+    let mass = estimator.number(&ten.parameter(0), nominal.mass, |x| at(x).parameter(0));
     let com = [0, 1, 2].map(|k| {
         if !asked.com {
             return Number::known(nominal.p_BoBcm_B[k]);
         }
-        judge.number(&ten.mass_centre(k), nominal.p_BoBcm_B[k], |x| {
+        estimator.number(&ten.mass_centre(k), nominal.p_BoBcm_B[k], |x| {
             at(x).mass_centre(k)
         })
     });
@@ -164,35 +164,35 @@ fn from_ten(
         if !asked.inertia {
             return Number::known(nominal.I_BBcm_B[TENSOR[k]]);
         }
-        judge.number(&ten.central_inertia(k), nominal.I_BBcm_B[TENSOR[k]], |x| {
+        estimator.number(&ten.central_inertia(k), nominal.I_BBcm_B[TENSOR[k]], |x| {
             at(x).central_inertia(k)
         })
     });
     let barycentric = std::array::from_fn(|k| {
-        judge.number(&ten.parameter(k), nominal_pi[k], |x| at(x).parameter(k))
+        estimator.number(&ten.parameter(k), nominal_pi[k], |x| at(x).parameter(k))
     });
     BodyEstimate::from_numbers(name, mass, com, inertia, barycentric)
 }
 
 fn rotation_body(
-    judge: &Judge,
-    solved: &Solved,
+    estimator: &QuantityEstimator,
+    solution: &Solution,
     name: String,
     asked: EstimateSet,
     nominal: &MassProperties,
 ) -> BodyEstimate {
-    let parameters = &solved.parameters;
-    let answer = rotation_properties(parameters, &solved.x);
+    let parameters = &solution.parameters;
+    let answer = rotation_properties(parameters, &solution.x);
     let pick = |wanted: &dyn Fn(&UnknownKind) -> bool, value: f64, nominal: f64, asked: bool| {
         let at = parameters.unknowns.iter().position(|u| wanted(&u.kind));
         match at {
             _ if !asked => Number::known(nominal),
-            None => Number::open(nominal),
+            None => Number::undetermined(nominal),
             Some(at) => {
                 let mut gradient = vec![0.0; parameters.len()];
                 gradient[at] = 1.0;
                 let quantity = Quantity { value, gradient };
-                judge.number(&quantity, nominal, |x| Quantity {
+                estimator.number(&quantity, nominal, |x| Quantity {
                     value: x[at],
                     gradient: quantity.gradient.clone(),
                 })
@@ -201,7 +201,7 @@ fn rotation_body(
     };
     // Rotation alone never shows the mass.
     let mass = if asked.mass {
-        Number::open(nominal.mass)
+        Number::undetermined(nominal.mass)
     } else {
         Number::known(nominal.mass)
     };
@@ -226,7 +226,7 @@ fn rotation_body(
     });
     let nominal_pi = nominal.parameters().to_array();
     let ten = |x: &[f64]| TenParameters::of_body(parameters, 0, x);
-    // What an unknown mass moves, and an unknown mass centre that these data cannot show.
+    // Parameters that depend on an unknown mass, or on a mass centre that these data do not determine.
     let by_mass = MassProperties {
         mass: 1.0,
         I_BBcm_B: Matrix3::zeros(),
@@ -237,8 +237,10 @@ fn rotation_body(
     let centre_is_open = asked.com && !parameters.unknowns.iter().any(|u| centre(&u.kind));
     let barycentric = std::array::from_fn(|k| match k {
         0 => mass,
-        _ if centre_is_open || (asked.mass && by_mass[k] != 0.0) => Number::open(nominal_pi[k]),
-        _ => judge.number(&ten(&solved.x).parameter(k), nominal_pi[k], |x| {
+        _ if centre_is_open || (asked.mass && by_mass[k] != 0.0) => {
+            Number::undetermined(nominal_pi[k])
+        }
+        _ => estimator.number(&ten(&solution.x).parameter(k), nominal_pi[k], |x| {
             ten(x).parameter(k)
         }),
     });

@@ -1,11 +1,11 @@
-//! The covariance of all numbers of the answer together: mass properties of the bodies asked for, and nuisances.
+//! The covariance of all numbers of the answer together: mass properties of the requested bodies, and nuisances.
 
-use crate::answer::momentum::is_answered;
-use crate::fit::triangle::head;
+use crate::answer::momentum::is_reported;
+use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::{Equations, UnknownKind, axis_name, tensor_name};
 use crate::problem::quantity::TenParameters;
 use crate::solution::estimate::{BodyEstimate, NamedNumber, Number, Source};
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 
 /// One number that is determined.
 pub(crate) struct Row {
@@ -17,21 +17,26 @@ pub(crate) struct Row {
     pub nuisance: Option<usize>,
 }
 
-/// Names, units and slopes of mass, mass centre and central inertia of every body asked for and of the nuisances,
-/// where determined.
+/// Names, units and slopes of mass, mass centre and central inertia of every requested body and of the nuisances, if
+/// determined.
 pub(crate) fn covariance_rows(
-    solved: &Solved,
+    solution: &Solution,
     bodies: &[BodyEstimate],
     nuisances: &[NamedNumber],
 ) -> Vec<Row> {
     let mut rows = Vec::new();
     for (at, body) in bodies.iter().enumerate() {
-        body_rows(solved, at, body, &mut rows);
+        body_rows(solution, at, body, &mut rows);
     }
-    let mass = solved.shared.mass;
-    let slopes = head(&solved.shared.r, solved.shared.nuisances, &solved.x[..mass]).slope;
-    let unknowns = solved.parameters.unknowns.iter().enumerate();
-    let answered = unknowns.filter(|(_, u)| is_answered(&u.kind));
+    let mass = solution.shared.mass;
+    let slopes = conditional_estimate(
+        &solution.shared.r,
+        solution.shared.nuisances,
+        &solution.x[..mass],
+    )
+    .slope;
+    let unknowns = solution.parameters.unknowns.iter().enumerate();
+    let answered = unknowns.filter(|(_, u)| is_reported(&u.kind));
     for ((at, unknown), answer) in answered.zip(nuisances) {
         if !determined(&answer.number) {
             continue;
@@ -55,11 +60,11 @@ fn determined(number: &Number) -> bool {
     matches!(number.source, Source::Data | Source::Prior)
 }
 
-fn body_rows(solved: &Solved, at: usize, body: &BodyEstimate, rows: &mut Vec<Row>) {
-    let parameters = &solved.parameters;
+fn body_rows(solution: &Solution, at: usize, body: &BodyEstimate, rows: &mut Vec<Row>) {
+    let parameters = &solution.parameters;
     let name = &body.name;
     let ten = (parameters.equations == Equations::Momentum)
-        .then(|| TenParameters::of_body(parameters, at, &solved.x));
+        .then(|| TenParameters::of_body(parameters, at, &solution.x));
     let unit = |wanted: UnknownKind| -> Vec<f64> {
         let unknowns = parameters.unknowns.iter();
         unknowns
@@ -94,15 +99,14 @@ fn body_rows(solved: &Solved, at: usize, body: &BodyEstimate, rows: &mut Vec<Row
     }
 }
 
-/// Their covariance, row by row: that of the mass properties carried over, and what a nuisance scatters by once they
-/// are given.
-pub(crate) fn covariance(solved: &Solved, rows: &[Row], scale: f64) -> Vec<Vec<f64>> {
-    let c = solved.spectrum.covariance();
+/// Their covariance, row by row: propagated from the mass properties, plus the conditional covariance of the nuisances.
+pub(crate) fn covariance(solution: &Solution, rows: &[Row], scale: f64) -> Vec<Vec<f64>> {
+    let c = solution.spectrum.covariance();
     let m = c.nrows();
-    let own = head(
-        &solved.shared.r,
-        solved.shared.nuisances,
-        &solved.x[..solved.shared.mass],
+    let own = conditional_estimate(
+        &solution.shared.r,
+        solution.shared.nuisances,
+        &solution.x[..solution.shared.mass],
     )
     .covariance;
     let image = |g: &[f64]| -> Vec<f64> {

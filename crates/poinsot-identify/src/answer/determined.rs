@@ -1,67 +1,75 @@
-//! What is determined instead of single numbers: combinations and other functions that stay the same along the open set.
+//! What is determined instead of single numbers: combinations and other functions that are constant along the
+//! unobservable set.
 
-use crate::answer::body::Judge;
+use crate::answer::body::QuantityEstimator;
 use crate::certify::barycentre::Barycentric;
 use crate::certify::combination::{Combination, split};
-use crate::certify::words;
+use crate::certify::naming;
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, TENSOR, axis_name, tensor_name};
 use crate::problem::quantity::Quantity;
 use crate::solution::estimate::{DeterminedCombination, Identifiability};
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 use faer::Mat;
 
-/// Movement of a combination along all walks together that counts as none, sigmas.
+/// Largest change of a constant combination along all paths, sigmas.
 const STILL: f64 = 0.1;
 /// Step of a difference, natural units: its third power and the round-off over it are both below 1e-9.
 const GRADIENT_STEP: f64 = 1.0e-4;
-/// Slope of a quantity, shares of its largest possible, below which it does not depend on the unknowns.
+/// Gradient of a quantity, relative to its largest possible, below which it is constant.
 const FLAT: f64 = 1.0e-9;
 
-/// Linear combinations that the data determine and that no walk moves.
-pub(crate) fn combinations(solved: &Solved, judge: &Judge) -> Vec<DeterminedCombination> {
-    let spectrum = solved.of_data();
+/// Linear combinations that the data determine and that are constant along all paths.
+pub(crate) fn combinations(
+    solution: &Solution,
+    estimator: &QuantityEstimator,
+) -> Vec<DeterminedCombination> {
+    let spectrum = solution.of_data();
     let m = spectrum.natural.len();
-    let open = unusable(solved);
-    let all = split(&open, &spectrum.natural, &words::weights(solved)).determined;
+    let open = unusable(solution);
+    let all = split(&open, &spectrum.natural, &naming::weights(solution)).determined;
     let one = |c: &Combination| {
         let gradient = c.gradient(m);
         let mut full = gradient.clone();
-        full.resize(solved.parameters.len(), 0.0);
+        full.resize(solution.parameters.len(), 0.0);
         let lead = c.terms.first()?.0;
         let at = |x: &[f64]| Quantity {
             value: c.value(x),
             gradient: full.clone(),
         };
-        let sigma = judge.sigma_with(&full, 0.0)?;
+        let sigma = estimator.sigma_with(&full, 0.0)?;
         let declared = spectrum.sigma(&gradient)?;
-        solved
-            .open_set
-            .holds(&at(&solved.x), declared, at)
+        solution
+            .unobservable_set
+            .holds(&at(&solution.x), declared, at)
             .then(|| DeterminedCombination {
-                text: words::sentence(solved, c),
-                coefficients: words::named(solved, &gradient),
-                unit: solved.parameters.unknowns[lead].unit,
-                value: c.value(&solved.x),
+                text: naming::sentence(solution, c),
+                coefficients: naming::named(solution, &gradient),
+                unit: solution.parameters.unknowns[lead].unit,
+                value: c.value(&solution.x),
                 sigma,
             })
     };
     all.iter().filter_map(one).collect()
 }
 
-/// The open directions and what the walks along them move besides, an orthonormal basis in natural units.
-fn unusable(solved: &Solved) -> Mat<f64> {
-    let spectrum = solved.of_data();
+/// Orthonormal basis of the unobservable directions and of all changes along their paths, natural units.
+fn unusable(solution: &Solution) -> Mat<f64> {
+    let spectrum = solution.of_data();
     let (n, r) = (spectrum.natural.len(), spectrum.rank);
-    let open = spectrum.open_directions();
-    let curved = solved.open_set.walks.iter().filter(|w| !w.ends.is_empty());
+    let open = spectrum.unobservable_directions();
+    let curved = solution
+        .unobservable_set
+        .walks
+        .iter()
+        .filter(|w| !w.ends.is_empty());
     let points: Vec<&Vec<f64>> = curved.flat_map(|w| &w.points).collect();
     if r == 0 || points.is_empty() {
         return open;
     }
     // Displacements along the determined directions, in sigmas.
     let moved = Mat::from_fn(r, points.len(), |k, p| {
-        let step = |i: usize| (points[p][i] - solved.x[i]) / spectrum.natural[i];
+        let step = |i: usize| (points[p][i] - solution.x[i]) / spectrum.natural[i];
         let along = (0..n).map(|i| step(i) * spectrum.directions[(i, k)]);
         spectrum.singular[k] * along.sum::<f64>()
     });
@@ -96,35 +104,36 @@ fn unusable(solved: &Solved) -> Mat<f64> {
     })
 }
 
-/// Functions of the unknowns that are not linear, that the data determine and that no walk moves: augmented inertias and
-/// couplings of a tree of which only the rotation is seen. None where combinations hold all that is determined.
+/// Nonlinear functions of the unknowns that the data determine and that are constant along all paths: augmented
+/// inertias and couplings of a tree with measured rotation only. Empty if combinations express all determined
+/// directions.
 pub(crate) fn functions(
     problem: &Problem,
-    solved: &Solved,
-    judge: &Judge,
+    solution: &Solution,
+    estimator: &QuantityEstimator,
 ) -> Vec<DeterminedCombination> {
-    let curved = solved.open_set.here.is_some();
-    if !curved || solved.parameters.equations != Equations::Momentum {
+    let curved = solution.unobservable_set.here.is_some();
+    if !curved || solution.parameters.equations != Equations::Momentum {
         return Vec::new();
     }
-    let x = &solved.x;
-    let (Some(here), Some(slopes)) = (values(problem, solved, x), slopes(problem, solved, x))
+    let x = &solution.x;
+    let (Some(here), Some(slopes)) = (values(problem, solution, x), slopes(problem, solution, x))
     else {
         return Vec::new();
     };
-    let (natural, set) = (&solved.of_data().natural, &solved.open_set);
+    let (natural, set) = (&solution.of_data().natural, &solution.unobservable_set);
     let along: Vec<(&Vec<f64>, Vec<f64>)> = set
         .points()
-        .filter_map(|x| Some((x, values(problem, solved, x)?)))
+        .filter_map(|x| Some((x, values(problem, solution, x)?)))
         .collect();
     let ends = set.walks.iter().flat_map(|w| &w.ends);
     let ends: Vec<(&Vec<f64>, Vec<Vec<f64>>)> = ends
-        .filter_map(|(x, _)| Some((x, self::slopes(problem, solved, x)?)))
+        .filter_map(|(x, _)| Some((x, self::slopes(problem, solution, x)?)))
         .collect();
-    let units = solved.parameters.natural.iter().map(|(m, l)| m * l * l);
+    let units = solution.parameters.natural.iter().map(|(m, l)| m * l * l);
     let inertia = units.fold(0.0, f64::max);
     let mut found = Vec::new();
-    for (k, text) in names(solved).into_iter().enumerate() {
+    for (k, text) in names(solution).into_iter().enumerate() {
         let quantity = Quantity {
             value: here[k],
             gradient: slopes[k].clone(),
@@ -134,8 +143,10 @@ pub(crate) fn functions(
         if slope <= FLAT * inertia {
             continue;
         }
-        let declared = solved.of_data().sigma(&quantity.gradient[..natural.len()]);
-        let stated = judge.sigma_with(&quantity.gradient, 0.0);
+        let declared = solution
+            .of_data()
+            .sigma(&quantity.gradient[..natural.len()]);
+        let stated = estimator.sigma_with(&quantity.gradient, 0.0);
         let (Some(declared), Some(sigma)) = (declared, stated) else {
             continue;
         };
@@ -161,8 +172,8 @@ pub(crate) fn functions(
 }
 
 /// Elements of the augmented inertias and couplings.
-fn values(problem: &Problem, solved: &Solved, x: &[f64]) -> Option<Vec<f64>> {
-    let all = Barycentric::new(problem.tree, &solved.parameters.bodies(x))?;
+fn values(problem: &Problem, solution: &Solution, x: &[f64]) -> Option<Vec<f64>> {
+    let all = Barycentric::new(problem.tree, &solution.parameters.bodies(x))?;
     let mut list: Vec<f64> = Vec::new();
     for K in &all.K {
         list.extend(TENSOR.map(|element| K[element]));
@@ -174,13 +185,13 @@ fn values(problem: &Problem, solved: &Solved, x: &[f64]) -> Option<Vec<f64>> {
 }
 
 /// Their slopes over the unknowns, by differences.
-fn slopes(problem: &Problem, solved: &Solved, x: &[f64]) -> Option<Vec<Vec<f64>>> {
-    let mut all = vec![vec![0.0; x.len()]; values(problem, solved, x)?.len()];
-    for (i, unit) in solved.of_data().natural.iter().enumerate() {
+fn slopes(problem: &Problem, solution: &Solution, x: &[f64]) -> Option<Vec<Vec<f64>>> {
+    let mut all = vec![vec![0.0; x.len()]; values(problem, solution, x)?.len()];
+    for (i, unit) in solution.of_data().natural.iter().enumerate() {
         let at = |step: f64| {
             let mut moved = x.to_vec();
             moved[i] += step * unit;
-            values(problem, solved, &moved)
+            values(problem, solution, &moved)
         };
         let pairs = at(GRADIENT_STEP)?.into_iter().zip(at(-GRADIENT_STEP)?);
         for (slope, (up, down)) in all.iter_mut().zip(pairs) {
@@ -204,8 +215,8 @@ const ELEMENTS: [(usize, usize); 9] = [
 ];
 
 /// Names of [`values`].
-fn names(solved: &Solved) -> Vec<String> {
-    let bodies = &solved.parameters.body_names;
+fn names(solution: &Solution) -> Vec<String> {
+    let bodies = &solution.parameters.body_names;
     let mut list = Vec::new();
     for body in bodies {
         let one = |k: usize| format!("K_{} of {body}", tensor_name(k));
@@ -222,7 +233,7 @@ fn names(solved: &Solved) -> Vec<String> {
     list
 }
 
-/// What is said where combinations alone do not hold what is determined, and where the rank changes along a walk.
+/// Warning if combinations do not express all determined directions, or if the rank changes along a path.
 pub(crate) fn withheld(found: &Identifiability) -> Option<String> {
     let linear = |c: &&DeterminedCombination| !c.coefficients.is_empty();
     let combinations = found.determined.iter().filter(linear).count();
@@ -231,20 +242,20 @@ pub(crate) fn withheld(found: &Identifiability) -> Option<String> {
     }
     let others = found.determined.len() - combinations;
     let mut text = format!(
-        "{} of {} determined directions hold no linear combination of parameters that is the same wherever the prediction is the same: {} such combinations are withheld",
+        "{} of {} determined directions are not linear combinations along paths of equal prediction: {} combinations are withheld",
         found.rank - combinations,
         found.rank,
         found.rank - combinations
     );
     if others > 0 {
         text.push_str(&format!(
-            "; {others} augmented inertias K (inertia of a body about its barycentre, the rest as point masses at its joints) and couplings D of two bodies are stated instead"
+            "; {others} augmented inertias K (about barycentres) and couplings D of two bodies are given instead"
         ));
     }
     if found.ranks.iter().any(|r| *r != found.ranks[0]) {
         let ranks: Vec<String> = found.ranks.iter().map(usize::to_string).collect();
         text.push_str(&format!(
-            "; the rank changes along the open set: {}",
+            "; the rank changes along the set of equal prediction: {}",
             ranks.join(", ")
         ));
     }

@@ -1,34 +1,34 @@
-//! How the answer depends on the known numbers.
+//! Sensitivity of the answer to the known numbers.
 
 use crate::answer::covariance::Row;
 use crate::fit::known_numbers::Effects;
 use crate::problem::parameters::KnownUnknown;
 use crate::solution::estimate::{KnownEffect, KnownNumbers};
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 use poinsot_model::{KnownNumber, Model};
 
 /// One per cent, one millimetre or one milliradian.
 const SHOWN_STEP: f64 = 1.0e-2;
 const SMALL_STEP: f64 = 1.0e-3;
 
-/// Sigmas without the known numbers, and what each of these does; `rows` are those of the covariance.
-pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> KnownNumbers {
+/// Sigmas without the known numbers, and the effect of each; `rows` are those of the covariance.
+pub(crate) fn known_numbers(model: &Model, solution: &Solution, rows: &[Row]) -> KnownNumbers {
     let uncertain = model.uncertain().next().is_some();
     let mut out = KnownNumbers {
         exact: !uncertain,
         assumed: model.knowledge.assumed,
         ..KnownNumbers::default()
     };
-    let Some(known) = &solved.known else {
+    let Some(known) = &solution.known else {
         return out;
     };
     let asked = |row: &Row| row.nuisance.is_none();
     let sigma = |row: &Row| known.exact.sigma(&row.gradient).filter(|_| asked(row));
     out.sigma_data = rows.iter().map(sigma).collect();
-    let total = |row: &Row| solved.spectrum.sigma(&row.gradient).unwrap_or(0.0);
+    let total = |row: &Row| solution.spectrum.sigma(&row.gradient).unwrap_or(0.0);
     let totals: Vec<f64> = rows.iter().map(total).collect();
     for (k, place) in known.places.iter().enumerate() {
-        let unknown = &solved.parameters.unknowns[*place];
+        let unknown = &solution.parameters.unknowns[*place];
         let Some(number) = unknown.kind.known() else {
             continue;
         };
@@ -54,7 +54,7 @@ pub(crate) fn known_numbers(model: &Model, solved: &Solved, rows: &[Row]) -> Kno
             sigma: number.sigma,
             estimated: known
                 .shrunk(*place)
-                .then(|| (solved.x[*place], sigma_of(known, k))),
+                .then(|| (solution.x[*place], sigma_of(known, k))),
             step,
             step_words,
             changes: rows.iter().map(change).collect(),
@@ -70,7 +70,7 @@ fn sigma_of(known: &Effects, k: usize) -> f64 {
     known.covariance[(k, k)].max(0.0).sqrt()
 }
 
-/// A step of a known number that an engineer can imagine.
+/// A step of a known number in round units.
 fn step(model: &Model, known: &KnownUnknown) -> (f64, &'static str) {
     match known.number {
         KnownNumber::Mass(_)

@@ -6,7 +6,7 @@ pub(crate) mod determined;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum;
 mod rejection;
-pub(crate) mod trust;
+pub(crate) mod reliability;
 pub(crate) mod write;
 
 pub(crate) use write::{write, write_with_remedies};

@@ -1,73 +1,82 @@
 //! Initial momentum of every segment and the nuisances as numbers of the answer.
 
-use crate::answer::body::Judge;
-use crate::fit::triangle::head;
+use crate::answer::body::QuantityEstimator;
+use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::UnknownKind;
 use crate::solution::estimate::{MomentumEstimate, NamedNumber, Number};
-use crate::solution::solved::{Solved, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
 use poinsot_model::MomentumKnowledge;
 
 /// Momentum at the first sample of a segment.
-pub(crate) fn momentum(judge: &Judge, start: &StartOfSegment) -> MomentumEstimate {
+pub(crate) fn momentum(estimator: &QuantityEstimator, start: &StartOfSegment) -> MomentumEstimate {
     MomentumEstimate {
-        linear: numbers(judge, &start.linear, start.linear_given, !start.translation),
-        angular: numbers(judge, &start.angular, start.angular_given, false),
+        linear: numbers(
+            estimator,
+            &start.linear,
+            start.linear_given,
+            !start.translation,
+        ),
+        angular: numbers(estimator, &start.angular, start.angular_given, false),
     }
 }
 
 fn numbers(
-    judge: &Judge,
+    estimator: &QuantityEstimator,
     quantity: &VectorQuantity,
     given: MomentumKnowledge,
     open: bool,
 ) -> [Number; 3] {
     [0, 1, 2].map(|k| match given {
-        _ if open => Number::open(0.0),
+        _ if open => Number::undetermined(0.0),
         MomentumKnowledge::Known(known) => Number::known(known[k]),
         MomentumKnowledge::Estimate => {
-            let sigma = judge.sigma_with(&quantity.gradient[k], quantity.own[(k, k)]);
+            let sigma = estimator.sigma_with(&quantity.gradient[k], quantity.own[(k, k)]);
             decide(sigma, quantity.value[k], 0.0)
         }
     })
 }
 
 /// Spin inertias, thruster scales and biases.
-pub(crate) fn nuisances(judge: &Judge, solved: &Solved) -> Vec<NamedNumber> {
-    let parameters = &solved.parameters;
-    let mass = solved.shared.mass;
-    let biases = head(&solved.shared.r, solved.shared.nuisances, &solved.x[..mass]);
+pub(crate) fn nuisances(estimator: &QuantityEstimator, solution: &Solution) -> Vec<NamedNumber> {
+    let parameters = &solution.parameters;
+    let mass = solution.shared.mass;
+    let biases = conditional_estimate(
+        &solution.shared.r,
+        solution.shared.nuisances,
+        &solution.x[..mass],
+    );
     parameters
         .unknowns
         .iter()
         .enumerate()
-        .filter(|(_, unknown)| is_answered(&unknown.kind))
+        .filter(|(_, unknown)| is_reported(&unknown.kind))
         .map(|(at, unknown)| {
             let sigma = if unknown.kind.is_nuisance() {
                 let k = at - mass;
-                judge
+                estimator
                     .sigma_with(&biases.slope[k], biases.covariance[(k, k)])
                     .filter(|s| s.is_finite())
             } else {
                 let mut gradient = vec![0.0; parameters.len()];
                 gradient[at] = 1.0;
-                judge.sigma_with(&gradient, 0.0)
+                estimator.sigma_with(&gradient, 0.0)
             };
-            let stays = |s: &f64| solved.open_set.keeps(at, solved.x[at], *s);
+            let stays = |s: &f64| solution.unobservable_set.keeps(at, solution.x[at], *s);
             let sigma = sigma.filter(stays);
             NamedNumber {
                 name: unknown.name.clone(),
                 unit: unknown.unit,
-                number: decide(sigma, solved.x[at], unknown.nominal),
+                number: decide(sigma, solution.x[at], unknown.nominal),
             }
         })
         .collect()
 }
 
-/// Whether an unknown is a number of its own in the answer.
-pub(crate) fn is_answered(kind: &UnknownKind) -> bool {
+/// Whether an unknown is reported as a separate number.
+pub(crate) fn is_reported(kind: &UnknownKind) -> bool {
     match kind {
         UnknownKind::SpinInertia(_) | UnknownKind::ThrusterScale(_) => true,
-        // A known number has a table of its own.
+        // Known numbers have a separate table.
         UnknownKind::Known(_) => false,
         kind => kind.is_nuisance(),
     }
@@ -76,6 +85,6 @@ pub(crate) fn is_answered(kind: &UnknownKind) -> bool {
 fn decide(sigma: Option<f64>, value: f64, nominal: f64) -> Number {
     match sigma {
         Some(sigma) => Number::data(value, sigma, nominal),
-        None => Number::open(nominal),
+        None => Number::undetermined(nominal),
     }
 }

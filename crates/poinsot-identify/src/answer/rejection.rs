@@ -1,33 +1,32 @@
-//! Why the rigid model is rejected: one row a reason, the most telling first.
+//! Reasons to reject the rigid model, the strongest first.
 
-use crate::answer::trust::Trust;
+use crate::answer::reliability::Reliability;
 use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::estimate::BodyEstimate;
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Chi-square per degree of freedom above which a model that explains little is rejected, and one whose residuals are
-/// correlated in time: three times the noise at every reading, where no widened sigma bounds what the numbers err.
+/// correlated in time: three times the noise at every sample; a widened sigma does not bound such errors.
 const REJECT: f64 = 9.0;
-/// Probability that noise alone puts the data as far beyond the edge of the physical bodies, below which they
-/// contradict the model: three sigma where one condition holds a body.
+/// p-value below which data beyond the physical limit contradict the model: three sigma for one active condition.
 const PRESSED: f64 = 2.7e-3;
-/// Share of the signal that a model must explain not to be rejected then.
+/// Smallest share of the signal that an accepted model explains in that case.
 const LEAST_EXPLAINED: f64 = 0.5;
 
 /// A reason to reject the rigid model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rejection {
-    /// The answer is no distribution of positive mass.
+    /// The answer is not physical.
     Impossible,
-    /// Noise that adds up under thrust shows in chi-square: sigmas that take it as fresh are wrong by any factor, and so are
-    /// the numbers.
+    /// Accumulated noise under thrust is visible in chi-square: sigmas that assume independent noise are wrong, and so
+    /// are the numbers.
     NoiseAddsUp,
-    /// A line stands in the residual.
+    /// The residual has a spectral line.
     NotRigid,
-    /// Residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that the model lacks.
-    /// Only maximum likelihood compares readings one by one. Where a prior stands against the data, it and not the vehicle is at
-    /// fault.
+    /// Residuals far beyond the noise are correlated in time: a wrong sign or unit, a dead wheel, a torque that the
+    /// model lacks. Only maximum likelihood compares single samples. If a prior contradicts the data, the prior is
+    /// wrong, not the vehicle.
     Contradicted,
     /// The model misses most of the signal.
     Unexplained,
@@ -35,51 +34,58 @@ pub(super) enum Rejection {
 
 impl Rejection {
     /// The first reason that holds.
-    pub fn of(solved: &Solved, trust: &Trust, bodies: &[BodyEstimate]) -> Option<Self> {
-        let chi2 = solved.chi2_per_dof();
-        let share = solved.explained;
+    pub fn of(
+        solution: &Solution,
+        reliability: &Reliability,
+        bodies: &[BodyEstimate],
+    ) -> Option<Self> {
+        let chi2 = solution.chi2_per_dof();
+        let share = solution.explained;
         let unexplained = share.is_some_and(|share| share < LEAST_EXPLAINED);
         let bad_fit = chi2 > MISFIT || unexplained;
-        let impossible = bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solved, bad_fit);
-        let coloured = trust.coloured && solved.conflict.is_none();
+        let impossible =
+            bodies.iter().any(|b| unphysical(b, bad_fit)) || pressed(solution, bad_fit);
+        let coloured = reliability.coloured && solution.conflict.is_none();
         let reasons = [
             (Self::Impossible, impossible),
-            (Self::NoiseAddsUp, chi2 > MISFIT && solved.adds_up),
-            (Self::NotRigid, chi2 > MISFIT && solved.not_rigid),
+            (
+                Self::NoiseAddsUp,
+                chi2 > MISFIT && solution.noise_accumulates,
+            ),
+            (Self::NotRigid, chi2 > MISFIT && solution.not_rigid),
             (Self::Contradicted, chi2 > REJECT && coloured),
             (Self::Unexplained, chi2 > REJECT && unexplained),
         ];
         reasons.into_iter().find(|r| r.1).map(|r| r.0)
     }
 
-    /// What is said of it.
-    pub fn words(self, solved: &Solved) -> String {
-        let chi2 = solved.chi2_per_dof();
+    /// Its message.
+    pub fn message(self, solution: &Solution) -> String {
+        let chi2 = solution.chi2_per_dof();
         let times = chi2.sqrt();
         let check = "check units, signs, wheel axes, external torques";
         match self {
             Self::Impossible => format!(
-                "rigid model rejected: the answer is no distribution of positive mass, by more than its uncertainty; residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); {check}"
+                "rigid model rejected: the estimate is not physical by more than its uncertainty; residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}); {check}"
             ),
             Self::NoiseAddsUp => format!(
-                "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample (chi-square per degree of freedom {chi2:.1}), which its sigmas take as fresh: numbers are withheld; use --method auto"
+                "linear method: under thrust, position and attitude noise accumulates over samples (chi-square per degree of freedom {chi2:.1}); its sigmas ignore that, so numbers are withheld; use --method auto"
             ),
             Self::NotRigid => format!(
                 "rigid model rejected: chi-square per degree of freedom {chi2:.1} with a line in the residual"
             ),
             Self::Contradicted => format!(
-                "rigid model rejected: residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}) and correlated in time; {check}"
+                "rigid model rejected: residuals are {times:.1} times the declared noise (chi-square per degree of freedom {chi2:.1}), correlated in time; {check}"
             ),
             Self::Unexplained => format!(
-                "rigid model rejected: it explains {:.0} % of the measured change of momentum and misses the rest by {times:.0} sigma; {check}",
-                100.0 * solved.explained.unwrap_or(0.0)
+                "rigid model rejected: it explains {:.0} % of the measured momentum change; the rest is {times:.0} sigma; {check}",
+                100.0 * solution.explained.unwrap_or(0.0)
             ),
         }
     }
 }
 
-/// Whether a body is no distribution of positive mass by more than three sigma, or at all where the fit is
-/// bad besides.
+/// Whether a body is not physical by more than three sigma, or by any amount if the fit is bad.
 fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
     if !body.asked || body.physically_consistent != Some(false) {
         return false;
@@ -97,10 +103,9 @@ fn unphysical(body: &BodyEstimate, bad_fit: bool) -> bool {
     bad_fit || violation > 3.0 * sigma
 }
 
-/// Whether the fit is held at the edge of the physical bodies although the data stand further beyond it than noise
-/// explains, or at all where the fit is bad besides.
-fn pressed(solved: &Solved, bad_fit: bool) -> bool {
-    let held = solved.held.as_ref();
+/// Whether a physical limit is active beyond what noise explains, or active at all if the fit is bad.
+fn pressed(solution: &Solution, bad_fit: bool) -> bool {
+    let held = solution.held.as_ref();
     held.is_some_and(|h| {
         let beyond = ChiSquared::new(h.conditions as f64);
         bad_fit || beyond.is_ok_and(|b| b.sf(h.cost) < PRESSED)

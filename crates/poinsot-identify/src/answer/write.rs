@@ -1,95 +1,105 @@
 //! From the solved system to the answer: numbers, combinations, fit, status.
 
-use crate::answer::body::{Judge, body, system};
+use crate::answer::body::{QuantityEstimator, body, system};
 use crate::answer::covariance::{covariance, covariance_rows};
 use crate::answer::determined;
 use crate::answer::known_numbers::known_numbers;
 use crate::answer::momentum::{momentum, nuisances};
 use crate::answer::rejection::Rejection;
-use crate::answer::trust::{NOISE_FREE, Trust};
-use crate::certify::words;
+use crate::answer::reliability::{NOISE_FREE, Reliability};
+use crate::certify::naming;
 use crate::problem::Problem;
 use crate::problem::parameters::Equations;
 use crate::remedies;
 use crate::solution::estimate::{
     BodyEstimate, Estimate, Identifiability, NamedNumber, Number, Source, Status,
 };
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 use poinsot_model::NOMINAL_WITHIN;
 use poinsot_spatial::MassProperties;
 
-/// Bias of the linear answer, over the nominal, of which nothing is said.
+/// Bias of the linear answer, relative to nominal, below which no warning is given.
 const NO_BIAS: f64 = 1.0e-6;
 
-/// The answer with remedies that were tried: for readers, not for the trials of a campaign.
-pub(crate) fn write_with_remedies(problem: &Problem, solved: &Solved) -> Estimate {
-    let mut estimate = write(problem, solved);
+/// The answer with tested remedies, which the trials of a campaign do not need.
+pub(crate) fn write_with_remedies(problem: &Problem, solution: &Solution) -> Estimate {
+    let mut estimate = write(problem, solution);
     if estimate.status != Status::Rejected {
-        remedies::try_changes(problem, solved, &mut estimate.identifiability.open);
+        remedies::try_changes(problem, solution, &mut estimate.identifiability.open);
     }
     estimate
 }
 
-pub(crate) fn write(problem: &Problem, solved: &Solved) -> Estimate {
-    let mut trust = Trust::of(solved);
+pub(crate) fn write(problem: &Problem, solution: &Solution) -> Estimate {
+    let mut reliability = Reliability::of(solution);
     let answered = |withheld: bool| {
-        let judge = Judge::new(solved, trust.widening, withheld);
+        let estimator = QuantityEstimator::new(solution, reliability.sigma_factor, withheld);
         let bodies: Vec<BodyEstimate> = (0..problem.model.bodies.len())
-            .map(|at| body(&judge, solved, at))
+            .map(|at| body(&estimator, solution, at))
             .collect();
-        (judge, bodies)
+        (estimator, bodies)
     };
-    let (judge, bodies) = answered(false);
-    let rejection = Rejection::of(solved, &trust, &bodies);
-    // What is rejected, and what did not settle, gets no numbers.
-    let (judge, bodies) = match rejection.is_some() || !solved.settled {
+    let (estimator, bodies) = answered(false);
+    let rejection = Rejection::of(solution, &reliability, &bodies);
+    // A rejected or unconverged answer has no numbers.
+    let (estimator, bodies) = match rejection.is_some() || !solution.converged {
         true => answered(true),
-        false => (judge, bodies),
+        false => (estimator, bodies),
     };
     match rejection {
         Some(_) => {
             let why = "the data contradict the rigid model".to_owned();
-            trust.doubts.insert(0, why);
+            reliability.doubts.insert(0, why);
         }
-        None => trust.doubts.extend(all_far_from_nominal(problem, &bodies)),
+        None => reliability
+            .doubts
+            .extend(all_far_from_nominal(problem, &bodies)),
     }
-    let identifiability = identifiability(problem, solved, &judge);
+    let identifiability = identifiability(problem, solution, &estimator);
     let status = status(
         &bodies,
         &identifiability,
         rejection.is_some(),
-        solved.settled,
+        solution.converged,
     );
-    let nuisance = nuisances(&judge, solved);
-    let mut warnings = warnings(solved, &trust, rejection);
-    warnings.extend(said_of_numbers(solved, rejection, &bodies, &nuisance));
+    let nuisance = nuisances(&estimator, solution);
+    let mut warnings = warnings(solution, &reliability, rejection);
+    warnings.extend(said_of_numbers(solution, rejection, &bodies, &nuisance));
     warnings.extend(determined::withheld(&identifiability));
-    let rows = covariance_rows(solved, &bodies, &nuisance);
+    let rows = covariance_rows(solution, &bodies, &nuisance);
     Estimate {
-        method: solved.method.to_owned(),
+        method: solution.method.to_owned(),
         variant: None,
         status,
-        iterations: solved.iterations,
-        assumptions: solved.assumptions.clone(),
+        iterations: solution.iterations,
+        assumptions: solution.assumptions.clone(),
         warnings,
-        system: whole(problem, solved, (&judge, &bodies)),
+        system: whole(problem, solution, (&estimator, &bodies)),
         bodies,
-        momentum: solved.starts.iter().map(|s| momentum(&judge, s)).collect(),
-        covariance: covariance(solved, &rows, trust.widening * trust.widening),
+        momentum: solution
+            .starts
+            .iter()
+            .map(|s| momentum(&estimator, s))
+            .collect(),
+        covariance: covariance(
+            solution,
+            &rows,
+            reliability.sigma_factor * reliability.sigma_factor,
+        ),
         covariance_names: rows.iter().map(|r| r.name.clone()).collect(),
         covariance_units: rows.iter().map(|r| r.unit).collect(),
         nuisance,
         identifiability,
-        fit: solved.fit.clone(),
-        covariance_trustworthy: trust.doubts.is_empty(),
-        doubts: trust.doubts,
-        known_numbers: known_numbers(problem.model, solved, &rows),
-        diagnostics: solved.diagnostics.clone(),
+        fit: solution.fit.clone(),
+        covariance_trustworthy: reliability.doubts.is_empty(),
+        doubts: reliability.doubts,
+        known_numbers: known_numbers(problem.model, solution, &rows),
+        diagnostics: solution.diagnostics.clone(),
         method_report: None,
     }
 }
 
-/// What of the bodies lies further from nominal than the model allows.
+/// Properties of the bodies further from nominal than the model allows.
 fn all_far_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<String> {
     let given = problem.model.bodies.iter().map(|b| &b.nominal);
     let within = problem.model.knowledge.nominal_within;
@@ -100,21 +110,18 @@ fn all_far_from_nominal(problem: &Problem, bodies: &[BodyEstimate]) -> Vec<Strin
         .collect()
 }
 
-/// What of a body lies further from nominal than the model allows, by more than two sigma.
+/// Properties of a body further from nominal than the model allows, by more than two sigma.
 fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -> Option<String> {
     if !found.asked {
         return None;
     }
     let name = &found.name;
     let times = |value: f64, sigma: f64, nominal: f64| {
-        let nearer = if value > nominal { -2.0 } else { 2.0 };
-        let ratio = (value + nearer * sigma) / nominal;
-        let far = nominal > 0.0 && (ratio > within || ratio < 1.0 / within);
-        far.then(|| value / nominal)
+        lies_beyond(value, sigma, nominal, within).then(|| value / nominal)
     };
     let said = |what: &str, ratio: f64| {
         format!(
-            "{what} of {name} is {ratio:.2} times the nominal one, beyond the factor {within} that the model allows (nominal_within)"
+            "{what} of {name} is {ratio:.2} times nominal, beyond the factor {within} of nominal_within"
         )
     };
     if let (Some(m), Some(sigma)) = (found.mass.value, found.mass.sigma)
@@ -137,19 +144,29 @@ fn far_from_nominal(found: &BodyEstimate, given: &MassProperties, within: f64) -
     let (away, gyration) = (x.hypot(y).hypot(z), given.radius_of_gyration());
     (gyration > 0.0 && away - 2.0 * sigma > within * gyration).then(|| {
         format!(
-            "the mass centre of {name} is {:.1} radii of gyration from the nominal one, beyond the {within} that the model allows (nominal_within)",
+            "the mass centre of {name} is {:.1} radii of gyration from nominal, beyond the {within} of nominal_within",
             away / gyration
         )
     })
 }
 
+/// Whether a value is beyond a factor of the nominal one by more than two sigma.
+fn lies_beyond(value: f64, sigma: f64, nominal: f64, factor: f64) -> bool {
+    // Two sigma towards nominal, and not past it.
+    let nearest = match value > nominal {
+        true => (value - 2.0 * sigma).max(nominal),
+        false => (value + 2.0 * sigma).min(nominal),
+    };
+    nominal > 0.0 && (nearest > factor * nominal || nearest < nominal / factor)
+}
+
 /// The vehicle as one body, at its joints' first positions.
 fn whole(
     problem: &Problem,
-    solved: &Solved,
-    (judge, bodies): (&Judge, &[BodyEstimate]),
+    solution: &Solution,
+    (estimator, bodies): (&QuantityEstimator, &[BodyEstimate]),
 ) -> Option<(BodyEstimate, Vec<f64>)> {
-    if solved.parameters.equations == Equations::Rotation {
+    if solution.parameters.equations == Equations::Rotation {
         // One body: the vehicle is that body.
         let name = "system".to_owned();
         let body = bodies.first()?.clone();
@@ -157,19 +174,22 @@ fn whole(
     }
     let samples = &problem.segments.first()?.samples;
     let position = samples.joint_position.get(..problem.tree.dof())?.to_vec();
-    Some((system(judge, solved, problem.tree, &position), position))
+    Some((
+        system(estimator, solution, problem.tree, &position),
+        position,
+    ))
 }
 
 fn status(
     bodies: &[BodyEstimate],
     found: &Identifiability,
     rejected: bool,
-    settled: bool,
+    converged: bool,
 ) -> Status {
     if rejected {
         return Status::Rejected;
     }
-    if !settled {
+    if !converged {
         return Status::IterationLimit;
     }
     let unphysical = bodies
@@ -187,16 +207,20 @@ fn status(
     }
 }
 
-fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identifiability {
-    let spectrum = solved.of_data();
+fn identifiability(
+    problem: &Problem,
+    solution: &Solution,
+    estimator: &QuantityEstimator,
+) -> Identifiability {
+    let spectrum = solution.of_data();
     let m = spectrum.natural.len();
-    let mut determined = determined::combinations(solved, judge);
-    determined.extend(determined::functions(problem, solved, judge));
-    let absent = words::absent(&solved.parameters);
-    let mut open = words::open_directions(problem, solved);
-    if solved.data_alone.is_none() {
-        let walks = open.iter_mut().zip(&solved.open_set.walks);
-        walks.for_each(|(open, walk)| open.walk = words::walked(solved, walk));
+    let mut determined = determined::combinations(solution, estimator);
+    determined.extend(determined::functions(problem, solution, estimator));
+    let absent = naming::absent(&solution.parameters);
+    let mut open = naming::unobservable_directions(problem, solution);
+    if solution.data_alone.is_none() {
+        let walks = open.iter_mut().zip(&solution.unobservable_set.walks);
+        walks.for_each(|(open, walk)| open.walk = naming::values_along_path(solution, walk));
     }
     let numbers: usize = absent.iter().map(|c| c.coefficients.len()).sum();
     open.extend(absent);
@@ -205,51 +229,55 @@ fn identifiability(problem: &Problem, solved: &Solved, judge: &Judge) -> Identif
         rank: spectrum.rank,
         structural_rank: spectrum.structural_rank,
         sigmas_natural: spectrum.certificate.clone(),
-        ranks: solved.open_set.ranks(),
+        ranks: solution.unobservable_set.ranks(),
         determined,
         open,
     }
 }
 
-/// What is said of the fit as a whole.
-fn warnings(solved: &Solved, trust: &Trust, rejection: Option<Rejection>) -> Vec<String> {
-    let chi2 = solved.chi2_per_dof();
-    let mut list = solved.warnings.clone();
+/// Warnings of the fit as a whole.
+fn warnings(
+    solution: &Solution,
+    reliability: &Reliability,
+    rejection: Option<Rejection>,
+) -> Vec<String> {
+    let chi2 = solution.chi2_per_dof();
+    let mut list = solution.warnings.clone();
     match rejection {
-        Some(rejection) => list.push(rejection.words(solved)),
-        None if trust.doubts.is_empty() => {}
+        Some(rejection) => list.push(rejection.message(solution)),
+        None if reliability.doubts.is_empty() => {}
         None => list.push(format!(
             "the covariance is not trustworthy (chi-square per degree of freedom {chi2:.2}): {}; sigmas are widened {:.1} times",
-            trust.doubts.join("; "),
-            trust.widening
+            reliability.doubts.join("; "),
+            reliability.sigma_factor
         )),
     }
-    if solved.adds_up && rejection.is_none() && chi2 > NOISE_FREE {
+    if solution.noise_accumulates && rejection.is_none() && chi2 > NOISE_FREE {
         list.push(
-            "linear method: under thrust the noise of measured positions and attitudes adds up from sample to sample, which its sigmas take as fresh: the covariance is not trustworthy; use --method auto"
+            "linear method: under thrust, position and attitude noise accumulates over samples, which its sigmas ignore: the covariance is not trustworthy; use --method auto"
                 .to_owned(),
         );
     }
-    if let Some(held) = &solved.held {
+    if let Some(held) = &solution.held {
         list.push(format!(
-            "{}: the data alone would put the inertia beyond what positive mass can have; it is held at the edge of that (beyond it chi-square would fall by {:.1}), where an interval has one side only and the covariance is not trustworthy; --coordinates linear lets it pass",
+            "{}: the inertia is at the limit of physical values (beyond it chi-square would fall by {:.1}). There the covariance is not trustworthy; --coordinates linear removes the limit",
             held.bodies.join(", "),
             held.cost
         ));
     }
-    let biases = solved.spectrum.bias.iter();
+    let biases = solution.spectrum.bias.iter();
     let bias = biases.fold(0.0_f64, |worst, b| worst.max(b.abs()));
     if bias > NO_BIAS {
         list.push(format!(
-            "linear method: noise in the regressor biases the answer by up to {bias:.1e} of the nominal; that is inside the sigmas, and maximum likelihood is free of it"
+            "linear method: noise in the regressor biases the estimate by up to {bias:.1e} of nominal; the sigmas include that; maximum likelihood has no such bias"
         ));
     }
     list
 }
 
-/// What is said of single bodies and numbers.
+/// Warnings of single bodies and numbers.
 fn said_of_numbers(
-    solved: &Solved,
+    solution: &Solution,
     rejection: Option<Rejection>,
     bodies: &[BodyEstimate],
     nuisance: &[NamedNumber],
@@ -265,11 +293,26 @@ fn said_of_numbers(
             )
         })
         .collect();
-    if rejection.is_none() && solved.settled {
+    if rejection.is_none() && solution.converged {
         let open = nuisance
             .iter()
-            .filter(|n| n.number == Number::open(n.number.nominal));
+            .filter(|n| n.number == Number::undetermined(n.number.nominal));
         list.extend(open.map(|n| format!("{} is not identifiable from these data", n.name)));
     }
     list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lies_beyond;
+
+    #[test]
+    fn regress_an_uncertain_value_near_nominal_lies_within() {
+        // Two of these sigmas would take 1,050 past nominal to a negative mass.
+        assert!(!lies_beyond(1050.0, 660.0, 1000.0, 3.0));
+        assert!(!lies_beyond(4000.0, 660.0, 1000.0, 3.0));
+        assert!(lies_beyond(4500.0, 660.0, 1000.0, 3.0));
+        assert!(lies_beyond(200.0, 50.0, 1000.0, 3.0));
+        assert!(!lies_beyond(200.0, 100.0, 1000.0, 3.0));
+    }
 }

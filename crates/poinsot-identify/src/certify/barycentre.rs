@@ -1,4 +1,4 @@
-//! What the rotation of a tree tells of its bodies: augmented inertias and couplings (Wittenburg 1977, chapter 5).
+//! Parameters that enter the rotation of a tree: augmented inertias and couplings (Wittenburg 1977, chapter 5).
 //!
 //! With M the mass of the whole, body i has hinges h at r_ih, beyond which lies the mass mu_h:
 //!
@@ -9,15 +9,15 @@
 //! 2 T  = sum w_i.K_i w_i - 2 sum_(i<j) D_ij : (w_i x e_p).(w_j x e_q)
 //! ```
 //!
-//! T is the kinetic energy about the mass centre: nothing else of the bodies enters their rotation. Two bodies turn alike
-//! across the axis `a` of their hinge, `w_i x a = w_k x a`, so what lies along `a` cannot be attributed to one of them.
-//! Here it goes to the body further on (couplings) and to the parent (moments across the axis). The maps are linear in K and
-//! D with constants of the tree, so what is left is identifiable wherever the motion excites it.
+//! T is the kinetic energy about the mass centre: nothing else of the bodies enters their rotation. Two bodies have the
+//! same rate across the axis `a` of their hinge, `w_i x a = w_k x a`, so components along `a` cannot be attributed to
+//! one of them. Here they go to the outboard body (couplings) and to the parent (moments across the axis). The maps are
+//! linear in K and D with constants of the tree, so the rest is identifiable with enough excitation.
 
 use poinsot_dynamics::{Motion, Tree};
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, skew};
 
-/// Augmented inertia of every body and coupling of every pair, what lies along joint axes attributed by rule.
+/// Augmented inertia of every body and coupling of every pair, components along joint axes attributed by convention.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Barycentric {
     /// Inertia about the barycentre, the rest as point masses at the hinges, in the axes of the body, kg m2.
@@ -81,7 +81,7 @@ impl Barycentric {
         Some(out)
     }
 
-    /// Adds a coupling: what lies along a hinge's axis belongs to the body beyond.
+    /// Adds a coupling: components along a hinge's axis belong to the outboard body.
     fn attribute(&mut self, tree: &Tree, i: usize, j: usize, X: Matrix3) {
         if i == j {
             let symmetric = (X + X.transpose()) / 2.0;
@@ -125,7 +125,8 @@ impl Barycentric {
 }
 
 impl Next {
-    /// Rows of a coupling in the axes of the body: what stays there, and what goes on in the axes of the neighbour.
+    /// Rows of a coupling in the axes of the body: the part that stays, and the part passed on in the axes of the
+    /// neighbour.
     fn split(&self, X: &Matrix3) -> (Matrix3, Matrix3) {
         match &self.fixed {
             Some(turn) => (Matrix3::zeros(), turn * X),

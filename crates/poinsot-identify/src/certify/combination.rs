@@ -1,5 +1,5 @@
-//! Identifiable combinations in their readable form: one parameter plus multiples of those that cannot
-//! be told from it (the base parameters of Gautier and Khalil 1990, found numerically).
+//! Identifiable combinations in their readable form: one parameter plus multiples of those that are not distinguishable
+//! from it (the base parameters of Gautier and Khalil 1990, found numerically).
 
 use faer::Mat;
 
@@ -26,23 +26,23 @@ impl Combination {
     }
 }
 
-/// The determined and the open combinations of a problem.
+/// The determined and the unobservable combinations of a problem.
 #[derive(Debug, Clone)]
 pub struct Combinations {
-    /// One per identified direction: its value does not change along any open direction.
+    /// One per identified direction: its value is constant along every unobservable direction.
     pub determined: Vec<Combination>,
-    /// A basis of the open directions: how the unknowns may move unseen.
+    /// A basis of the unobservable directions.
     pub open: Vec<Combination>,
 }
 
 /// Coefficients below this share of a unit in natural units are rounding of the null space.
 const DROP: f64 = 1.0e-9;
 
-/// Splits the unknowns by an orthonormal basis of the open directions (n x d, natural units).
+/// Splits the unknowns by an orthonormal basis of the unobservable directions (n x d, natural units).
 ///
-/// Gaussian elimination with full pivoting turns the basis into one where each open direction has a
-/// parameter of its own; the other parameters, corrected by these, are determined. `weight` above one
-/// makes an unknown more likely to be the one that is left open.
+/// Gaussian elimination with full pivoting turns the basis into one where each unobservable direction has one parameter
+/// that no other has. The remaining parameters, corrected by these, are determined. `weight` above one favours an
+/// unknown as such a parameter.
 pub fn split(open: &Mat<f64>, natural: &[f64], weight: &[f64]) -> Combinations {
     let (n, d) = (open.nrows(), open.ncols());
     let mut basis = open.clone();
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn unit_determined_combinations_do_not_see_the_open_direction() {
-        // Only x0 + x1 and x2 are determined: the open direction is (1, -1, 0)/sqrt 2.
+        // Only x0 + x1 and x2 are determined: the unobservable direction is (1, -1, 0)/sqrt 2.
         let h = std::f64::consts::FRAC_1_SQRT_2;
         let open = Mat::from_fn(3, 1, |i, _| [h, -h, 0.0][i]);
         let natural = [2.0, 0.5, 1.0];

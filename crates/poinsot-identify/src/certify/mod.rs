@@ -1,6 +1,6 @@
-//! What the data determine, and what they leave open: combinations, walks of equal prediction, words.
+//! Identifiability: combinations, paths of equal prediction, and their names.
 
 pub(crate) mod barycentre;
 pub(crate) mod combination;
-pub(crate) mod walk;
-pub(crate) mod words;
+pub(crate) mod continuation;
+pub(crate) mod naming;

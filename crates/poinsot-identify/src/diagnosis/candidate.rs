@@ -1,4 +1,4 @@
-//! A hypothesis: something that may be wrong, with the numbers that would be unknown then.
+//! A hypothesis: a possible fault with its unknown numbers.
 
 use super::types::FaultKind;
 use crate::problem::parameters::{Unknown, UnknownKind, axis_name};
@@ -6,14 +6,14 @@ use poinsot_model::KnownNumber;
 
 /// Candidate faults of one kind.
 pub(super) struct Candidate {
-    /// What it would be called.
+    /// Its name.
     pub name: String,
     pub fault: FaultKind,
     pub unknowns: Vec<Unknown>,
     pub columns: Columns,
 }
 
-/// Where the columns of a candidate come from.
+/// Source of a candidate's columns.
 #[derive(Debug, Clone)]
 pub(super) enum Columns {
     /// The unknowns have slopes of their own.
@@ -25,7 +25,7 @@ pub(super) enum Columns {
 }
 
 impl Candidate {
-    /// Whether it is a lag of what drives the vehicle.
+    /// Whether it is a lag of an input.
     pub fn delays_inputs(&self) -> bool {
         let late = |kind: &UnknownKind| {
             kind.delays_inputs() || matches!(kind, UnknownKind::ThrusterLag(_))
@@ -54,13 +54,13 @@ pub(super) fn triple(
         .collect()
 }
 
-/// One change of the question.
+/// One change of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Change {
     /// A component of a known number.
     Known(KnownNumber, usize),
     /// The force of one firing in a segment, as a share of it.
     Firing(usize, usize),
-    /// Play of a joint coordinate: its link stands behind its drive by half of it.
+    /// Play of a joint coordinate: its link is half of it behind its drive.
     Play(usize),
 }

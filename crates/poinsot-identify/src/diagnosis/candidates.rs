@@ -1,11 +1,12 @@
-//! The registry of hypotheses: everything that may be wrong and was not unknown. Each is a group of numbers with columns.
+//! The registry of hypotheses: every possible fault that was not among the unknowns. Each is a group of numbers with
+//! columns.
 
 use super::candidate::{Candidate, Columns, unknown};
 use super::changes::changes;
-use super::surroundings::of_surroundings;
+use super::environment::environment_candidates;
 use super::types::FaultKind;
 use crate::fit::experiment::Experiment;
-use crate::likelihood::Sight;
+use crate::likelihood::MeasuredMotion;
 use crate::problem::Problem;
 use crate::problem::parameters::{ErrorGroup, UnknownKind, axis_name};
 use crate::problem::segment::InputErrors;
@@ -17,9 +18,9 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_sensors(experiment);
     list.extend(of_late_readings(experiment));
     list.extend(of_offsets(experiment));
-    list.extend(of_surroundings(experiment));
+    list.extend(environment_candidates(experiment));
     list.extend(of_actuators(experiment));
-    if experiment.sight == Sight::Rotation {
+    if experiment.measured_motion == MeasuredMotion::Rotation {
         list.retain(|c| {
             !c.unknowns
                 .iter()
@@ -29,7 +30,7 @@ pub(super) fn candidates(experiment: &Experiment) -> Vec<Candidate> {
     let fitted = &experiment.parameters.unknowns;
     let has = |kind: &UnknownKind| fitted.iter().any(|u| u.kind == *kind);
     list.retain(|c| !c.unknowns.iter().any(|u| has(&u.kind)));
-    // A known number within its uncertainty is an unknown already, and is tested against that.
+    // A known number with uncertainty is an unknown already and is tested against its sigma.
     let known = |kind: &UnknownKind| {
         let number = known_number(experiment.problem.model, kind);
         let mut all = fitted.iter().filter_map(|u| u.kind.known());
@@ -106,7 +107,7 @@ pub(super) fn sensors_read(problem: &Problem) -> Vec<(usize, String)> {
 }
 
 /// Every error of every sensor that is read. A bias, scale or turn of the only sensor of the pose, or of a velocity, is
-/// the choice of a frame, or what another sensor of the same motion is said to have.
+/// the choice of a frame, or equals the opposite error of another sensor of the same motion.
 fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
     let model = experiment.problem.model;
     let read = sensors_read(experiment.problem);
@@ -114,7 +115,7 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = Vec::new();
     for (sensor, name) in &read {
         let own = kind(*sensor);
-        if experiment.sight == Sight::Rotation
+        if experiment.measured_motion == MeasuredMotion::Rotation
             && matches!(own, SensorKind::Position | SensorKind::Velocity)
         {
             continue;
@@ -125,7 +126,7 @@ fn of_sensors(experiment: &Experiment) -> Vec<Candidate> {
         );
         let alone = read.iter().filter(|(s, _)| kind(*s) == own).count() == 1;
         for group in ErrorGroup::of(own) {
-            // A tracker turned in the body is more than a choice of N.
+            // A misaligned tracker is more than a choice of N.
             let turned = own == SensorKind::Attitude && group.key == "bias";
             if framed && alone && group.key != "lag" && !turned {
                 continue;
@@ -168,7 +169,8 @@ fn fault_of(kind: SensorKind, group: &ErrorGroup) -> FaultKind {
     }
 }
 
-/// Lags of the readings of joints, wheels and thrusters that drive the motion, sensor by sensor where sensors are declared.
+/// Lags of the samples of joints, wheels and thrusters that drive the motion, sensor by sensor where sensors are
+/// declared.
 fn of_late_readings(experiment: &Experiment) -> Vec<Candidate> {
     let (model, tree) = (experiment.problem.model, experiment.problem.tree);
     let late = |what: &str, owner: &str, kind| Candidate {

@@ -1,9 +1,11 @@
-//! Hypotheses whose columns are differences: a known number, a firing that did not happen, play in a joint. The question is
-//! changed and every prediction made again.
+//! Hypotheses whose columns are differences: a known number, a firing that did not happen, play in a joint. The problem
+//! is changed and every prediction recomputed.
 
 use super::candidate::{Candidate, Change, Columns, unknown};
 use super::types::FaultKind;
-use crate::fit::experiment::{Experiment, Perfect, Point, PredictionSlopes, Shift, slope};
+use crate::fit::experiment::{
+    Experiment, Iterate, PredictedExperiment, PredictionSlopes, Shift, slope,
+};
 use crate::problem::Problem;
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{InputErrors, Segment};
@@ -16,10 +18,10 @@ const CHANGE_STEP: f64 = 1.0e-3;
 const PLAY: f64 = 1.0e-6;
 /// Step of the share of a firing's force.
 const SHARE: f64 = 1.0e-4;
-/// Most firings that are tried one by one.
+/// Largest number of firings tested one by one.
 const FIRINGS: usize = 48;
 
-/// Known numbers, firings and joints that the fit took as they are.
+/// Known numbers, firings and joints that the fit assumed exact.
 pub(super) fn changes(experiment: &Experiment) -> Vec<Candidate> {
     let mut list = of_known_numbers(experiment);
     list.extend(of_firings(experiment));
@@ -133,19 +135,19 @@ fn of_play(experiment: &Experiment) -> Vec<Candidate> {
 /// Slopes over all changes at a point; empty for one that cannot be made.
 pub(super) fn differences(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     changes: &[Change],
 ) -> Option<Vec<PredictionSlopes>> {
     if changes.is_empty() {
         return Some(Vec::new());
     }
-    let perfect = Perfect::new(experiment, at)?;
+    let predicted = PredictedExperiment::new(experiment, at)?;
     let numbers = changes.iter().filter_map(|c| shift(experiment, *c));
     let numbers: Vec<Shift> = numbers.collect();
-    let mut of_numbers = perfect.slopes(experiment, &numbers)?.into_iter();
-    let problem = perfect.problem(experiment.problem);
-    let own = experiment.of_vehicle(&problem, perfect.parameters());
-    let here = own.evaluate(&perfect.base, false)?;
+    let mut of_numbers = predicted.slopes(experiment, &numbers)?.into_iter();
+    let problem = predicted.problem(experiment.problem);
+    let own = experiment.of_vehicle(&problem, predicted.parameters());
+    let here = own.evaluate(&predicted.base, false)?;
     let others: Vec<Option<PredictionSlopes>> = changes
         .par_iter()
         .map(|change| {
@@ -154,8 +156,8 @@ pub(super) fn differences(
                 segments: &segments,
                 ..problem
             };
-            let there = experiment.of_vehicle(&other, perfect.parameters());
-            slope(&here, &there.evaluate(&perfect.base, false)?, step)
+            let there = experiment.of_vehicle(&other, predicted.parameters());
+            slope(&here, &there.evaluate(&predicted.base, false)?, step)
         })
         .collect();
     let pairs = changes.iter().zip(others);

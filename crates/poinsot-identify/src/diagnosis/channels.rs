@@ -6,17 +6,17 @@ use crate::likelihood::ChannelResidual;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Chance that a reading of pure noise counts as an outlier.
+/// Probability that a sample of pure noise counts as an outlier.
 const BY_CHANCE: f64 = 1.0e-6;
 /// Lags of the whiteness test.
 const WHITENESS_LAGS: usize = 10;
 
 /// Squared length of a whitened reading of so many numbers beyond which it is an outlier.
-pub(crate) fn outlier(numbers: usize) -> f64 {
+pub(crate) fn outlier_threshold(numbers: usize) -> f64 {
     chi_square(numbers, 1.0 - BY_CHANCE)
 }
 
-/// What chi-square with so many degrees of freedom stays below with this probability.
+/// Quantile of chi-square at this probability.
 fn chi_square(numbers: usize, probability: f64) -> f64 {
     let known = ChiSquared::new(numbers as f64).ok();
     known.map_or(f64::INFINITY, |c| c.inverse_cdf(probability))
@@ -50,7 +50,7 @@ fn of_sensor(name: &str, fitted: &Fitted) -> ChannelDiagnosis {
     let mean = squares.iter().sum::<f64>() / numbers as f64;
     squares.sort_by(f64::total_cmp);
     let typical = squares.get(readings / 2).copied().unwrap_or(0.0) / chi_square(each, 0.5);
-    let limit = outlier(each) * typical.max(1.0);
+    let limit = outlier_threshold(each) * typical.max(1.0);
     let whiteness: Vec<f64> = own().filter_map(|c| whiteness(&c.white, each)).collect();
     let least = whiteness.iter().copied().reduce(f64::min);
     ChannelDiagnosis {

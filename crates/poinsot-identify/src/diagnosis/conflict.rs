@@ -1,33 +1,33 @@
-//! Do the declared priors agree with what the data say without them?
+//! Test of the declared priors against the data alone.
 //!
-//! With `theta` from prior and data together, chi-square of the priors and what chi-square of the readings would fall by
-//! without them are together `d = (a - b)^T (A + B)^-1 (a - b)`, with `a`, `A` what the prior says and `b`, `B` what the data
-//! say alone: chi-square distributed where both are right. One row of variance one, whose value the answer knows to a
-//! variance `s^2`, leaves a residual of variance `1 - s^2` (the innovation of Kalman 1960, seen from behind).
+//! With `theta` from prior and data together, chi-square of the priors and what chi-square of the readings would fall
+//! by without them are together `d = (a - b)^T (A + B)^-1 (a - b)`, with `a`, `A` of the prior and `b`, `B` of the data
+//! alone: chi-square distributed if both are correct. One row of variance one, whose value the answer determines to a
+//! variance `s^2`, has a residual of variance `1 - s^2` (a smoothed innovation, Kalman 1960).
 
 use crate::diagnosis::{Diagnostics, FaultKind, Finding, diagnose};
 use crate::fit::degrees_of_freedom::fitted_numbers;
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::{HeadSolution, Shared, head};
+use crate::fit::triangle::{ConditionalEstimate, SharedTriangle, conditional_estimate};
 use crate::fit::{Fitted, ITERATIONS, fit_from};
 use crate::problem::Problem;
 use crate::problem::prior::{self, CONTRADICTED_SIGMAS, Conflict, Declared, LEAST_SHARE, PriorRow};
 use poinsot_model::rounded;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Probability by chance below which priors and data contradict each other: five sigma of one number.
+/// p-value below which priors and data contradict each other: five sigma of one number.
 const CONTRADICTED: f64 = 5.7e-7;
 
-/// A declared number, what the data say of it, and how many sigmas lie between.
-struct Apart {
+/// A declared number, its estimate from the data, and their difference in sigmas.
+struct Discrepancy {
     declared: Declared,
     value: f64,
     sigma: f64,
     z: f64,
 }
 
-/// The contradiction, and the look for faults where the priors do not stand in the way: their fault is no fault of the
-/// vehicle. `None` in the second place where the first look holds.
+/// The contradiction, and a diagnosis without the contradicted priors. `None` in the second place if the first
+/// diagnosis holds.
 pub(crate) fn conflict(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -52,13 +52,13 @@ pub(crate) fn conflict(
     let text = match (apart.first(), unnamed) {
         (Some(first), _) => said(first, apart.len() - 1),
         (None, false) => return (None, None),
-        (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct the nominal numbers of the model or the sigmas of the priors".to_owned(),
+        (None, true) => "the priors of mass properties together contradict the data by more than five sigma; correct their nominal numbers or sigmas".to_owned(),
     };
     let ratio = 1.0 + moved;
     (Some(Conflict { text, ratio }), found)
 }
 
-/// The finding that stands for it.
+/// Its finding.
 pub(crate) fn finding(conflict: &Conflict) -> Finding {
     Finding {
         fault: FaultKind::Prior,
@@ -67,7 +67,7 @@ pub(crate) fn finding(conflict: &Conflict) -> Finding {
     }
 }
 
-fn said(a: &Apart, more: usize) -> String {
+fn said(a: &Discrepancy, more: usize) -> String {
     let Declared {
         name,
         unit,
@@ -82,18 +82,18 @@ fn said(a: &Apart, more: usize) -> String {
     };
     let [nominal, sigma, value, own] = [*nominal, *sigma, a.value, a.sigma].map(|x| rounded(x, 5));
     format!(
-        "the prior of {name} contradicts the data: {nominal} ± {sigma} {unit} is declared, the data alone say {value} ± {own} {unit}, {:.0} sigma apart{more}; correct the nominal number or the sigma of the prior",
+        "the prior of {name} contradicts the data: declared {nominal} ± {sigma} {unit}, estimated {value} ± {own} {unit}, difference {:.0} sigma{more}; correct the nominal number or the sigma of the prior",
         a.z.abs()
     )
 }
 
-/// Where the priors of mass properties contradict the data: the square of what they have moved the answer by, in its own
-/// sigmas, which bounds the shift of every number by as many of its own.
+/// Where the priors of mass properties contradict the data: the squared shift of the answer in its sigmas, which bounds
+/// the shift of every number in its sigma.
 fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
     let alone = fitted.data_alone.as_ref()?;
     let design = prior::design(experiment.problem, experiment.parameters, &fitted.at.x)?;
     let stacked = experiment.stack(&fitted.at, &fitted.evaluated, false);
-    let shared = Shared::new(experiment.parameters, &stacked);
+    let shared = SharedTriangle::new(experiment.parameters, &stacked);
     let fall = alone.decrease(&shared.rhs(), 0.0);
     let readings: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
@@ -116,7 +116,7 @@ fn design(experiment: &Experiment, fitted: &Fitted) -> Option<f64> {
     })
 }
 
-/// Asks something of the fit without the priors of mass properties, started where the fit with them ended.
+/// Evaluates the fit without priors of mass properties, started at the end of the fit with them.
 fn without<T>(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -136,7 +136,7 @@ fn without<T>(
 }
 
 /// Rows of the priors of mass properties that lie far from what the data alone say.
-fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
+fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Discrepancy> {
     let design = prior::design(experiment.problem, experiment.parameters, &free.at.x);
     let rows = design.map(|d| d.rows).unwrap_or_default();
     let used = free.spectrum.natural.len();
@@ -144,7 +144,7 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
         let declared = row.about?;
         let own = free.spectrum.sigma(row.gradient.get(..used)?)?;
         let z = row.residual / (1.0 + own * own).sqrt();
-        Some(Apart {
+        Some(Discrepancy {
             value: declared.nominal - row.residual * declared.sigma,
             sigma: own * declared.sigma,
             declared,
@@ -156,22 +156,22 @@ fn rows(experiment: &Experiment, free: &Fitted) -> Vec<Apart> {
 }
 
 /// Rows of calibrations (biases, scales, thrust) that lie far from what the data alone say.
-fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
+fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Discrepancy> {
     let (parameters, x) = (experiment.parameters, &fitted.at.x);
     let rows = prior::calibration(experiment.problem, parameters, x).rows;
     if rows.iter().all(|r| r.about.is_none()) {
         return Vec::new();
     }
     let mass = fitted.shared.mass;
-    let heads = head(&fitted.shared.r, fitted.shared.nuisances, &x[..mass]);
+    let conditional = conditional_estimate(&fitted.shared.r, fitted.shared.nuisances, &x[..mass]);
     let apart = |row: PriorRow| {
         let declared = row.about?;
         let at = row.gradient.iter().position(|g| *g != 0.0)?;
-        let known = variance(fitted, &heads, at)? / (declared.sigma * declared.sigma);
+        let known = variance(fitted, &conditional, at)? / (declared.sigma * declared.sigma);
         let left = (1.0 - known).max(LEAST_SHARE);
         let z = row.residual / left.sqrt();
-        // The declared number and its weight taken out of the answer again.
-        Some(Apart {
+        // The answer without the declared number.
+        Some(Discrepancy {
             value: declared.nominal - row.residual * declared.sigma / left,
             sigma: declared.sigma * (known / left).max(0.0).sqrt(),
             declared,
@@ -183,11 +183,11 @@ fn calibrations(experiment: &Experiment, fitted: &Fitted) -> Vec<Apart> {
 }
 
 /// Variance of one unknown in the answer, its own declared sigma included.
-fn variance(fitted: &Fitted, heads: &HeadSolution, at: usize) -> Option<f64> {
+fn variance(fitted: &Fitted, conditional: &ConditionalEstimate, at: usize) -> Option<f64> {
     let mass = fitted.shared.mass;
     let mut unit = vec![0.0; mass];
     let (slope, own) = match at.checked_sub(mass) {
-        Some(k) => (heads.slope.get(k)?, heads.covariance[(k, k)]),
+        Some(k) => (conditional.slope.get(k)?, conditional.covariance[(k, k)]),
         None => {
             unit[at] = 1.0;
             (&unit, 0.0)

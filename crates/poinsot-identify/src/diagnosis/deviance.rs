@@ -1,7 +1,7 @@
-//! How likely the readings are under the declared noise: to compare declarations, not estimates.
+//! Restricted likelihood of the samples under the declared noise: to compare declarations, not estimates.
 //!
-//! Restricted likelihood (Patterson and Thompson 1971): everything that was fitted is integrated out, so a
-//! declaration is not favoured for what it lets the fit absorb.
+//! Restricted likelihood (Patterson and Thompson 1971): all fitted parameters are integrated out, so a declaration
+//! gains nothing from a better fit.
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
@@ -46,7 +46,7 @@ pub(crate) fn deviance(experiment: &Experiment, fitted: &Fitted) -> f64 {
     sum
 }
 
-/// `2 ln |x|`; nothing of a column that nothing sees.
+/// `2 ln |x|`; zero for a column without effect.
 fn log_square(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { 2.0 * x.abs().ln() }
 }

@@ -1,4 +1,4 @@
-//! Does the total momentum drift? Does one sensor read later than another?
+//! Tests of a drift of the total momentum and of lags between sensors.
 
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
@@ -10,15 +10,15 @@ use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// Sigma of a lag before the data, s: it decides what no data can, such as a lag common to all sensors.
+/// Prior sigma of a lag, s: it fixes unobservable lags, such as one common to all sensors.
 const ANY_LAG: f64 = 1.0;
 
-/// The constant torque and force in N that fit best on top of the answer.
+/// The best-fitting additional constant torque and force in N.
 pub(super) fn drift(
     segment: Option<String>,
     candidates: &[Candidate],
     projected: &Projected,
-    per_number: f64,
+    mean_square: f64,
 ) -> Option<MomentumDrift> {
     let torque = indices(candidates, |k| matches!(k, UnknownKind::InertialTorque(_)));
     let force = indices(candidates, |k| matches!(k, UnknownKind::InertialForce(_)));
@@ -36,7 +36,7 @@ pub(super) fn drift(
         torque_sigma_N_m,
         force_N: moved.map(|m| m.0),
         force_sigma_N: moved.map(|m| m.1),
-        p: chance.sf(score.decrease / per_number),
+        p: chance.sf(score.decrease / mean_square),
     })
 }
 
@@ -62,7 +62,7 @@ pub(super) fn lags(
     experiment: &Experiment,
     candidates: &[Candidate],
     projected: &Projected,
-    per_number: f64,
+    mean_square: f64,
 ) -> Vec<SensorLag> {
     let model = experiment.problem.model;
     let mut names: Vec<String> = Vec::new();
@@ -99,7 +99,7 @@ pub(super) fn lags(
         let c = &score.covariance;
         if !driven.is_empty() {
             let between = [names[i].clone(), driven.join(" and ")];
-            list.extend(lag(between, score.values[i], c[i][i], per_number));
+            list.extend(lag(between, score.values[i], c[i][i], mean_square));
         }
         for j in i + 1..group.len() {
             let between = [names[i].clone(), names[j].clone()];
@@ -108,20 +108,20 @@ pub(super) fn lags(
                 between,
                 score.values[i] - score.values[j],
                 variance,
-                per_number,
+                mean_square,
             ));
         }
     }
     list
 }
 
-fn lag(between: [String; 2], lag_s: f64, variance: f64, per_number: f64) -> Option<SensorLag> {
+fn lag(between: [String; 2], lag_s: f64, variance: f64, mean_square: f64) -> Option<SensorLag> {
     let sigma_s = variance.sqrt();
     if !(lag_s.is_finite() && sigma_s.is_finite() && sigma_s > 0.0 && sigma_s < 0.5 * ANY_LAG) {
         return None;
     }
     let normal = Normal::standard();
-    let z = lag_s.abs() / (sigma_s * per_number.sqrt());
+    let z = lag_s.abs() / (sigma_s * mean_square.sqrt());
     Some(SensorLag {
         between,
         lag_s,

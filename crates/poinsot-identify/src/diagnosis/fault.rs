@@ -1,7 +1,6 @@
 //! Kinds of faults: one table of names, meanings and advice.
 
-/// Makes the kinds from their table: name in the result file, what it is, and what would take it into the model or out of the
-/// data, which begins with a separator.
+/// Makes the kinds from their table: name in the result file, meaning, and remedy, which begins with a separator.
 macro_rules! faults {
     ($($kind:ident: $name:literal, $what:literal, $advice:literal;)*) => {
         /// Kinds of faults that the diagnosis can name.
@@ -30,25 +29,25 @@ faults! {
     SensorBias: "sensor_bias", "bias of another sensor", "; write bias = \"estimate\" for it";
     SensorScale: "sensor_scale", "scale error of another sensor", "; write scale = \"estimate\" for it";
     SensorMisalignment: "sensor_misalignment", "misalignment of another sensor", "; write misalignment = \"estimate\" for it";
-    Nonorthogonality: "nonorthogonality", "axes of a sensor that are not square to each other",
+    Nonorthogonality: "nonorthogonality", "axes of a sensor that are not orthogonal",
         "; write nonorthogonality = \"estimate\" for it";
-    TrackerMisalignment: "tracker_misalignment", "a star tracker stands in the body otherwise than declared",
+    TrackerMisalignment: "tracker_misalignment", "a star tracker has another orientation than declared",
         "; check its mounting, or write bias = \"estimate\" for it";
     BiasDrift: "bias_drift", "the bias of a sensor grows with time",
         "; cut the record into shorter segments, or let the sensor warm up";
-    Lag: "lag", "one sensor reads later than the others", "; correct its times, or write lag = \"estimate\" for it";
-    ClockJump: "clock_jump", "the clock of the sensors jumps against that of the inputs",
+    Lag: "lag", "one sensor is delayed relative to the others", "; correct its times, or write lag = \"estimate\" for it";
+    ClockJump: "clock_jump", "the sensor clock jumps relative to the input clock",
         "; cut the record there into two segments, or correct its times";
-    AttitudeJump: "attitude_jump", "the attitude as read jumps", "; cut the record there into two segments";
-    JoinedRecord: "joined_record", "the motion starts anew within a record", "; cut the record there into two segments";
-    TimeJitter: "time_jitter", "the times of a sensor's samples scatter", "; use the times at which the samples were taken";
+    AttitudeJump: "attitude_jump", "the measured attitude jumps", "; cut the record there into two segments";
+    JoinedRecord: "joined_record", "the motion restarts within a record", "; cut the record there into two segments";
+    TimeJitter: "time_jitter", "the sample times of a sensor have jitter", "; use the measurement times";
     Quantisation: "quantisation", "a sensor's samples are rounded",
         "; write the step as resolution of the sensor, or add its twelfth part squared to the noise";
-    JointOffset: "joint_offset", "a joint stands elsewhere than it reads",
+    JointOffset: "joint_offset", "the position of a joint has an offset",
         "; write bias = \"estimate\" for the sensor of the joint";
-    Backlash: "backlash", "a joint has play between its drive and its link", "; read the joint on the side of the link";
-    WheelSign: "wheel_sign", "the sign of a wheel's speed or axis", "; turn the axis round, or the sign of the column";
-    WheelExchange: "wheel_exchange", "the speeds of two wheels stand in each other's column",
+    Backlash: "backlash", "a joint has play between its drive and its link", "; measure the joint on the link side";
+    WheelSign: "wheel_sign", "the sign of a wheel's speed or axis", "; reverse the axis, or the sign of the column";
+    WheelExchange: "wheel_exchange", "the speed columns of two wheels are exchanged",
         "; exchange their columns in the map";
     WheelScale: "wheel_scale", "spin inertia, or scale of the speed, of a wheel", "; write estimate = true for it";
     WheelTilt: "wheel_tilt", "the axis of a wheel is tilted", "; write misalignment = \"estimate\" for it";
@@ -56,7 +55,7 @@ faults! {
     Thrust: "thrust", "thrust of one thruster", "; check its firings, or write scale = \"estimate\" for it";
     Firing: "firing", "a firing that is missing from the telemetry, or that did not happen",
         "; check the commands of all thrusters about that time";
-    KnownNumber: "known_number", "a number that the model takes as known exactly", "; correct it, or declare its uncertainty";
+    KnownNumber: "known_number", "a number that the model declares as known exactly", "; correct it, or declare its uncertainty";
     Torque: "torque", "constant torque in body axes", "; write disturbance_torque = \"estimate\" in [environment]";
     GravityGradient: "gravity_gradient", "torque of the gravity gradient",
         "; write gravity_gradient = true in [environment], with the orbit in the telemetry";
@@ -67,11 +66,11 @@ faults! {
         "; write disturbance_torque_inertial = \"estimate\" in [environment]";
     ForceDrift: "force_drift", "linear momentum drifts in inertial axes", "";
     Prior: "prior", "a declared prior that the data contradict", "";
-    Outliers: "outliers", "single bad readings", "; a robust loss bounds what they do (--variant student_t)";
+    Outliers: "outliers", "single outliers", "; a robust loss limits their effect (--variant student_t)";
     NoiseUnderstated: "noise_understated", "noise larger than declared, and white", "";
     NoiseOverstated: "noise_overstated", "noise far smaller than declared", "";
     NotRigid: "not_rigid", "a line in the residual: flexing, slosh", "";
-    Unexplained: "unexplained", "larger than declared, and nothing known explains it", "";
+    Unexplained: "unexplained", "larger than declared, and no known cause explains it", "";
 }
 
 impl FaultKind {
@@ -80,20 +79,20 @@ impl FaultKind {
         self.entry()[0]
     }
 
-    /// What it is.
+    /// Meaning.
     pub fn what(self) -> &'static str {
         self.entry()[1]
     }
 
-    /// Whether it is a fault of the scatter of a sensor: wider sigmas may make up for it.
-    pub(crate) fn is_spread(self) -> bool {
+    /// Whether it is a fault of a sensor's noise, which wider sigmas may cover.
+    pub(crate) fn is_noise_fault(self) -> bool {
         matches!(
             self,
             Self::Outliers | Self::NoiseUnderstated | Self::TimeJitter | Self::Quantisation
         )
     }
 
-    /// What would take the fault into the model, or out of the data; begins with a separator.
+    /// How to include the fault in the model or remove it from the data; begins with a separator.
     pub fn advice(self) -> &'static str {
         self.entry()[2]
     }

@@ -1,12 +1,12 @@
-//! What the evidence means, in words, the most important first.
+//! Conclusions from the evidence, the most important first.
 
 use super::EXCESS;
 use super::types::{ChannelDiagnosis, Diagnostics, FaultKind, Finding, Suspect};
 use poinsot_model::rounded;
 
-/// Most causes that are named beside the first where the data cannot tell.
+/// Largest number of alternatives named with the first cause.
 const TIES: usize = 3;
-/// Share of the misfit from which a suspect is taken to be the cause.
+/// Share of the misfit from which a suspect is named as the cause.
 const CAUSE: f64 = 0.6;
 /// Mean square of a sensor's residual below which its noise is declared too large: sigmas are half as large again as they
 /// need be.
@@ -19,11 +19,11 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
         .map(|best| cause(best, &d.suspects[1..], misfit))
         .into_iter()
         .collect();
-    let caused = best.is_some_and(|b| b.explains > CAUSE || !misfit || b.fault.is_spread());
+    let caused = best.is_some_and(|b| b.explains > CAUSE || !misfit || b.fault.is_noise_fault());
     if misfit && !caused {
         let lines = d.lines.iter().map(|line| {
             let text = format!(
-                "{}: a line at {:.3} Hz holds {:.0} % of the gyro residual: the vehicle is not rigid (flexing, slosh), or something unmodelled turns in it",
+                "{}: a spectral line at {:.3} Hz has {:.0} % of the gyro residual's power; the vehicle is not rigid (flexing, slosh) or has an unmodelled rotor",
                 line.segment,
                 line.frequency_hz,
                 100.0 * line.share
@@ -38,7 +38,7 @@ pub(super) fn findings(d: &Diagnostics) -> Vec<Finding> {
         }
         if list.is_empty() {
             let text = format!(
-                "chi-square lies {:.0} standard deviations above what the declared noise allows, and no known fault explains it",
+                "chi-square is {:.0} standard deviations above its expectation for the declared noise, and no known fault explains it",
                 d.excess_sigmas
             );
             list.push(finding(FaultKind::Unexplained, text));
@@ -57,11 +57,11 @@ fn finding(fault: FaultKind, text: String) -> Finding {
     }
 }
 
-/// The best suspect, with those that the data cannot tell from it.
+/// The best suspect, with indistinguishable alternatives.
 fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
-    let gain = match (misfit, best.fault.is_spread()) {
+    let gain = match (misfit, best.fault.is_noise_fault()) {
         (true, false) => format!("would explain {:.0} % of the misfit", 100.0 * best.explains),
-        _ => format!("would lower chi-square by {:.0}", best.decrease),
+        _ => format!("would reduce chi-square by {:.0}", best.decrease),
     };
     let values: Vec<String> = best
         .values
@@ -76,7 +76,10 @@ fn cause(best: &Suspect, others: &[Suspect], misfit: bool) -> Finding {
     let names: Vec<&str> = tied.iter().map(|s| s.name.as_str()).collect();
     let or = match names.is_empty() {
         true => String::new(),
-        false => format!("; the data cannot tell it from {}", names.join(", or ")),
+        false => format!(
+            "; the data cannot distinguish it from {}",
+            names.join(", or ")
+        ),
     };
     Finding {
         fault: best.fault,
@@ -96,7 +99,7 @@ fn value(name: &str, value: f64, unit: &str) -> String {
 fn too_large(c: &ChannelDiagnosis) -> Option<Finding> {
     let numbers = c.numbers as f64;
     let ratio = c.typical_chi2_per_number;
-    // A median scatters 1.5 times as much as a mean.
+    // The standard deviation of a median is 1.5 times that of a mean.
     if ratio <= 1.0 + 1.5 * EXCESS * (2.0 / numbers).sqrt() {
         return None;
     }
@@ -120,7 +123,7 @@ fn too_small(c: &ChannelDiagnosis) -> Option<Finding> {
     let by_chance = 1.0 - EXCESS * (2.0 / numbers).sqrt();
     (ratio < OVERSTATED.min(by_chance)).then(|| {
         let text = format!(
-            "the noise of the {} is declared too large: its residual is {} times as large; declare the noise that the sensor has",
+            "the declared noise of the {} is too large: its residual is {} times that; declare the actual noise",
             c.name,
             rounded(ratio.sqrt(), 3)
         );

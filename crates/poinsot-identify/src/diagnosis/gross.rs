@@ -1,10 +1,10 @@
-//! Gross mistakes: a sign, a unit, exchanged columns, a dead thruster. They put the fit so far off that no score of first
-//! order means anything, so each is tried by a fit of its own from the nominal numbers, on the shortest beginning of the record
-//! that contradicts the model: there the motion has not yet come far from what is measured. The whole record confirms it.
+//! Gross errors: a sign, a unit, exchanged columns, a dead thruster. First-order scores are meaningless so far from the
+//! answer, so each is tested by a separate fit from the nominal numbers, on the shortest beginning of the record that
+//! contradicts the model, where the predicted motion is still close. The whole record confirms it.
 
 use super::types::{FaultKind, Suspect};
+use crate::fit::coarse_fit::beginning;
 use crate::fit::experiment::Experiment;
-use crate::fit::far_start::beginning;
 use crate::fit::{Fitted, fit_from};
 use crate::problem::Problem;
 use crate::problem::segment::Segment;
@@ -16,15 +16,15 @@ const GROSS: f64 = 1.0e2;
 /// Shares of the record that are tried as its beginning: each twice the one before, so that all fits together take no longer
 /// than one of the whole record.
 const BEGINNINGS: [f64; 4] = [0.0625, 0.125, 0.25, 0.5];
-/// Iterations of such a fit: enough to tell right from wrong.
+/// Iterations of such a fit: enough for a decision.
 const MISTAKE_ITERATIONS: usize = 8;
 /// Share of the misfit that a gross mistake must explain.
 const EXPLAINS: f64 = 0.99;
 
-/// Excess of chi-square per number that a fit with the right reading may be left with.
+/// Largest excess of chi-square per number of a corrected fit.
 const RIGHT: f64 = 10.0;
 
-/// A kind of mistake: the factor that puts the value as read right, and words before and after its place.
+/// A kind of mistake: the factor that corrects the value, and words before and after its location.
 #[derive(Clone, Copy, PartialEq)]
 struct Kind {
     factor: f64,
@@ -47,10 +47,10 @@ const WHEELS: [Kind; 5] = [
         fault: FaultKind::WheelSign,
         words: ["a wrong sign of", ""],
     },
-    unit(PI / 180.0, " (degrees read as radians)"),
-    unit(PI / 30.0, " (revolutions a minute read as rad/s)"),
-    unit(2.0 * PI, " (revolutions read as radians)"),
-    unit(180.0 / PI, " (radians read as degrees)"),
+    unit(PI / 180.0, " (degrees used as radians)"),
+    unit(PI / 30.0, " (revolutions per minute used as rad/s)"),
+    unit(2.0 * PI, " (revolutions used as radians)"),
+    unit(180.0 / PI, " (radians used as degrees)"),
 ];
 
 /// Mistakes with the force of a thruster.
@@ -74,15 +74,15 @@ const EXCHANGED: Kind = Kind {
     words: ["exchanged speeds of", ""],
 };
 
-/// A mistake that may have been made.
-struct Mistake {
+/// A possible gross error.
+struct GrossError {
     kind: Kind,
     owner: String,
-    place: Place,
+    place: GrossErrorLocation,
 }
 
-/// What the mistake is with.
-enum Place {
+/// Location of the error.
+enum GrossErrorLocation {
     /// Speeds of these wheels.
     Wheels(Vec<usize>),
     /// Speeds of two wheels in each other's place.
@@ -91,7 +91,7 @@ enum Place {
     Thruster(usize),
 }
 
-/// The mistake that explains nearly all of a very bad fit.
+/// The gross error that explains nearly all of a very bad fit.
 pub(super) fn gross(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -111,7 +111,7 @@ pub(super) fn gross(
     let nominal = short.cost(&short.nominal_point());
     let nominal = nominal.unwrap_or(f64::INFINITY);
     let mut best: Option<Suspect> = None;
-    // The mistake outside, its place inside: large factors make wild motions, which are slow to compute.
+    // Errors outside, locations inside: large factors cause fast motions, which are slow to compute.
     for alike in mistakes.chunk_by(|a, b| a.kind == b.kind) {
         for mistake in promising(&short, alike, nominal) {
             let least = best.as_ref().map_or(EXPLAINS * excess, |b| b.decrease);
@@ -120,7 +120,7 @@ pub(super) fn gross(
                 continue;
             };
             best = Some(named(mistake, decrease, excess));
-            // Right, not only better: the others need not be tried.
+            // Correct, not only better: the others need no test.
             if excess - decrease < RIGHT * dof {
                 return best;
             }
@@ -149,7 +149,7 @@ fn contradicting(experiment: &Experiment) -> Option<Vec<Segment>> {
 }
 
 /// Every mistake with a wheel, with all of them, with two of them, and with a thruster that fires.
-fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
+fn mistakes(experiment: &Experiment) -> Vec<GrossError> {
     let segments = experiment.problem.segments;
     let fires = |k: usize| {
         let mut firings = segments.iter().flat_map(|s| &s.firings);
@@ -158,26 +158,26 @@ fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     let mut list = Vec::new();
     for kind in THRUSTERS {
         let all = experiment.thrusters.iter().enumerate();
-        list.extend(all.filter(|(k, _)| fires(*k)).map(|(k, t)| Mistake {
+        list.extend(all.filter(|(k, _)| fires(*k)).map(|(k, t)| GrossError {
             kind,
             owner: t.name.clone(),
-            place: Place::Thruster(k),
+            place: GrossErrorLocation::Thruster(k),
         }));
     }
     let wheels = &experiment.problem.model.wheels;
-    let exchanged = |i: usize, j: usize| Mistake {
+    let exchanged = |i: usize, j: usize| GrossError {
         kind: EXCHANGED,
         owner: format!("{} and {}", wheels[i].name, wheels[j].name),
-        place: Place::Exchanged(i, j),
+        place: GrossErrorLocation::Exchanged(i, j),
     };
     for j in 1..wheels.len() {
         list.extend((0..j).map(|i| exchanged(i, j)));
     }
     for kind in WHEELS {
-        let own = |owner: &str, which| Mistake {
+        let own = |owner: &str, which| GrossError {
             kind,
             owner: owner.to_owned(),
-            place: Place::Wheels(which),
+            place: GrossErrorLocation::Wheels(which),
         };
         let each = wheels.iter().enumerate();
         list.extend(each.map(|(k, w)| own(&w.name, vec![k])));
@@ -188,27 +188,27 @@ fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
     list
 }
 
-/// The experiment with a mistake put right.
+/// The experiment with a corrected error.
 fn put_right<T>(
     experiment: &Experiment,
-    mistake: &Mistake,
+    mistake: &GrossError,
     ask: impl FnOnce(&Experiment) -> T,
 ) -> T {
     let mut other = experiment.with_parameters(experiment.parameters);
     match &mistake.place {
-        Place::Wheels(which) => {
+        GrossErrorLocation::Wheels(which) => {
             for k in which {
                 if let Some(spin) = other.nominal_spin.get_mut(*k) {
                     *spin *= mistake.kind.factor;
                 }
             }
         }
-        Place::Thruster(k) => {
+        GrossErrorLocation::Thruster(k) => {
             if let Some(thruster) = other.thrusters.get_mut(*k) {
                 thruster.direction_B *= mistake.kind.factor;
             }
         }
-        Place::Exchanged(i, j) => {
+        GrossErrorLocation::Exchanged(i, j) => {
             let mut segments = experiment.problem.segments.to_vec();
             let wheels = experiment.problem.model.wheels.len();
             for segment in &mut segments {
@@ -236,20 +236,19 @@ fn put_right<T>(
     ask(&other)
 }
 
-/// Mistakes without which the nominal numbers fit better than `nominal`, with them; the best first. A mistake put right
-/// does not make them fit worse.
+/// Errors whose correction improves the fit of the nominal numbers over `nominal`; the best first.
 fn promising<'m>(
     experiment: &Experiment,
-    mistakes: &'m [Mistake],
+    mistakes: &'m [GrossError],
     nominal: f64,
-) -> Vec<&'m Mistake> {
-    let cost = |mistake: &'m Mistake| {
+) -> Vec<&'m GrossError> {
+    let cost = |mistake: &'m GrossError| {
         let cost = put_right(experiment, mistake, |other| {
             other.cost(&other.nominal_point())
         });
         Some((cost.filter(|cost| *cost < nominal)?, mistake))
     };
-    let mut list: Vec<(f64, &Mistake)> = mistakes.iter().filter_map(cost).collect();
+    let mut list: Vec<(f64, &GrossError)> = mistakes.iter().filter_map(cost).collect();
     list.sort_by(|a, b| a.0.total_cmp(&b.0));
     list.into_iter().map(|(_, mistake)| mistake).collect()
 }
@@ -259,7 +258,7 @@ fn promising<'m>(
 fn confirmed(
     experiment: &Experiment,
     short: &Experiment,
-    mistake: &Mistake,
+    mistake: &GrossError,
     before: f64,
 ) -> Option<f64> {
     let x = put_right(short, mistake, |other| {
@@ -274,10 +273,10 @@ fn confirmed(
     })
 }
 
-fn named(mistake: &Mistake, decrease: f64, excess: f64) -> Suspect {
+fn named(mistake: &GrossError, decrease: f64, excess: f64) -> Suspect {
     let (owner, [before, after]) = (&mistake.owner, mistake.kind.words);
     let values = match mistake.place {
-        Place::Exchanged(..) => Vec::new(),
+        GrossErrorLocation::Exchanged(..) => Vec::new(),
         _ => vec![(format!("{owner}.factor"), mistake.kind.factor, "1")],
     };
     Suspect {

@@ -1,8 +1,8 @@
-//! Does a fit to the beginning of each record predict its end? The predictive failure test of Chow (1960).
+//! Test whether a fit to the beginning of each record predicts its end (predictive failure test, Chow 1960).
 //!
-//! With `K` the least sum of squares of the kept rows and `F` that of all rows, `F - K` is the square of the prediction error of
-//! the held-out rows in its own covariance, noise and uncertainty of the fit together: chi-square distributed with one degree of
-//! freedom for each of them. To first order about the answer, so that nothing is fitted again.
+//! With `K` the least sum of squares of the kept rows and `F` that of all rows, `F - K` is the square of the prediction
+//! error of the held-out rows in its own covariance, noise and uncertainty of the fit together: chi-square distributed
+//! with one degree of freedom for each of them. To first order about the answer, without a second fit.
 
 use super::types::HeldOut;
 use crate::fit::Fitted;
@@ -35,18 +35,18 @@ pub(super) fn held_out(
     let dof = rows(&kept).checked_sub(fitted_numbers)?;
     let least = least_square(experiment, fitted, &kept)?;
     let chi2 = (least_square(experiment, fitted, &fitted.evaluated)? - least).max(0.0);
-    // A residual larger than declared is another test's business.
-    let per_number = (least / dof.max(1) as f64).max(1.0);
+    // Another test covers a residual larger than declared.
+    let mean_square = (least / dof.max(1) as f64).max(1.0);
     let chance = ChiSquared::new(numbers as f64).ok()?;
     Some(HeldOut {
         share: SHARE,
         numbers,
         chi2,
-        p: chance.sf(chi2 / per_number),
+        p: chance.sf(chi2 / mean_square),
     })
 }
 
-/// A record without the samples at its end; what drives the vehicle stays.
+/// A record without its last samples; the inputs stay.
 fn beginning(segment: &Segment) -> Segment {
     let mut segment = segment.clone();
     let times = segment.observations.time_s.len() as f64;
@@ -57,7 +57,7 @@ fn beginning(segment: &Segment) -> Segment {
     segment
 }
 
-/// Least sum of squares of rows and priors over all unknowns: what the triangle leaves below them.
+/// Least sum of squares of rows and priors over all unknowns: the residual of the triangle.
 fn least_square(experiment: &Experiment, fitted: &Fitted, rows: &[Evaluated]) -> Option<f64> {
     let r = experiment.stack(&fitted.at, rows, true).r;
     let last = r.ncols().checked_sub(1)?;

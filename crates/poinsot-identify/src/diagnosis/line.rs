@@ -1,13 +1,13 @@
-//! A line in the gyro residual: flexing, slosh, or something that turns unseen.
+//! A spectral line in the gyro residual: flexing, slosh, or an unmodelled rotor.
 
 use super::types::SpectralLine;
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
 use poinsot_spatial::Vector3;
 
-/// Share of the power of a residual in one line that is a line.
+/// Share of the residual's power in one line from which it is significant.
 const LINE: f64 = 0.25;
-/// Share of the power of the predicted motion, or of its change, in a line from which it is the manoeuvre that shows there.
+/// Share of the power of the predicted motion, or of its change, in a line from which the manoeuvre causes it.
 const DRIVEN: f64 = 0.02;
 /// Most samples that the periodogram takes.
 const PERIODOGRAM: usize = 4096;
@@ -25,7 +25,7 @@ pub(super) fn spectral_lines(experiment: &Experiment, fitted: &Fitted) -> Vec<Sp
         let Some(line) = strongest_line(&times, &gyro.white) else {
             continue;
         };
-        // What the vehicle would do if it were rigid.
+        // Motion of the rigid vehicle.
         let sigma = o.best_gyro().map_or_else(Vector3::zeros, |r| {
             Vector3::from_fn(|i, _| r.covariance[(i, i)].sqrt())
         });
@@ -50,7 +50,7 @@ struct Line {
 }
 
 impl Line {
-    /// Whether the manoeuvre drives the vehicle at the line: then a wrong model of the rigid vehicle shows there too.
+    /// Whether the manoeuvre drives the vehicle at the line: then a wrong rigid model causes a line there too.
     fn is_driven(&self, predicted: &[Vector3]) -> bool {
         let changes: Vec<Vector3> = predicted.windows(2).map(|w| w[1] - w[0]).collect();
         let share = |motion: &[Vector3]| {

@@ -1,9 +1,8 @@
-//! When the fit is worse than the declared noise: what would explain it?
+//! Diagnosis of a fit that is worse than the declared noise.
 //!
-//! Each candidate fault is a group of columns that the fit did not have. Its score is how much of the
-//! residual those columns reach beyond the fitted unknowns: the decrease of chi-square that adding it would
-//! bring, to first order. The best few are fitted in earnest. A spectral line in the gyro residual speaks of
-//! flexing or slosh; white noise that is too large, of a wrong declaration; few bad readings, of outliers.
+//! Each candidate fault is a group of columns that the fit did not have. Its score is the first-order decrease of
+//! chi-square with those columns added (score test). The best few are fitted fully. A spectral line in the gyro
+//! residual indicates flexing or slosh; large white noise a wrong declaration; few bad samples outliers.
 
 mod candidate;
 mod candidates;
@@ -12,19 +11,19 @@ mod channels;
 pub(crate) mod conflict;
 pub(crate) mod deviance;
 mod drift;
+mod environment;
 mod fault;
 mod findings;
 mod gross;
 mod held_out;
 mod line;
 mod naming;
+mod noise_models;
 pub(crate) mod octaves;
 mod onset;
 mod projected;
 mod pulse;
 mod score;
-mod spread;
-mod surroundings;
 mod suspects;
 mod table;
 mod types;
@@ -41,15 +40,14 @@ use candidates::candidates;
 use suspects::Misfit;
 use table::Table;
 
-/// Excess of chi-square, in its own standard deviations, below which nothing is to be explained.
+/// Excess of chi-square, in its own standard deviations, below which there is no misfit.
 pub(super) const EXCESS: f64 = 6.0;
-/// Mean turn between readings, rad, from which one look at the motion takes so many steps that fits of single causes would
-/// take minutes.
+/// Mean rotation between samples, rad, from which single causes are not fitted: the integration needs too many steps.
 const COARSE: f64 = 0.3;
-/// Most segments whose drift is looked at one by one.
+/// Largest number of segments with separate drift tests.
 const SEGMENTS: usize = 16;
 
-/// Looks for what explains the misfit of a fit; `fitted_numbers` were fitted in all.
+/// Searches the cause of a misfit; `fitted_numbers` were fitted in all.
 pub(crate) fn diagnose(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -59,7 +57,7 @@ pub(crate) fn diagnose(
     let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
     let dof = rows.saturating_sub(fitted_numbers);
     let excess = chi2 - dof as f64;
-    let per_number = (chi2 / dof.max(1) as f64).max(1.0);
+    let mean_square = (chi2 / dof.max(1) as f64).max(1.0);
     let mut out = Diagnostics {
         chi2,
         dof,
@@ -78,13 +76,13 @@ pub(crate) fn diagnose(
         misfit,
         affordable,
     };
-    // A gross mistake that leaves chi-square right needs no other cause beside it; trying them all is slow.
+    // A gross error that explains chi-square needs no other cause; testing all is slow.
     let mistake = affordable
         .then(|| gross::gross(experiment, fitted, (excess, dof as f64)))
         .flatten();
     match mistake {
         Some(mistake) if excess - mistake.decrease < dof as f64 => out.suspects = vec![mistake],
-        mistake => weighed(experiment, fitted, of, per_number, &mut out, mistake),
+        mistake => weighed(experiment, fitted, of, mean_square, &mut out, mistake),
     }
     if misfit {
         out.lines = line::spectral_lines(experiment, fitted);
@@ -95,26 +93,27 @@ pub(crate) fn diagnose(
             fault: FaultKind::Unexplained,
             or: Vec::new(),
             text: format!(
-                "the vehicle turns by {turn:.1} rad from one reading to the next, too far to try single causes: are the times in seconds?"
+                "the vehicle turns by {turn:.1} rad between samples, too much to test causes; are the times in seconds?"
             ),
         });
     }
     out
 }
 
-/// Weighs every cause against the others; a gross mistake that does not explain all comes first, unless another cause does.
+/// Ranks the causes; a gross error that does not explain all is first, unless another cause does.
 fn weighed(
     experiment: &Experiment,
     fitted: &Fitted,
     of: Misfit,
-    per_number: f64,
+    mean_square: f64,
     out: &mut Diagnostics,
     mistake: Option<Suspect>,
 ) {
     let mut candidates = candidates(experiment);
     let table = Table::new(experiment, fitted, &mut candidates);
     let about = (candidates.as_slice(), table.as_ref());
-    let mut others = spread::spreads(experiment, fitted, &out.channels, about, of.misfit);
+    let mut others =
+        noise_models::noise_models(experiment, fitted, &out.channels, about, of.misfit);
     if let Some(table) = &table {
         let projected = table.projected(experiment, fitted, None);
         others.extend(onset::onsets(
@@ -125,22 +124,22 @@ fn weighed(
             of.misfit,
         ));
         out.suspects = suspects::suspects(experiment, fitted, &candidates, &projected, others, of);
-        out.lags = drift::lags(experiment, &candidates, &projected, per_number);
+        out.lags = drift::lags(experiment, &candidates, &projected, mean_square);
         out.drift
-            .extend(drift::drift(None, &candidates, &projected, per_number));
+            .extend(drift::drift(None, &candidates, &projected, mean_square));
         let segments = experiment.problem.segments;
         if (2..=SEGMENTS).contains(&segments.len()) {
             for (at, segment) in segments.iter().enumerate() {
                 let alone = table.projected(experiment, fitted, Some(at));
                 let label = Some(segment.label.clone());
                 out.drift
-                    .extend(drift::drift(label, &candidates, &alone, per_number));
+                    .extend(drift::drift(label, &candidates, &alone, mean_square));
             }
         }
     }
-    let settled = |s: &Suspect| !s.fault.is_spread() && of.excess - s.decrease < of.dof;
-    if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(settled)) {
-        // What was tied was so with the best of the others.
+    let converged = |s: &Suspect| !s.fault.is_noise_fault() && of.excess - s.decrease < of.dof;
+    if let Some(mistake) = mistake.filter(|_| !out.suspects.first().is_some_and(converged)) {
+        // Ties were found relative to the best of the others.
         out.suspects.iter_mut().for_each(|s| s.tied = false);
         out.suspects.insert(0, mistake);
     }

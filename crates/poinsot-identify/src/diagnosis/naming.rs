@@ -1,23 +1,23 @@
-//! What the values of a suspect mean where they speak for themselves: a wrong sign, a wrong unit.
+//! Meaning of a suspect's values, if clear: a wrong sign, a wrong unit.
 
 use super::types::{FaultKind, Suspect};
 use crate::fit::experiment::Experiment;
 
 /// Name of the candidate that thrusters act at other times than their columns say.
 pub(super) const LATE_THRUST: &str = "a lag of the thrust";
-/// Factors by which a unit is mistaken, and the mistake.
+/// Factors of common unit errors.
 const MISTAKEN: [(f64, &str); 4] = [
-    (57.295_779_5, "radians read as degrees"),
-    (0.017_453_293, "degrees read as radians"),
-    (0.104_719_755, "revolutions a minute read as rad/s"),
-    (std::f64::consts::TAU, "revolutions read as radians"),
+    (57.295_779_5, "radians used as degrees"),
+    (0.017_453_293, "degrees used as radians"),
+    (0.104_719_755, "revolutions per minute used as rad/s"),
+    (std::f64::consts::TAU, "revolutions used as radians"),
 ];
 
 pub(super) fn near(value: f64, wanted: f64) -> bool {
     (value / wanted - 1.0).abs() < 0.2
 }
 
-/// Says what values mean where they speak for themselves: a wrong sign, a wrong unit.
+/// Names the meaning of values, if clear: a wrong sign, a wrong unit.
 pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
     let model = experiment.problem.model;
     match suspect.fault {
@@ -50,7 +50,7 @@ pub(super) fn name(experiment: &Experiment, suspect: &mut Suspect) {
         FaultKind::Lag
             if suspect.name == LATE_THRUST && suspect.values.first().is_some_and(|v| v.1 < 0.0) =>
         {
-            "thrust that is read late".clone_into(&mut suspect.name);
+            "delayed thrust samples".clone_into(&mut suspect.name);
         }
         FaultKind::GyroScale => {
             for (factor, what) in MISTAKEN {

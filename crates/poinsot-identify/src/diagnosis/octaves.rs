@@ -1,13 +1,12 @@
 //! How large a residual is, octave by octave of its frequency, in units of the declared noise.
 //!
-//! Haar's transform (Haar 1910) turns a white residual of unit variance into coefficients that are independent and of unit
-//! variance again, level by level: differences of neighbours, of pairs, of fours. The energy of a level is therefore
-//! chi-square distributed exactly, however short the record; what a fit has taken away only lowers it. A level is half
-//! the Allan variance at its averaging time (Percival and Walden 2000, section 8.6). Whatever changes slowly (mass
-//! properties, momentum, biases) feels the slow levels, so what is too large there makes sigmas too small even where
-//! chi-square as a whole looks right.
+//! Haar's transform (Haar 1910) turns a white residual of unit variance into coefficients that are independent and of
+//! unit variance again, level by level: differences of neighbours, of pairs, of fours. The energy of a level is
+//! therefore chi-square distributed exactly, however short the record; a fit only reduces it. A level is half the Allan
+//! variance at its averaging time (Percival and Walden 2000, section 8.6). Slow parameters (mass properties, momentum,
+//! biases) depend on the slow levels: excess there makes sigmas too small even if the total chi-square is correct.
 
-use super::channels::outlier;
+use super::channels::outlier_threshold;
 use crate::problem::loss::Loss;
 use poinsot_spatial::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -28,12 +27,12 @@ pub struct Octave {
 
 impl Octave {
     /// Mean square; 1 where the residual is white and as large as declared.
-    pub fn per_number(&self) -> f64 {
+    pub fn mean_square(&self) -> f64 {
         self.square / self.numbers.max(1) as f64
     }
 
-    /// Probability of so large a sum by chance where the coefficients have this variance.
-    pub(crate) fn chance(&self, variance: f64) -> f64 {
+    /// p-value of the sum for coefficients of this variance.
+    pub(crate) fn p_value(&self, variance: f64) -> f64 {
         let n = self.numbers as f64;
         let scaled = self.square / variance;
         if self.numbers == 0 || scaled.is_nan() {
@@ -63,7 +62,7 @@ pub(crate) fn octaves(white: &[Vector3], numbers: usize, loss: Loss) -> Vec<Octa
     let mut series: Vec<Vector3> = match loss {
         Loss::Gaussian => white.to_vec(),
         _ => {
-            let limit = outlier(numbers);
+            let limit = outlier_threshold(numbers);
             let usual = white.iter().filter(|w| w.norm_squared() <= limit);
             usual
                 .map(|w| w * loss.weight(w.norm_squared(), numbers).sqrt())
@@ -121,14 +120,14 @@ pub(crate) mod tests {
         assert_eq!(levels.iter().map(|o| o.numbers).sum::<usize>(), 3 * 1024);
     }
 
-    /// Chances of white residuals are even between 0 and 1, for short records as for long ones.
+    /// p-values of white residuals are uniform, for short and long records.
     #[test]
     fn stat_chances_of_white_residuals_are_even() {
         for n in [41, 300, 3000] {
             let (mut low, mut count) = (0, 0);
             for seed in 0..400 {
                 for level in octaves(&white(n, seed), 3, Loss::Gaussian) {
-                    low += usize::from(level.chance(1.0) < 0.01);
+                    low += usize::from(level.p_value(1.0) < 0.01);
                     count += 1;
                 }
             }
@@ -158,8 +157,8 @@ pub(crate) mod tests {
         };
         for excess in [0.0, 3.0, 6.0] {
             let (few, more) = (
-                at(EXACT_TAIL, excess).chance(1.0),
-                at(EXACT_TAIL + 1, excess).chance(1.0),
+                at(EXACT_TAIL, excess).p_value(1.0),
+                at(EXACT_TAIL + 1, excess).p_value(1.0),
             );
             assert!((few / more - 1.0).abs() < 0.05, "{excess}: {few} {more}");
         }

@@ -1,14 +1,14 @@
-//! What begins within a record: a motion that starts anew, a kick, a jump of the attitude or of the clock.
+//! Faults that begin within a record: a restarted motion, an impulse, a jump of the attitude or of the clock.
 //!
-//! Columns of a fault that acts from a time on are those of the same fault from the start with zeros before that time. So one
-//! pass from the end of a segment back gives the score of every time: products of the columns with themselves, with the
-//! residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. A kick changes the
-//! momentum alone; it is the start anew with the momentum that it has there and the pose as it is.
+//! Columns of a fault that acts from a time on are those of the same fault from the start with zeros before that time.
+//! So one pass from the end of a segment back gives the score of every time: products of the columns with themselves,
+//! with the residual and with an orthonormal basis of all that was fitted are sums over the samples behind it. An
+//! impulse changes the momentum alone, a restart all of the state.
 
 use super::candidate::Candidate;
 use super::candidates::sensors_read;
 use super::pulse::pulse;
-use super::score::{Clear, SHOWN, Score, explained, found, kick};
+use super::score::{ProjectedRows, SHOWN, Score, explained, found, momentum_jump};
 use super::suspects::Scored;
 use super::table::{SegmentRows, Table};
 use super::types::FaultKind;
@@ -20,26 +20,26 @@ use poinsot_dynamics::SensorError;
 use poinsot_model::SensorKind;
 use poinsot_solve::BlockQr;
 
-/// Most times that are tried in a segment.
+/// Largest number of times tested in a segment.
 const TIMES: usize = 160;
-/// Share of a segment at either end where nothing begins.
+/// Share of a segment at either end without tested times.
 const MARGIN: f64 = 0.02;
 
-/// Something that may begin, and its columns.
+/// A fault with unknown onset, and its columns.
 struct Onset {
     name: &'static str,
     fault: FaultKind,
-    columns: What,
+    columns: OnsetKind,
 }
 
-enum What {
+enum OnsetKind {
     /// Combinations of columns: places, each with its factor.
     Rows(Vec<Vec<usize>>),
     /// The momentum at that time.
     Kick,
 }
 
-/// The best time of each thing that may begin; pulses of some duration only where there is a misfit.
+/// The best onset of each fault; pulses only if there is a misfit.
 pub(super) fn onsets(
     experiment: &Experiment,
     fitted: &Fitted,
@@ -71,23 +71,23 @@ pub(super) fn onsets(
 }
 
 fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> Vec<Onset> {
-    let head = rows.head;
+    let initial_columns = rows.initial_columns;
     let place = |kind: &UnknownKind| {
         let found = unknowns.iter().position(|u| u.kind == *kind);
-        found.map(|k| head + k)
+        found.map(|k| initial_columns + k)
     };
     let of = |sensor: usize, error| place(&UnknownKind::Sensor { sensor, error });
     let read = sensors_read(experiment.problem);
     let mut list = vec![
         Onset {
-            name: "the motion starts anew",
+            name: "the motion restarts",
             fault: FaultKind::JoinedRecord,
-            columns: What::Rows((0..head).map(|k| vec![k]).collect()),
+            columns: OnsetKind::Rows((0..initial_columns).map(|k| vec![k]).collect()),
         },
         Onset {
-            name: "a kick that no telemetry has (a firing that is missing or in excess)",
+            name: "an impulse that is not in the telemetry (a missing or extra firing)",
             fault: FaultKind::Firing,
-            columns: What::Kick,
+            columns: OnsetKind::Kick,
         },
     ];
     let lags: Vec<usize> = read
@@ -98,7 +98,7 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
         list.push(Onset {
             name: "a jump of the clock",
             fault: FaultKind::ClockJump,
-            columns: What::Rows(vec![lags]),
+            columns: OnsetKind::Rows(vec![lags]),
         });
     }
     let model = experiment.problem.model;
@@ -111,9 +111,9 @@ fn kinds(experiment: &Experiment, rows: &SegmentRows, unknowns: &[&Unknown]) -> 
             .collect();
         if let Some(axes) = axes {
             list.push(Onset {
-                name: "a jump of the attitude as read",
+                name: "a jump of the measured attitude",
                 fault: FaultKind::AttitudeJump,
-                columns: What::Rows(axes),
+                columns: OnsetKind::Rows(axes),
             });
         }
     }
@@ -167,26 +167,26 @@ impl Basis {
         segment: usize,
         rows: &SegmentRows,
         experiment: &Experiment,
-    ) -> Clear {
-        let (h, n) = (rows.head, experiment.parameters.len());
+    ) -> ProjectedRows {
+        let (h, n) = (rows.initial_columns, experiment.parameters.len());
         let triangle = fitted.evaluated[segment].triangle.as_ref();
         let part = |i: usize, j: usize| triangle.map_or(0.0, |t| t.r[(i, j)]);
         let own = DMatrix::from_fn(h, h, part);
         let carried = DMatrix::from_fn(h, n, |i, j| part(i, h + j)) * &self.directions;
         let rhs = DVector::from_fn(h, |i, _| part(i, h + n));
-        let mut out = Clear {
+        let mut out = ProjectedRows {
             basis: Vec::with_capacity(rows.rows.len()),
             residual: Vec::with_capacity(rows.rows.len()),
         };
         for row in &rows.rows {
-            let head = solved(&own, &row[..h]);
+            let own_columns = solved(&own, &row[..h]);
             let shared = DVector::from_column_slice(&row[h..h + n]);
-            let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&head);
+            let shared = self.directions.tr_mul(&shared) - carried.tr_mul(&own_columns);
             let shared = solved(&self.shared, shared.as_slice());
             let last = row.last().copied().unwrap_or(0.0);
             out.residual
-                .push(last - head.dot(&rhs) - shared.dot(&self.rhs));
-            let all = head.iter().chain(shared.iter()).copied();
+                .push(last - own_columns.dot(&rhs) - shared.dot(&self.rhs));
+            let all = own_columns.iter().chain(shared.iter()).copied();
             out.basis
                 .push(DVector::from_iterator(h + shared.len(), all));
         }
@@ -194,7 +194,7 @@ impl Basis {
     }
 }
 
-/// `x` with `x R = row`; nothing along what shows nothing.
+/// `x` with `x R = row`; zero along unobservable directions.
 fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
     let n = row.len();
     let largest = (0..n).fold(0.0_f64, |a, k| a.max(r[(k, k)].abs()));
@@ -213,13 +213,13 @@ fn solved(r: &DMatrix<f64>, row: &[f64]) -> DVector<f64> {
 fn best(
     onset: &Onset,
     rows: &SegmentRows,
-    clear: &Clear,
+    clear: &ProjectedRows,
     experiment: &Experiment,
     segment: usize,
 ) -> Option<(Score, usize, usize)> {
     let columns: Vec<Vec<usize>> = match &onset.columns {
-        What::Rows(columns) => columns.clone(),
-        What::Kick => (0..rows.head).map(|k| vec![k]).collect(),
+        OnsetKind::Rows(columns) => columns.clone(),
+        OnsetKind::Kick => (0..rows.initial_columns).map(|k| vec![k]).collect(),
     };
     let (m, p) = (columns.len(), clear.basis.first()?.len());
     let times = rows.transitions.len();
@@ -251,9 +251,9 @@ fn best(
         }
         let left = &square - onto.tr_mul(&onto);
         let score = match onset.columns {
-            What::Rows(_) => explained(&left, &square, &toward),
-            What::Kick => {
-                let Some(kick) = kick(&transition.start, experiment, segment) else {
+            OnsetKind::Rows(_) => explained(&left, &square, &toward),
+            OnsetKind::Kick => {
+                let Some(kick) = momentum_jump(&transition.start, experiment, segment) else {
                     continue;
                 };
                 let of = |m: &DMatrix<f64>| kick.transpose() * m * &kick;

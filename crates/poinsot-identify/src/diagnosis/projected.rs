@@ -1,4 +1,4 @@
-//! Score tests (Rao 1948): what further unknowns would do to the residual, without fitting them.
+//! Score tests (Rao 1948): effect of further unknowns on the residual without a fit.
 //!
 //! The columns of the candidates are projected clear of everything that was fitted, once. Any group of them
 //! is then a small least-squares problem: its decrease of chi-square, its values and their sigma, all to
@@ -9,13 +9,13 @@ use crate::problem::parameters::{Parameters, Unknown};
 use faer::Mat;
 use poinsot_solve::{BlockQr, Triangle};
 
-/// Share of a column's length that must be left after the projection for it to reach anything new.
+/// Smallest share of a column's length after projection for a new direction.
 const NEW: f64 = 1.0e-6;
 
 /// Candidate columns and residual clear of the fitted unknowns, one triangle; residual last.
 pub(super) struct Projected {
     r: Mat<f64>,
-    /// Length of each column before the projection; zero where nothing sees it.
+    /// Length of each column before the projection; zero without effect.
     length: Vec<f64>,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Projected {
 pub(super) struct Score {
     pub decrease: f64,
     pub values: Vec<f64>,
-    /// Infinite where nothing new is seen.
+    /// Infinite without a new direction.
     pub covariance: Vec<Vec<f64>>,
 }
 

@@ -1,9 +1,10 @@
-//! A constant force and torque in the body over a part of a record: a firing that telemetry does not have.
+//! A constant force and torque in the body over a part of a record: a firing that is missing from the telemetry.
 //!
-//! A kick at one time is a combination of the columns of the start; a pulse is a sum of kicks. With the sums up to every time
-//! at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best are moved.
+//! An impulse at one time is a combination of the initial-state columns; a pulse is a sum of impulses. With the sums up
+//! to every time at hand, each row of a pulse is one product. Durations are tried by halves, then both ends of the best
+//! are moved.
 
-use super::score::{Clear, Score, explained, found, kick};
+use super::score::{ProjectedRows, Score, explained, found, momentum_jump};
 use super::suspects::Scored;
 use super::table::SegmentRows;
 use super::types::FaultKind;
@@ -16,11 +17,11 @@ const DURATIONS: [f64; 5] = [0.25, 0.125, 0.0625, 0.03125, 0.015625];
 /// Cosine between a force and a thruster's direction from which it is that thruster.
 const ALONG: f64 = 0.99;
 
-/// Kicks up to each time, and what is needed to score a part of them.
+/// Cumulated impulses up to each time, for the score of any interval.
 struct Pulses<'a> {
     rows: &'a SegmentRows,
-    clear: &'a Clear,
-    /// Sum of the kicks up to each transition.
+    clear: &'a ProjectedRows,
+    /// Sum of the impulses up to each transition.
     sums: Vec<DMatrix<f64>>,
     /// Transition of each measurement.
     places: Vec<usize>,
@@ -30,7 +31,7 @@ struct Pulses<'a> {
 pub(super) fn pulse(
     experiment: &Experiment,
     rows: &SegmentRows,
-    clear: &Clear,
+    clear: &ProjectedRows,
     segment: usize,
 ) -> Option<Scored> {
     let label = &experiment.problem.segments[segment].label;
@@ -75,9 +76,9 @@ pub(super) fn pulse(
     let at = |k: usize| t[rows.transitions[k].at];
     let who = match thruster(experiment, &score, segment) {
         Some(name) => {
-            format!("a firing of {name} that telemetry does not have or that did not happen")
+            format!("a firing of {name} that is missing from the telemetry or did not happen")
         }
-        None => "a force or torque that telemetry does not have or that did not act".to_owned(),
+        None => "a force or torque that is missing from the telemetry or did not act".to_owned(),
     };
     let name = format!("{who}, {:.1} to {:.1} s of {label},", at(from), at(to));
     Some(found(name, FaultKind::Firing, &score, tried))
@@ -95,7 +96,7 @@ fn thruster<'a>(experiment: &'a Experiment, score: &Score, segment: usize) -> Op
     };
     let mut along = (0..experiment.thrusters.len()).filter(|k| cosine(*k) > ALONG);
     let first = along.next()?;
-    // Two along one line cannot be told apart by their force.
+    // Two thrusters along one line are not distinguishable by their force.
     along
         .next()
         .is_none()
@@ -106,14 +107,14 @@ impl<'a> Pulses<'a> {
     fn new(
         experiment: &Experiment,
         rows: &'a SegmentRows,
-        clear: &'a Clear,
+        clear: &'a ProjectedRows,
         (segment, t): (usize, &[f64]),
     ) -> Option<Self> {
         let mut sums = Vec::with_capacity(rows.transitions.len());
         let mut sum: Option<DMatrix<f64>> = None;
         let mut before = None;
         for transition in &rows.transitions {
-            let one = kick(&transition.start, experiment, segment)?;
+            let one = momentum_jump(&transition.start, experiment, segment)?;
             // Forces and torques along the axes of the body.
             let R = transition.R_NB.to_rotation_matrix();
             let turned = DMatrix::from_fn(one.nrows(), one.ncols(), |i, j| {
@@ -160,8 +161,8 @@ impl<'a> Pulses<'a> {
             let part = (place < to).then(|| &self.sums[place] - &self.sums[from]);
             let part = part.as_ref().unwrap_or(&whole);
             for i in 3 * measurement..3 * measurement + 3 {
-                let head = DVector::from_column_slice(&self.rows.rows[i][..h]);
-                let d = part.tr_mul(&head);
+                let own_columns = DVector::from_column_slice(&self.rows.rows[i][..h]);
+                let d = part.tr_mul(&own_columns);
                 square.ger(1.0, &d, &d, 1.0);
                 onto.ger(1.0, &self.clear.basis[i], &d, 1.0);
                 toward.axpy(self.clear.residual[i], &d, 1.0);

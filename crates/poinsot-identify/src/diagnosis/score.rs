@@ -6,11 +6,11 @@ use crate::fit::experiment::Experiment;
 use crate::motion::Column;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of the largest square below which a combination of columns shows nothing.
+/// Share of the largest square below which a combination of columns is unobservable.
 pub(super) const SHOWN: f64 = 1.0e-8;
 
 /// Rows of one segment in an orthonormal basis of all that was fitted, and the residual clear of it.
-pub(super) struct Clear {
+pub(super) struct ProjectedRows {
     pub basis: Vec<DVector<f64>>,
     pub residual: Vec<f64>,
 }
@@ -22,7 +22,7 @@ pub(super) struct Score {
     pub values: DVector<f64>,
 }
 
-/// A suspect of some thing that begins, and how many times were tried.
+/// A suspect with an onset, and the number of tested times.
 pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize) -> Scored {
     Scored {
         at: None,
@@ -42,7 +42,7 @@ pub(super) fn found(name: String, fault: FaultKind, score: &Score, tried: usize)
 }
 
 /// Changes of the start that change the momentum at a time and no pose; one column for each component.
-pub(super) fn kick(
+pub(super) fn momentum_jump(
     start: &[Column],
     experiment: &Experiment,
     segment: usize,
@@ -64,7 +64,7 @@ pub(super) fn kick(
     (!momenta.is_empty() && state.is_square()).then(|| state.lu().solve(&wanted))?
 }
 
-/// `g^T M^-1 g` over what shows, in units of the columns.
+/// `g^T M^-1 g` over the observable part, in units of the columns.
 pub(super) fn explained(
     left: &DMatrix<f64>,
     square: &DMatrix<f64>,

@@ -1,31 +1,31 @@
-//! Which candidates explain what is left over, and what their numbers mean.
+//! Candidates that explain the residual, with the meaning of their numbers.
 
 use super::candidate::Candidate;
 use super::naming::{LATE_THRUST, name, near};
 use super::projected::Projected;
 use super::types::{FaultKind, Suspect};
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::{Fitted, fit_from};
 use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Probability of a score by chance from which a candidate is named.
+/// p-value below which a candidate is named.
 const CHANCE: f64 = 1.0e-7;
-/// Candidates that are fitted in earnest before one is named.
+/// Number of candidates that are fitted fully.
 const FITTED: usize = 2;
-/// Sigmas by which a number must lie beyond what nature allows to be impossible.
+/// Sigmas beyond a physical bound from which a number is impossible.
 const IMPOSSIBLE: f64 = 3.0;
-/// Share of a decrease of chi-square that counts as much as all of it.
+/// Share of a decrease of chi-square that counts as equal.
 const AS_MUCH: f64 = 0.95;
-/// Difference of evidence below which the data cannot tell two causes apart: odds of 150.
+/// Difference of evidence below which two causes are indistinguishable: odds of 150.
 const TIED: f64 = 10.0;
 /// Largest eigenvalue of the tensor of a gravity gradient, 1/s2: `3 gm / r^3` of the Earth at its surface.
 const STEEPEST: f64 = 4.6e-6;
 /// Iterations of such a fit.
 const SUSPECT_ITERATIONS: usize = 12;
 
-/// What the misfit is, and whether fits may be tried to explain it.
+/// The misfit, and whether causes may be fitted.
 #[derive(Clone, Copy)]
 pub(super) struct Misfit {
     /// Chi-square beyond the degrees of freedom, and these.
@@ -37,7 +37,7 @@ pub(super) struct Misfit {
 
 impl Misfit {
     /// Mean square of the residual, at least one.
-    pub fn per_number(&self) -> f64 {
+    pub fn mean_square(&self) -> f64 {
         (1.0 + self.excess / self.dof.max(1.0)).max(1.0)
     }
 
@@ -57,11 +57,11 @@ pub(super) fn suspects(
     others: Vec<Scored>,
     of: Misfit,
 ) -> Vec<Suspect> {
-    let per_number = of.per_number();
-    let mut list = scores(candidates, projected, per_number);
+    let mean_square = of.mean_square();
+    let mut list = scores(candidates, projected, mean_square);
     list.extend(others);
     let significant = |list: &mut Vec<Scored>| {
-        list.retain(|one| one.is_significant(per_number) && one.is_possible());
+        list.retain(|one| one.is_significant(mean_square) && one.is_possible());
     };
     significant(&mut list);
     rank(&mut list, of);
@@ -71,7 +71,7 @@ pub(super) fn suspects(
             let Some(candidate) = one.at.map(|at| &candidates[at]) else {
                 continue;
             };
-            // What reads early may stand for what drives the vehicle late, so that is always tried.
+            // An early sensor may mean a late input, so that is always tested.
             if tried >= FITTED && !candidate.delays_inputs() {
                 continue;
             }
@@ -86,7 +86,7 @@ pub(super) fn suspects(
     if of.misfit && of.affordable {
         fitted_before_scored(&mut list);
     }
-    late_before_early(&mut list, TIED * per_number);
+    late_before_early(&mut list, TIED * mean_square);
     let best = list.first().map(|one| one.suspect.decrease);
     let left = of.left(best.unwrap_or(0.0));
     let evidence: Vec<f64> = list.iter().map(|one| one.evidence(left, of.dof)).collect();
@@ -105,7 +105,7 @@ pub(super) fn suspects(
 }
 
 /// Score of every candidate.
-fn scores(candidates: &[Candidate], projected: &Projected, per_number: f64) -> Vec<Scored> {
+fn scores(candidates: &[Candidate], projected: &Projected, mean_square: f64) -> Vec<Scored> {
     let mut from = 0;
     let mut list = Vec::new();
     for (at, candidate) in candidates.iter().enumerate() {
@@ -114,7 +114,7 @@ fn scores(candidates: &[Candidate], projected: &Projected, per_number: f64) -> V
         let score = projected.score(&group, None);
         let values = candidate.unknowns.iter().zip(&score.values);
         let values: Vec<f64> = values.map(|(u, v)| u.nominal + v).collect();
-        let sigma = |k: usize| (score.covariance[k][k] * per_number).sqrt();
+        let sigma = |k: usize| (score.covariance[k][k] * mean_square).sqrt();
         list.push(Scored {
             at: Some(at),
             suspect: suspect(candidate, score.decrease, &values),
@@ -155,7 +155,7 @@ pub(super) struct Scored {
     /// Among the candidates that can be fitted.
     pub at: Option<usize>,
     pub suspect: Suspect,
-    /// From the score, the size of the residual taken as seen.
+    /// From the score, with the observed size of the residual.
     pub sigmas: Vec<f64>,
     pub nominal: Vec<f64>,
     /// How many numbers it has, and how many of its kind were tried.
@@ -171,13 +171,14 @@ impl Scored {
         self.suspect.decrease / scale - self.numbers as f64 * samples.max(1.0).ln() - choice
     }
 
-    fn is_significant(&self, per_number: f64) -> bool {
+    fn is_significant(&self, mean_square: f64) -> bool {
         let chance = ChiSquared::new(self.numbers.max(1) as f64);
-        let score = self.suspect.decrease / per_number;
+        let score = self.suspect.decrease / mean_square;
         chance.is_ok_and(|c| c.sf(score) * (self.trials as f64) < CHANCE)
     }
 
-    /// Whether nature allows the numbers: no drag pushes, no rotor has less than no inertia unless its sign is wrong.
+    /// Whether the numbers are physical: drag does not accelerate, and a rotor's inertia is positive unless its sign is
+    /// wrong.
     fn is_possible(&self) -> bool {
         let values = self.suspect.values.iter().map(|v| v.1);
         let value = |k: usize| self.suspect.values.get(k).map_or(0.0, |v| v.1);
@@ -203,8 +204,8 @@ impl Scored {
         }
     }
 
-    /// How early a sensor would have to read, s: what it reads has not happened yet. Thrust may be read late, so that
-    /// it acts before its column.
+    /// How early a sensor would have to read, s: a sensor cannot measure the future. Thrust samples may be late, so
+    /// that the thrust acts before its column.
     fn early_s(&self) -> f64 {
         let thrust = self.suspect.name == LATE_THRUST;
         match (self.suspect.fault, self.suspect.values.first()) {
@@ -214,8 +215,7 @@ impl Scored {
     }
 }
 
-/// Where one sensor reading early explains hardly more than something that is possible, that is named first: nothing
-/// reads what has not happened yet.
+/// Where one sensor reading early explains hardly more than something that is possible, that one is named first.
 fn late_before_early(list: &mut [Scored], margin: f64) {
     let Some(first) = list.first().filter(|one| one.early_s() > 0.0) else {
         return;
@@ -272,9 +272,9 @@ fn in_earnest(
         x.insert(at + k, unknown.nominal);
     }
     let wide = experiment.with_parameters(&parameters);
-    let start = Point {
+    let start = Iterate {
         x,
-        heads: fitted.at.heads.clone(),
+        initial_states: fitted.at.initial_states.clone(),
     };
     let before = experiment.chi2(&fitted.at, &fitted.evaluated)?;
     let found = fit_from(&wide, start, SUSPECT_ITERATIONS)?;
@@ -316,7 +316,7 @@ mod tests {
     fn unit_drag_that_pushes_is_no_suspect() {
         let possible = |c: [f64; 3]| scored("drag", FaultKind::Drag, 1.0e3, &c).is_possible();
         assert!(possible([1.0, 0.0, 2.0]));
-        // Noise about zero.
+        // Zero-mean noise.
         assert!(possible([1.0, -0.2, 0.0]));
         assert!(!possible([1.0, -0.4, 0.0]));
         assert!(!possible([0.0, -0.2, 0.1]));

@@ -7,20 +7,20 @@ use super::candidate::{Candidate, Change, Columns};
 use super::changes::differences;
 use super::projected::Projected;
 use crate::fit::Fitted;
-use crate::fit::experiment::{Experiment, Point, PredictionSlopes};
+use crate::fit::experiment::{Experiment, Iterate, PredictionSlopes};
 use crate::likelihood::{Evaluated, Transition};
 use crate::problem::parameters::{Unknown, UnknownKind};
 use poinsot_dynamics::SensorError;
 use poinsot_solve::{BlockQr, Triangle};
 
-/// Most numbers that the rows may hold: 64 MiB.
+/// Largest number of values in the rows: 64 MiB.
 const NUMBERS: usize = 8_000_000;
 
 /// The rows of one segment.
 #[derive(Default)]
 pub(super) struct SegmentRows {
     /// Columns of the start.
-    pub head: usize,
+    pub initial_columns: usize,
     /// Per measurement: index of the sensor among those compared, and grid time.
     pub of: Vec<(usize, usize)>,
     /// Three for each measurement.
@@ -35,7 +35,7 @@ pub(super) struct Table {
     /// Numbers of the candidates that have columns.
     unknowns: Vec<Unknown>,
     evaluated: Vec<Evaluated>,
-    heads: Vec<usize>,
+    initial_states: Vec<usize>,
     /// Columns of the fit.
     pub base: usize,
     /// Empty where the record is too long.
@@ -69,14 +69,14 @@ impl Table {
         wide.keep_rows = held;
         let mut x = fitted.at.x.clone();
         x.extend(own.iter().map(|u| u.nominal));
-        let at = Point {
+        let at = Iterate {
             x,
-            heads: fitted.at.heads.clone(),
+            initial_states: fitted.at.initial_states.clone(),
         };
         let mut evaluated = wide.evaluate(&at, true)?;
         let mut table = Self {
             base,
-            heads: experiment.unknown.iter().map(|u| u.count()).collect(),
+            initial_states: experiment.unknown.iter().map(|u| u.count()).collect(),
             segments: Vec::new(),
             unknowns: candidates.iter().flat_map(|c| c.unknowns.clone()).collect(),
             stacked: wide.stack(&at, &evaluated, true),
@@ -95,13 +95,13 @@ impl Table {
         Some(table)
     }
 
-    /// Takes the kept rows over.
+    /// Moves the kept rows.
     fn hold(&mut self, experiment: &Experiment, evaluated: &mut [Evaluated]) {
         for (one, unknown) in evaluated.iter_mut().zip(&experiment.unknown) {
             let kept = std::mem::take(&mut one.kept);
             let names: Vec<String> = one.channels.iter().map(|c| c.name.clone()).collect();
             let mut own = SegmentRows {
-                head: unknown.count(),
+                initial_columns: unknown.count(),
                 transitions: kept.transitions,
                 ..SegmentRows::default()
             };
@@ -151,7 +151,9 @@ impl Table {
                                 };
                                 let place =
                                     |k: usize| kinds.iter().position(|kind| *kind == bias(k));
-                                let value = |k: usize| place(k).map_or(0.0, |p| row[own.head + p]);
+                                let value = |k: usize| {
+                                    place(k).map_or(0.0, |p| row[own.initial_columns + p])
+                                };
                                 let drift: [f64; 3] = std::array::from_fn(value);
                                 row.extend(drift.map(|d| d * (t[*at] - t[0])));
                             }
@@ -164,12 +166,12 @@ impl Table {
     }
 
     /// Triangle of the shared unknowns and the candidates; with a segment given they act in that segment alone.
-    fn stack(&self, experiment: &Experiment, at: &Point, only: Option<usize>) -> Triangle {
+    fn stack(&self, experiment: &Experiment, at: &Iterate, only: Option<usize>) -> Triangle {
         let (base, all) = (self.base, self.unknowns.len());
         let mut stacked = BlockQr::new(base + all + 1);
         for (s, own) in self.segments.iter().enumerate() {
-            let mut qr = BlockQr::new(own.head + base + all + 1);
-            let candidate = own.head + base..own.head + base + all;
+            let mut qr = BlockQr::new(own.initial_columns + base + all + 1);
+            let candidate = own.initial_columns + base..own.initial_columns + base + all;
             qr.push(own.rows.len(), |i, j| {
                 match candidate.contains(&j) && only.is_some_and(|only| only != s) {
                     true => 0.0,
@@ -177,7 +179,7 @@ impl Table {
                 }
             });
             let r = qr.finish().r;
-            let h = own.head;
+            let h = own.initial_columns;
             stacked.push(r.nrows().saturating_sub(h), |i, j| r[(h + i, h + j)]);
         }
         for row in experiment.prior_rows(at, true) {
@@ -210,7 +212,7 @@ impl Table {
         let mut stacked = BlockQr::new(width + 1);
         for (s, one) in self.evaluated.iter().enumerate() {
             if let Some(triangle) = &one.triangle {
-                let h = self.heads[s];
+                let h = self.initial_states[s];
                 stacked.push(triangle.r.nrows().saturating_sub(h), |i, j| {
                     match (self.base..width).contains(&j) && s != only {
                         true => 0.0,

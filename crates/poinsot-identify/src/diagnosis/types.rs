@@ -1,4 +1,4 @@
-//! What the residuals say, as part of the answer.
+//! Diagnosis as part of the answer.
 
 pub use super::fault::FaultKind;
 
@@ -10,29 +10,29 @@ pub(super) const COLOURED: f64 = 1.0e-4;
 pub struct Diagnostics {
     /// Sum of the squared whitened residuals of all readings.
     pub chi2: f64,
-    /// Readings less fitted numbers.
+    /// Degrees of freedom.
     pub dof: usize,
     /// `-2 ln` of the restricted likelihood of the readings, up to a constant that no declaration of noise
     /// changes: of two declarations the better has the lower one.
     pub deviance: f64,
     /// How far chi-square lies above its expectation, in its own standard deviations.
     pub excess_sigmas: f64,
-    /// How far the mass properties would move if wheels ran otherwise between their readings than is taken, smoothly for
-    /// straight or straight for smoothly, sigmas; zero without wheels.
+    /// Change of the mass properties with the other wheel motion between samples (smooth or piecewise linear), sigmas;
+    /// zero without wheels.
     pub shift_between_readings: f64,
     /// One entry per sensor, all segments together.
     pub channels: Vec<ChannelDiagnosis>,
-    /// Whether a fit to the beginning of each record predicts its end; `None` where it was not tried.
+    /// Whether a fit to the beginning of each record predicts its end; `None` if not tested.
     pub held_out: Option<HeldOut>,
     /// Drift of the total momentum that would fit best on top of the answer: all segments, then each.
     pub drift: Vec<MomentumDrift>,
     /// Lags between sensors, one per pair.
     pub lags: Vec<SensorLag>,
-    /// Faults that would explain what is left over, the best first; only significant ones.
+    /// Significant faults that would explain the residual, the best first.
     pub suspects: Vec<Suspect>,
     /// Lines in the spectrum of the gyro residual, looked for where the fit is bad.
     pub lines: Vec<SpectralLine>,
-    /// What all this means, the most important first; empty where the fit is as good as declared.
+    /// Conclusions, the most important first; empty if the fit matches the declared noise.
     pub findings: Vec<Finding>,
 }
 
@@ -43,16 +43,15 @@ pub struct ChannelDiagnosis {
     pub name: String,
     /// Readings.
     pub readings: usize,
-    /// Numbers that they tell: three each, two of a direction.
+    /// Scalars in them: three per sample, two of a direction.
     pub numbers: usize,
     /// Mean square of the whitened residual; 1 where the declared noise is right.
     pub chi2_per_number: f64,
-    /// The same from the median, which a few bad readings do not move.
+    /// The same from the median, robust against outliers.
     pub typical_chi2_per_number: f64,
     /// Readings beyond one in a million of the typical scatter (the declared one where that is larger).
     pub outliers: usize,
-    /// Probability of so much correlation in time in a white residual: the least over the segments, times
-    /// their number.
+    /// p-value of a white residual: the smallest over the segments, times their number.
     pub whiteness_p: Option<f64>,
 }
 
@@ -77,16 +76,16 @@ pub struct HeldOut {
     pub numbers: usize,
     /// Square of the prediction error in its covariance, noise and uncertainty of the fit together.
     pub chi2: f64,
-    /// Probability of so large an error by chance, the size of the other residuals taken as seen.
+    /// p-value of the error, with the observed size of the other residuals.
     pub p: f64,
 }
 
-/// A constant torque and force in N on top of the answer, everything else fitted again, to first order.
+/// An additional constant torque and force in N, all other parameters refitted to first order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MomentumDrift {
     /// Segment; `None` for all together.
     pub segment: Option<String>,
-    /// Rate of change of angular momentum about the mass centre, N, N m; NaN where nothing shows it.
+    /// Rate of change of angular momentum about the mass centre, N, N m; NaN if unobservable.
     pub torque_N_m: [f64; 3],
     /// Its sigma from the declared noise, N m.
     pub torque_sigma_N_m: [f64; 3],
@@ -94,11 +93,11 @@ pub struct MomentumDrift {
     pub force_N: Option<[f64; 3]>,
     /// Its sigma, N.
     pub force_sigma_N: Option<[f64; 3]>,
-    /// Probability of so much drift by chance, the size of the residual taken as seen.
+    /// p-value of no drift, with the observed size of the residual.
     pub p: f64,
 }
 
-/// How much later one sensor reads than another.
+/// Delay of one sensor relative to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorLag {
     /// The later one where the lag is positive, and the other.
@@ -107,11 +106,11 @@ pub struct SensorLag {
     pub lag_s: f64,
     /// One sigma, s.
     pub sigma_s: f64,
-    /// Probability of so large a lag by chance, the size of the residual taken as seen.
+    /// p-value of no lag, with the observed size of the residual.
     pub p: f64,
 }
 
-/// A fault that would explain what is left over.
+/// A fault that would explain the residual.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suspect {
     /// In words.
@@ -122,7 +121,7 @@ pub struct Suspect {
     pub explains: f64,
     /// Name, value, unit of its numbers.
     pub values: Vec<(String, f64, &'static str)>,
-    /// What it is.
+    /// Meaning.
     pub fault: FaultKind,
     /// Whether the data cannot tell it from the first suspect.
     pub tied: bool,
@@ -142,9 +141,9 @@ pub struct SpectralLine {
 /// A conclusion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// What it is.
+    /// Meaning.
     pub fault: FaultKind,
-    /// What else it may be: the data cannot tell.
+    /// Indistinguishable alternatives.
     pub or: Vec<FaultKind>,
     /// In words, with the evidence.
     pub text: String,

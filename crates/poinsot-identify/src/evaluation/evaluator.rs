@@ -1,7 +1,7 @@
-//! A problem evaluated at any value of its unknowns, for one who writes a method of his own.
+//! A problem evaluated at any value of its unknowns, for other methods.
 
-use crate::fit::experiment::{Experiment, Point};
-use crate::likelihood::{Head, HeadColumns};
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::likelihood::{InitialState, InitialStateColumns};
 use crate::problem::parameters::{Parameters, axis_name};
 use crate::problem::prior;
 use crate::problem::segment::{Observations, Segment};
@@ -24,7 +24,7 @@ pub struct EvaluatedUnknown {
     pub unit: &'static str,
 }
 
-/// What one sensor says of one segment: three numbers a sample, the third of a direction zero.
+/// Residuals of one sensor in one segment: three numbers a sample, the third of a direction zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorResiduals {
     /// Segment.
@@ -66,7 +66,7 @@ pub struct Evaluation {
 /// Why a problem cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EvaluationError {
-    /// The question cannot be asked.
+    /// The model or the data are not valid for the method.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// An array is too short, too long or points beyond the grid.
@@ -173,14 +173,14 @@ pub struct Evaluator<'a> {
     parameters: Parameters,
     unknowns: Vec<EvaluatedUnknown>,
     /// The nominal start of every segment.
-    start: Point,
+    start: Iterate,
 }
 
 impl<'a> Evaluator<'a> {
     /// Checks the arrays of a problem and lists its unknowns: those of [`maximum_likelihood`](crate::maximum_likelihood).
     ///
     /// # Errors
-    /// The question cannot be asked, or an array is too short, too long or ragged.
+    /// The model or the data are not valid, or an array is too short, too long or ragged.
     pub fn new(problem: &Problem<'a>) -> Result<Self, EvaluationError> {
         problem.check_samples()?;
         problem
@@ -222,33 +222,38 @@ impl<'a> Evaluator<'a> {
     /// Values of the model and of the first samples.
     pub fn nominal(&self) -> Vec<f64> {
         let experiment = Experiment::new(&self.problem, &self.parameters);
-        let heads = self.start.heads.iter().zip(&experiment.unknown);
-        let heads = heads.flat_map(|(head, columns)| values(head, columns));
-        heads.chain(self.start.x.iter().copied()).collect()
+        let initial_states = self.start.initial_states.iter().zip(&experiment.unknown);
+        let initial_states =
+            initial_states.flat_map(|(initial_state, columns)| values(initial_state, columns));
+        initial_states.chain(self.start.x.iter().copied()).collect()
     }
 
     /// Residuals, slopes, information and likelihood at values of the unknowns.
     ///
     /// # Errors
-    /// There are not as many values as unknowns (E0411), or the vehicle cannot move as they say (E0405).
+    /// There are not as many values as unknowns (E0411), or the vehicle has no motion with them (E0405).
     pub fn at(&self, values: &[f64]) -> Result<Evaluation, EvaluationError> {
         expect("values of the unknowns", values.len(), self.unknowns.len())?;
         let mut experiment = Experiment::new(&self.problem, &self.parameters);
         experiment.keep_rows = true;
-        let (heads, x) = values.split_at(values.len() - self.parameters.len());
-        let mut point = Point {
+        let (initial_states, x) = values.split_at(values.len() - self.parameters.len());
+        let mut point = Iterate {
             x: x.to_vec(),
-            heads: self.start.heads.clone(),
+            initial_states: self.start.initial_states.clone(),
         };
         let mut places = Vec::new();
         let mut first = 0;
-        for (head, columns) in point.heads.iter_mut().zip(&experiment.unknown) {
+        for (initial_state, columns) in point.initial_states.iter_mut().zip(&experiment.unknown) {
             let count = columns.count();
-            let turn = put(head, columns, &heads[first..first + count]);
-            places.push(Place {
-                head: first,
+            let turn = put(
+                initial_state,
+                columns,
+                &initial_states[first..first + count],
+            );
+            places.push(SegmentColumns {
+                first,
                 count,
-                shared: heads.len(),
+                shared: initial_states.len(),
                 turn: columns.attitude.then(|| turn_slopes(&turn)),
             });
             first += count;
@@ -283,7 +288,7 @@ impl<'a> Evaluator<'a> {
         }
         let readings = rows.residuals.len();
         for ((_, one), place) in segments.zip(&places) {
-            // A weak prior of a start that nothing measures is no measurement.
+            // A weak prior of an unmeasured initial state is no measurement.
             for row in one.kept.of(None) {
                 deviance -= row.white.norm_squared();
                 row.rows.iter().for_each(|r| rows.push(r, place));
@@ -293,15 +298,15 @@ impl<'a> Evaluator<'a> {
         let design = prior::design(&self.problem, &self.parameters, x);
         let design = design.ok_or(ProblemError::NoMotion)?.rows;
         for row in calibration.iter().chain(&design) {
-            rows.push_prior(&row.gradient, row.residual, heads.len());
+            rows.push_prior(&row.gradient, row.residual, initial_states.len());
         }
         Ok(rows.evaluation(sensors, -0.5 * deviance, readings))
     }
 }
 
-/// Where the columns of a segment stand among the unknowns.
-struct Place {
-    head: usize,
+/// Positions of a segment's columns among the unknowns.
+struct SegmentColumns {
+    first: usize,
     count: usize,
     shared: usize,
     /// Change of the attitude at the start with the turn from the nominal one.
@@ -325,7 +330,7 @@ impl Rows {
     }
 
     /// A row of a segment: slopes of the prediction over its own start and the shared unknowns, then the residual.
-    fn push(&mut self, row: &[f64], place: &Place) {
+    fn push(&mut self, row: &[f64], place: &SegmentColumns) {
         let at = self.slopes.len();
         self.slopes.resize(at + self.width, 0.0);
         let Some((residual, slopes)) = row.split_last() else {
@@ -334,13 +339,13 @@ impl Rows {
         let (own, shared) = slopes.split_at(place.count);
         let target = &mut self.slopes[at..];
         // The residual is measured less predicted.
-        for (to, from) in target[place.head..].iter_mut().zip(own) {
+        for (to, from) in target[place.first..].iter_mut().zip(own) {
             *to = -from;
         }
         if let Some(turn) = &place.turn {
-            let own = Vector3::from_column_slice(&target[place.head..place.head + 3]);
+            let own = Vector3::from_column_slice(&target[place.first..place.first + 3]);
             let turned = turn.transpose() * own;
-            target[place.head..place.head + 3].copy_from_slice(turned.as_slice());
+            target[place.first..place.first + 3].copy_from_slice(turned.as_slice());
         }
         for (to, from) in target[place.shared..].iter_mut().zip(shared) {
             *to = -from;
@@ -399,7 +404,7 @@ fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 /// Parts of a start that are unknown, in the order of the columns.
-fn parts(columns: &HeadColumns) -> impl Iterator<Item = (&'static str, &'static str)> {
+fn parts(columns: &InitialStateColumns) -> impl Iterator<Item = (&'static str, &'static str)> {
     [
         (columns.attitude, ("turn", "rad")),
         (columns.position, ("position", "m")),
@@ -411,12 +416,12 @@ fn parts(columns: &HeadColumns) -> impl Iterator<Item = (&'static str, &'static 
 }
 
 /// Values of the unknown parts of a nominal start.
-fn values(head: &Head, columns: &HeadColumns) -> Vec<f64> {
+fn values(initial_state: &InitialState, columns: &InitialStateColumns) -> Vec<f64> {
     [
         (columns.attitude, Vector3::zeros()),
-        (columns.position, head.p_NoBo_N),
-        (columns.linear, head.P),
-        (columns.angular, head.h_SScm_N),
+        (columns.position, initial_state.p_NoBo_N),
+        (columns.linear, initial_state.P),
+        (columns.angular, initial_state.h_SScm_N),
     ]
     .into_iter()
     .filter(|(wanted, _)| *wanted)
@@ -425,14 +430,14 @@ fn values(head: &Head, columns: &HeadColumns) -> Vec<f64> {
 }
 
 /// Puts values into a nominal start. Gives the turn from it.
-fn put(head: &mut Head, columns: &HeadColumns, values: &[f64]) -> Vector3 {
+fn put(initial_state: &mut InitialState, columns: &InitialStateColumns, values: &[f64]) -> Vector3 {
     let mut parts = values.chunks_exact(3).map(Vector3::from_column_slice);
     let mut take = |wanted: bool| wanted.then(|| parts.next()).flatten();
     let turn = take(columns.attitude).unwrap_or_default();
-    head.R_NB *= UnitQuaternion::from_scaled_axis(turn);
-    head.p_NoBo_N = take(columns.position).unwrap_or(head.p_NoBo_N);
-    head.P = take(columns.linear).unwrap_or(head.P);
-    head.h_SScm_N = take(columns.angular).unwrap_or(head.h_SScm_N);
+    initial_state.R_NB *= UnitQuaternion::from_scaled_axis(turn);
+    initial_state.p_NoBo_N = take(columns.position).unwrap_or(initial_state.p_NoBo_N);
+    initial_state.P = take(columns.linear).unwrap_or(initial_state.P);
+    initial_state.h_SScm_N = take(columns.angular).unwrap_or(initial_state.h_SScm_N);
     turn
 }
 

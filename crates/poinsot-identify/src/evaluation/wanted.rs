@@ -1,5 +1,5 @@
-//! Sigmas of a few numbers that one experiment will give, without the answer around them: what a search over
-//! manoeuvres evaluates thousands of times.
+//! Sigmas of a few numbers of one experiment, without a full answer: a search over manoeuvres evaluates them thousands
+//! of times.
 
 use crate::fit::experiment::Experiment;
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
@@ -9,8 +9,8 @@ use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use poinsot_solve::BlockQr;
 
-/// Sigma in natural units that stands for "not identifiable": so vague that it changes no sigma of an identifiable
-/// number, and finite, so that a search sees which of two manoeuvres comes closer to showing a number.
+/// Sigma in natural units that stands for "not identifiable": large enough to leave identifiable numbers unchanged, and
+/// finite, so that a search can rank manoeuvres.
 const VAGUE: f64 = 1.0e4;
 
 /// Slope of a number that no equation of the experiment holds: its sigma is then huge, and finite.
@@ -50,7 +50,7 @@ impl Information {
     /// Evaluates the experiment once. `with_priors`: declared priors of mass properties count.
     ///
     /// # Errors
-    /// The question cannot be asked.
+    /// The model or the data are not valid for the method.
     pub fn of(problem: &Problem, with_priors: bool) -> Result<Self, ProblemError> {
         problem.check_samples()?;
         problem.check_observations()?;

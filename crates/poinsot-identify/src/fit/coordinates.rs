@@ -1,9 +1,9 @@
 //! Steps that keep every unknown body physical.
 //!
-//! Answer, covariance and identifiability are stated in the ten linear parameters of each body, and so are the steps. In
-//! them the pseudo-inertia is straight, so the bodies that positive mass can have are a convex cone, and close to a
-//! point chi-square is a parabola: the best step within the cone is the shortest vector of a small convex problem
-//! (`semidefinite.rs`), with one answer, on the edge or not. A plain step that stays inside is taken as it is.
+//! Answer, covariance and identifiability are stated in the ten linear parameters of each body, and so are the steps.
+//! The pseudo-inertia is linear in them, so the physical bodies are a convex cone, and close to a point chi-square is a
+//! parabola: the best step within the cone is the shortest vector of a small convex problem (`semidefinite.rs`), with
+//! one answer, on the edge or not. A plain step that stays inside needs no correction.
 
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, TENSOR, UnknownKind};
@@ -12,10 +12,10 @@ use poinsot_solve::Spectrum;
 use poinsot_solve::semidefinite::{Block, shortest};
 use poinsot_spatial::{MassProperties, Matrix3, pseudo_inertia};
 
-/// In which space the fit steps.
+/// Coordinates of the fit's steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Coordinates {
-    /// The linear parameters of bodies of positive mass: the answer is always one.
+    /// The linear parameters of physical bodies: the answer is always physical.
     #[default]
     Physical,
     /// All linear parameters: an impossible tensor is possible.
@@ -43,7 +43,7 @@ pub struct FitOptions {
     pub loss: Loss,
     /// Space of the steps.
     pub coordinates: Coordinates,
-    /// Leaves out the look for what would explain a misfit. It changes no number, only the verdict.
+    /// Skips the search for the cause of a misfit. It changes no number, only the verdict.
     pub undiagnosed: bool,
 }
 
@@ -58,7 +58,7 @@ impl From<Loss> for FitOptions {
 
 /// Smallest eigenvalue of a pseudo-inertia over the reference that is kept: above round-off, far below any thickness.
 const FLOOR: f64 = 1.0e-10;
-/// The same below which a body stands at the edge.
+/// The same below which a body is at the limit.
 const EDGE: f64 = 1.0e-6;
 /// The same of a start.
 const START: f64 = 0.05;
@@ -66,9 +66,9 @@ const START: f64 = 0.05;
 const THICKNESS: f64 = 1.0e-3;
 /// Relative violation of the triangle inequality that printed nominal numbers may have.
 const PRINTED: f64 = 1.0e-9;
-/// Share that an open direction may have in a body that it does not change.
+/// Share that an unobservable direction may have in a body that it does not change.
 const UNCHANGED: f64 = 1.0e-6;
-/// Weight of open directions over that of the weakest identified one: they follow the others and cost nothing.
+/// Weight of unobservable directions over that of the weakest identified one: they follow the others and cost nothing.
 const OPEN: f64 = 1.0e-4;
 
 /// The unknown bodies, each as a matrix that is positive definite while the body is physical.
@@ -79,7 +79,7 @@ pub(crate) struct PhysicalBodies {
     reference: Vec<f64>,
 }
 
-/// One unknown body: its pseudo-inertia over that of the reference, `L^-1 J(x) L^-T`, is straight in the unknowns.
+/// One unknown body: its pseudo-inertia over that of the reference, `L^-1 J(x) L^-T`, is linear in the unknowns.
 #[derive(Clone)]
 struct Body {
     /// Index in the model.
@@ -91,7 +91,7 @@ struct Body {
 }
 
 impl PhysicalBodies {
-    /// `None` where no unknown body is physical to begin with: then there is nothing to keep.
+    /// `None` where no unknown body is physical to begin with: then there is no constraint.
     pub fn new(parameters: &Parameters, mass_unknowns: usize) -> Option<Self> {
         let mut reference = parameters.nominal_vector();
         let bodies: Vec<Body> = (0..parameters.estimate.len())
@@ -101,9 +101,9 @@ impl PhysicalBodies {
         (!bodies.is_empty()).then_some(Self { bodies, reference })
     }
 
-    /// Those that no open direction trades against another body; `None` where there are none. Of the others no number
-    /// is stated that could be impossible.
-    pub fn seen_apart(mut self, spectrum: &Spectrum) -> Option<Self> {
+    /// The bodies that no unobservable direction exchanges with another body; `None` without any. The others have no
+    /// reported number that could be unphysical.
+    pub fn separable(mut self, spectrum: &Spectrum) -> Option<Self> {
         let touched = |body: &Body, k: usize| {
             let own = body.slopes.iter().map(|(u, _)| u);
             own.map(|u| spectrum.directions[(*u, k)].powi(2))
@@ -147,8 +147,8 @@ impl PhysicalBodies {
         }
     }
 
-    /// Indices of the bodies that stand at the edge, and the conditions that hold them: a matrix with k vanishing
-    /// eigenvalues presses in k (k + 1) / 2 ways.
+    /// Indices of the bodies at the limit, and the number of active conditions: k (k + 1) / 2 for k vanishing
+    /// eigenvalues.
     pub fn at_the_edge(&self, x: &[f64]) -> (Vec<usize>, usize) {
         let mut conditions = 0;
         let mut indices = Vec::new();
@@ -164,7 +164,7 @@ impl PhysicalBodies {
     }
 
     /// The damped step of the mass unknowns, natural units, that lowers the linear model's chi-square most while all
-    /// bodies stay physical, and how much it does. Open directions may follow.
+    /// bodies stay physical, and how much it does. Unobservable directions may follow.
     ///
     /// In the directions of the spectrum, `y = V^T z`, the cost is `sum w_k^2 (y_k - t_k)^2`, so `u_k = w_k (y_k - t_k)`
     /// is the shortest vector for which the bodies are physical.
@@ -176,7 +176,7 @@ impl PhysicalBodies {
         x: &[f64],
     ) -> (Vec<f64>, f64) {
         let n = spectrum.natural.len();
-        let open = OPEN * spectrum.weakest().min(1.0e12);
+        let open = OPEN * spectrum.smallest_singular_value().min(1.0e12);
         let along: Vec<f64> = (0..spectrum.rank)
             .map(|k| spectrum.left_along(rhs, k))
             .collect();
@@ -208,7 +208,7 @@ impl PhysicalBodies {
                 weight[k] * (y - target[k])
             })
             .collect();
-        // Without an answer there is no step, and no word on how much one would bring: the fit does not settle.
+        // Without a solution there is no step and no predicted reduction: the fit does not converge.
         let Some(u) = shortest(&blocks, &start) else {
             return (vec![0.0; n], f64::NAN);
         };
@@ -227,8 +227,8 @@ impl PhysicalBodies {
 }
 
 impl Body {
-    /// `None` where nothing is unknown or the nominal body is none: what is impossible to begin with cannot be kept
-    /// possible. A nominal plate or rod is thickened in the reference.
+    /// `None` where nothing is unknown or the nominal body is none: an unphysical start cannot be kept physical. A
+    /// nominal plate or rod is thickened in the reference.
     fn new(
         parameters: &Parameters,
         mass_unknowns: usize,

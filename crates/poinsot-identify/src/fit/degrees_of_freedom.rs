@@ -1,47 +1,48 @@
-//! How many numbers the readings determined.
+//! Number of parameters that the samples determined.
 
 use crate::fit::Fitted;
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::head;
+use crate::fit::triangle::conditional_estimate;
 use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 
 /// Chi-square per degree of freedom above which the declared noise cannot be right, of methods that know no more.
 pub(crate) const MISFIT: f64 = 1.5;
 
-/// How many numbers the readings determined: pose and momentum of every segment, nuisances, and the
-/// directions of the mass properties that are not left open.
+/// Number of parameters that the samples determined: pose and momentum of every segment, nuisances, and the identified
+/// directions of the mass properties.
 pub(crate) fn fitted_numbers(experiment: &Experiment, fitted: &Fitted) -> usize {
-    let heads: usize = experiment.unknown.iter().map(|u| u.count()).sum();
+    let initial_states: usize = experiment.unknown.iter().map(|u| u.count()).sum();
     let known = experiment.parameters.known_places().len();
     let of_known = match known {
         0 => 0.0,
         _ => determined(experiment.parameters, fitted),
     };
-    heads + fitted.spectrum.rank + fitted.shared.nuisances - known + of_known.round() as usize
+    initial_states + fitted.spectrum.rank + fitted.shared.nuisances - known
+        + of_known.round() as usize
 }
 
 /// Covariance of the known numbers among the unknowns after the data, in their order.
 pub(crate) fn known_covariance(parameters: &Parameters, fitted: &Fitted) -> DMatrix<f64> {
     let mass = fitted.shared.mass;
-    let heads = head(
+    let conditional = conditional_estimate(
         &fitted.shared.r,
         fitted.shared.nuisances,
         &fitted.at.x[..mass],
     );
     let c = fitted.spectrum.covariance();
     let places: Vec<usize> = parameters.known_places().iter().map(|p| p - mass).collect();
-    let slope = |k: usize| &heads.slope[places[k]];
+    let slope = |k: usize| &conditional.slope[places[k]];
     DMatrix::from_fn(places.len(), places.len(), |i, j| {
         let (a, b) = (slope(i), slope(j));
         let carried: f64 = (0..mass)
             .map(|p| a[p] * (0..mass).map(|q| c[(p, q)] * b[q]).sum::<f64>())
             .sum();
-        carried + heads.covariance[(places[i], places[j])]
+        carried + conditional.covariance[(places[i], places[j])]
     })
 }
 
-/// How many numbers the data determined of the known ones: their count, less what the prior holds of each.
+/// Number of known numbers determined by the data: their count minus the share of each prior.
 fn determined(parameters: &Parameters, fitted: &Fitted) -> f64 {
     let declared = parameters.known_covariance();
     let n = declared.nrows();

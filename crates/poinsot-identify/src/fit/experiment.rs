@@ -1,4 +1,4 @@
-//! What an experiment can tell: sensitivities of every reading, reduced to a triangle per segment.
+//! Information of an experiment: sensitivities of every sample, reduced to a triangle per segment.
 //!
 //! The triangle of the shared unknowns is the square root of the Fisher information with pose, momentum
 //! and biases projected out; its inverse is the Cramer-Rao bound. It belongs to the experiment, not to an
@@ -8,12 +8,15 @@ pub(crate) mod as_predicted;
 mod known_columns;
 
 pub(crate) use known_columns::{
-    DIFFERENCE, KeptColumns, Perfect, PredictionSlopes, Shift, body_slopes, slope, slopes,
+    DIFFERENCE, KeptColumns, PredictedExperiment, PredictionSlopes, Shift, body_slopes, slope,
+    slopes,
 };
 
 use crate::fit::coordinates::Coordinates;
-use crate::fit::triangle::Shared;
-use crate::likelihood::{Evaluated, Head, HeadColumns, KnownColumns, Setting, Sight, evaluate};
+use crate::fit::triangle::SharedTriangle;
+use crate::likelihood::{
+    Evaluated, InitialState, InitialStateColumns, KnownColumns, MeasuredMotion, Setting, evaluate,
+};
 use crate::motion::input_curves::InputCurves;
 use crate::motion::{Fineness, Grid, Vehicle};
 use crate::problem::Problem;
@@ -21,7 +24,7 @@ use crate::problem::loss::Loss;
 use crate::problem::parameters::Parameters;
 use crate::problem::prior;
 use crate::problem::segment::Segment;
-use crate::problem::shifted_vehicle::Centre;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use known_columns::columns_at;
 use nalgebra::UnitQuaternion;
 use poinsot_dynamics::{Kinematics, composite, momentum, wheel_momentum};
@@ -40,12 +43,12 @@ pub(crate) struct Experiment<'a> {
     pub parameters: &'a Parameters,
     pub nominal_spin: Vec<f64>,
     pub thrusters: Vec<Thruster>,
-    pub unknown: Vec<HeadColumns>,
-    pub sight: Sight,
+    pub unknown: Vec<InitialStateColumns>,
+    pub measured_motion: MeasuredMotion,
     pub loss: Loss,
     /// Coordinates of the steps of a fit.
     pub coordinates: Coordinates,
-    /// Whether wheel speeds run smoothly between the readings.
+    /// Whether wheel speeds are smooth between samples.
     pub wheels_smooth: bool,
     /// How finely the motion is propagated.
     pub fineness: Fineness,
@@ -57,23 +60,23 @@ pub(crate) struct Experiment<'a> {
     pub keep_rows: bool,
     /// Integration steps, one grid per segment, chosen once for the nominal vehicle.
     grids: Arc<OnceLock<Vec<Grid>>>,
-    /// Smooth curves through the readings of joints and wheels, one per segment; made when a lag first asks for them.
+    /// Smooth curves through the samples of joints and wheels, one per segment; made when a lag first asks for them.
     curves: Arc<OnceLock<Vec<InputCurves>>>,
 }
 
 /// A value of all unknowns: the shared ones and the start of every segment.
 #[derive(Clone)]
-pub(crate) struct Point {
+pub(crate) struct Iterate {
     pub x: Vec<f64>,
-    pub heads: Vec<Head>,
+    pub initial_states: Vec<InitialState>,
 }
 
 impl<'a> Experiment<'a> {
     pub fn new(problem: &'a Problem<'a>, parameters: &'a Parameters) -> Self {
-        let sight = if problem.sees_translation() {
-            Sight::Translation
+        let measured_motion = if problem.sees_translation() {
+            MeasuredMotion::Translation
         } else {
-            Sight::Rotation
+            MeasuredMotion::Rotation
         };
         Self {
             problem,
@@ -88,9 +91,9 @@ impl<'a> Experiment<'a> {
             unknown: problem
                 .segments
                 .iter()
-                .map(|s| HeadColumns::of(s, &problem.model.momentum, sight))
+                .map(|s| InitialStateColumns::of(s, &problem.model.momentum, measured_motion))
                 .collect(),
-            sight,
+            measured_motion,
             loss: Loss::Gaussian,
             coordinates: Coordinates::default(),
             wheels_smooth: false,
@@ -111,7 +114,7 @@ impl<'a> Experiment<'a> {
             nominal_spin: self.nominal_spin.clone(),
             thrusters: self.thrusters.clone(),
             unknown: self.unknown.clone(),
-            sight: self.sight,
+            measured_motion: self.measured_motion,
             loss: self.loss,
             coordinates: self.coordinates,
             wheels_smooth: self.wheels_smooth,
@@ -124,7 +127,7 @@ impl<'a> Experiment<'a> {
         }
     }
 
-    /// The same questions asked of other readings of the same segments.
+    /// The same problem with other samples of the same segments.
     pub fn with_problem<'b>(&'b self, problem: &'b Problem<'b>) -> Experiment<'b> {
         Experiment {
             problem,
@@ -221,36 +224,44 @@ impl<'a> Experiment<'a> {
     }
 
     /// All segments at a point; `None` where the vehicle cannot move as predicted.
-    pub fn evaluate(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+    pub fn evaluate(&self, at: &Iterate, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
         if !self.parameters.has_known() {
             return self.evaluate_here(at, with_sensitivities);
         }
         // The vehicle with its known numbers where the point has them.
-        let centre = Centre::at(self.problem, self.parameters, &at.x)?;
-        let problem = centre.problem(self.problem);
-        let mut there = self.of_vehicle(&problem, &centre.parameters);
+        let shifted = ShiftedVehicle::at(self.problem, self.parameters, &at.x)?;
+        let problem = shifted.problem(self.problem);
+        let mut there = self.of_vehicle(&problem, &shifted.parameters);
         if with_sensitivities {
             there.known = Some(columns_at(self, at)?);
         }
         there.evaluate_here(at, with_sensitivities)
     }
 
-    fn evaluate_here(&self, at: &Point, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
+    fn evaluate_here(&self, at: &Iterate, with_sensitivities: bool) -> Option<Vec<Evaluated>> {
         let setting = self.setting();
-        let one = |((segment, head), unknown): ((_, &Head), &HeadColumns)| {
-            evaluate(&setting, segment, &at.x, head, *unknown, with_sensitivities)
-        };
+        let one =
+            |((segment, initial_state), unknown): ((_, &InitialState), &InitialStateColumns)| {
+                evaluate(
+                    &setting,
+                    segment,
+                    &at.x,
+                    initial_state,
+                    *unknown,
+                    with_sensitivities,
+                )
+            };
         let segments = self.problem.segments;
         if setting.split {
-            let all = segments.iter().enumerate().zip(&at.heads);
+            let all = segments.iter().enumerate().zip(&at.initial_states);
             return all.zip(&self.unknown).map(one).collect();
         }
-        let all = segments.par_iter().enumerate().zip(&at.heads);
+        let all = segments.par_iter().enumerate().zip(&at.initial_states);
         all.zip(&self.unknown).map(one).collect()
     }
 
     /// Loss of readings and declared priors; `None` where a prior forbids the point.
-    pub fn chi2(&self, at: &Point, evaluated: &[Evaluated]) -> Option<f64> {
+    pub fn chi2(&self, at: &Iterate, evaluated: &[Evaluated]) -> Option<f64> {
         let readings: f64 = evaluated.iter().map(|e| e.cost).sum();
         let calibration = prior::calibration(self.problem, self.parameters, &at.x).chi2;
         let design = prior::design(self.problem, self.parameters, &at.x)?.chi2;
@@ -264,7 +275,7 @@ impl<'a> Experiment<'a> {
     }
 
     /// Rows of the declared calibrations and, if wanted, of the design.
-    pub fn prior_rows(&self, at: &Point, with_design: bool) -> Vec<prior::PriorRow> {
+    pub fn prior_rows(&self, at: &Iterate, with_design: bool) -> Vec<prior::PriorRow> {
         let mut rows = prior::calibration(self.problem, self.parameters, &at.x).rows;
         if with_design && let Some(design) = prior::design(self.problem, self.parameters, &at.x) {
             rows.extend(design.rows);
@@ -274,7 +285,7 @@ impl<'a> Experiment<'a> {
 
     /// Triangle of the shared unknowns: the rows of every segment below its own head, those of declared
     /// calibrations, and, if wanted, those of the design.
-    pub fn stack(&self, at: &Point, evaluated: &[Evaluated], with_design: bool) -> Triangle {
+    pub fn stack(&self, at: &Iterate, evaluated: &[Evaluated], with_design: bool) -> Triangle {
         let mut stacked = BlockQr::new(self.parameters.len() + 1);
         for (one, unknown) in evaluated.iter().zip(&self.unknown) {
             if let Some(triangle) = &one.triangle {
@@ -297,23 +308,23 @@ impl<'a> Experiment<'a> {
     pub fn spectra(
         &self,
         stacked: &Triangle,
-        shared: &Shared,
+        shared: &SharedTriangle,
         evaluated: &[Evaluated],
     ) -> Result<(Spectrum, Option<Spectrum>), NotFinite> {
         if !self.parameters.has_known() {
             return Ok((self.spectrum(shared, evaluated)?, None));
         }
-        let exact = self.spectrum(&Shared::exact(self.parameters, stacked), evaluated)?;
+        let exact = self.spectrum(&SharedTriangle::exact(self.parameters, stacked), evaluated)?;
         let nothing = vec![0.0; shared.mass * shared.mass];
         let own = Spectrum::within(&shared.block(), &nothing, &exact)?;
         Ok((own, Some(exact)))
     }
 
-    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy is for the judge of the answer; held to it,
-    /// a fit would leave at their nominal values directions that the data contradict.
+    /// Spectrum of the shared unknowns: what a fit moves. A stricter accuracy applies to the answer only; in the fit it
+    /// would keep nominal values that the data contradict.
     pub fn spectrum(
         &self,
-        shared: &Shared,
+        shared: &SharedTriangle,
         evaluated: &[Evaluated],
     ) -> Result<Spectrum, NotFinite> {
         let m = shared.mass;
@@ -339,7 +350,7 @@ impl<'a> Experiment<'a> {
                 let square: f64 = evaluated
                     .iter()
                     .zip(&self.unknown)
-                    .filter_map(|(e, head)| e.triangle.as_ref().map(|t| (t, head.count())))
+                    .filter_map(|(e, unknown)| e.triangle.as_ref().map(|t| (t, unknown.count())))
                     .map(|(t, h)| (0..=h + j).map(|i| t.r[(i, h + j)].powi(2)).sum::<f64>())
                     .sum();
                 square.sqrt() * unknown.natural
@@ -348,7 +359,7 @@ impl<'a> Experiment<'a> {
     }
 
     /// Start of a segment from its first sample and the momentum that the vehicle has at `x` then.
-    pub fn measured_head(&self, segment: &Segment, x: &[f64]) -> Head {
+    pub fn measured_initial_state(&self, segment: &Segment, x: &[f64]) -> InitialState {
         let s = &segment.samples;
         let (tree, dof) = (self.problem.tree, self.problem.tree.dof());
         let bodies = self.parameters.bodies(x);
@@ -360,8 +371,8 @@ impl<'a> Experiment<'a> {
             .copied()
             .unwrap_or_else(UnitQuaternion::identity);
         let w = s.w_NB_B.first().copied().unwrap_or_default();
-        let v = match (&s.translation, self.sight) {
-            (Some(t), Sight::Translation) => {
+        let v = match (&s.translation, self.measured_motion) {
+            (Some(t), MeasuredMotion::Translation) => {
                 R.inverse() * t.v_NBo_N.first().copied().unwrap_or_default()
             }
             _ => Vector3::zeros(),
@@ -386,12 +397,12 @@ impl<'a> Experiment<'a> {
             MomentumKnowledge::Known(k) => k,
             MomentumKnowledge::Estimate => value,
         };
-        let linear = match self.sight {
-            Sight::Translation => pick(given.linear, R * l),
-            // Without a translation sensor N may as well drift along with the mass centre.
-            Sight::Rotation => Vector3::zeros(),
+        let linear = match self.measured_motion {
+            MeasuredMotion::Translation => pick(given.linear, R * l),
+            // Without a translation sensor N may move with the mass centre.
+            MeasuredMotion::Rotation => Vector3::zeros(),
         };
-        Head {
+        InitialState {
             R_NB: R,
             p_NoBo_N: Vector3::zeros(),
             P: linear,
@@ -400,14 +411,14 @@ impl<'a> Experiment<'a> {
     }
 
     /// The point of the nominal numbers.
-    pub fn nominal_point(&self) -> Point {
+    pub fn nominal_point(&self) -> Iterate {
         let x = self.parameters.nominal_vector();
-        let heads = self
+        let initial_states = self
             .problem
             .segments
             .iter()
-            .map(|s| self.measured_head(s, &x))
+            .map(|s| self.measured_initial_state(s, &x))
             .collect();
-        Point { x, heads }
+        Iterate { x, initial_states }
     }
 }

@@ -1,9 +1,9 @@
 //! Known numbers within their uncertainty: unknowns with a prior, whatever kind of number they are.
 //!
-//! The fit goes on from the one with exact numbers, with columns of the known numbers (`experiment/known_columns.rs`) beside its
-//! own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers moved, and the columns
-//! are made again where they have moved. What the data say of a number shrinks its prior; where they say
-//! nothing it stays where it is and its prior goes into the covariance (a consider parameter: Schmidt 1966). One sigma of
+//! The fit goes on from the one with exact numbers, with columns of the known numbers (`experiment/known_columns.rs`)
+//! beside its own and the declared covariance as a prior; every prediction is that of the vehicle with the numbers
+//! moved, and the columns are made again where they have moved. Informative data shrink the prior of a number;
+//! otherwise it keeps its value and its prior enters the covariance (a consider parameter: Schmidt 1966). One sigma of
 //! a known number is therefore no misfit.
 
 mod effects;
@@ -11,7 +11,7 @@ mod effects;
 pub(crate) use effects::Effects;
 
 use crate::fit::degrees_of_freedom::{MISFIT, fitted_numbers, known_covariance};
-use crate::fit::experiment::{DIFFERENCE, Experiment, KeptColumns, Point, body_slopes, slopes};
+use crate::fit::experiment::{DIFFERENCE, Experiment, Iterate, KeptColumns, body_slopes, slopes};
 use crate::fit::{Fitted, fit_from};
 use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
@@ -26,7 +26,7 @@ const SILENT: f64 = 1.0e-3;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
-const SETTLED_BY_DIFFERENCES: f64 = 1.0e-3;
+const CONVERGED_BELOW_BY_DIFFERENCES: f64 = 1.0e-3;
 
 /// The fit with known numbers within their uncertainty.
 pub(crate) struct KnownFit {
@@ -51,7 +51,7 @@ impl KnownFit {
 
 /// Fits on with the known numbers within their uncertainty; `None` where all of them are exact, or nothing depends on them.
 pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<KnownFit> {
-    if !fitted.settled {
+    if !fitted.converged {
         return None;
     }
     let problem = experiment.problem;
@@ -63,17 +63,17 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
     let found = fit_from(&wide, first.clone(), TRIED)?;
-    let done = found.settled || promised(&found) < SETTLED_BY_DIFFERENCES;
+    let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
-    // What known numbers cannot explain within their uncertainty is looked for elsewhere.
+    // A misfit beyond the uncertainty of known numbers needs another cause.
     let left = per_number > MISFIT && (worst.is_some() || !done);
     let fitted = match left {
         true => Fitted {
-            settled: true,
+            converged: true,
             ..fit_from(&wide, first, 0)?
         },
         false => Fitted {
-            settled: done,
+            converged: done,
             ..found
         },
     };
@@ -87,8 +87,8 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     })
 }
 
-/// How much a full step would still lower chi-square.
-fn promised(fitted: &Fitted) -> f64 {
+/// Predicted reduction of chi-square by a full step.
+fn predicted_reduction(fitted: &Fitted) -> f64 {
     let shared = &fitted.shared;
     let last = shared.nuisances + shared.mass;
     let nuisances = (0..shared.nuisances).map(|i| shared.r[(i, last)].powi(2));
@@ -96,11 +96,11 @@ fn promised(fitted: &Fitted) -> f64 {
 }
 
 /// A point of the fit without the known numbers, with these at the values of the model.
-fn behind(at: &Point, all: &[Unknown]) -> Point {
+fn behind(at: &Iterate, all: &[Unknown]) -> Iterate {
     let nominal = all.iter().map(|u| u.nominal);
-    Point {
+    Iterate {
         x: at.x.iter().copied().chain(nominal).collect(),
-        heads: at.heads.clone(),
+        initial_states: at.initial_states.clone(),
     }
 }
 
@@ -151,7 +151,7 @@ fn extended(problem: &Problem, parameters: &Parameters, all: &[Unknown]) -> Para
 /// The numbers that show in the predictions, with their columns at their nominal values.
 fn shown(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     all: Vec<Unknown>,
 ) -> Option<(Vec<Unknown>, KnownColumns)> {
     if all.is_empty() {
@@ -193,7 +193,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(LEAST_SHARE);
         let change = fitted.at.x[*place] - unknown.nominal;
         let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
-        // What the data alone say, the declared uncertainty taken out again.
+        // The estimate from the data alone, without the declared uncertainty.
         let alone = (
             unknown.nominal + change / left,
             posterior[(k, k)].max(0.0) / left,
@@ -207,7 +207,7 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
         let [nominal, sigma, alone, own] = numbers.map(|x| rounded(x, 5));
         Conflict {
             text: format!(
-                "the data contradict the known number {}: the model has {nominal} ± {sigma} {unit}, the data alone say {alone} ± {own} {unit}, {z:.0} sigma apart; correct the number or its uncertainty",
+                "the data contradict the known number {}: model {nominal} ± {sigma} {unit}, estimated {alone} ± {own} {unit}, difference {z:.0} sigma; correct the number or its uncertainty",
                 unknown.name
             ),
             ratio: 1.0 + pull(parameters, fitted, &posterior),

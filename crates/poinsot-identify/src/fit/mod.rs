@@ -1,9 +1,9 @@
 //! The experiment at any value of its unknowns, and the fit of the momentum state.
 
+pub(crate) mod coarse_fit;
 pub(crate) mod coordinates;
 pub(crate) mod degrees_of_freedom;
 pub(crate) mod experiment;
-pub(crate) mod far_start;
 pub(crate) mod known_numbers;
 pub(crate) mod momentum_state;
 pub(crate) mod step;

@@ -5,13 +5,13 @@
 //! not move. A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass
 //! properties: only pose and momentum follow whole.
 
+use crate::fit::coarse_fit::coarse_fit;
 use crate::fit::coordinates::{Coordinates, PhysicalBodies};
-use crate::fit::experiment::{Experiment, Point};
-use crate::fit::far_start::approach;
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{
-    Held, ITERATIONS, Local, held, is_close, linearised, moved, physical_bodies,
+    BoundaryBodies, ITERATIONS, Linearisation, held, is_close, linearised, moved, physical_bodies,
 };
-use crate::fit::triangle::Shared;
+use crate::fit::triangle::SharedTriangle;
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use poinsot_solve::{End, LeastSquares, Linearised, Minimum, Spectrum, levenberg_marquardt};
@@ -21,11 +21,11 @@ const NEGLIGIBLE_PROMISE: f64 = 1.0e-4;
 
 /// Fits from the better of the linear solution and the nominal numbers, in at most `limit` iterations.
 ///
-/// The bodies are free at first: close to the edge, far from the answer, the equations of motion bend more than
-/// beyond it. What then lies beyond is brought back by the step that costs least and fitted on within the edge.
+/// The bodies are free at first: near the physical limit and far from the answer the equations are more nonlinear than
+/// beyond it. An unphysical result is then moved back at the least cost and fitted within the limit.
 pub(crate) fn fit(
     experiment: &Experiment,
-    linear: Option<&Point>,
+    linear: Option<&Iterate>,
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
     let bodies = physical_bodies(experiment, experiment.parameters.mass_unknowns);
@@ -33,19 +33,19 @@ pub(crate) fn fit(
         let mut free = experiment.with_parameters(experiment.parameters);
         free.coordinates = Coordinates::Linear;
         let found = fit_within(&free, linear, Some(bodies), limit)?;
-        if found.settled {
-            let Some(bodies) = bodies.clone().seen_apart(&found.spectrum) else {
+        if found.converged {
+            let Some(bodies) = bodies.clone().separable(&found.spectrum) else {
                 return Ok(found);
             };
             if bodies.contain(&found.at.x) {
                 return Ok(found);
             }
             let back = brought_back(experiment, &found, &bodies, limit);
-            if let Some(found) = back.filter(|f| f.settled) {
+            if let Some(found) = back.filter(|f| f.converged) {
                 return Ok(found);
             }
         } else if found.crept && bodies.contain(&found.at.x) {
-            // The edge is not what keeps it from settling.
+            // The limit is not the reason for the missing convergence.
             return Ok(found);
         }
     }
@@ -74,7 +74,7 @@ fn brought_back(
 /// Fits in the coordinates of the experiment, from starts at which the bodies are physical.
 fn fit_within(
     experiment: &Experiment,
-    linear: Option<&Point>,
+    linear: Option<&Iterate>,
     bodies: Option<&PhysicalBodies>,
     limit: usize,
 ) -> Result<Fitted, ProblemError> {
@@ -85,10 +85,10 @@ fn fit_within(
             continue;
         };
         let found = fitted(experiment, levenberg_marquardt(experiment, at, here, limit))?;
-        let settled = found.settled;
-        best = best.filter(|b| b.settled || !settled).or(Some(found));
-        // A start far off can leave the iteration among directions that come and go: try the other.
-        if settled || limit < ITERATIONS {
+        let converged = found.converged;
+        best = best.filter(|b| b.converged || !converged).or(Some(found));
+        // A far start can change the identified directions during the iteration: try the other start.
+        if converged || limit < ITERATIONS {
             break;
         }
     }
@@ -96,7 +96,7 @@ fn fit_within(
 }
 
 /// Fits from a point, in at most `limit` iterations; `None` where the vehicle cannot move there.
-pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Option<Fitted> {
+pub(crate) fn fit_from(experiment: &Experiment, at: Iterate, limit: usize) -> Option<Fitted> {
     let here = experiment.linearise(&at)?;
     fit_on(experiment, at, here, limit)
 }
@@ -104,8 +104,8 @@ pub(crate) fn fit_from(experiment: &Experiment, at: Point, limit: usize) -> Opti
 /// The same where the problem at the point is known.
 pub(crate) fn fit_on(
     experiment: &Experiment,
-    at: Point,
-    here: Linearised<Local>,
+    at: Iterate,
+    here: Linearised<Linearisation>,
     limit: usize,
 ) -> Option<Fitted> {
     fitted(experiment, levenberg_marquardt(experiment, at, here, limit)).ok()
@@ -113,13 +113,13 @@ pub(crate) fn fit_on(
 
 /// A point to start from, with the problem there where it is known already.
 struct Start {
-    point: Point,
+    point: Iterate,
     cost: f64,
-    here: Option<Linearised<Local>>,
+    here: Option<Linearised<Linearisation>>,
 }
 
 impl Start {
-    fn known(point: Point, here: Linearised<Local>) -> Self {
+    fn known(point: Iterate, here: Linearised<Linearisation>) -> Self {
         Self {
             point,
             cost: here.cost,
@@ -136,7 +136,7 @@ impl Start {
 /// the better one, if that is close.
 fn starting_points(
     experiment: &Experiment,
-    linear: Option<&Point>,
+    linear: Option<&Iterate>,
     bodies: Option<&PhysicalBodies>,
 ) -> Vec<Start> {
     let mut found: Vec<Start> = Vec::new();
@@ -180,10 +180,10 @@ fn starting_points(
 /// Where a few readings lead from a point; `None` where that is not close either.
 fn approached(
     experiment: &Experiment,
-    from: &Point,
+    from: &Iterate,
     bodies: Option<&PhysicalBodies>,
 ) -> Option<Start> {
-    let mut point = approach(experiment, from)?;
+    let mut point = coarse_fit(experiment, from)?;
     if let Some(bodies) = bodies.filter(|b| !b.contain(&point.x)) {
         bodies.start(&mut point.x);
     }
@@ -192,9 +192,9 @@ fn approached(
 }
 
 /// Pose, momentum and biases that fit best at the nominal mass properties, which are held.
-pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point, ProblemError> {
+pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Iterate, ProblemError> {
     let mut at = experiment.nominal_point();
-    let evaluate = |at: &Point| experiment.evaluate(at, true);
+    let evaluate = |at: &Iterate| experiment.evaluate(at, true);
     let mut here = linearised(
         experiment,
         &at,
@@ -218,50 +218,57 @@ pub(crate) fn fit_starts(experiment: &Experiment, limit: usize) -> Result<Point,
 /// Where the iteration ended.
 #[derive(Clone)]
 pub(crate) struct Fitted {
-    pub at: Point,
+    pub at: Iterate,
     pub evaluated: Vec<Evaluated>,
-    pub shared: Shared,
+    pub shared: SharedTriangle,
     pub spectrum: Spectrum,
     /// Spectrum without the priors of mass properties, where any are declared.
     pub data_alone: Option<Spectrum>,
     pub iterations: usize,
-    pub settled: bool,
-    /// Not settled, and given up: the convergence was slow and chi-square far too large.
+    pub converged: bool,
+    /// Stopped without convergence: slow, with a far too large chi-square.
     pub crept: bool,
-    pub held: Option<Held>,
+    pub held: Option<BoundaryBodies>,
 }
 
-fn fitted(experiment: &Experiment, minimum: Minimum<Point, Local>) -> Result<Fitted, ProblemError> {
+fn fitted(
+    experiment: &Experiment,
+    minimum: Minimum<Iterate, Linearisation>,
+) -> Result<Fitted, ProblemError> {
     let Minimum {
         at,
         here,
         iterations,
         end,
     } = minimum;
-    let local = here.rows;
+    let linearisation = here.rows;
     let data_alone = if experiment.has_design_prior() {
-        let stacked = experiment.stack(&at, &local.evaluated, false);
-        let own = Shared::new(experiment.parameters, &stacked);
-        Some(experiment.spectra(&stacked, &own, &local.evaluated)?.0)
+        let stacked = experiment.stack(&at, &linearisation.evaluated, false);
+        let own = SharedTriangle::new(experiment.parameters, &stacked);
+        Some(
+            experiment
+                .spectra(&stacked, &own, &linearisation.evaluated)?
+                .0,
+        )
     } else {
         None
     };
     Ok(Fitted {
-        held: held(experiment, &at, &local),
+        held: held(experiment, &at, &linearisation),
         at,
-        evaluated: local.evaluated,
-        shared: local.shared,
-        spectrum: local.spectrum,
+        evaluated: linearisation.evaluated,
+        shared: linearisation.shared,
+        spectrum: linearisation.spectrum,
         data_alone,
         iterations,
-        settled: match end {
-            End::Settled => true,
+        converged: match end {
+            End::Converged => true,
             End::NoLowerCost | End::RoundOff => {
-                here.promised < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
+                here.predicted_reduction < NEGLIGIBLE_PROMISE * here.cost.max(1.0)
             }
-            End::IterationLimit | End::Creeping => false,
+            End::IterationLimit | End::TooSlow => false,
         },
-        crept: end == End::Creeping,
+        crept: end == End::TooSlow,
     })
 }
 
@@ -271,7 +278,7 @@ pub(crate) fn chi2(evaluated: &[Evaluated]) -> f64 {
 }
 
 impl Experiment<'_> {
-    /// What a fit has reached; infinite where a prior forbids its end.
+    /// Cost of a fit; infinite if a prior forbids its end.
     pub fn cost_of(&self, fitted: &Fitted) -> f64 {
         self.chi2(&fitted.at, &fitted.evaluated)
             .unwrap_or(f64::INFINITY)

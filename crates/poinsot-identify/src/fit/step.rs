@@ -1,11 +1,11 @@
-//! One step of a fit: the problem at a point, and where a damped step on the triangle of the shared unknowns leads.
+//! One step of a fit: the linearisation at an iterate, and a damped step on the triangle of the shared unknowns.
 //!
-//! A damped step holds biases, lags and what else is wrong with the instruments back as it does the mass properties: only
-//! pose and momentum follow whole. Directions that the data leave open do not move.
+//! A damped step also damps biases, lags and other sensor errors; pose and momentum are not damped. Unobservable
+//! directions do not move.
 
 use crate::fit::coordinates::{Coordinates, PhysicalBodies};
-use crate::fit::experiment::{Experiment, Point};
-use crate::fit::triangle::{Shared, head};
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::Evaluated;
 use crate::problem::ProblemError;
 use nalgebra::UnitQuaternion;
@@ -14,42 +14,41 @@ use poinsot_spatial::Vector3;
 
 /// Most iterations of a fit.
 pub(crate) const ITERATIONS: usize = 60;
-/// Settled when the next step would lower chi-square by less than this: steps of a ten-thousandth of a sigma.
-const SETTLED: f64 = 1.0e-8;
+/// Converged when the next step would reduce chi-square by less than this: steps of a ten-thousandth of a sigma.
+const CONVERGED_BELOW: f64 = 1.0e-8;
 /// Share of chi-square by which two evaluations may differ.
 const ROUND_OFF: f64 = 1.0e-12;
-/// By how much the cost may rise over a step that is taken, where the unknowns move the covariance of the readings by way of
-/// the noise of the inputs: Gauss and Newton's step does not look at that, and ends where chi-square alone is least at
-/// the covariance found, a fraction of a sigma from the least cost.
+/// Allowed increase of the cost over a step if input noise makes the covariance depend on the unknowns. The
+/// Gauss-Newton step ignores that dependence, and ends a fraction of a sigma from the smallest cost.
 const COVARIANCE: f64 = 0.1;
-/// Fall of chi-square beyond the edge that is more than the barrier's own: a five-hundredth of a sigma.
-const FELT: f64 = 4.0e-6;
-/// Share of a chi-square that is far too large, below which what a step promises is not worth many iterations.
-const CREEPING: f64 = 1.0e-3;
-/// Chi-square per row below which a start is taken without a look at another.
-const FAR_OFF: f64 = 10.0;
+/// Decrease of chi-square beyond the limit that exceeds the barrier's own error: a five-hundredth of a sigma.
+const SIGNIFICANT_DECREASE: f64 = 4.0e-6;
+/// Relative predicted reduction below which a fit with a far too large chi-square stops.
+const TOO_SLOW: f64 = 1.0e-3;
+/// Chi-square per row below which no other start is tried.
+const CLOSE_BELOW: f64 = 10.0;
 
-/// Bodies that the data press against the edge of what positive mass can have.
+/// Bodies at an active limit of physical mass properties.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Held {
+pub(crate) struct BoundaryBodies {
     /// Their names.
     pub bodies: Vec<String>,
-    /// How much chi-square would fall beyond the edge, to first order.
+    /// First-order decrease of chi-square beyond the limit.
     pub cost: f64,
-    /// How many conditions hold them: the degrees of freedom of `cost`.
+    /// Number of active conditions: the degrees of freedom of `cost`.
     pub conditions: usize,
 }
 
 /// All segments at a point, the triangle of the shared unknowns, and its spectrum.
-pub(crate) struct Local {
+pub(crate) struct Linearisation {
     pub evaluated: Vec<Evaluated>,
-    pub shared: Shared,
+    pub shared: SharedTriangle,
     pub spectrum: Spectrum,
     /// The bodies that the steps keep physical.
     bodies: Option<PhysicalBodies>,
 }
 
-impl Local {
+impl Linearisation {
     /// How far the full step leads in the mass properties, sigmas.
     pub fn mass_shift(&self) -> f64 {
         self.spectrum.decrease(&self.shared.rhs(), 0.0).sqrt()
@@ -61,52 +60,54 @@ impl Local {
         bodies.is_some_and(|b| !b.contain(&after(x, step, &self.spectrum)))
     }
 
-    /// What a step of the mass properties takes with it.
-    pub fn parts(&self) -> (&[Evaluated], &Shared, &[f64]) {
+    /// Parts that follow a step of the mass properties.
+    pub fn parts(&self) -> (&[Evaluated], &SharedTriangle, &[f64]) {
         (&self.evaluated, &self.shared, &self.spectrum.natural)
     }
 }
 
 impl LeastSquares for Experiment<'_> {
-    type Point = Point;
-    type Rows = Local;
+    type Iterate = Iterate;
+    type Rows = Linearisation;
 
-    fn cost(&self, at: &Point) -> Option<f64> {
+    fn cost(&self, at: &Iterate) -> Option<f64> {
         let evaluated = self.evaluate(at, false)?;
         self.chi2(at, &evaluated)
     }
 
-    fn linearise(&self, at: &Point) -> Option<Linearised<Local>> {
+    fn linearise(&self, at: &Iterate) -> Option<Linearised<Linearisation>> {
         let evaluated = self.evaluate(at, true)?;
         linearised(self, at, evaluated).ok()
     }
 
-    fn settled(&self, at: &Point, here: &Linearised<Local>) -> bool {
-        let local = &here.rows;
-        let plain = local.spectrum.damped(&local.shared.rhs(), 0.0);
-        // The barrier knows a step along the edge no better than this.
-        let limit = match local.leaves(&at.x, &plain) {
-            true => FELT,
-            false => SETTLED,
+    fn converged(&self, at: &Iterate, here: &Linearised<Linearisation>) -> bool {
+        let linearisation = &here.rows;
+        let plain = linearisation
+            .spectrum
+            .damped(&linearisation.shared.rhs(), 0.0);
+        // The barrier limits the accuracy of a step along the limit.
+        let limit = match linearisation.leaves(&at.x, &plain) {
+            true => SIGNIFICANT_DECREASE,
+            false => CONVERGED_BELOW,
         };
-        here.promised < limit
+        here.predicted_reduction < limit
     }
 
-    fn worth_it(&self, here: &Linearised<Local>, forecast: f64) -> bool {
-        let hopeless = !is_close(here) && here.promised < CREEPING * here.cost;
-        !hopeless || forecast < SETTLED
+    fn should_continue(&self, here: &Linearised<Linearisation>, forecast: f64) -> bool {
+        let too_slow = !is_close(here) && here.predicted_reduction < TOO_SLOW * here.cost;
+        !too_slow || forecast < CONVERGED_BELOW
     }
 
-    fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
-        let local = &here.rows;
-        if let Some(step) = self.step_of_all(at, local, damping) {
+    fn step(&self, at: &Iterate, here: &Linearised<Linearisation>, damping: f64) -> Step<Iterate> {
+        let linearisation = &here.rows;
+        if let Some(step) = self.step_of_all(at, linearisation, damping) {
             return step;
         }
-        let (step, lowered) = self.mass_step(&at.x, local, damping);
+        let (step, lowered) = self.mass_step(&at.x, linearisation, damping);
         Step {
-            to: moved(self, at, local.parts(), &step),
-            promised: promised_decrease(self, local, lowered),
-            bend: 0.0,
+            to: moved(self, at, linearisation.parts(), &step),
+            predicted_reduction: predicted_decrease(self, linearisation, lowered),
+            acceleration_ratio: 0.0,
         }
     }
 }
@@ -127,12 +128,17 @@ impl Experiment<'_> {
     ///
     /// The unit of a nuisance is what shows as much in the readings as the largest mass property does in its own
     /// (Marquardt 1963 scales by the columns as well).
-    fn step_of_all(&self, at: &Point, local: &Local, damping: f64) -> Option<Step<Point>> {
-        let shared = &local.shared;
+    fn step_of_all(
+        &self,
+        at: &Iterate,
+        linearisation: &Linearisation,
+        damping: f64,
+    ) -> Option<Step<Iterate>> {
+        let shared = &linearisation.shared;
         if damping <= 0.0 || !damping.is_finite() || shared.nuisances == 0 {
             return None;
         }
-        let longest = self.longest_column(&local.evaluated);
+        let longest = self.longest_column(&linearisation.evaluated);
         let lengths = shared.nuisance_lengths();
         let most = lengths.iter().fold(longest, |a, b| a.max(*b));
         let reference = if longest > 0.0 { longest } else { most };
@@ -143,22 +149,22 @@ impl Experiment<'_> {
         }
         let held = shared.damped(&units, damping);
         let nothing = vec![0.0; shared.mass * shared.mass];
-        let spectrum = Spectrum::within(&held.block(), &nothing, &local.spectrum).ok()?;
-        let (step, _) = mass_step(&at.x, local, (&spectrum, &held.rhs()), damping);
+        let spectrum = Spectrum::within(&held.block(), &nothing, &linearisation.spectrum).ok()?;
+        let (step, _) = mass_step(&at.x, linearisation, (&spectrum, &held.rhs()), damping);
         let natural = &spectrum.natural;
         let mass: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
         let lowered = shared.lowered(&held.nuisances_for(&mass), &mass);
         Some(Step {
-            to: moved(self, at, (&local.evaluated, &held, natural), &step),
-            promised: heads_decrease(self, local) + lowered,
-            bend: 0.0,
+            to: moved(self, at, (&linearisation.evaluated, &held, natural), &step),
+            predicted_reduction: initial_state_decrease(self, linearisation) + lowered,
+            acceleration_ratio: 0.0,
         })
     }
 
     /// Step of the mass unknowns, natural units, and how much the linear model says that it lowers chi-square.
-    fn mass_step(&self, x: &[f64], local: &Local, damping: f64) -> (Vec<f64>, f64) {
-        let of = (&local.spectrum, local.shared.rhs());
-        mass_step(x, local, (of.0, &of.1), damping)
+    fn mass_step(&self, x: &[f64], linearisation: &Linearisation, damping: f64) -> (Vec<f64>, f64) {
+        let of = (&linearisation.spectrum, linearisation.shared.rhs());
+        mass_step(x, linearisation, (of.0, &of.1), damping)
     }
 }
 
@@ -166,13 +172,13 @@ impl Experiment<'_> {
 /// it lowers chi-square.
 fn mass_step(
     x: &[f64],
-    local: &Local,
+    linearisation: &Linearisation,
     (spectrum, rhs): (&Spectrum, &[f64]),
     damping: f64,
 ) -> (Vec<f64>, f64) {
     let step = spectrum.damped(rhs, damping);
-    match &local.bodies {
-        Some(bodies) if local.leaves(x, &step) => bodies.step(spectrum, rhs, damping, x),
+    match &linearisation.bodies {
+        Some(bodies) if linearisation.leaves(x, &step) => bodies.step(spectrum, rhs, damping, x),
         _ => (step, spectrum.decrease(rhs, damping)),
     }
 }
@@ -185,18 +191,18 @@ fn after(x: &[f64], step: &[f64], spectrum: &Spectrum) -> Vec<f64> {
 
 pub(crate) fn linearised(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     evaluated: Vec<Evaluated>,
-) -> Result<Linearised<Local>, ProblemError> {
+) -> Result<Linearised<Linearisation>, ProblemError> {
     let stacked = experiment.stack(at, &evaluated, true);
-    let shared = Shared::new(experiment.parameters, &stacked);
+    let shared = SharedTriangle::new(experiment.parameters, &stacked);
     let (spectrum, _) = experiment.spectra(&stacked, &shared, &evaluated)?;
     let cost = experiment
         .chi2(at, &evaluated)
         .ok_or(ProblemError::NoMotion)?;
     let bodies = physical_bodies(experiment, spectrum.natural.len())
-        .and_then(|bodies| bodies.seen_apart(&spectrum));
-    let local = Local {
+        .and_then(|bodies| bodies.separable(&spectrum));
+    let linearisation = Linearisation {
         evaluated,
         shared,
         spectrum,
@@ -206,19 +212,23 @@ pub(crate) fn linearised(
         cost,
         round_off: ROUND_OFF * (1.0 + cost),
         slack: ROUND_OFF * (1.0 + cost) + experiment.covariance_moves(),
-        promised: {
-            let (_, lowered) = experiment.mass_step(&at.x, &local, 0.0);
-            promised_decrease(experiment, &local, lowered)
+        predicted_reduction: {
+            let (_, lowered) = experiment.mass_step(&at.x, &linearisation, 0.0);
+            predicted_decrease(experiment, &linearisation, lowered)
         },
-        weakest: local.spectrum.weakest(),
-        rows: local,
+        smallest_singular_value: linearisation.spectrum.smallest_singular_value(),
+        rows: linearisation,
     })
 }
 
-/// Where the plain step from the answer would leave the physical bodies, and chi-square feels it.
-pub(crate) fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option<Held> {
-    let bodies = local.bodies.as_ref()?;
-    let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
+/// Whether the plain step from the answer leaves the physical bodies with a significant change of chi-square.
+pub(crate) fn held(
+    experiment: &Experiment,
+    at: &Iterate,
+    linearisation: &Linearisation,
+) -> Option<BoundaryBodies> {
+    let bodies = linearisation.bodies.as_ref()?;
+    let (spectrum, rhs) = (&linearisation.spectrum, linearisation.shared.rhs());
     if bodies.contain(&after(&at.x, &spectrum.damped(&rhs, 0.0), spectrum)) {
         return None;
     }
@@ -226,7 +236,7 @@ pub(crate) fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option
     let cost = spectrum.decrease(&rhs, 0.0) - within;
     let (indices, conditions) = bodies.at_the_edge(&at.x);
     let names = &experiment.parameters.body_names;
-    (cost > FELT && !indices.is_empty()).then(|| Held {
+    (cost > SIGNIFICANT_DECREASE && !indices.is_empty()).then(|| BoundaryBodies {
         bodies: indices.iter().map(|k| names[*k].clone()).collect(),
         cost,
         conditions,
@@ -234,18 +244,22 @@ pub(crate) fn held(experiment: &Experiment, at: &Point, local: &Local) -> Option
 }
 
 /// How much the linear model says a step lowers chi-square of which the mass properties' part is given.
-pub(crate) fn promised_decrease(experiment: &Experiment, local: &Local, lowered: f64) -> f64 {
-    let shared = &local.shared;
+pub(crate) fn predicted_decrease(
+    experiment: &Experiment,
+    linearisation: &Linearisation,
+    lowered: f64,
+) -> f64 {
+    let shared = &linearisation.shared;
     let n = shared.nuisances + shared.mass;
     let biases: f64 = (0..shared.nuisances)
         .map(|i| shared.r[(i, n)].powi(2))
         .sum();
-    heads_decrease(experiment, local) + biases + lowered
+    initial_state_decrease(experiment, linearisation) + biases + lowered
 }
 
-/// The part of it that pose and momentum bring, which follow whole.
-fn heads_decrease(experiment: &Experiment, local: &Local) -> f64 {
-    local
+/// The part of pose and momentum, which are not damped.
+fn initial_state_decrease(experiment: &Experiment, linearisation: &Linearisation) -> f64 {
+    linearisation
         .evaluated
         .iter()
         .zip(&experiment.unknown)
@@ -257,17 +271,17 @@ fn heads_decrease(experiment: &Experiment, local: &Local) -> f64 {
         .sum()
 }
 
-/// The point after a step of the mass properties: biases and heads follow.
+/// The iterate after a step of the mass properties: biases and initial states follow.
 pub(crate) fn moved(
     experiment: &Experiment,
-    at: &Point,
-    (evaluated, shared, natural): (&[Evaluated], &Shared, &[f64]),
+    at: &Iterate,
+    (evaluated, shared, natural): (&[Evaluated], &SharedTriangle, &[f64]),
     step: &[f64],
-) -> Point {
+) -> Iterate {
     let mut dx: Vec<f64> = step.iter().zip(natural).map(|(z, unit)| z * unit).collect();
     dx.extend(shared.nuisances_for(&dx));
-    let heads = at
-        .heads
+    let initial_states = at
+        .initial_states
         .iter()
         .zip(evaluated)
         .zip(&experiment.unknown)
@@ -275,7 +289,7 @@ pub(crate) fn moved(
             let Some(triangle) = &one.triangle else {
                 return *old;
             };
-            let d = head(&triangle.r, unknown.count(), &dx).mean;
+            let d = conditional_estimate(&triangle.r, unknown.count(), &dx).mean;
             let mut parts = d.chunks_exact(3).map(Vector3::from_row_slice);
             let mut take =
                 |present: bool| present.then(|| parts.next()).flatten().unwrap_or_default();
@@ -287,9 +301,9 @@ pub(crate) fn moved(
             new
         })
         .collect();
-    Point {
+    Iterate {
         x: at.x.iter().zip(&dx).map(|(a, b)| a + b).collect(),
-        heads,
+        initial_states,
     }
 }
 
@@ -304,8 +318,8 @@ pub(crate) fn physical_bodies(
     }
 }
 
-/// Whether chi-square at a point is not far from what noise makes.
-pub(crate) fn is_close(here: &Linearised<Local>) -> bool {
+/// Whether chi-square at an iterate is of the size of its expectation.
+pub(crate) fn is_close(here: &Linearised<Linearisation>) -> bool {
     let rows: usize = here.rows.evaluated.iter().map(|e| e.rows).sum();
-    here.cost < FAR_OFF * rows as f64
+    here.cost < CLOSE_BELOW * rows as f64
 }

@@ -1,12 +1,12 @@
-//! Whether an answer is that of the equations of motion, and not of the steps that integrate them.
+//! Test of the integration error of an answer.
 //!
 //! With e the change of all whitened predictions when every step is halved, and Q an orthonormal basis of the whitened
-//! sensitivities, the answer moves by `|Q^T e|` sigma; the rest of e stays in the residual. Where stored momentum makes a
-//! body nutate nearly all of e lies in the span of Q, where chi-square cannot see it. The right-hand sides of the
+//! sensitivities, the answer moves by `|Q^T e|` sigma; the rest of e stays in the residual. With nutation about stored
+//! momentum, nearly all of e is in the span of Q, where chi-square is blind to it. The right-hand sides of the
 //! triangles with whole and with halved steps differ by `Q^T e`.
 
 use crate::fit::experiment::Experiment;
-use crate::fit::step::Local;
+use crate::fit::step::Linearisation;
 use crate::fit::{Fitted, fit_on};
 use crate::likelihood::Evaluated;
 use faer::Mat;
@@ -25,7 +25,7 @@ const ORDER: f64 = 4.0;
 /// Largest factor at once: the order holds for small errors alone.
 const AT_ONCE: u32 = 8;
 
-/// What halving the steps changes.
+/// Change by halved steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StepError {
     /// Of the answer, sigmas.
@@ -35,21 +35,21 @@ pub(crate) struct StepError {
 }
 
 impl StepError {
-    /// Whether the answer may be relied on.
+    /// Whether the error is negligible.
     fn is_small(&self) -> bool {
         self.answer <= ANSWER && self.predictions <= PREDICTIONS
     }
 
-    /// Steps for each one now with which it would be small.
+    /// Refinement factor that would make it small.
     fn factor(&self) -> u32 {
         let excess = f64::max(self.answer / ANSWER, self.predictions / PREDICTIONS);
         let factor = excess.powf(1.0 / ORDER).ceil();
         factor.clamp(2.0, f64::from(AT_ONCE)) as u32
     }
 
-    pub fn words(&self) -> String {
+    pub fn message(&self) -> String {
         format!(
-            "halving the integration steps moves the answer by {:.2} sigma: the covariance does not hold this error; sample faster, or check the momentum of the wheels",
+            "halving the integration step changes the estimate by {:.2} sigma, which the covariance does not include; sample faster, or check the wheel momentum",
             self.answer
         )
     }
@@ -62,7 +62,7 @@ pub(crate) fn within_steps(
     mut fitted: Fitted,
     limit: usize,
 ) -> (Fitted, Option<StepError>) {
-    if !fitted.settled {
+    if !fitted.converged {
         return (fitted, None);
     }
     for round in 0..=REFINEMENTS {
@@ -72,7 +72,7 @@ pub(crate) fn within_steps(
         if round == REFINEMENTS || experiment.fineness.factor >= MOST {
             return (fitted, Some(error));
         }
-        // Straight speeds may be all that is wrong.
+        // Linear interpolation of the speeds may be the only cause.
         match experiment.may_bend() && !experiment.bends() {
             true => experiment.fineness.bends = true,
             false => experiment.fineness.factor *= error.factor(),
@@ -87,7 +87,7 @@ pub(crate) fn within_steps(
     (fitted, None)
 }
 
-/// What half the steps change at the end of a fit; `None` where the vehicle cannot move so.
+/// Change by halved steps at the end of a fit; `None` without a motion.
 fn step_error(experiment: &Experiment, fitted: &Fitted) -> Option<StepError> {
     let mut finer = experiment.with_parameters(experiment.parameters);
     finer.fineness.factor *= 2;
@@ -128,14 +128,14 @@ fn difference(coarse: &[Evaluated], fine: &[Evaluated]) -> f64 {
 }
 
 /// `|Q^T e|`: pose, momentum and nuisances, then the mass properties that the data determine.
-fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Local>) -> f64 {
+fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Linearisation>) -> f64 {
     let fine = &fine.rows;
     let pairs = coarse.evaluated.iter().zip(&fine.evaluated);
-    let heads: f64 = pairs
+    let initial_states: f64 = pairs
         .zip(&experiment.unknown)
-        .filter_map(|((a, b), head)| Some((a.triangle.as_ref()?, b.triangle.as_ref()?, head)))
-        .map(|(a, b, head)| {
-            let rows = rhs_change(&a.r, &b.r, 0..head.count());
+        .filter_map(|((a, b), unknown)| Some((a.triangle.as_ref()?, b.triangle.as_ref()?, unknown)))
+        .map(|(a, b, unknown)| {
+            let rows = rhs_change(&a.r, &b.r, 0..unknown.count());
             rows.iter().map(|d| d * d).sum::<f64>()
         })
         .sum();
@@ -143,7 +143,7 @@ fn shift(experiment: &Experiment, coarse: &Fitted, fine: &Linearised<Local>) -> 
     let all = rhs_change(&a.r, &b.r, 0..a.nuisances + a.mass);
     let (nuisances, mass) = all.split_at(a.nuisances);
     let nuisances: f64 = nuisances.iter().map(|d| d * d).sum();
-    (heads + nuisances + fine.spectrum.decrease(mass, 0.0)).sqrt()
+    (initial_states + nuisances + fine.spectrum.decrease(mass, 0.0)).sqrt()
 }
 
 /// Change of the right-hand side of some rows between two triangles of one problem, whose rows may differ in sign.

@@ -7,7 +7,7 @@ use poinsot_solve::{BlockQr, Triangle};
 
 /// Triangle of the shared unknowns: nuisances of sensors and surroundings first, then mass properties, right-hand side last.
 #[derive(Clone)]
-pub(crate) struct Shared {
+pub(crate) struct SharedTriangle {
     pub r: Mat<f64>,
     /// Number of nuisances in front.
     pub nuisances: usize,
@@ -15,9 +15,9 @@ pub(crate) struct Shared {
     pub mass: usize,
 }
 
-impl Shared {
-    /// Puts the nuisances of a stacked triangle in front: what is left below is projected clear of them.
-    /// In [`Parameters`] they stand last.
+impl SharedTriangle {
+    /// Puts the nuisances of a stacked triangle in front: the rest is projected orthogonal to them. In [`Parameters`]
+    /// they stand last.
     pub fn new(parameters: &Parameters, stacked: &Triangle) -> Self {
         let n = parameters.len();
         let is_nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
@@ -95,7 +95,7 @@ impl Shared {
         (self.nuisances..n).map(|i| self.r[(i, n)]).collect()
     }
 
-    /// Squared length of what no unknown can reach.
+    /// Squared norm of the residual that no unknown reduces.
     pub fn unreachable(&self) -> f64 {
         let n = self.nuisances + self.mass;
         self.r[(n, n)].powi(2)
@@ -103,12 +103,12 @@ impl Shared {
 
     /// Nuisances that go with values of the mass properties.
     pub fn nuisances_for(&self, mass: &[f64]) -> Vec<f64> {
-        head(&self.r, self.nuisances, mass).mean
+        conditional_estimate(&self.r, self.nuisances, mass).mean
     }
 }
 
-/// The head of a triangle, `R_hh h + R_hx x = d`, solved for h.
-pub(crate) struct HeadSolution {
+/// Solution of the leading rows of a triangle, `R_hh h + R_hx x = d`, for h given x.
+pub(crate) struct ConditionalEstimate {
     /// Values at x.
     pub mean: Vec<f64>,
     /// Slope over x, one row per component.
@@ -119,7 +119,7 @@ pub(crate) struct HeadSolution {
 
 /// Solves the first `h` rows of a triangle whose columns are `[h | x | rhs]`. A component without any
 /// signal gets zero and an infinite variance.
-pub(crate) fn head(r: &Mat<f64>, h: usize, x: &[f64]) -> HeadSolution {
+pub(crate) fn conditional_estimate(r: &Mat<f64>, h: usize, x: &[f64]) -> ConditionalEstimate {
     let n = x.len();
     let largest = (0..h).fold(0.0_f64, |a, i| a.max(r[(i, i)].abs()));
     let blind = |i: usize| r[(i, i)].abs() <= 1.0e-14 * largest;
@@ -143,7 +143,7 @@ pub(crate) fn head(r: &Mat<f64>, h: usize, x: &[f64]) -> HeadSolution {
                     .sum::<f64>()
         })
         .collect();
-    HeadSolution {
+    ConditionalEstimate {
         mean,
         slope: (0..h)
             .map(|i| slope.row(i).iter().copied().collect())
@@ -166,7 +166,7 @@ mod tests {
             true => 0.0,
             false => ((7 * i + 3 * j + 1) as f64).sin() + f64::from(u8::from(i == j)) * 2.0,
         };
-        let shared = Shared {
+        let shared = SharedTriangle {
             r: Mat::from_fn(n + 1, n + 1, element),
             nuisances,
             mass,

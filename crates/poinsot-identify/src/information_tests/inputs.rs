@@ -2,7 +2,7 @@
 
 use super::{MODEL, finer, noise};
 use crate::fit::experiment::Experiment;
-use crate::likelihood::{Head, HeadColumns, start};
+use crate::likelihood::{InitialState, InitialStateColumns, start};
 use crate::motion::Motion;
 use crate::motion::Vehicle;
 use crate::problem::Problem;
@@ -10,7 +10,7 @@ use crate::problem::parameters::{Equations, Parameters};
 use crate::problem::segment::{
     InputErrors, Noise, Observations, Segment, SensorRecord, SensorValue,
 };
-use crate::sensors::perfect;
+use crate::sensors::ideal_measurement;
 use nalgebra::{UnitQuaternion, Vector3};
 use poinsot_dynamics::Tree;
 use poinsot_model::{SensorKind, parse_model};
@@ -29,7 +29,7 @@ struct Case {
 }
 
 /// Relative gap of chi-square and `ln det` of the filter to those of the dense covariance `C = S + G E G^T`, with `G`
-/// from differences over every reading of every input.
+/// from differences over every sample of every input.
 fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     let Case {
         translation, fine, ..
@@ -75,13 +75,13 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
     };
     let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
     // The start must not follow what the readings say.
-    let head = Head {
+    let initial_state = InitialState {
         R_NB: UnitQuaternion::from_euler_angles(0.1, 0.2, -0.3),
         p_NoBo_N: Vector3::zeros(),
         P: Vector3::new(1.0, 2.0, -1.0) * f64::from(u8::from(translation)),
         h_SScm_N: Vector3::new(0.4, -0.3, 0.5),
     };
-    let predicted = |segment: &Segment, head: &Head| {
+    let predicted = |segment: &Segment, initial_state: &InitialState| {
         let spin = [0.002];
         let x = parameters.nominal_vector();
         let mut vehicle = Vehicle::new(&tree, &model.thrusters, &parameters, &spin, &x);
@@ -89,8 +89,8 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         vehicle.wheels_smooth = case.smooth;
         let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
         let (mut state, _) = start(
-            head,
-            HeadColumns {
+            initial_state,
+            InitialStateColumns {
                 attitude: false,
                 position: false,
                 linear: false,
@@ -104,7 +104,7 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
             let instant = motion.velocity(&state, k).unwrap().0;
             let sensors = segment.observations.sensors.iter();
             let values: Vec<SensorValue> = sensors
-                .map(|r| perfect(r, &mut motion, (&state, k), &instant).0)
+                .map(|r| ideal_measurement(r, &mut motion, (&state, k), &instant).0)
                 .collect();
             all.push(values);
             if k + 1 < samples {
@@ -124,12 +124,12 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
         let mut experiment = Experiment::new(&problem, &parameters);
         experiment.wheels_smooth = case.smooth;
         let mut point = experiment.nominal_point();
-        point.heads[0] = head;
+        point.initial_states[0] = initial_state;
         experiment.evaluate(&point, false).unwrap().remove(0)
     };
     // Close to the prediction: slopes of residuals in turning axes depend on the residual.
     let mut before: Vec<SensorValue> = Vec::new();
-    for (k, values) in predicted(&made, &head).into_iter().enumerate() {
+    for (k, values) in predicted(&made, &initial_state).into_iter().enumerate() {
         let error = Vector3::new((k as f64).sin(), (2.0 * k as f64).cos(), 0.5) * 1.0e-2;
         let sensors = made.observations.sensors.iter_mut().zip(&values);
         for (i, (record, value)) in sensors.enumerate() {
@@ -213,8 +213,8 @@ fn dense(case: Case, joints: [InputErrors; 2], wheel: InputErrors) -> f64 {
             }
         }
     }
-    let solved = C.clone().cholesky().unwrap().solve(&residual);
-    let expected = residual.dot(&solved);
+    let solution = C.clone().cholesky().unwrap().solve(&residual);
+    let expected = residual.dot(&solution);
     let found = evaluate(&made, &noise);
     let log_det = 2.0 * C.cholesky().unwrap().l().diagonal().map(f64::ln).sum();
     let plain = residual.norm_squared();

@@ -1,7 +1,7 @@
 //! Columns of known numbers by the variational equation against differences of whole evaluations.
 
 use super::{MODEL, noise, segment};
-use crate::fit::experiment::{Experiment, Perfect, Shift};
+use crate::fit::experiment::{Experiment, PredictedExperiment, Shift};
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters};
 use nalgebra::Vector3;
@@ -32,7 +32,7 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
         };
         let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
         let experiment = Experiment::new(&problem, &parameters);
-        let perfect = Perfect::new(&experiment, &experiment.nominal_point()).unwrap();
+        let predicted = PredictedExperiment::new(&experiment, &experiment.nominal_point()).unwrap();
         let known = model.known_numbers().into_iter();
         let numbers: Vec<Shift> = known
             .filter(|n| n.is_known(&model))
@@ -42,8 +42,8 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
                 (n, c, STEP * sigma)
             })
             .collect();
-        let columns = perfect.slopes(&experiment, &numbers).unwrap();
-        let differences = perfect.by_difference(&experiment, &numbers).unwrap();
+        let columns = predicted.slopes(&experiment, &numbers).unwrap();
+        let differences = predicted.by_difference(&experiment, &numbers).unwrap();
         let mut compared = 0;
         for ((shift, own), other) in numbers.iter().zip(&columns).zip(&differences) {
             let flat = |all: &[Vec<Vec<Vector3<f64>>>]| -> Vec<f64> {

@@ -48,10 +48,10 @@ fn exact_two_threads_give_the_bits_of_one() {
                 split,
                 ..experiment.setting()
             };
-            let (head, unknown) = (&point.heads[0], experiment.unknown[0]);
+            let (initial_state, unknown) = (&point.initial_states[0], experiment.unknown[0]);
             let x = &point.x;
             let of = (0, &segments[0]);
-            bits(&evaluate(&setting, of, x, head, unknown, with_sensitivities).unwrap())
+            bits(&evaluate(&setting, of, x, initial_state, unknown, with_sensitivities).unwrap())
         };
         for with_sensitivities in [true, false] {
             let (one, two) = (on(false, with_sensitivities), on(true, with_sensitivities));

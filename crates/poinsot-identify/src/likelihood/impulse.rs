@@ -91,14 +91,14 @@ pub fn thrust_impulses(tree: &Tree, thrusters: &[Thruster], segment: &Segment) -
     out
 }
 
-/// Share of a row's own information on what thrust does from which noise that adds up is too much.
+/// Share of a row's information about the thrust from which accumulated noise is too large.
 const TOO_MUCH: f64 = 0.5;
 
-/// Whether the noise of measured positions and attitudes adds up under thrust beyond what the rows allow for.
+/// Whether position and attitude noise accumulates under thrust beyond the noise model of the rows.
 ///
 /// The moment `p x F dt` of every interval holds the error of `p` there, and so do all rows after it; `F dt` that of
-/// the attitude. The rows take their noise as fresh: averaged over n rows it falls as 1/n, and what adds up does not.
-pub(crate) fn adds_up(problem: &Problem) -> bool {
+/// the attitude. The rows assume independent noise, which averages as 1/n; accumulated noise does not.
+pub(crate) fn noise_accumulates(problem: &Problem) -> bool {
     if problem.linear_equations() != Equations::Momentum {
         return false;
     }

@@ -1,16 +1,16 @@
-//! White noise of joint rates, common to all sensors that feel it at one time.
+//! White noise of joint rates, common to all sensors at one time.
 //!
-//! The sensors of a grid time are taken one by one; what each tells of the noise is taken off the next. This is a Kalman
-//! filter (Kalman 1960) whose state lasts for one grid time.
+//! The sensors of a grid time are taken one by one; the noise estimate of each is subtracted from the next. This is a
+//! Kalman filter (Kalman 1960) whose state lasts for one grid time.
 
 use nalgebra::{DMatrix, DVector, Matrix3xX};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// What the sensors taken so far at a grid time say of the noise of the joint rates.
+/// Estimate of the joint-rate noise from the sensors processed at a grid time.
 pub(super) struct RateNoise {
-    /// Covariance of what is not known of it yet; empty without such noise.
+    /// Its covariance; empty without such noise.
     covariance: DMatrix<f64>,
-    /// What is known of it, for every row and slope; empty before the first sensor.
+    /// Its mean for every row and slope; empty before the first sensor.
     means: Vec<DVector<f64>>,
 }
 
@@ -25,8 +25,8 @@ impl RateNoise {
         }
     }
 
-    /// Takes what is known of the noise off a reading, rows and slopes, and gives the covariance of what is left of it.
-    /// `gains` is the change of the reading with every joint rate, `sensor` the covariance of its own noise.
+    /// Subtracts the estimated noise from a sample, rows and slopes, and returns the remaining covariance. `gains` is
+    /// the change of the reading with every joint rate, `sensor` the covariance of its own noise.
     pub fn take(
         &mut self,
         gains: &[Vector3],
@@ -84,8 +84,8 @@ mod tests {
             whole[(i, i)] += sensors[i / 3][(0, 0)];
         }
         let stacked = DVector::from_iterator(6, residuals.iter().flat_map(|r| r.iter().copied()));
-        let solved = whole.clone().cholesky().unwrap().solve(&stacked);
-        let expected = (stacked.dot(&solved), whole.determinant().ln());
+        let solution = whole.clone().cholesky().unwrap().solve(&stacked);
+        let expected = (stacked.dot(&solution), whole.determinant().ln());
         let mut noise = RateNoise::new(&variances);
         let mut found = (0.0, 0.0);
         for k in 0..2 {

@@ -1,4 +1,4 @@
-//! The Cramer-Rao bound of an experiment: what its readings will tell, whatever estimator reads them.
+//! The Cramer-Rao bound of an experiment: the information of its samples for any estimator.
 
 use crate::answer;
 use crate::diagnosis::Diagnostics;
@@ -8,29 +8,29 @@ use crate::methods::maximum_likelihood::{conclude, proportional};
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::Estimate;
 
-/// Information of the experiment at the model's own numbers, which are taken as the truth; the segments
-/// hold what perfect sensors read, the noise is the declared one.
+/// Information of the experiment at the model's own numbers, assumed true; the segments have ideal measurements, the
+/// noise is the declared one.
 ///
 /// Values of the answer are those of the model; its sigmas are the bound (Rao 1945, Cramer 1946), pose,
 /// momentum and biases projected out.
 ///
 /// # Errors
-/// The question cannot be asked.
+/// The model or the data are not valid for the method.
 pub fn cramer_rao(problem: &Problem) -> Result<Estimate, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
     let parameters = problem.likelihood_parameters()?;
     let experiment = Experiment::new(problem, &parameters);
     let mut at_truth = fit(&experiment, None, 0)?;
-    at_truth.settled = true;
-    // A bound has no misfit: what the assumed motion of wheels between samples leaves of perfect readings is not noise.
+    at_truth.converged = true;
+    // A bound has no misfit: interpolation errors of wheel motion are not noise.
     for segment in &mut at_truth.evaluated {
         segment.chi2 = 0.0;
         segment.cost = 0.0;
         segment.channels.clear();
     }
     let explained = (!proportional(problem)).then_some(1.0);
-    let mut solved = conclude(&experiment, at_truth, explained, Diagnostics::default());
-    solved.method = "cramer_rao";
-    Ok(answer::write_with_remedies(problem, &solved))
+    let mut solution = conclude(&experiment, at_truth, explained, Diagnostics::default());
+    solution.method = "cramer_rao";
+    Ok(answer::write_with_remedies(problem, &solution))
 }

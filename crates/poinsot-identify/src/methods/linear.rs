@@ -1,15 +1,15 @@
-//! The linear rung: measured velocities in the momentum regressor, one least-squares problem.
+//! The linear method: measured velocities in the momentum regressor, one least-squares problem.
 //!
-//! Unknown are the mass properties asked for and the initial momentum of every segment. Exact on
-//! noise-free data; on noisy data the noise that sits in the regressor biases it, which is estimated and
-//! added to the sigmas. Rows are whitened with the declared noise at the nominal parameters (one step of
-//! generalised least squares), so the triangular factor is the square root of the information.
+//! Unknown are the requested mass properties and the initial momentum of every segment. Exact on noise-free data; on
+//! noisy data the noise that sits in the regressor biases it, which is estimated and added to the sigmas. Rows are
+//! whitened with the declared noise at the nominal parameters (one step of generalised least squares), so the
+//! triangular factor is the square root of the information.
 
 use crate::answer;
-use crate::certify::walk::straight_set;
+use crate::certify::continuation::linear_set;
 use crate::fit::experiment::Experiment;
 use crate::fit::fit;
-use crate::fit::triangle::{Shared, head};
+use crate::fit::triangle::{SharedTriangle, conditional_estimate};
 use crate::likelihood::impulse;
 use crate::likelihood::rows::{RowSetting, Rows, StartMomentum};
 use crate::methods::twist_residual;
@@ -18,8 +18,8 @@ use crate::problem::quantity::TenParameters;
 use crate::problem::segment::Segment;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{Estimate, SegmentFit};
-use crate::solution::open_set::OpenSet;
-use crate::solution::solved::{Reduced, Solved, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{Reduced, Solution, StartOfSegment, VectorQuantity};
+use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_dynamics::{Kinematics, composite};
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::{BlockQr, Spectrum, Triangle};
@@ -38,52 +38,61 @@ const NOISE_SAMPLES: usize = 150;
 /// Identifies by linear least squares.
 ///
 /// # Errors
-/// The question cannot be asked. What the data leave open is an answer, not an error.
+/// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
 pub fn linear(problem: &Problem) -> Result<Estimate, ProblemError> {
-    let mut solved = solve_linear(problem)?;
-    let parameters = solved.parameters.clone();
+    let mut solution = solve_linear(problem)?;
+    let parameters = solution.parameters.clone();
     let experiment = Experiment::new(problem, &parameters);
     if experiment.has_design_prior() {
-        solved.warnings.push(
+        solution.warnings.push(
             "linear method: the declared priors are not used; maximum likelihood uses them"
                 .to_owned(),
         );
     }
-    // What the experiment can tell is judged where the motion fits: a few steps of maximum likelihood.
-    // Without readings at their own times the rows' own spectrum has to do.
+    // Identifiability is evaluated at a fitted motion: a few steps of maximum likelihood. Without samples at their own
+    // times the rows' spectrum is used.
     let observed = problem.segments.iter().all(|s| problem.is_observed(s));
     if observed
         && let Ok(fitted) = fit(
             &experiment,
-            Some(&solved.point(&experiment)),
+            Some(&solution.point(&experiment)),
             CERTIFICATE_STEPS,
         )
     {
         let judged = fitted.spectrum.judged(problem.relative_accuracy);
-        restrict(problem, &mut solved, &judged)?;
+        restrict(problem, &mut solution, &judged)?;
     }
-    solved.open_set = straight_set(problem, &solved);
-    Ok(answer::write(problem, &solved))
+    solution.unobservable_set = linear_set(problem, &solution);
+    Ok(answer::write(problem, &solution))
 }
 
 /// Solves again within the directions that the experiment identifies: noise in the regressor can make
 /// others look determined.
 fn restrict(
     problem: &Problem,
-    solved: &mut Solved,
+    solution: &mut Solution,
     experiment: &Spectrum,
 ) -> Result<(), ProblemError> {
-    let own = Spectrum::within(&solved.shared.block(), &solved.regressor_noise, experiment)?;
-    solved.spectrum = own;
-    solved.settle();
-    let (starts, fit) = segments(problem, &solved.parameters, &solved.reduced, &solved.x);
-    solved.starts = starts;
-    solved.fit = fit;
+    let own = Spectrum::within(
+        &solution.shared.block(),
+        &solution.regressor_noise,
+        experiment,
+    )?;
+    solution.spectrum = own;
+    solution.settle();
+    let (starts, fit) = segments(
+        problem,
+        &solution.parameters,
+        &solution.reduced,
+        &solution.x,
+    );
+    solution.starts = starts;
+    solution.fit = fit;
     Ok(())
 }
 
-/// The linear solution before it is put into words.
-pub(crate) fn solve_linear(problem: &Problem) -> Result<Solved, ProblemError> {
+/// The numerical linear solution.
+pub(crate) fn solve_linear(problem: &Problem) -> Result<Solution, ProblemError> {
     problem.check_samples()?;
     let first = solve(problem, None)?;
     if needs_mass_centre(problem) {
@@ -103,9 +112,12 @@ fn needs_mass_centre(problem: &Problem) -> bool {
 }
 
 /// Fixed point on the mass centre: `H0 = h_cm + p_cm x P0`.
-fn refine_known_momentum(problem: &Problem, mut solved: Solved) -> Result<Solved, ProblemError> {
+fn refine_known_momentum(
+    problem: &Problem,
+    mut solution: Solution,
+) -> Result<Solution, ProblemError> {
     for _ in 0..4 {
-        let bodies = solved.parameters.bodies(&solved.x);
+        let bodies = solution.parameters.bodies(&solution.x);
         let centres: Vec<Vector3> = problem
             .segments
             .iter()
@@ -118,12 +130,12 @@ fn refine_known_momentum(problem: &Problem, mut solved: Solved) -> Result<Solved
                 s.R_NB.first().map_or(c, |R| R * c)
             })
             .collect();
-        solved = solve(problem, Some(&centres))?;
+        solution = solve(problem, Some(&centres))?;
     }
-    Ok(solved)
+    Ok(solution)
 }
 
-fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solved, ProblemError> {
+fn solve(problem: &Problem, centres: Option<&[Vector3]>) -> Result<Solution, ProblemError> {
     let equations = problem.linear_equations();
     let fires = problem.segments.iter().any(|s| !s.firings.is_empty());
     let parameters = Parameters::new(problem.model, problem.tree, equations, fires)?;
@@ -241,9 +253,9 @@ fn conclude(
     stacked: &Triangle,
     noise: &[f64],
     rows: usize,
-) -> Result<Solved, ProblemError> {
+) -> Result<Solution, ProblemError> {
     let n = parameters.len();
-    let shared = Shared::new(&parameters, stacked);
+    let shared = SharedTriangle::new(&parameters, stacked);
     let m = shared.mass;
     let block = shared.block();
     let natural: Vec<f64> = parameters.unknowns[..m].iter().map(|u| u.natural).collect();
@@ -253,7 +265,7 @@ fn conclude(
     let size = longest_column(&parameters, &reduced);
     let accuracy = problem.relative_accuracy;
     let spectrum = Spectrum::new(&block, &natural, &block_noise, size, accuracy)?;
-    let mut solved = Solved {
+    let mut solution = Solution {
         known: None,
         method: "linear",
         x: parameters.nominal_vector(),
@@ -268,11 +280,11 @@ fn conclude(
         starts: Vec::new(),
         fit: Vec::new(),
         reduced,
-        open_set: OpenSet::default(),
+        unobservable_set: UnobservableSet::default(),
         iterations: 1,
-        settled: true,
+        converged: true,
         warnings: Vec::new(),
-        adds_up: impulse::adds_up(problem),
+        noise_accumulates: impulse::noise_accumulates(problem),
         not_rigid: false,
         sensitive_to: Vec::new(),
         held: None,
@@ -281,11 +293,16 @@ fn conclude(
         wheels_smooth: false,
         regressor_noise: block_noise,
     };
-    solved.settle();
-    let (starts, fit) = segments(problem, &solved.parameters, &solved.reduced, &solved.x);
-    solved.starts = starts;
-    solved.fit = fit;
-    Ok(solved)
+    solution.settle();
+    let (starts, fit) = segments(
+        problem,
+        &solution.parameters,
+        &solution.reduced,
+        &solution.x,
+    );
+    solution.starts = starts;
+    solution.fit = fit;
+    Ok(solution)
 }
 
 /// Length of the longest column of a mass property before momentum is projected out, natural units.
@@ -310,7 +327,7 @@ fn longest_column(parameters: &Parameters, reduced: &[Reduced]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-impl Solved {
+impl Solution {
     /// Linear least squares on the shared triangle: only identified directions leave the nominal values.
     fn settle(&mut self) {
         let m = self.shared.mass;
@@ -409,12 +426,12 @@ fn start_of(
     x: &[f64],
 ) -> (StartOfSegment, (Vector3, Vector3)) {
     let start = &reduced.start;
-    let solution = head(&reduced.triangle.r, start.columns(), x);
+    let conditional = conditional_estimate(&reduced.triangle.r, start.columns(), x);
     let pick = |from: usize, known: MomentumKnowledge| match known {
         MomentumKnowledge::Known(value) => VectorQuantity::known(value, x.len()),
         MomentumKnowledge::Estimate => {
-            let mean = &solution.mean[from..from + 3];
-            VectorQuantity::of_head(&solution, from, Vector3::from_row_slice(mean))
+            let mean = &conditional.mean[from..from + 3];
+            VectorQuantity::of_initial_state(&conditional, from, Vector3::from_row_slice(mean))
         }
     };
     let linear = pick(0, start.linear);

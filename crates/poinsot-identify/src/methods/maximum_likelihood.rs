@@ -1,34 +1,36 @@
-//! The flagship: maximum likelihood in the momentum state.
+//! Maximum likelihood in the momentum state.
 //!
-//! Unknown are the mass properties, the pose and momentum at the start of every segment, and biases.
-//! Measured joint and wheel motion drives the pose-momentum equation; every reading is compared in its own
-//! noise. Noise sits in the residual, not in the regressor, so nothing is attenuated. Levenberg-Marquardt
-//! on the triangle of the shared unknowns; directions that the data leave open do not move.
+//! Unknown are the mass properties, the pose and momentum at the start of every segment, and biases. Measured joint and
+//! wheel motion drives the pose-momentum equation; every sample is compared in its own noise. Noise is in the residual,
+//! not in the regressor, so there is no attenuation. Levenberg-Marquardt on the triangle of the shared unknowns;
+//! unobservable directions do not move.
 
 use crate::answer;
-use crate::certify::walk::open_set;
+use crate::certify::continuation::unobservable_set;
 use crate::diagnosis::conflict::{self, conflict};
 use crate::diagnosis::octaves::octaves;
 use crate::diagnosis::{Diagnostics, FaultKind, diagnose, whiteness};
 use crate::fit::coordinates::FitOptions;
 use crate::fit::degrees_of_freedom::fitted_numbers;
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::{Effects, fit_known};
 use crate::fit::step_error::{StepError, within_steps};
-use crate::fit::triangle::head;
+use crate::fit::triangle::conditional_estimate;
 use crate::fit::{Fitted, ITERATIONS, chi2, fit, fit_on};
-use crate::likelihood::{ChannelResidual, Evaluated, Head, HeadColumns, Sight};
+use crate::likelihood::{
+    ChannelResidual, Evaluated, InitialState, InitialStateColumns, MeasuredMotion,
+};
 use crate::methods::linear::solve_linear;
-use crate::motion::input_curves::beyond_the_readings;
+use crate::motion::input_curves::extrapolated_inputs;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Equations, Parameters, ParametersError, lifted_vector};
 use crate::problem::prior::Conflict;
 use crate::problem::segment::Segment;
-use crate::problem::shifted_vehicle::Centre;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use crate::problem::{Problem, ProblemError};
 use crate::solution::estimate::{ChannelFit, Estimate, SegmentFit};
-use crate::solution::open_set::OpenSet;
-use crate::solution::solved::{Solved, StartOfSegment, VectorQuantity};
+use crate::solution::solved::{Solution, StartOfSegment, VectorQuantity};
+use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::{EstimateSet, MomentumKnowledge};
 use poinsot_solve::{LeastSquares, Spectrum};
 use poinsot_spatial::Vector3;
@@ -39,7 +41,7 @@ pub const SENSITIVE: f64 = 1.0;
 /// Identifies by maximum likelihood, started from the linear solution where there is one.
 ///
 /// # Errors
-/// The question cannot be asked. What the data leave open is an answer, not an error.
+/// The model or the data are not valid for the method. Undetermined numbers are an answer, not an error.
 pub fn maximum_likelihood(problem: &Problem) -> Result<Estimate, ProblemError> {
     maximum_likelihood_with(problem, Loss::Gaussian)
 }
@@ -53,47 +55,47 @@ pub fn maximum_likelihood_with(
     options: impl Into<FitOptions>,
 ) -> Result<Estimate, ProblemError> {
     let ended = solve(problem, options.into())?;
-    Ok(answer::write(problem, &ended.solved))
+    Ok(answer::write(problem, &ended.solution))
 }
 
-/// A solved problem.
-pub(crate) struct Ended {
-    pub solved: Solved,
+/// The solution of a problem.
+pub(crate) struct FinishedFit {
+    pub solution: Solution,
     /// Value of all unknowns where the fit ended.
-    pub at: Point,
-    /// The vehicle with its known numbers where the data and their uncertainty put them.
-    pub centre: Option<Centre>,
+    pub at: Iterate,
+    /// The vehicle with the estimated values of its known numbers.
+    pub shifted: Option<ShiftedVehicle>,
 }
 
 /// The solved problem, and where the fit ended.
-pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, ProblemError> {
+pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFit, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
     let (parameters, linear) = match solve_linear(problem) {
-        Ok(solved)
-            if solved.parameters.equations == Equations::Rotation && problem.sees_points() =>
+        Ok(solution)
+            if solution.parameters.equations == Equations::Rotation && problem.sees_points() =>
         {
             // The linear method sees rotation alone; an accelerometer sees the mass centre too.
             let parameters = problem.likelihood_parameters()?;
-            let lifted = lifted(solved, &parameters);
+            let lifted = lifted(solution, &parameters);
             (parameters, Some(lifted))
         }
-        Ok(solved) => (solved.parameters.clone(), Some(solved)),
+        Ok(solution) => (solution.parameters.clone(), Some(solution)),
         Err(ProblemError::Parameters(ParametersError::RotationOfTree { .. })) => {
             (problem.likelihood_parameters()?, None)
         }
         Err(other) => return Err(other),
     };
-    let linear = linear.map(|solved| padded(solved, &parameters));
+    let linear = linear.map(|solution| padded(solution, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;
     experiment.coordinates = options.coordinates;
-    let start = linear.as_ref().map(|solved| solved.point(&experiment));
+    let start = linear.as_ref().map(|solution| solution.point(&experiment));
     let mut fitted = fit(&experiment, start.as_ref(), ITERATIONS)?;
     let mut assumptions = Vec::new();
     let mut shift = 0.0;
     if !problem.model.wheels.is_empty() {
-        let between = between_readings(&mut experiment, start.as_ref(), fitted);
+        let between = choose_wheel_interpolation(&mut experiment, start.as_ref(), fitted);
         fitted = between.fitted;
         shift = between.shift;
         assumptions.push(
@@ -106,11 +108,11 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
     }
     let (fitted, step_error) = within_steps(&mut experiment, fitted, ITERATIONS);
     let explained = match &linear {
-        Some(solved) => solved.explained,
+        Some(solution) => solution.explained,
         None => (!proportional(problem)).then_some(1.0),
     };
     let known = fit_known(&experiment, &fitted);
-    let (mut solved, at) = match &known {
+    let (mut solution, at) = match &known {
         None => {
             let end = (fitted, None, None);
             judged(&experiment, end, explained, options.undiagnosed)
@@ -124,45 +126,50 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<Ended, Pro
             judged(&wide, end, explained, options.undiagnosed)
         }
     };
-    let centre = match &known {
-        Some(_) => Centre::at(problem, &solved.parameters, &at.x),
+    let shifted = match &known {
+        Some(_) => ShiftedVehicle::at(problem, &solution.parameters, &at.x),
         None => None,
     };
-    solved.open_set = match &known {
-        None => open_set(&experiment, &at, &solved),
-        Some(known) => open_set(&known.experiment(&experiment), &at, &solved),
+    solution.unobservable_set = match &known {
+        None => unobservable_set(&experiment, &at, &solution),
+        Some(known) => unobservable_set(&known.experiment(&experiment), &at, &solution),
     };
-    solved.assumptions = assumptions;
-    solved.wheels_smooth = experiment.wheels_smooth;
-    note(problem, &mut solved, shift, step_error);
-    Ok(Ended { solved, at, centre })
+    solution.assumptions = assumptions;
+    solution.wheels_smooth = experiment.wheels_smooth;
+    note(problem, &mut solution, shift, step_error);
+    Ok(FinishedFit {
+        solution,
+        at,
+        shifted,
+    })
 }
 
-/// What the answer is sensitive to, and what was approximated; `shift` is that of another wheel motion between samples.
-fn note(problem: &Problem, solved: &mut Solved, shift: f64, step_error: Option<StepError>) {
+/// Sensitivities and approximations of the answer; `shift` is that of another wheel motion between samples.
+fn note(problem: &Problem, solution: &mut Solution, shift: f64, step_error: Option<StepError>) {
     if let Some(warning) = crate::motion::input_noise::approximate(problem) {
-        solved.warnings.push(warning);
+        solution.warnings.push(warning);
     }
     if shift > SENSITIVE {
-        // Torques that change at the readings, and are read then, are the usual case; here they are known not to be.
+        // Torques usually change at the samples; here they are known not to.
         let mut segments = problem.segments.iter();
         let seldom = segments.any(|s| s.observations.between_readings);
         let wheels = seldom.then_some("the wheel motion between samples");
-        solved.sensitive_to.extend(wheels);
-        let warning = wheel_warning(shift, solved.wheels_smooth, seldom);
-        solved.warnings.extend(warning);
+        solution.sensitive_to.extend(wheels);
+        let warning = wheel_warning(shift, solution.wheels_smooth, seldom);
+        solution.warnings.extend(warning);
     }
-    if let Some(warning) = beyond_the_readings(problem.segments, &solved.parameters, &solved.x) {
-        solved
+    if let Some(warning) = extrapolated_inputs(problem.segments, &solution.parameters, &solution.x)
+    {
+        solution
             .sensitive_to
             .push("inputs beyond the first and last sample");
-        solved.warnings.push(warning);
+        solution.warnings.push(warning);
     }
     if let Some(error) = step_error {
-        solved.sensitive_to.push("the integration steps");
-        solved.warnings.push(error.words());
+        solution.sensitive_to.push("the integration steps");
+        solution.warnings.push(error.message());
     }
-    if let Some(found) = &mut solved.diagnostics {
+    if let Some(found) = &mut solution.diagnostics {
         found.shift_between_readings = shift;
     }
 }
@@ -173,7 +180,7 @@ fn judged(
     (fitted, looked_at, contradiction): (Fitted, Option<(&Experiment, &Fitted)>, Option<Conflict>),
     explained: Option<f64>,
     undiagnosed: bool,
-) -> (Solved, Point) {
+) -> (Solution, Iterate) {
     let (of, end) = looked_at.unwrap_or((experiment, &fitted));
     let mut found = match undiagnosed {
         true => Diagnostics::default(),
@@ -189,13 +196,13 @@ fn judged(
         found.findings.insert(0, conflict::finding(conflict));
     }
     let at = fitted.at.clone();
-    let mut solved = conclude(experiment, fitted, explained, found);
-    solved.conflict = conflict;
-    (solved, at)
+    let mut solution = conclude(experiment, fitted, explained, found);
+    solution.conflict = conflict;
+    (solution, at)
 }
 
-/// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that the data prefer err
-/// by far less than the two ways differ, if the wheels are sampled as often as all else.
+/// The warning where the answer is sensitive to the wheel motion between samples. Smooth speeds that fit better are far
+/// more accurate than the difference of the two, if the wheels are sampled as often as other sensors.
 fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
     let (assumed, other) = match smooth {
         true => ("wheel speed smooth between samples", "constant torque"),
@@ -209,36 +216,40 @@ fn wheel_warning(shift: f64, smooth: bool, seldom: bool) -> Option<String> {
         (false, true) => return None,
     };
     Some(format!(
-        "assumed: {assumed}; with {other} the answer would move by {shift:.1} sigma{consequence}; sample the wheels more often"
+        "assumed: {assumed}; with {other} the estimate would change by {shift:.1} sigma{consequence}; sample the wheels more often"
     ))
 }
 
-/// The better of two ways in which wheels may run between readings.
-struct Between {
+/// The better of two interpolations of wheel speed between samples.
+struct WheelInterpolation {
     fitted: Fitted,
-    /// How far the other way would move the mass properties, sigmas.
+    /// Change of the mass properties with the other interpolation, sigmas.
     shift: f64,
 }
 
-/// Between readings a wheel may run straight (torque held) or smoothly: the data decide. How far the answer leans on what
-/// was decided tells whether the wheels are read often enough for what they do.
-fn between_readings(experiment: &mut Experiment, linear: Option<&Point>, held: Fitted) -> Between {
+/// Wheel speed between samples is linear (constant torque) or smooth: the data decide. The difference of both answers
+/// shows whether the wheels are sampled often enough.
+fn choose_wheel_interpolation(
+    experiment: &mut Experiment,
+    linear: Option<&Iterate>,
+    held: Fitted,
+) -> WheelInterpolation {
     let cost = experiment.cost_of(&held);
     experiment.wheels_smooth = true;
-    let (smooth, shift) = smoother(experiment, linear, &held, cost);
+    let (smooth, shift) = smooth_wheel_fit(experiment, linear, &held, cost);
     match smooth {
         Some(fitted) => {
             experiment.wheels_smooth = false;
             let other = experiment.linearise(&fitted.at);
             experiment.wheels_smooth = true;
             let shift = other.map_or(0.0, |here| here.rows.mass_shift());
-            let shift = shift.max(seldom_shift(experiment, &fitted));
-            Between { fitted, shift }
+            let shift = shift.max(sparse_wheel_shift(experiment, &fitted));
+            WheelInterpolation { fitted, shift }
         }
         None => {
             experiment.wheels_smooth = false;
-            let shift = shift.max(seldom_shift(experiment, &held));
-            Between {
+            let shift = shift.max(sparse_wheel_shift(experiment, &held));
+            WheelInterpolation {
                 fitted: held,
                 shift,
             }
@@ -246,11 +257,10 @@ fn between_readings(experiment: &mut Experiment, linear: Option<&Point>, held: F
     }
 }
 
-/// How far an answer would move if wheels that are read more seldom than other sensors ran smoothly between their readings,
-/// and not straight as the grid has them.
-fn seldom_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
+/// Change of the answer if sparsely sampled wheels have smooth instead of linear speeds between samples.
+fn sparse_wheel_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
     let mut segments = experiment.problem.segments.iter();
-    if !fitted.settled || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
+    if !fitted.converged || segments.all(|s| s.observations.smooth_wheel_speed.is_empty()) {
         return 0.0;
     }
     let mut segments = experiment.problem.segments.to_vec();
@@ -270,16 +280,16 @@ fn seldom_shift(experiment: &Experiment, fitted: &Fitted) -> f64 {
     here.map_or(0.0, |here| here.rows.mass_shift())
 }
 
-/// The fit with smooth wheel speeds, where it is better than the other; and how far the first step from that one
-/// leads. Where the other fit has settled, one look from its end tells whether this one can be better.
-fn smoother(
+/// The fit with smooth wheel speeds, where it is better than the other; and the length of its first step. From a
+/// converged other fit, one linearisation shows whether this one can be better.
+fn smooth_wheel_fit(
     experiment: &Experiment,
-    linear: Option<&Point>,
+    linear: Option<&Iterate>,
     other: &Fitted,
     held: f64,
 ) -> (Option<Fitted>, f64) {
     let better = |found: &Fitted| experiment.cost_of(found) < held;
-    if !other.settled {
+    if !other.converged {
         let found = fit(experiment, linear, ITERATIONS).ok();
         return (found.filter(better), 0.0);
     }
@@ -287,12 +297,12 @@ fn smoother(
         return (None, 0.0);
     };
     let shift = here.rows.mass_shift();
-    let promising = here.cost - here.promised < held;
+    let promising = here.cost - here.predicted_reduction < held;
     let found = promising.then(|| fit_on(experiment, other.at.clone(), here, ITERATIONS));
     (found.flatten().filter(better), shift)
 }
 
-/// Whether every momentum in the data is proportional to the unknowns: then their scale is open.
+/// Whether every momentum in the data is proportional to the unknowns: then their scale is undetermined.
 pub(crate) fn proportional(problem: &Problem) -> bool {
     let model = problem.model;
     let known_body = model
@@ -305,20 +315,20 @@ pub(crate) fn proportional(problem: &Problem) -> bool {
 }
 
 /// A linear solution with the unknowns that only the fit has, at their nominal values.
-fn padded(mut solved: Solved, parameters: &Parameters) -> Solved {
-    let known = solved.x.len();
+fn padded(mut solution: Solution, parameters: &Parameters) -> Solution {
+    let known = solution.x.len();
     let further = parameters.unknowns[known..].iter().map(|u| u.nominal);
-    solved.x.extend(further);
-    solved.parameters = parameters.clone();
-    solved
+    solution.x.extend(further);
+    solution.parameters = parameters.clone();
+    solution
 }
 
-/// A linear solution of the rotation of one body in barycentric unknowns, mass and whatever else it does not
-/// know at their nominal values.
-fn lifted(mut solved: Solved, parameters: &Parameters) -> Solved {
-    solved.x = lifted_vector(&solved.parameters, &solved.x, parameters);
-    solved.parameters = parameters.clone();
-    solved
+/// A linear solution of the rotation of one body in barycentric unknowns, mass and other missing unknowns at their
+/// nominal values.
+fn lifted(mut solution: Solution, parameters: &Parameters) -> Solution {
+    solution.x = lifted_vector(&solution.parameters, &solution.x, parameters);
+    solution.parameters = parameters.clone();
+    solution
 }
 
 pub(crate) fn conclude(
@@ -326,19 +336,19 @@ pub(crate) fn conclude(
     fitted: Fitted,
     explained: Option<f64>,
     found: Diagnostics,
-) -> Solved {
+) -> Solution {
     let numbers = fitted_numbers(experiment, &fitted);
     let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
     let starts = starts(experiment, &fitted);
     let fit = segment_fits(experiment, &fitted);
-    // The fit moves whatever the data hold; what counts as known is asked afterwards, of exact known numbers.
+    // The fit uses all information; identifiability is evaluated afterwards with exact known numbers.
     let judged = |spectrum: Spectrum| spectrum.judged(experiment.problem.relative_accuracy);
     let known = Effects::new(experiment, &fitted).ok().flatten();
     let nothing = vec![0.0; fitted.shared.mass * fitted.shared.mass];
     let within = |k: &Effects| Spectrum::within(&fitted.shared.block(), &nothing, &k.exact).ok();
     let spectrum = known.as_ref().and_then(within);
     let spectrum = spectrum.unwrap_or_else(|| judged(fitted.spectrum.clone()));
-    Solved {
+    Solution {
         method: "maximum_likelihood",
         residual: (chi2(&fitted.evaluated), rows.saturating_sub(numbers)),
         parameters: experiment.parameters.clone(),
@@ -352,9 +362,9 @@ pub(crate) fn conclude(
         starts,
         fit,
         iterations: fitted.iterations,
-        settled: fitted.settled,
+        converged: fitted.converged,
         warnings: found.findings.iter().map(|f| f.text.clone()).collect(),
-        adds_up: false,
+        noise_accumulates: false,
         not_rigid: found
             .findings
             .iter()
@@ -366,7 +376,7 @@ pub(crate) fn conclude(
         sensitive_to: Vec::new(),
         regressor_noise: Vec::new(),
         reduced: Vec::new(),
-        open_set: OpenSet::default(),
+        unobservable_set: UnobservableSet::default(),
         rows,
     }
 }
@@ -375,13 +385,15 @@ pub(crate) fn conclude(
 fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
     let given = &experiment.problem.model.momentum;
     let x = &fitted.at.x;
-    let translation = experiment.sight == Sight::Translation;
-    let segments = fitted.evaluated.iter().zip(&fitted.at.heads);
-    let start = |((one, at), unknown): ((&Evaluated, &Head), &HeadColumns)| {
+    let translation = experiment.measured_motion == MeasuredMotion::Translation;
+    let segments = fitted.evaluated.iter().zip(&fitted.at.initial_states);
+    let start = |((one, at), unknown): ((&Evaluated, &InitialState), &InitialStateColumns)| {
         let triangle = one.triangle.as_ref();
-        let solution = triangle.map(|t| head(&t.r, unknown.count(), x));
-        let pick = |column: Option<usize>, value: Vector3| match (&solution, column) {
-            (Some(solution), Some(from)) => VectorQuantity::of_head(solution, from, value),
+        let conditional = triangle.map(|t| conditional_estimate(&t.r, unknown.count(), x));
+        let pick = |column: Option<usize>, value: Vector3| match (&conditional, column) {
+            (Some(conditional), Some(from)) => {
+                VectorQuantity::of_initial_state(conditional, from, value)
+            }
             _ => VectorQuantity::known(value, x.len()),
         };
         let (linear, angular) = unknown.momentum_at();
@@ -399,7 +411,7 @@ fn starts(experiment: &Experiment, fitted: &Fitted) -> Vec<StartOfSegment> {
     segments.zip(&experiment.unknown).map(start).collect()
 }
 
-/// How well every segment fits.
+/// Fit of every segment.
 pub(crate) fn segment_fits(experiment: &Experiment, fitted: &Fitted) -> Vec<SegmentFit> {
     let segments = experiment.problem.segments.iter().zip(&fitted.evaluated);
     let fit = |(segment, one): (&Segment, &Evaluated)| SegmentFit {

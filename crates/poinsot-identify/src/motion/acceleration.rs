@@ -25,7 +25,7 @@ use poinsot_dynamics::{
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
 /// A point fixed in a body: index of the body, place from its origin in its axes, m.
-pub(crate) type Point = (usize, Vector3);
+pub(crate) type BodyPoint = (usize, Vector3);
 
 /// Specific force at a point in the axes of its body, m/s2.
 pub(crate) struct PointForce {
@@ -34,7 +34,7 @@ pub(crate) struct PointForce {
     pub columns: Vec<Vector3>,
 }
 
-/// What drives the vehicle at an instant, with second derivatives.
+/// Inputs at an instant, with second derivatives.
 #[derive(Clone)]
 struct Inputs {
     q: Vec<f64>,
@@ -60,15 +60,14 @@ struct RateSlopes {
 }
 
 impl Motion<'_> {
-    /// Specific force at points of the bodies at grid time k, just after what switches there. Wants the
-    /// instant that [`Motion::velocity`] gave for the same time. N falls freely, so the specific force is the
-    /// inertial acceleration.
+    /// Specific force at points of the bodies at grid time k, just after switching there. Requires the instant that
+    /// [`Motion::velocity`] gave for the same time. N falls freely, so the specific force is the inertial acceleration.
     pub fn specific_force(
         &mut self,
         state: &State,
         k: usize,
         instant: &Instant,
-        points: &[Point],
+        points: &[BodyPoint],
     ) -> Vec<PointForce> {
         let v = self.vehicle;
         let inputs = self.second_order_inputs(k);
@@ -108,7 +107,7 @@ impl Motion<'_> {
         forces
     }
 
-    /// Whether a thruster fires up to grid time k and the record ends there: whether it goes on is not known.
+    /// Whether a thruster fires up to grid time k and the record ends there: its continuation is unknown.
     pub fn thrust_after_unknown(&self, k: usize) -> bool {
         let ends = k + 1 == self.observations.time_s.len();
         ends && k.checked_sub(1).is_some_and(|b| !self.thrust[b].is_empty())
@@ -120,8 +119,8 @@ impl Motion<'_> {
         let wheels = v.tree.rotors.len();
         let last = o.time_s.len().saturating_sub(1);
         Inputs {
-            q: self.site.q.clone(),
-            rates: self.site.rates.clone(),
+            q: self.input_state.q.clone(),
+            rates: self.input_state.rates.clone(),
             accelerations: (0..dof)
                 .map(|j| match v.noisy_joints.get(j) {
                     // A second difference of noisy positions is noise.
@@ -129,11 +128,11 @@ impl Motion<'_> {
                     _ => joint_acceleration(o, dof, j, k),
                 })
                 .collect(),
-            wheels: self.site.wheels.clone(),
+            wheels: self.input_state.wheels.clone(),
             wheel_rates: (0..wheels)
                 .map(|j| match v.wheels_smooth {
                     true => wheel_slope(o, wheels, j, k),
-                    // A torque held from here on.
+                    // A torque constant from here on.
                     false => {
                         let i = k.min(last.saturating_sub(1));
                         let speed = |i: usize| o.wheel_speed[i * wheels + j];
@@ -148,7 +147,7 @@ impl Motion<'_> {
     /// Force and torque about Bo of thrusters and surroundings, in B.
     fn wrench(&self, state: &State, thrust: &[(usize, f64)], instant: &Instant) -> Vector6 {
         let mut force = Vector3::zeros();
-        let mut torque = self.surroundings(state, &instant.twist.w, &instant.centre);
+        let mut torque = self.environment_torque(state, &instant.twist.w, &instant.centre);
         for f in self.forces(thrust, &instant.centre) {
             force += f.F_B;
             torque += (f.arm_B + instant.centre.c).cross(&f.F_B);
@@ -180,7 +179,7 @@ impl Motion<'_> {
         stack(&force, &torque)
     }
 
-    fn rate_slopes(&self, inputs: &Inputs, twist: &Twist, points: &[Point]) -> RateSlopes {
+    fn rate_slopes(&self, inputs: &Inputs, twist: &Twist, points: &[BodyPoint]) -> RateSlopes {
         let tree = self.vehicle.tree;
         let mut moving = Moving {
             kinematics: Kinematics::new(tree),
@@ -220,14 +219,14 @@ impl Motion<'_> {
     ) -> Vector6 {
         let v = self.vehicle;
         let twist = &self.twist_columns[j];
-        let kind = j.checked_sub(self.head).map(|u| &v.kinds[u]);
+        let kind = j.checked_sub(self.initial_columns).map(|u| &v.kinds[u]);
         let dphi: Vector3 = self.columns[j].fixed_rows::<3>(0).into();
-        let torque = self.surroundings_change(
+        let torque = self.environment_torque_change(
             state,
             &instant.centre,
             (&instant.twist.w, &lower(twist)),
             &dphi,
-            j.checked_sub(self.head),
+            j.checked_sub(self.initial_columns),
         );
         let mut wrench = stack(&Vector3::zeros(), &torque);
         if let Some(UnknownKind::ThrusterScale(at)) = kind {
@@ -239,7 +238,7 @@ impl Motion<'_> {
             }
         }
         let mut own = slopes.balance * lower(twist);
-        if let Some(u) = j.checked_sub(self.head) {
+        if let Some(u) = j.checked_sub(self.initial_columns) {
             for (at, slope) in &v.slopes[u] {
                 let (body, k) = (at / 10, at % 10);
                 own += momentum_rate_column(&moving.body, &moving.kinematics, body, k) * *slope;
@@ -267,17 +266,17 @@ impl Motion<'_> {
         instant.inverse_inertia * (wrench - own)
     }
 
-    /// What faults of the inputs do directly: through their twist they are in already. The joints'
-    /// accelerations are not shifted in time.
+    /// Direct effect of input errors; the effect through their twist is included already. The joints' accelerations are
+    /// not shifted in time.
     fn add_input_changes(
         &self,
         inputs: &Inputs,
         state: &State,
         instant: &Instant,
-        (base, points): (&Vector6, &[Point]),
+        (base, points): (&Vector6, &[BodyPoint]),
         forces: &mut [PointForce],
     ) {
-        for change in &self.site.changes {
+        for change in &self.input_state.changes {
             let mut there = [inputs.clone(), inputs.clone()];
             // Quadratic in rates and speeds, so that a step of one is exact; a small one over positions.
             let mut weigh = Vec::new();
@@ -307,10 +306,10 @@ impl Motion<'_> {
                 let (balance, own) = self.input_slopes(state, &there, step, instant, base, points);
                 let shift = instant.inverse_inertia * balance;
                 for ((force, (body, p)), own) in forces.iter_mut().zip(points).zip(&own) {
-                    let R = self.site.kinematics.R[*body];
-                    let r = self.site.kinematics.p[*body] + R * p;
+                    let R = self.input_state.kinematics.R[*body];
+                    let r = self.input_state.kinematics.p[*body] + R * p;
                     let in_B = upper(&shift) + lower(&shift).cross(&r);
-                    force.columns[self.head + change.unknown] +=
+                    force.columns[self.initial_columns + change.unknown] +=
                         (own - R.transpose() * in_B) * share;
                 }
             }
@@ -326,7 +325,7 @@ impl Motion<'_> {
         step: f64,
         instant: &Instant,
         base: &Vector6,
-        points: &[Point],
+        points: &[BodyPoint],
     ) -> (Vector6, Vec<Vector3>) {
         let v = self.vehicle;
         let mut moving = Moving {
@@ -369,7 +368,7 @@ impl Motion<'_> {
         let mut there = instant.centre;
         there.c = whole.p_BoScm_B();
         there.I_SScm_B = whole.I_SScm_B();
-        let torque = self.surroundings(state, &instant.twist.w, &there);
+        let torque = self.environment_torque(state, &instant.twist.w, &there);
         let mut sum = stack(&Vector3::zeros(), &torque);
         for (at, declared) in &inputs.thrust {
             let origin = Vector3::zeros();

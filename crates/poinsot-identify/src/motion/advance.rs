@@ -4,7 +4,7 @@
 //! the path found: at both ends of a step and in its middle, of which the next step shares the end.
 
 use super::grid::{TURN, joint_frequency};
-use super::variation::{Along, Drive};
+use super::variation::{ColumnForcing, StepEquation};
 use super::{Instant, Motion, State};
 use nalgebra::Quaternion;
 use poinsot_spatial::{UnitQuaternion, Vector3};
@@ -41,17 +41,17 @@ impl Motion<'_> {
     pub fn advance(&mut self, state: &State, k: usize) -> Option<State> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
-        self.arrive(state, k)?;
-        let joints = joint_frequency(self.vehicle.tree, &self.site.rates, self.gyration);
-        let fastest = self.ready.as_ref()?.instant.twist.w.norm() + joints;
-        // Values of the unknowns that make it spin far faster than measured are not worth following.
+        self.evaluate_at_grid_time(state, k)?;
+        let joints = joint_frequency(self.vehicle.tree, &self.input_state.rates, self.gyration);
+        let fastest = self.evaluated.as_ref()?.instant.twist.w.norm() + joints;
+        // A motion far faster than measured is not propagated.
         self.steps_left -= (h * fastest / TURN).ceil().max(1.0);
         if self.steps_left.is_nan() || self.steps_left < 0.0 {
             return None;
         }
         let now = self.late_thrust(state, k);
         if now != *state {
-            self.look((k, 0.0), &now)?;
+            self.evaluate_here((k, 0.0), &now)?;
         }
         let of_grid = self.grid.get(k).copied().unwrap_or(1);
         let steps = of_grid as usize * self.vehicle.steps.factor as usize;
@@ -69,10 +69,10 @@ impl Motion<'_> {
         Some(end)
     }
 
-    /// One step from the point that is ready, which the end of the step then is.
+    /// One step from the evaluated state to the next one.
     pub(super) fn step(&mut self, k: usize, from: f64, to: f64, h: f64) -> Option<State> {
         let dt = (to - from) * h;
-        let start = self.ready.take()?;
+        let start = self.evaluated.take()?;
         let state = &start.state;
         let a = self.slope(state, &start.instant, k);
         let push_at_start = start
@@ -80,55 +80,59 @@ impl Motion<'_> {
             .as_ref()
             .and_then(|v| self.push(state, &start.instant, v, k));
 
-        std::mem::swap(&mut self.site, &mut self.middle);
-        self.go(k, 0.5 * (from + to));
+        std::mem::swap(&mut self.input_state, &mut self.middle);
+        self.set_inputs(k, 0.5 * (from + to));
         let half = moved(state, &a, 0.5 * dt);
         let b = self.slope(&half, &self.instant(&half)?, k);
         let half = moved(state, &b, 0.5 * dt);
         let c = self.slope(&half, &self.instant(&half)?, k);
 
-        std::mem::swap(&mut self.site, &mut self.middle);
-        self.go(k, to);
+        std::mem::swap(&mut self.input_state, &mut self.middle);
+        self.set_inputs(k, to);
         let full = moved(state, &c, dt);
         let d = self.slope(&full, &self.instant(&full)?, k);
         let sixth = 1.0 / 6.0;
         let mean = Slope::sum([(sixth, a), (2.0 * sixth, b), (2.0 * sixth, c), (sixth, d)]);
         let end = moved(state, &mean, dt);
-        self.look((k, to), &end)?;
+        self.evaluate_here((k, to), &end)?;
 
         if let Some(at_start) = &start.variation {
-            let ready = self.ready.take()?;
-            let at_end = ready.variation.as_ref()?;
-            let e = self.slope(&end, &ready.instant, k);
-            let push_at_end = self.push(&end, &ready.instant, at_end, k);
+            let evaluated = self.evaluated.take()?;
+            let at_end = evaluated.variation.as_ref()?;
+            let e = self.slope(&end, &evaluated.instant, k);
+            let push_at_end = self.push(&end, &evaluated.instant, at_end, k);
             // The cubic through both ends, in its middle: as good as the step itself.
             let halfway =
                 Slope::sum([(0.5 / dt, difference(state, &end)), (0.125, a), (-0.125, e)]);
             let half = moved(state, &halfway, dt);
-            std::mem::swap(&mut self.site, &mut self.middle);
+            std::mem::swap(&mut self.input_state, &mut self.middle);
             let instant = self.instant(&half)?;
             let in_middle = self.linearise(&half, &instant);
             let push_in_middle = self.push(&half, &instant, &in_middle, k);
-            std::mem::swap(&mut self.site, &mut self.middle);
-            let along = Along {
+            std::mem::swap(&mut self.input_state, &mut self.middle);
+            let along = StepEquation {
                 variation: [at_start, &in_middle, at_end],
                 push: match (push_at_start, push_in_middle, push_at_end) {
                     (Some(start), Some(middle), Some(end)) => Some([start, middle, end]),
                     _ => None,
                 },
             };
-            let head = self.head;
+            let initial_columns = self.initial_columns;
             for (j, column) in self.columns.iter_mut().enumerate() {
-                along.carry(column, Drive::Unknown(j.checked_sub(head)), dt);
+                along.carry(
+                    column,
+                    ColumnForcing::Unknown(j.checked_sub(initial_columns)),
+                    dt,
+                );
             }
             if let Some(chord) = &mut self.column_chord {
                 let shares = [from, 0.5 * (from + to), to];
                 for j in 0..chord.columns.len() {
-                    let drive = Drive::Chord(shares.map(|share| chord.drive(j, share)));
+                    let drive = ColumnForcing::Chord(shares.map(|share| chord.drive(j, share)));
                     along.carry(&mut chord.columns[j], drive, dt);
                 }
             }
-            self.ready = Some(ready);
+            self.evaluated = Some(evaluated);
         }
         Some(end)
     }
@@ -141,8 +145,8 @@ impl Motion<'_> {
             P: Vector3::zeros(),
             h: Vector3::zeros(),
         };
-        if self.pushed(k) {
-            let mut torque = self.surroundings(state, &w, &instant.centre);
+        if self.has_external_wrench(k) {
+            let mut torque = self.environment_torque(state, &w, &instant.centre);
             for force in self.thrust_now(instant, k) {
                 slope.P += state.R_NB * force.F_B;
                 torque += force.arm_B.cross(&force.F_B);

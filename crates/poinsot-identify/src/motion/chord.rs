@@ -1,4 +1,4 @@
-//! Wheels within an interval: the axial momentum of a rotor runs straight, not its relative speed.
+//! Wheels within an interval: the axial momentum of a rotor is linear in time, not its relative speed.
 //!
 //! A motor torque that is constant between two grid times changes the axial momentum of its rotor evenly (Hughes 1986,
 //! axisymmetric rotor), `Js (Omega + a . w_host)' = tau`. So `L = Omega + a . w_host` is straight between
@@ -8,14 +8,15 @@
 //! h = (I - sum Js a a^T) w + h_joints + sum Js (L - a . w_joints) a
 //! ```
 //!
-//! with `w_joints` the turn of the host by joint rates. Where stored momentum makes the base nutate, `Omega` bends by what
-//! `a . w` leaves its chord. The rate at the end comes from a pass before; each pass errs by `Js / I` of the one before it.
+//! with `w_joints` the turn of the host by joint rates. With nutation of the base, `Omega` deviates from linear as `a .
+//! w` does from its chord. The rate at the end is from the previous pass; the error of each pass is `Js / I` of the
+//! previous one.
 //!
 //! A sensitivity column depends on both ends of the chord linearly. Two further columns a wheel, one driven with the
 //! chord's share `1 - s` and one with `s`, hold this; the end is solved for after the last step.
 
 use super::variation::Variation;
-use super::{Column, Motion, Ready, State, along};
+use super::{Column, EvaluatedState, Motion, State, along};
 use crate::problem::parameters::UnknownKind;
 use nalgebra::{DMatrix, DVector};
 use poinsot_dynamics::{Link, Motion as Joint};
@@ -24,7 +25,7 @@ use std::sync::Arc;
 
 /// Error of the chord, relative to the bend, below which no further pass is made.
 const CLOSE: f64 = 1.0e-3;
-/// Most passes before the last one.
+/// Largest number of passes before the last one.
 const PASSES: usize = 4;
 
 /// Deviation of each wheel's axial momentum per spin inertia from its speed, `a . w_host`, at both ends of an interval,
@@ -42,7 +43,7 @@ impl Chord {
     }
 }
 
-/// Wheel axes in B, and what the columns turn the vehicle about them, at the start of an interval.
+/// Wheel axes in B, and the rates of the columns about them, at the start of an interval.
 pub(super) struct ColumnChord {
     /// One row per column, one entry per wheel.
     from: Vec<Vec<f64>>,
@@ -64,7 +65,7 @@ impl ColumnChord {
 impl Motion<'_> {
     /// Finds the chord of the interval after grid time k by passes that follow the state alone.
     pub(super) fn find_chord(&mut self, k: usize, steps: usize) -> Option<()> {
-        let start = self.ready.take()?;
+        let start = self.evaluated.take()?;
         let columns = std::mem::take(&mut self.columns);
         let from = self.along_axes(&start.instant.twist.w);
         let gain = self.axes().zip(&self.vehicle.spin).map(|(a, spin)| {
@@ -74,15 +75,15 @@ impl Motion<'_> {
         let gain = gain.fold(0.0, f64::max);
         let mut error = 1.0;
         for _ in 0..PASSES {
-            self.go(k, 0.0);
-            self.ready = Some(Box::new(Ready {
+            self.set_inputs(k, 0.0);
+            self.evaluated = Some(Box::new(EvaluatedState {
                 at: (k, 0.0),
                 state: start.state,
                 instant: start.instant,
                 variation: None,
             }));
             self.follow(k, steps)?;
-            let w = self.ready.as_ref()?.instant.twist.w;
+            let w = self.evaluated.as_ref()?.instant.twist.w;
             let to = self.along_axes(&w);
             self.chord = Some(Chord {
                 from: from.clone(),
@@ -94,18 +95,18 @@ impl Motion<'_> {
             }
         }
         self.columns = columns;
-        self.go(k, 0.0);
-        self.ready = Some(start);
+        self.set_inputs(k, 0.0);
+        self.evaluated = Some(start);
         Some(())
     }
 
     /// The sensitivities at the start of an interval whose chord is known.
     pub(super) fn open_columns(&mut self) -> Option<ColumnChord> {
-        let variation = Arc::clone(self.ready.as_ref()?.variation.as_ref()?);
+        let variation = Arc::clone(self.evaluated.as_ref()?.variation.as_ref()?);
         let turns = self.turns()?;
         let columns = self.columns.iter().enumerate();
         let turned = columns.map(|(j, column)| {
-            let unknown = j.checked_sub(self.head);
+            let unknown = j.checked_sub(self.initial_columns);
             turns.of(&variation, column, unknown)
         });
         Some(ColumnChord {
@@ -116,7 +117,7 @@ impl Motion<'_> {
 
     /// Adds to every column at the end of the interval what the two ends of the chord do to it.
     pub(super) fn close_columns(&mut self, chord: &ColumnChord) -> Option<()> {
-        let variation = Arc::clone(self.ready.as_ref()?.variation.as_ref()?);
+        let variation = Arc::clone(self.evaluated.as_ref()?.variation.as_ref()?);
         let turns = self.turns()?;
         let wheels = turns.axes.len();
         let (first, last) = chord.columns.split_at(wheels);
@@ -129,7 +130,7 @@ impl Motion<'_> {
             for (x, share) in first.iter().zip(from) {
                 *column += x * *share;
             }
-            let to = turns.of(&variation, column, j.checked_sub(self.head));
+            let to = turns.of(&variation, column, j.checked_sub(self.initial_columns));
             let to = solver.solve(&DVector::from_vec(to))?;
             for (x, share) in last.iter().zip(to.iter()) {
                 *column += x * *share;
@@ -138,20 +139,20 @@ impl Motion<'_> {
         Some(())
     }
 
-    /// What columns turn about the wheels' axes where the motion is ready.
-    fn turns(&mut self) -> Option<Turns> {
-        let w = self.ready.as_ref()?.instant.twist.w;
+    /// Rates of the columns about the wheel axes at the evaluated state.
+    fn turns(&mut self) -> Option<WheelAxes> {
+        let w = self.evaluated.as_ref()?.instant.twist.w;
         self.along_axes(&w);
-        Some(Turns {
+        Some(WheelAxes {
             changes: self.axial_changes(),
             axes: self.axes().collect(),
         })
     }
 
-    /// What unknowns do to `a . w_host` at the velocities in hand, the rate of the base held: tilts of the axis, and faults
-    /// of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and its body's rate w.
+    /// Effect of unknowns on `a . w_host` at the current velocities and a fixed base rate: tilts of the axis, and
+    /// faults of the joints before the host, `(e x a) . w` and `a . e` with the joint's axis e and its body's rate w.
     pub(super) fn axial_changes(&self) -> Vec<AxialChange> {
-        let (v, kinematics) = (self.vehicle, &self.site.kinematics);
+        let (v, kinematics) = (self.vehicle, &self.input_state.kinematics);
         let tilts = v.kinds.iter().enumerate().filter_map(|(unknown, kind)| {
             let UnknownKind::WheelTilt(wheel, _) = *kind else {
                 return None;
@@ -166,7 +167,7 @@ impl Motion<'_> {
             })
         });
         let mut all: Vec<AxialChange> = tilts.collect();
-        for change in &self.site.changes {
+        for change in &self.input_state.changes {
             let Some((joint, dq, drate)) = change.joint else {
                 continue;
             };
@@ -188,17 +189,19 @@ impl Motion<'_> {
 
     /// Axes of the wheels at the inputs in hand, in B.
     fn axes(&self) -> impl Iterator<Item = Vector3> {
-        let R = &self.site.kinematics.R;
+        let R = &self.input_state.kinematics.R;
         let rotors = self.vehicle.tree.rotors.iter();
         rotors.map(move |rotor| R[rotor.body] * rotor.axis_B)
     }
 
     /// `a . w_host` of every wheel at a rate of the base, rad/s.
     fn along_axes(&mut self, w: &Vector3) -> Vec<f64> {
-        let (tree, site) = (self.vehicle.tree, &mut self.site);
+        let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
         let still = Vector3::zeros();
-        site.kinematics.set_velocities(tree, &still, w, &site.rates);
-        let host = &self.site.kinematics.w;
+        input_state
+            .kinematics
+            .set_velocities(tree, &still, w, &input_state.rates);
+        let host = &self.input_state.kinematics.w;
         let rotors = tree.rotors.iter().zip(self.axes());
         rotors.map(|(rotor, a)| a.dot(&host[rotor.body])).collect()
     }
@@ -207,7 +210,7 @@ impl Motion<'_> {
     pub(super) fn follow(&mut self, k: usize, steps: usize) -> Option<State> {
         let t = &self.observations.time_s;
         let h = t[k + 1] - t[k];
-        let mut now = self.ready.as_ref()?.state;
+        let mut now = self.evaluated.as_ref()?.state;
         for i in 0..steps {
             let from = i as f64 / steps as f64;
             let to = (i + 1) as f64 / steps as f64;
@@ -217,7 +220,7 @@ impl Motion<'_> {
     }
 }
 
-/// What an unknown does to a wheel's `a . w_host`, per unit of it, rad/s.
+/// Effect of an unknown on a wheel's `a . w_host`, per unit of it, rad/s.
 pub(super) struct AxialChange {
     pub unknown: usize,
     pub wheel: usize,
@@ -225,12 +228,12 @@ pub(super) struct AxialChange {
 }
 
 /// Axes of the wheels in B at one time.
-struct Turns {
+struct WheelAxes {
     axes: Vec<Vector3>,
     changes: Vec<AxialChange>,
 }
 
-impl Turns {
+impl WheelAxes {
     /// Change of `a . w_host` of every wheel with a column, wheel speeds held.
     fn of(&self, variation: &Variation, column: &Column, unknown: Option<usize>) -> Vec<f64> {
         let twist = variation.twist(column, unknown);

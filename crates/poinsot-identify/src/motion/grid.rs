@@ -1,7 +1,7 @@
 //! How many integration steps each interval takes, from the frequencies that are present in the record.
 //!
 //! The grid depends on measurements and nominal numbers alone, so it stays the same while a fit moves the unknowns: the
-//! cost is then a smooth function of them. Whether it is fine enough is found at the end of the fit (`fit/step_error.rs`).
+//! cost is then a smooth function of them. The end of the fit tests whether it is fine enough (`fit/step_error.rs`).
 
 use super::steps::Grid;
 use super::vehicle::Vehicle;
@@ -11,13 +11,13 @@ use poinsot_spatial::{Matrix3, Vector3};
 
 /// Largest turn of base and joints in a step, rad.
 pub(super) const TURN: f64 = 0.02;
-/// Largest phase of nutation about stored momentum in a step, rad. The end of a fit asks for smaller steps where this is
-/// too much for the sensors.
+/// Largest phase of nutation about stored momentum in a step, rad. The end of a fit refines it if the sensors are more
+/// accurate.
 const NUTATION: f64 = 0.06;
 /// Phase of motion in an interval from which the relative speed of a wheel is not straight within it, rad: the bend is an
 /// eighth of its square.
 const BEND: f64 = 0.1;
-/// Most steps in an interval: beyond it the record says nothing of the motion between its samples.
+/// Largest number of steps in an interval: beyond it the samples do not determine the motion between them.
 const MOST_STEPS: f64 = 4096.0;
 
 impl Grid {

@@ -1,20 +1,19 @@
-//! Smooth curves through the readings of joints and wheels of a segment: along them a lag shifts the readings in time.
+//! Smooth curves through the samples of joints and wheels of a segment: along them a lag shifts the readings in time.
 
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::{InputErrors, Noise, Observations, Segment};
 use poinsot_solve::smooth_curve::{Reading, SmoothCurve};
 use poinsot_spatial::Vector3;
 
-/// Variance of what counts as exact beside what is noisy, over the latter.
+/// Variance of an exact sample, relative to noisy ones.
 const EXACT: f64 = 1.0e-6;
 
 /// Share of a record that a lag may lie beyond its readings. Measured: at 1 % the answer is right, at 2 % of a slewing vehicle
 /// chi-square is 1.06 and the inertia 2 sigma off.
 const BEYOND: f64 = 0.015;
 
-/// A warning where a lag asks for so much of what joints or wheels did after their last reading that the curves' going on
-/// as parabolas shows.
-pub(crate) fn beyond_the_readings(
+/// A warning if a lag needs joint or wheel motion so far beyond the last sample that its extrapolation matters.
+pub(crate) fn extrapolated_inputs(
     segments: &[Segment],
     parameters: &Parameters,
     x: &[f64],
@@ -32,7 +31,7 @@ pub(crate) fn beyond_the_readings(
     let (unknown, lag) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     (lag.abs() > BEYOND * shortest).then(|| {
         format!(
-            "{} is {:.1} % of the shortest record, and what drove the vehicle so long beyond the readings is guessed: the covariance is not trustworthy; shift the columns by {lag:.3} s and identify again",
+            "{} is {:.1} % of the shortest record, so inputs beyond their samples are extrapolated: the covariance is not trustworthy; shift the columns by {lag:.3} s and identify again",
             unknown.name,
             100.0 * lag.abs() / shortest
         )
@@ -60,15 +59,15 @@ impl InputCurves {
         }
     }
 
-    /// What a joint does between two times: changes of position and rate, and its rate and acceleration at the later
+    /// Motion of a joint between two times: changes of position and rate, and its rate and acceleration at the later
     /// one.
     pub fn joint(&self, j: usize, t: f64, lag_s: f64) -> ([f64; 2], [f64; 2]) {
         let (change, there) = between(self.joints.get(j), t, lag_s);
         ([change[0], change[1]], [there[1], there[2]])
     }
 
-    /// Whether a wheel runs straight from reading to reading, late or not: nothing is to be smoothed, and a torque that jumps
-    /// is no smooth curve.
+    /// Whether a wheel runs straight from reading to reading, also with a lag: there is no noise to smooth, and a
+    /// torque step is not smooth.
     pub fn runs_straight(&self, w: usize, wheels_smooth: bool) -> bool {
         !wheels_smooth && self.exact.get(w) == Some(&true)
     }
@@ -81,7 +80,7 @@ impl InputCurves {
     }
 }
 
-/// Change of a curve from t to `t + lag_s`, and the curve there; nothing where nothing moves.
+/// Change of a curve from t to `t + lag_s`, and the curve there; zero without motion.
 fn between(curve: Option<&Option<SmoothCurve>>, t: f64, lag_s: f64) -> (Vector3, Vector3) {
     let Some(Some(curve)) = curve else {
         return (Vector3::zeros(), Vector3::zeros());

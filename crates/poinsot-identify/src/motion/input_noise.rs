@@ -1,9 +1,8 @@
-//! Noise of joint and wheel readings on its way through the equation of motion.
+//! Propagation of joint and wheel noise through the equation of motion.
 //!
-//! Joints and wheels drive the prediction with their readings, so the prediction errs by what the readings err.
-//! With `e` the errors of the inputs at a grid time, `x = [dphi_B, dp_N, dP_N, dh_N]` the error of the predicted
-//! state and `L e` the part of it that follows a joint at once (a joint read too far has turned the base back),
-//! `s = x - L e` moves only slowly:
+//! Joint and wheel samples are inputs of the prediction, so their errors enter it. With `e` the errors of the inputs at
+//! a grid time, `x = [dphi_B, dp_N, dP_N, dh_N]` the error of the predicted state and `L e` the part of it that follows
+//! a joint directly (a joint error rotates the base back), `s = x - L e` changes slowly:
 //!
 //! ```text
 //! s' = A s + (A L + D - L') e,        dV = V_x x + V_u e
@@ -15,12 +14,11 @@
 //! (Kailath 1968), and so are the sensitivities that went through the same filter: maximum likelihood with errors
 //! in the inputs at a cost linear in the samples.
 //!
-//! An accelerometer feels how rates and speeds change, so its reading leans on the errors at the grid times beside its
-//! own. Where there is one, the filter's state holds the errors of a window of grid times, those ahead included, and the
-//! errors of joint rates with them. A velocity increment leans on two instants: what erred at its beginning is kept
-//! until it ends.
+//! An accelerometer measures changes of rates and speeds, so it depends on the errors at neighbouring grid times. With
+//! one, the filter's state has the errors of a window of grid times, including later ones, and those of joint rates. A
+//! velocity increment depends on two instants: the errors at its beginning are kept until its end.
 //!
-//! A random torque about the mass centre stands in the state beside the errors and drives the momentum ([`random_torque`]).
+//! A random torque about the mass centre is part of the state and drives the momentum ([`random_torque`]).
 
 mod points;
 mod random_torque;
@@ -34,7 +32,7 @@ use poinsot_dynamics::JointSlopes;
 use poinsot_model::RandomTorque;
 use poinsot_spatial::{Vector3, Vector6};
 
-/// An input whose readings err.
+/// An input with noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Input {
     Joint(usize),
@@ -44,14 +42,14 @@ enum Input {
 }
 
 /// The equation of motion around the prediction at one grid time.
-struct Slopes {
+struct DynamicsJacobian {
     /// Upper half of `A`: the pose's.
     pose: Matrix6x12,
     /// `L` per input: it reaches the pose alone.
     at_once: Vec<Vector6>,
     /// Upper half of `A L + D` per input.
     drive: Vec<Vector6>,
-    /// Lower halves of `A` and `D` in the interval that begins here, where anything pushes.
+    /// Lower halves of `A` and `D` in the interval that begins here, if an external force or torque acts.
     push: Option<(Matrix6x12, Vec<Vector6>)>,
 }
 
@@ -74,7 +72,7 @@ pub(crate) struct InputNoise {
     /// Whether rates are among the inputs.
     tracks_rates: bool,
     slopes: JointSlopes,
-    before: Option<Slopes>,
+    before: Option<DynamicsJacobian>,
     /// The errors as columns of state and twist, for the rows of the sensors: components of `s`, then inputs.
     pub columns: Vec<Column>,
     pub twists: Vec<Vector6>,
@@ -160,7 +158,7 @@ impl InputNoise {
         }
     }
 
-    /// Whether there is nothing to do: no input errs and no random torque acts.
+    /// Whether it is idle: no input noise and no random torque.
     pub fn is_silent(&self) -> bool {
         self.filter.size == 0
     }
@@ -182,7 +180,13 @@ impl InputNoise {
     }
 
     /// Carries the filter to grid time k, where the motion has just given its velocity.
-    pub fn reach(&mut self, motion: &mut Motion, state: &State, instant: &Instant, k: usize) {
+    pub fn propagate_to(
+        &mut self,
+        motion: &mut Motion,
+        state: &State,
+        instant: &Instant,
+        k: usize,
+    ) {
         let joint_slopes = &mut self.slopes;
         motion.joint_slopes(instant, joint_slopes);
         for (gain, slope) in self.rate_gain.iter_mut().zip(&joint_slopes.of) {
@@ -221,7 +225,7 @@ impl InputNoise {
         instant: &Instant,
         map: &Matrix6x12,
         k: usize,
-    ) -> Slopes {
+    ) -> DynamicsJacobian {
         let R = matrix(&state.R_NB);
         self.twists.fill(Vector6::zeros());
         let pose = motion.pose_slopes(state, instant, map);
@@ -260,7 +264,7 @@ impl InputNoise {
         }
         let push = (self.active.len() > 6 || self.active.contains(&9))
             .then(|| self.push_slopes(motion, state, instant, map, k));
-        Slopes {
+        DynamicsJacobian {
             pose,
             at_once,
             drive,
@@ -268,7 +272,7 @@ impl InputNoise {
         }
     }
 
-    /// What thrust and torque of the surroundings do: they turn with the base, and their arms with the joints.
+    /// Effect of thrust and external torque: they rotate with the base, and their arms with the joints.
     fn push_slopes(
         &self,
         motion: &Motion,
@@ -295,8 +299,8 @@ impl InputNoise {
         (motion.wrench_slopes(state, instant, map, k), drives)
     }
 
-    /// At the first grid time the state itself is what is looked for: `x = 0`, so `s = -L e`.
-    fn begin(&mut self, now: &Slopes) {
+    /// At the first grid time the state itself is unknown: `x = 0`, so `s = -L e`.
+    fn begin(&mut self, now: &DynamicsJacobian) {
         if let (Some(at), Some(torque)) = (self.torque_at(), &self.random_torque) {
             let variance = torque.sigma_N_m * torque.sigma_N_m;
             (0..3).for_each(|axis| self.filter.add(at + axis, variance));
@@ -307,7 +311,7 @@ impl InputNoise {
                 *x = -now.at_once[c].get(row).copied().unwrap_or_default();
             }
             let mut fresh = *variance;
-            // Each error ahead is what stays of the one before it and something new.
+            // Each later error is the correlated part of the previous one plus an innovation.
             for first in 0..=self.reach {
                 let mut share = 1.0;
                 for after in first..=self.reach {
@@ -322,7 +326,7 @@ impl InputNoise {
     }
 
     /// From one grid time to the next, k: `s = Phi s + (h/2) (B e + B_next e_next)`.
-    fn carry(&mut self, before: &Slopes, now: &Slopes, h: f64, k: usize) {
+    fn carry(&mut self, before: &DynamicsJacobian, now: &DynamicsJacobian, h: f64, k: usize) {
         let n = self.lead;
         let (size, ahead) = (self.filter.size, self.reach > 0);
         let pose = (before.pose + now.pose) * 0.5;
@@ -368,7 +372,7 @@ impl InputNoise {
             self.shift(&upper, k);
             return self.renew(&torque);
         }
-        // What began an increment stays.
+        // The errors at the beginning of an increment stay.
         faded.resize(size - n, 1.0);
         self.filter.advance(&upper, &faded);
         let mut vector = vec![0.0; size];
@@ -385,7 +389,7 @@ impl InputNoise {
         self.renew(&torque);
     }
 
-    /// Fills the columns of the random torque, and gives what comes anew, one vector each.
+    /// Fills the columns of the random torque, and returns its innovations, one vector each.
     fn torque_rows(
         &mut self,
         A: &impl Fn(usize, usize) -> f64,
@@ -420,18 +424,18 @@ impl InputNoise {
         fresh
     }
 
-    /// What the random torque brings anew.
+    /// Innovation of the random torque.
     fn renew(&mut self, torque: &[Vec<f64>]) {
         torque.iter().for_each(|v| self.filter.add_outer(v, 1.0));
     }
 
-    /// Correlation of the errors so far with readings, one row per error.
+    /// Correlation of the current errors with samples, one row per error.
     pub fn correlation<const M: usize>(&self, slopes: &[SVector<f64, M>]) -> Vec<SVector<f64, M>> {
         let rows = self.filter.covariance.chunks_exact(self.filter.size.max(1));
         rows.map(|row| weighted(row, slopes)).collect()
     }
 
-    /// A residual less what earlier readings say of it.
+    /// A residual minus its prediction from earlier samples.
     pub fn expected<const M: usize>(
         &self,
         slopes: &[SVector<f64, M>],
@@ -452,7 +456,7 @@ impl InputNoise {
     }
 }
 
-/// Covariance of the errors, and for every sequence what the readings so far say of them.
+/// Covariance of the errors, and their mean for every sequence.
 #[derive(Default)]
 struct Filter {
     size: usize,
@@ -553,7 +557,7 @@ impl Filter {
         }
     }
 
-    /// The last sequence at a reading, less what is known of it.
+    /// The last sequence at a sample, minus its prediction.
     fn innovation<const M: usize>(
         &self,
         slopes: &[SVector<f64, M>],
@@ -563,8 +567,8 @@ impl Filter {
         residual - weighted(&self.means[last..], slopes)
     }
 
-    /// Turns every row into its whitened innovation and learns from it. `inverse_root` is `L^-1` of the covariance
-    /// `L L^T` of the readings, noise of the sensor and of the inputs together.
+    /// Whitens every row's innovation and updates the filter. `inverse_root` is `L^-1` of the covariance `L L^T` of the
+    /// readings, noise of the sensor and of the inputs together.
     fn take<const M: usize>(
         &mut self,
         slopes: &[SVector<f64, M>],

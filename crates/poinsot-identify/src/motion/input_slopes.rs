@@ -1,4 +1,4 @@
-//! How the motion answers to small changes of its inputs: joint positions, joint rates and wheel speeds.
+//! Sensitivity of the motion to its inputs: joint positions, joint rates and wheel speeds.
 
 use super::{Instant, Motion, State, matrix};
 use nalgebra::SMatrix;
@@ -15,15 +15,16 @@ impl Motion<'_> {
     /// Slopes of the momentum over the joints where the last velocity was taken.
     pub fn joint_slopes(&mut self, instant: &Instant, slopes: &mut JointSlopes) {
         let v = self.vehicle;
-        let (twist, site) = (&instant.twist, &mut self.site);
-        site.kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
+        let (twist, input_state) = (&instant.twist, &mut self.input_state);
+        input_state
+            .kinematics
+            .set_velocities(v.tree, &twist.v, &twist.w, &input_state.rates);
         slopes.fill(
             v.tree,
             &v.bodies,
-            &self.site.kinematics,
+            &self.input_state.kinematics,
             &v.spin,
-            &self.site.wheels,
+            &self.input_state.wheels,
         );
     }
 
@@ -51,7 +52,7 @@ impl Motion<'_> {
         instant.inverse_inertia * X
     }
 
-    /// What a change of the vehicle's first moment does to its angular momentum about `Bo`: `dc x l`.
+    /// Change of the angular momentum about `Bo` with the vehicle's first moment: `dc x l`.
     pub fn centre_change(&self, instant: &Instant, first_moment: &Vector3) -> Vector3 {
         first_moment.cross(&instant.centre.l) / instant.centre.mass
     }
@@ -67,7 +68,7 @@ impl Motion<'_> {
     ) -> SMatrix<f64, 6, 12> {
         let R = matrix(&state.R_NB);
         let (w, centre) = (instant.twist.w, &instant.centre);
-        let (mut F, mut T) = (Vector3::zeros(), self.surroundings(state, &w, centre));
+        let (mut F, mut T) = (Vector3::zeros(), self.environment_torque(state, &w, centre));
         for force in self.thrust_now(instant, k) {
             F += force.F_B;
             T += force.arm_B.cross(&force.F_B);
@@ -79,7 +80,7 @@ impl Motion<'_> {
                 dphi[j] = 1.0;
             }
             let dw: Vector3 = map.fixed_view::<3, 1>(3, j).into();
-            let change = self.surroundings_change(state, centre, (&w, &dw), &dphi, None);
+            let change = self.environment_torque_change(state, centre, (&w, &dw), &dphi, None);
             let (dP, dh) = (R * dphi.cross(&F), R * (dphi.cross(&T) + change));
             slopes.fixed_view_mut::<3, 1>(0, j).copy_from(&dP);
             slopes.fixed_view_mut::<3, 1>(3, j).copy_from(&dh);
@@ -113,16 +114,16 @@ impl Motion<'_> {
         change
     }
 
-    /// What a change of the base's rate does to the torque of the surroundings.
+    /// Change of the external torque with the base's rate.
     pub fn drag_change(&self, state: &State, instant: &Instant, dw: &Vector3) -> Vector3 {
         let (w, still) = (&instant.twist.w, Vector3::zeros());
-        self.surroundings_change(state, &instant.centre, (w, dw), &still, None)
+        self.environment_torque_change(state, &instant.centre, (w, dw), &still, None)
     }
 
     /// Change of the inertia about the system's mass centre with a joint position, in B. The mass centre's own move is
     /// of second order in it.
     fn inertia_carried(&self, joint: usize, c: &Vector3) -> Matrix3 {
-        let kinematics = &self.site.kinematics;
+        let kinematics = &self.input_state.kinematics;
         let mut sum = Matrix3::zeros();
         for (i, body) in self.vehicle.bodies.iter().enumerate() {
             let (R, D) = (&kinematics.R[i], kinematics.p[i] - c);
@@ -153,10 +154,10 @@ impl Motion<'_> {
         let mut at = body;
         while at != 0 {
             let link = &links[at];
-            let axis = link.axis_B(&self.site.kinematics.R[at]);
+            let axis = link.axis_B(&self.input_state.kinematics.R[at]);
             match link.motion {
                 Joint::Revolute(k) if k == joint => {
-                    return (axis, self.site.kinematics.p[at].cross(&axis));
+                    return (axis, self.input_state.kinematics.p[at].cross(&axis));
                 }
                 Joint::Prismatic(k) if k == joint => return (Vector3::zeros(), axis),
                 _ => at = link.parent,

@@ -1,7 +1,7 @@
-//! Joint and wheel motion as the vehicle has it: readings freed of their faults, and what those faults do.
+//! Corrected joint and wheel motion, and the effect of the sensor errors.
 
 use super::vehicle::{Vehicle, wheel_slope};
-use super::{Centre, Instant, Motion, Ready, Site, State, matrix, pose_change};
+use super::{EvaluatedState, InputState, Instant, MassCentre, Motion, State, matrix, pose_change};
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::Observations;
 use poinsot_dynamics::{Kinematics, composite};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Step of the differences over a joint's position, rad or m.
 pub(super) const JOINT_STEP: f64 = 1.0e-5;
 
-/// What one unknown does to the inputs at an instant, per unit of it.
+/// Effect of one unknown on the inputs at an instant, per unit of it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct InputChange {
     /// Index of the unknown.
@@ -22,7 +22,7 @@ pub(super) struct InputChange {
     pub wheel: Option<(usize, f64)>,
 }
 
-/// What an unknown does to the force and torque from outside, through a joint's position.
+/// Effect of an unknown on the external force and torque through a joint's position.
 pub(super) struct OutsideChange {
     pub unknown: usize,
     /// Of the force in B, N.
@@ -32,17 +32,17 @@ pub(super) struct OutsideChange {
 }
 
 impl Motion<'_> {
-    /// Inputs within the interval after grid time k, their faults taken off.
+    /// Corrected inputs within the interval after grid time k.
     pub(super) fn inputs(&mut self, k: usize, at: f64) {
         self.set_orbit(k, at);
-        let site = &mut self.site;
-        fill_inputs(self.observations, self.vehicle, k, at, site);
-        site.changes.clear();
+        let input_state = &mut self.input_state;
+        fill_inputs(self.observations, self.vehicle, k, at, input_state);
+        input_state.changes.clear();
         let t = time_at(&self.observations.time_s, k, at);
-        site.time_s = t;
+        input_state.time_s = t;
         for fault in &self.vehicle.input_faults {
             let (unknown, value) = (fault.unknown, fault.value);
-            let changes = &mut site.changes;
+            let changes = &mut input_state.changes;
             let mut moved = |j: usize, q: f64, rate: f64| {
                 changes.push(InputChange {
                     unknown,
@@ -52,10 +52,10 @@ impl Motion<'_> {
             };
             match &self.vehicle.kinds[unknown] {
                 UnknownKind::JointOffset(j) => {
-                    site.q[*j] -= value;
+                    input_state.q[*j] -= value;
                     moved(*j, -1.0, 0.0);
                 }
-                // It reads late: the joint is where the reading will be.
+                // The sensor is late: the joint is at its future sample.
                 UnknownKind::JointLag(joints) => {
                     let Some(curves) = self.vehicle.curves else {
                         continue;
@@ -63,8 +63,8 @@ impl Motion<'_> {
                     for &j in joints {
                         let ([dq, drate], [rate, acceleration]) = curves.joint(j, t, value);
                         moved(j, rate, acceleration);
-                        site.q[j] += dq;
-                        site.rates[j] += drate;
+                        input_state.q[j] += dq;
+                        input_state.rates[j] += drate;
                     }
                 }
                 UnknownKind::WheelLag(wheels) => {
@@ -77,7 +77,7 @@ impl Motion<'_> {
                                 true => straight(self.observations, w, (k, t), value),
                                 false => curves.wheel(w, t, value),
                             };
-                        site.wheels[w] += change;
+                        input_state.wheels[w] += change;
                         changes.push(InputChange {
                             unknown,
                             joint: None,
@@ -90,13 +90,13 @@ impl Motion<'_> {
         }
     }
 
-    /// What the faults of the inputs do to the twist, their slopes known: for a joint's position the change of `Y pi - [l; h_cm + c x l]`,
-    /// momentum held; for rates and speeds the input gains.
+    /// Effect of input errors on the twist, with known slopes: for a joint's position the change of `Y pi - [l; h_cm +
+    /// c x l]`, momentum held; for rates and speeds the input gains.
     pub(super) fn input_columns(&self, instant: &Instant, twists: &mut [Vector6]) {
-        for change in &self.site.changes {
+        for change in &self.input_state.changes {
             let twist = &mut twists[change.unknown];
             if let Some((joint, dq, drate)) = change.joint {
-                let slope = &self.site.joint_slopes.of[joint];
+                let slope = &self.input_state.joint_slopes.of[joint];
                 let mut own = slope.position * dq + slope.rate * drate;
                 let turned = self.centre_change(instant, &slope.first_moment) * dq;
                 let h = own.fixed_rows::<3>(3) - turned;
@@ -111,41 +111,41 @@ impl Motion<'_> {
 
     /// Slopes of the momentum over the joints at the inputs in hand, where faults move a joint.
     pub(super) fn fault_slopes(&mut self, instant: &Instant) {
-        if self.site.changes.iter().any(|c| c.joint.is_some()) {
-            let mut slopes = std::mem::take(&mut self.site.joint_slopes);
+        if self.input_state.changes.iter().any(|c| c.joint.is_some()) {
+            let mut slopes = std::mem::take(&mut self.input_state.joint_slopes);
             self.joint_slopes(instant, &mut slopes);
-            self.site.joint_slopes = slopes;
+            self.input_state.joint_slopes = slopes;
         }
     }
 
-    /// From the end of an interval to the start of the next one, k: faults that are zero leave the motion as it is, and
-    /// only what they would do to it has two sides.
-    pub(super) fn other_side(&mut self, ready: &mut Ready, k: usize) {
-        ready.at = (k, 0.0);
+    /// From the end of an interval to the start of the next one, k: zero errors leave the motion unchanged; only its
+    /// sensitivities differ on the two sides.
+    pub(super) fn cross_grid_time(&mut self, evaluated: &mut EvaluatedState, k: usize) {
+        evaluated.at = (k, 0.0);
         if self.vehicle.input_faults.is_empty() {
             return;
         }
         self.inputs(k, 0.0);
-        let Some(variation) = ready.variation.as_mut().map(Arc::make_mut) else {
+        let Some(variation) = evaluated.variation.as_mut().map(Arc::make_mut) else {
             return;
         };
         let faults = self.vehicle.input_faults.iter();
         for at in faults.clone().map(|f| f.unknown) {
             variation.twists[at] = Vector6::zeros();
         }
-        self.input_columns(&ready.instant, &mut variation.twists);
-        let R = matrix(&ready.state.R_NB);
+        self.input_columns(&evaluated.instant, &mut variation.twists);
+        let R = matrix(&evaluated.state.R_NB);
         for at in faults.map(|f| f.unknown) {
             variation.drive[at] = pose_change(&R, &variation.twists[at]);
         }
     }
 
-    /// What the faults of joint positions do to force and torque from outside.
+    /// Effect of joint position errors on the external force and torque.
     pub(super) fn outside_changes(
         &mut self,
         state: &State,
         k: usize,
-        centre: &Centre,
+        centre: &MassCentre,
         w: &Vector3,
     ) -> Vec<OutsideChange> {
         let calm = self.thrust[k].is_empty() && self.vehicle.gm.is_none();
@@ -153,20 +153,20 @@ impl Motion<'_> {
             return Vec::new();
         }
         let mut list = Vec::new();
-        for change in &self.site.changes {
+        for change in &self.input_state.changes {
             let Some((joint, dq, _)) = change.joint else {
                 continue;
             };
             let (mut F_B, mut T_B) = (Vector3::zeros(), Vector3::zeros());
-            let mut q = self.site.q.clone();
+            let mut q = self.input_state.q.clone();
             for weight in [0.5 / JOINT_STEP, -0.5 / JOINT_STEP] {
-                q[joint] = self.site.q[joint] + JOINT_STEP * weight.signum();
+                q[joint] = self.input_state.q[joint] + JOINT_STEP * weight.signum();
                 self.still.place(self.vehicle.tree, &q);
                 let whole = composite(&self.vehicle.bodies, &self.still);
                 let mut there = *centre;
                 there.c = whole.p_BoScm_B();
                 there.I_SScm_B = whole.I_SScm_B();
-                T_B += self.surroundings(state, w, &there) * weight;
+                T_B += self.environment_torque(state, w, &there) * weight;
                 for (at, declared) in &self.thrust[k] {
                     let (F, arm) = thruster_at(self.vehicle, &self.still, *at, *declared, &there.c);
                     F_B += F * weight;
@@ -228,41 +228,50 @@ fn time_at(t: &[f64], k: usize, at: f64) -> f64 {
     }
 }
 
-/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates,
-/// wheels on the straight line (a motor torque held over the interval) or on a smooth curve.
-fn fill_inputs(o: &Observations, vehicle: &Vehicle, k: usize, at: f64, site: &mut Site) {
+/// Inputs at a share of the interval after grid time k: joints on the cubic through positions and rates, wheels on the
+/// straight line (constant motor torque over the interval) or on a smooth curve.
+fn fill_inputs(
+    o: &Observations,
+    vehicle: &Vehicle,
+    k: usize,
+    at: f64,
+    input_state: &mut InputState,
+) {
     let tree = vehicle.tree;
     let (dof, wheels) = (tree.dof(), tree.rotors.len());
     // At the end of an interval the readings are those of the next grid time.
     if at == 0.0 || at == 1.0 {
         let k = k + usize::from(at == 1.0);
-        site.q
+        input_state
+            .q
             .copy_from_slice(&o.joint_position[k * dof..(k + 1) * dof]);
-        site.rates
+        input_state
+            .rates
             .copy_from_slice(&o.joint_rate[k * dof..(k + 1) * dof]);
-        site.wheels
+        input_state
+            .wheels
             .copy_from_slice(&o.wheel_speed[k * wheels..(k + 1) * wheels]);
         return;
     }
     let h = o.time_s[k + 1] - o.time_s[k];
     for j in 0..dof {
         let (d0, c2, c3) = cubic(o, dof, j, k, h);
-        site.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
-        site.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
+        input_state.q[j] = o.joint_position[k * dof + j] + at * (d0 + at * (c2 + at * c3));
+        input_state.rates[j] = (d0 + at * (2.0 * c2 + at * 3.0 * c3)) / h;
     }
     for j in 0..wheels {
         let (a, b) = (
             o.wheel_speed[k * wheels + j],
             o.wheel_speed[(k + 1) * wheels + j],
         );
-        site.wheels[j] = a + at * (b - a);
+        input_state.wheels[j] = a + at * (b - a);
         if vehicle.wheels_smooth {
             let (left, right) = (
                 wheel_slope(o, wheels, j, k),
                 wheel_slope(o, wheels, j, k + 1),
             );
             let (d0, d1) = (left * h - (b - a), right * h - (b - a));
-            site.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
+            input_state.wheels[j] += at * (1.0 - at) * ((1.0 - at) * d0 - at * d1);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! How finely a motion is propagated.
+//! Integration steps of a motion.
 
 /// Integration steps of a segment.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub(crate) struct Grid {
     pub bends: bool,
 }
 
-/// How finely an experiment is propagated.
+/// Step refinement of an experiment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Fineness {
     /// Steps for each one of the grid.
@@ -27,10 +27,10 @@ impl Default for Fineness {
     }
 }
 
-/// How finely a segment is propagated.
+/// Integration steps of a segment.
 #[derive(Clone, Copy)]
 pub(crate) struct Steps<'a> {
-    /// Steps in each interval; `None`: those that the vehicle itself asks for.
+    /// Steps in each interval; `None`: those of the vehicle.
     pub grid: Option<&'a Grid>,
     /// Steps for each of them.
     pub factor: u32,

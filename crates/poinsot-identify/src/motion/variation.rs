@@ -1,13 +1,13 @@
-//! The variational equation: how small changes of state and unknowns grow.
+//! The variational equation of state and unknowns.
 //!
 //! ```text
 //! dV = V_x x + V_u        x' = A x + b_u
 //! ```
 //!
 //! for the column `x = [dphi_B, dp_N, dP_N, dh_N]` of unknown u. `A` and `b` are those of the pose by way of the twist,
-//! and those of the momentum where anything pushes from outside.
+//! and those of the momentum if an external force or torque acts.
 
-use super::{Centre, Column, Instant, Motion, State, matrix};
+use super::{Column, Instant, MassCentre, Motion, State, matrix};
 use crate::problem::parameters::UnknownKind;
 use nalgebra::SMatrix;
 use poinsot_dynamics::{momentum_regressor, wheel_regressor};
@@ -24,23 +24,23 @@ pub(crate) struct Variation {
     pub map: Matrix6x12,
     /// `V_u` per unknown.
     pub(super) twists: Vec<Vector6>,
-    pose: Half,
+    pose: JacobianRows,
     /// The upper half of `b`, per unknown.
     pub(super) drive: Vec<Vector6>,
     /// The same per wheel, for a unit of its axial momentum per spin inertia, where wheels run along a chord.
     chord: Vec<Vector6>,
 }
 
-/// What drives a column beside the state.
+/// Forcing of a column in addition to the state.
 #[derive(Clone, Copy)]
-pub(super) enum Drive {
+pub(super) enum ColumnForcing {
     /// An unknown; `None` for a part of the state at the start.
     Unknown(Option<usize>),
     /// A wheel with its share of the chord's unit, at the start, in the middle and at the end of a step.
     Chord([(usize, f64); 3]),
 }
 
-impl Drive {
+impl ColumnForcing {
     fn unknown(self) -> Option<usize> {
         match self {
             Self::Unknown(unknown) => unknown,
@@ -49,31 +49,31 @@ impl Drive {
     }
 }
 
-/// Change of the momentum around one instant, by what acts from outside.
-pub(super) struct Push {
-    /// `None` where nothing acts yet that could turn with the vehicle: unknown torques that are zero.
-    momentum: Option<Half>,
+/// Change of the momentum around one instant by external forces and torques.
+pub(super) struct MomentumVariation {
+    /// `None` without a torque that rotates with the vehicle: unknown torques that are zero.
+    momentum: Option<JacobianRows>,
     /// The lower half of `b`, per unknown.
     drive: Vec<Vector6>,
 }
 
 /// Six rows of `A`: no position enters.
 #[derive(Clone)]
-struct Half {
+struct JacobianRows {
     attitude: Matrix6x3,
     momentum: Matrix6,
     /// Whether any element of `momentum` is not zero.
     coupled: bool,
 }
 
-impl Push {
-    /// Whether the momentum of a column moves by more than what it holds.
+impl MomentumVariation {
+    /// Whether the momentum of a column changes.
     fn acts(&self, unknown: Option<usize>) -> bool {
         self.momentum.is_some() || unknown.is_some_and(|u| self.drive[u] != Vector6::zeros())
     }
 }
 
-impl Half {
+impl JacobianRows {
     fn new(rows: &Matrix6x12) -> Self {
         let momentum: Matrix6 = rows.fixed_view::<6, 6>(0, 6).into();
         Self {
@@ -108,21 +108,21 @@ fn parts(x: &Column) -> (Vector3, Vector6) {
 }
 
 /// The equation at the start, in the middle and at the end of a step.
-pub(super) struct Along<'v> {
+pub(super) struct StepEquation<'v> {
     pub variation: [&'v Variation; 3],
-    /// Where anything pushes.
-    pub push: Option<[Push; 3]>,
+    /// If an external force or torque acts.
+    pub push: Option<[MomentumVariation; 3]>,
 }
 
-/// Which of the three a stage of Runge and Kutta's looks at, and how far into the step it is.
+/// Evaluation and share of the step of each Runge-Kutta stage.
 const STAGES: [(usize, f64); 4] = [(0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0)];
 
-impl Along<'_> {
+impl StepEquation<'_> {
     /// Carries a column over a step of dt: Runge-Kutta of fourth order on an equation that is linear.
-    pub fn carry(&self, x: &mut Column, drive: Drive, dt: f64) {
+    pub fn carry(&self, x: &mut Column, drive: ColumnForcing, dt: f64) {
         let (attitude, momentum) = parts(x);
         let push = self.push.as_ref();
-        let acts = |p: &Push| p.acts(drive.unknown());
+        let acts = |p: &MomentumVariation| p.acts(drive.unknown());
         let change = match push.filter(|push| push.iter().any(acts)) {
             None => self.carry_pose(&attitude, &momentum, drive, dt),
             Some(push) => self.carry_all(push, &attitude, &momentum, drive, dt),
@@ -131,13 +131,13 @@ impl Along<'_> {
     }
 
     /// The upper half of `b` at one of the three points.
-    fn drive(&self, at: usize, drive: Drive) -> Vector6 {
+    fn drive(&self, at: usize, drive: ColumnForcing) -> Vector6 {
         match drive {
-            Drive::Unknown(unknown) => {
+            ColumnForcing::Unknown(unknown) => {
                 unknown.map_or_else(Vector6::zeros, |u| self.variation[at].drive[u])
             }
             // At the ends of an interval speeds are measured: no chord.
-            Drive::Chord(wheels) => {
+            ColumnForcing::Chord(wheels) => {
                 let (wheel, share) = wheels[at];
                 let unit = self.variation[at].chord.get(wheel);
                 unit.map_or_else(Vector6::zeros, |unit| unit * share)
@@ -146,7 +146,13 @@ impl Along<'_> {
     }
 
     /// The momentum stays: its part of the slope is known beforehand.
-    fn carry_pose(&self, attitude: &Vector3, momentum: &Vector6, drive: Drive, dt: f64) -> Column {
+    fn carry_pose(
+        &self,
+        attitude: &Vector3,
+        momentum: &Vector6,
+        drive: ColumnForcing,
+        dt: f64,
+    ) -> Column {
         let given = [0, 1, 2].map(|at| {
             let drive = self.drive(at, drive);
             if *momentum == Vector6::zeros() {
@@ -173,10 +179,10 @@ impl Along<'_> {
 
     fn carry_all(
         &self,
-        push: &[Push; 3],
+        push: &[MomentumVariation; 3],
         attitude: &Vector3,
         momentum: &Vector6,
-        drive: Drive,
+        drive: ColumnForcing,
         dt: f64,
     ) -> Column {
         let mut slopes = [(Vector6::zeros(), Vector6::zeros()); 4];
@@ -237,17 +243,18 @@ impl Motion<'_> {
     /// `dV = H^-1 (d(X [P; h]) - Y(V) dpi)`.
     pub(super) fn linearise(&mut self, state: &State, instant: &Instant) -> Variation {
         let (v, twist) = (self.vehicle, &instant.twist);
-        let site = &mut self.site;
-        for (speed, (axis, still)) in site.wheels.iter_mut().zip(&site.free) {
+        let input_state = &mut self.input_state;
+        for (speed, (axis, still)) in input_state.wheels.iter_mut().zip(&input_state.free) {
             *speed = still - axis.dot(&twist.w);
         }
-        site.kinematics
-            .set_velocities(v.tree, &twist.v, &twist.w, &site.rates);
-        momentum_regressor(&site.kinematics, &mut self.regressor);
+        input_state
+            .kinematics
+            .set_velocities(v.tree, &twist.v, &twist.w, &input_state.rates);
+        momentum_regressor(&input_state.kinematics, &mut self.regressor);
         wheel_regressor(
             v.tree,
-            &site.kinematics,
-            &site.wheels,
+            &input_state.kinematics,
+            &input_state.wheels,
             &mut self.wheel_columns,
         );
         let mut twists: Vec<Vector6> = (0..v.kinds.len())
@@ -255,8 +262,8 @@ impl Motion<'_> {
             .collect();
         self.fault_slopes(instant);
         self.input_columns(instant, &mut twists);
-        if !self.site.free.is_empty() {
-            // The axial momentum is given: what of it is the host's turn takes off from the speed.
+        if !self.input_state.free.is_empty() {
+            // The axial momentum is given: the host's rotation reduces the speed.
             for change in self.axial_changes() {
                 twists[change.unknown] -= self.wheel_gain(instant, change.wheel) * change.turn;
             }
@@ -265,11 +272,11 @@ impl Motion<'_> {
         let map = self.map_at(state, instant);
         let R = matrix(&state.R_NB);
         Variation {
-            pose: Half::new(&pose_slopes(&R, instant, &map)),
+            pose: JacobianRows::new(&pose_slopes(&R, instant, &map)),
             map,
             drive: twists.iter().map(|twist| pose_change(&R, twist)).collect(),
             twists,
-            chord: (0..self.site.free.len())
+            chord: (0..self.input_state.free.len())
                 .map(|wheel| pose_change(&R, &self.wheel_gain(instant, wheel)))
                 .collect(),
         }
@@ -285,19 +292,24 @@ impl Motion<'_> {
 
     /// The equation where the last velocity was taken, if it was at this state.
     pub(super) fn variation(&self, state: &State) -> Option<&Variation> {
-        let ready = self.ready.as_ref().filter(|r| r.state == *state);
-        ready.and_then(|r| r.variation.as_deref())
+        let evaluated = self.evaluated.as_ref().filter(|r| r.state == *state);
+        evaluated.and_then(|r| r.variation.as_deref())
     }
 
     /// Change of the twist with one unknown, the state held.
-    fn twist_change(&self, unknown: usize, centre: &Centre, inverse_inertia: &Matrix6) -> Vector6 {
+    fn twist_change(
+        &self,
+        unknown: usize,
+        centre: &MassCentre,
+        inverse_inertia: &Matrix6,
+    ) -> Vector6 {
         let v = self.vehicle;
         let own = match &v.kinds[unknown] {
             UnknownKind::SpinInertia(w) => Vector6::from(self.wheel_columns[*w]),
             UnknownKind::WheelTilt(w, _) => {
-                let h = self.site.kinematics.R[v.tree.rotors[*w].body]
+                let h = self.input_state.kinematics.R[v.tree.rotors[*w].body]
                     * v.tilt_slopes[unknown]
-                    * (v.spin[*w] * self.site.wheels[*w]);
+                    * (v.spin[*w] * self.input_state.wheels[*w]);
                 Vector6::new(0.0, 0.0, 0.0, h.x, h.y, h.z)
             }
             kind if kind.is_nuisance() => return Vector6::zeros(),
@@ -317,13 +329,15 @@ impl Motion<'_> {
     }
 
     /// Change of the system's mass centre in B with one unknown: `d(mc)/m - c dm/m`.
-    fn mass_centre_change(&self, unknown: usize, centre: &Centre) -> Vector3 {
+    fn mass_centre_change(&self, unknown: usize, centre: &MassCentre) -> Vector3 {
         let mut change = Vector3::zeros();
         for &(at, slope) in &self.vehicle.slopes[unknown] {
             let (body, k) = (at / 10, at % 10);
             let step = match k {
-                0 => self.site.kinematics.p[body] - centre.c,
-                1..=3 => self.site.kinematics.R[body].column(k - 1).into_owned(),
+                0 => self.input_state.kinematics.p[body] - centre.c,
+                1..=3 => self.input_state.kinematics.R[body]
+                    .column(k - 1)
+                    .into_owned(),
                 _ => continue,
             };
             change += step * (slope / centre.mass);
@@ -331,16 +345,16 @@ impl Motion<'_> {
         change
     }
 
-    /// The same for the momentum, in the interval after grid time k; `None` where nothing pushes.
+    /// The same for the momentum, in the interval after grid time k; `None` without external force and torque.
     pub(super) fn push(
         &mut self,
         state: &State,
         instant: &Instant,
         variation: &Variation,
         k: usize,
-    ) -> Option<Push> {
-        let acts = self.pushed(k);
-        if !acts && !self.vehicle.pushes {
+    ) -> Option<MomentumVariation> {
+        let acts = self.has_external_wrench(k);
+        if !acts && !self.vehicle.has_unknown_wrench {
             return None;
         }
         let outside = self.outside_changes(state, k, &instant.centre, &instant.twist.w);
@@ -349,12 +363,12 @@ impl Motion<'_> {
         let (R, still) = (matrix(&state.R_NB), Vector3::zeros());
         let drive = |(u, twist): (usize, &Vector6)| {
             let kind = &self.vehicle.kinds[u];
-            if !acts && !kind.pushes() {
+            if !acts && !kind.is_external_wrench() {
                 return Vector6::zeros();
             }
             let dw: Vector3 = twist.fixed_rows::<3>(3).into();
             let mut dF = Vector3::zeros();
-            let mut dT = self.surroundings_change(state, centre, (w, &dw), &still, Some(u));
+            let mut dT = self.environment_torque_change(state, centre, (w, &dw), &still, Some(u));
             for force in &forces {
                 dT -= self.mass_centre_change(u, centre).cross(&force.F_B);
                 if *kind == UnknownKind::ThrusterScale(force.thruster) {
@@ -369,15 +383,15 @@ impl Motion<'_> {
             let (mut dP, dh) = (R * dF, R * dT);
             match kind {
                 UnknownKind::InertialForce(k) => dP[*k] += 1.0,
-                UnknownKind::Tide(k) => dP += self.tide(*k, state, centre),
+                UnknownKind::Tide(k) => dP += self.tidal_force(*k, state, centre),
                 _ => {}
             }
             Vector6::new(dP.x, dP.y, dP.z, dh.x, dh.y, dh.z)
         };
-        Some(Push {
+        Some(MomentumVariation {
             drive: variation.twists.iter().enumerate().map(drive).collect(),
             momentum: acts
-                .then(|| Half::new(&self.wrench_slopes(state, instant, &variation.map, k))),
+                .then(|| JacobianRows::new(&self.wrench_slopes(state, instant, &variation.map, k))),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! The vehicle at one value of the unknowns, and what drives it between the readings.
+//! The vehicle at one value of the unknowns, with its inputs between samples.
 
 use super::steps::Steps;
 use crate::motion::input_curves::InputCurves;
@@ -21,32 +21,32 @@ pub(crate) struct Vehicle<'a> {
     pub slopes: Vec<Vec<(usize, f64)>>,
     pub kinds: Vec<UnknownKind>,
     /// Whether any unknown is a force or torque from outside: it has a slope even where its value is zero.
-    pub pushes: bool,
+    pub has_unknown_wrench: bool,
     /// Constant torque in body axes, N m.
     pub torque_B: Vector3,
     /// Constant torque in inertial axes, N m.
     pub torque_N: Vector3,
     /// Coefficients of the drag torque `-c |w| w`, kg m2.
     pub drag: Vector3,
-    /// Whether wheel speeds run smoothly between the readings, or straight (torque held between them).
+    /// Whether wheel speeds are smooth between samples, or linear (constant torque).
     pub wheels_smooth: bool,
-    /// How finely its motion is propagated.
+    /// Integration steps of its motion.
     pub steps: Steps<'a>,
     /// Whether each joint's readings are noisy; empty where all are exact.
     pub noisy_joints: Vec<bool>,
-    /// Unknowns that change what joints and wheels do.
+    /// Unknowns that change joint and wheel motion.
     pub input_faults: Vec<InputFault>,
     /// Curves along which lags shift the inputs, where any is unknown.
     pub curves: Option<&'a InputCurves>,
     /// Slope of its wheel's axis over each unknown that is a tilt; zero for all others.
     pub tilt_slopes: Vec<Vector3>,
-    /// Thrusters that act late: the unknown, which thrusters, by how much, s.
+    /// Delayed thrusters: unknown, thrusters, delay in s.
     pub late_thrusters: Vec<(usize, Vec<usize>, f64)>,
     /// Gravitational parameter of the gravity gradient, where one acts.
     pub gm: Option<f64>,
 }
 
-/// An unknown fault of the readings of joints or wheels.
+/// An unknown error of joint or wheel samples.
 pub(crate) struct InputFault {
     /// Index of the unknown.
     pub unknown: usize,
@@ -84,7 +84,10 @@ impl<'a> Vehicle<'a> {
             thrust_factor,
             slopes: parameters.slopes(x),
             kinds: parameters.unknowns.iter().map(|u| u.kind.clone()).collect(),
-            pushes: parameters.unknowns.iter().any(|u| u.kind.pushes()),
+            has_unknown_wrench: parameters
+                .unknowns
+                .iter()
+                .any(|u| u.kind.is_external_wrench()),
             torque_B,
             torque_N,
             drag,
@@ -118,12 +121,12 @@ impl<'a> Vehicle<'a> {
         }
     }
 
-    /// Whether the surroundings push with something that depends on how the vehicle stands or moves.
-    pub fn has_surroundings(&self) -> bool {
+    /// Whether external torques depend on attitude or motion.
+    pub fn has_environment_torque(&self) -> bool {
         self.gm.is_some() || self.torque_B != Vector3::zeros() || self.drag != Vector3::zeros()
     }
 
-    /// Torque of the surroundings on the base in B, N m.
+    /// External torque on the base in B, N m.
     pub fn torque(&self, w: &Vector3) -> Vector3 {
         self.torque_B - self.drag.component_mul(w) * w.norm()
     }

@@ -1,15 +1,15 @@
-//! A vehicle that moves as the estimate says, where the estimate leaves numbers open.
+//! A vehicle that moves as estimated although some numbers are undetermined.
 //!
-//! The data determine combinations of the parameters, and motion under any forces depends on these alone
-//! wherever the data could see all that motion depends on. So any parameters with the determined
-//! combinations serve to predict; here those nearest to the nominal ones in natural units:
+//! The data determine combinations of the parameters, and motion under any forces depends on these alone if the data
+//! are sensitive to all of them. So any parameters with the determined combinations predict the same; here those
+//! nearest to the nominal ones in natural units:
 //!
 //! ```text
 //! min |D^-1 (x - x_nominal)|   with   C x = values of the determined combinations
 //! ```
 //!
-//! They are no estimate of single numbers and need not be physical. Whether the prediction really does
-//! not depend on the rest is for the caller to try: [`Completion::open`] spans it.
+//! They are no estimate of single numbers and need not be physical. The caller tests whether the prediction depends on
+//! the rest: [`Completion::open`] spans it.
 
 use crate::certify::combination::{Combination, split};
 use crate::problem::parameters::{Equations, Parameters, UnknownKind};
@@ -20,25 +20,25 @@ use poinsot_dynamics::Tree;
 use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
 
-/// Shortest part of a combination that the others do not already hold, relative to its length.
+/// Smallest independent part of a combination, relative to its length.
 const DEPENDENT: f64 = 1.0e-10;
 
 /// Why an estimate cannot be completed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CompletionError {
-    /// A combination names a parameter that the model does not ask for.
+    /// A combination has a parameter that the model does not estimate.
     #[error(
-        "the estimate speaks of '{0}', which is not among the unknowns of this model; give the model file that the estimate was made with"
+        "the estimate has the parameter '{0}', which is not an unknown of this model; give the model file that the estimate was made with"
     )]
     UnknownParameter(String),
     /// No combination at all: withheld, or nothing was determined.
     #[error(
-        "the estimate holds no determined combination (status rejected, or nothing identified): there is nothing to predict with; give an estimate of more data"
+        "the estimate has no determined combination (status rejected, or nothing identified), so it cannot predict; give an estimate from more data"
     )]
     Nothing,
-    /// Linear combinations do not hold all that is determined.
+    /// Linear combinations do not express all determined directions.
     #[error(
-        "the estimate determines {rank} directions and states {linear} linear combinations: parameters that predict the same do not follow from these; validate against the model instead, or give an estimate with translation measured"
+        "the estimate determines {rank} directions but has only {linear} linear combinations, which do not fix a prediction; validate against the model instead, or give an estimate with translation measured"
     )]
     Curved {
         /// Determined directions.
@@ -46,9 +46,9 @@ pub enum CompletionError {
         /// Linear combinations.
         linear: usize,
     },
-    /// Two combinations say the same.
+    /// Two combinations are dependent.
     #[error(
-        "the determined combinations of the estimate contradict each other: the file was changed; write it anew with identify"
+        "the determined combinations of the estimate contradict each other: the file was changed; write it again with identify"
     )]
     Dependent,
 }
@@ -61,8 +61,7 @@ pub struct Completion {
     pub x: Vec<f64>,
     /// How far they lie from the nominal ones, natural units (1: 100 %), root of the sum of squares.
     pub distance: f64,
-    /// A basis of what the estimate leaves open, one parameter of its own each; coefficients in the
-    /// parameters' units.
+    /// A basis of the undetermined directions, each with one unique parameter; coefficients in the parameters' units.
     pub open: Vec<Combination>,
 }
 
@@ -97,7 +96,7 @@ pub fn complete(
         _ if linear < rank => return Err(CompletionError::Curved { rank, linear }),
         _ => {}
     }
-    // The unknowns of an estimate that saw rotation alone have other names.
+    // The unknowns of an estimate from rotation alone have other names.
     let equations = [Equations::Momentum, Equations::Rotation];
     let mut refused = CompletionError::Nothing;
     for parameters in equations.map(|e| Parameters::new(model, tree, e, true)) {
@@ -148,7 +147,7 @@ fn complete_parameters(
     let along = triangle
         .tr_solve_upper_triangular(&lack)
         .ok_or(CompletionError::Dependent)?;
-    // The reflections applied to the unit matrix: the transposed basis, its last rows the open directions.
+    // The reflections applied to the unit matrix: the transposed basis, its last rows the unobservable directions.
     let mut basis = DMatrix::<f64>::identity(m, m);
     qr.q_tr_mul(&mut basis);
     let step = basis.rows(0, r).tr_mul(&along);
@@ -171,7 +170,7 @@ impl Completion {
         self.at(&self.x)
     }
 
-    /// The vehicle moved along an open direction until its own parameter has changed by `share` of its
+    /// The vehicle moved along an unobservable direction until its unique parameter has changed by `share` of its
     /// natural unit.
     pub fn moved(&self, direction: &Combination, share: f64) -> CompletedVehicle {
         let mut x = self.x.clone();
@@ -183,7 +182,7 @@ impl Completion {
         self.at(&x)
     }
 
-    /// Name of the parameter that an open direction has of its own.
+    /// Name of the unique parameter of an unobservable direction.
     pub fn name(&self, direction: &Combination) -> &str {
         let lead = direction.terms.first();
         lead.map_or("", |(at, _)| self.parameters.unknowns[*at].name.as_str())
@@ -242,7 +241,7 @@ estimate = true
         let bus = done.vehicle().bodies[0];
         assert!((bus.mass - 3.0 * bus.mc_B.x - 8.0).abs() < 1e-12);
         assert!((bus.I_BBo_B[(1, 1)] - 1.7).abs() < 1e-12);
-        // What no combination names stays nominal to round-off.
+        // Parameters in no combination stay nominal to round-off.
         assert!((bus.I_BBo_B[(0, 0)] - 1.0).abs() < 1e-14 && bus.mc_B.y.abs() < 1e-14);
         assert_eq!(done.open.len(), 8);
         for direction in &done.open {

@@ -1,20 +1,20 @@
-//! What the answer predicts for every sensor, beside what was measured: for the reader's eye.
+//! Predicted and measured curves of every sensor, for figures.
 //!
 //! Statistics come from every sample; curves keep at most a given number of points.
 
 use crate::answer;
 use crate::fit::coordinates::FitOptions;
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::fit_starts;
-use crate::likelihood::{ChannelResidual, Head, start};
+use crate::likelihood::{ChannelResidual, InitialState, start};
 use crate::methods::linear::{linear, solve_linear};
-use crate::methods::maximum_likelihood::{Ended, solve};
+use crate::methods::maximum_likelihood::{FinishedFit, solve};
 use crate::motion::{Instant, Motion, State};
 use crate::motion::{Vehicle, tilted};
 use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Firing, Segment, SensorRecord, SensorValue};
 use crate::problem::{Problem, ProblemError};
-use crate::sensors::{Ideal, across, gap, perfect, vector};
+use crate::sensors::{IdealSeries, across, ideal_measurement, measurement_error, vector};
 use crate::solution::estimate::Estimate;
 use poinsot_dynamics::{Kinematics, SensorErrors, composite, momentum, wheel_momentum};
 use poinsot_model::{SensorKind, printed_unit};
@@ -95,12 +95,16 @@ pub fn maximum_likelihood_predicted(
     options: impl Into<FitOptions>,
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
-    let Ended { solved, at, centre } = solve(problem, options.into())?;
-    let moved = centre.as_ref().map(|c| c.problem(problem));
-    let mut experiment = Experiment::new(moved.as_ref().unwrap_or(problem), &solved.parameters);
-    experiment.wheels_smooth = solved.wheels_smooth;
+    let FinishedFit {
+        solution,
+        at,
+        shifted,
+    } = solve(problem, options.into())?;
+    let moved = shifted.as_ref().map(|c| c.problem(problem));
+    let mut experiment = Experiment::new(moved.as_ref().unwrap_or(problem), &solution.parameters);
+    experiment.wheels_smooth = solution.wheels_smooth;
     let predictions = predict(&experiment, &at, points);
-    Ok((answer::write_with_remedies(problem, &solved), predictions))
+    Ok((answer::write_with_remedies(problem, &solution), predictions))
 }
 
 /// The linear method with what its answer predicts, at most `points` points a curve.
@@ -112,9 +116,9 @@ pub fn linear_predicted(
     points: usize,
 ) -> Result<(Estimate, Vec<Prediction>), ProblemError> {
     let estimate = linear(problem)?;
-    let solved = solve_linear(problem)?;
-    let experiment = Experiment::new(problem, &solved.parameters);
-    let at = solved.point(&experiment);
+    let solution = solve_linear(problem)?;
+    let experiment = Experiment::new(problem, &solution.parameters);
+    let at = solution.point(&experiment);
     Ok((estimate, predict(&experiment, &at, points)))
 }
 
@@ -122,7 +126,7 @@ pub fn linear_predicted(
 /// to the readings, nothing else. Empty where such bodies cannot move.
 ///
 /// # Errors
-/// The question cannot be asked.
+/// The model or the data are not valid for the method.
 pub fn predicted_by(
     problem: &Problem,
     bodies: &[MassProperties],
@@ -146,21 +150,21 @@ pub fn predicted_by(
     let experiment = Experiment::new(&held, &parameters);
     match fit_starts(&experiment, STARTS) {
         Ok(at) => Ok(predict(&experiment, &at, points)),
-        // Such bodies cannot move: an answer, and no curve.
+        // Bodies without a motion: an answer, but no curve.
         Err(ProblemError::NoMotion) => Ok(Vec::new()),
         Err(other) => Err(other),
     }
 }
 
 /// Empty where the vehicle cannot move as the answer says.
-pub(crate) fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec<Prediction> {
+pub(crate) fn predict(experiment: &Experiment, at: &Iterate, points: usize) -> Vec<Prediction> {
     let Some(evaluated) = experiment.evaluate(at, false) else {
         return Vec::new();
     };
     let segments = experiment.problem.segments;
     (0..segments.len())
         .map(|s| {
-            segment(experiment, &at.x, &at.heads[s], s, points)
+            segment(experiment, &at.x, &at.initial_states[s], s, points)
                 .map(|mut prediction| {
                     for channel in &mut prediction.channels {
                         let own = evaluated[s]
@@ -181,7 +185,7 @@ pub(crate) fn predict(experiment: &Experiment, at: &Point, points: usize) -> Vec
 fn segment(
     experiment: &Experiment,
     x: &[f64],
-    head: &Head,
+    initial_state: &InitialState,
     at: usize,
     points: usize,
 ) -> Option<Prediction> {
@@ -199,7 +203,7 @@ fn segment(
     vehicle.wheels_smooth = setting.wheels_smooth;
     vehicle.curves = setting.curves.get(at);
     vehicle.steps = setting.steps(at);
-    let (mut state, _) = start(head, experiment.unknown[at], x.len());
+    let (mut state, _) = start(initial_state, experiment.unknown[at], x.len());
     let mut motion = Motion::new(&vehicle, segment, Vec::new(), 0);
     let late: Vec<bool> = segment
         .observations
@@ -207,7 +211,7 @@ fn segment(
         .iter()
         .map(|r| experiment.parameters.sensor_errors(x, r.sensor).lag_s != 0.0)
         .collect();
-    let ideal = Ideal::new(&vehicle, segment, &state, &late)?;
+    let ideal = IdealSeries::new(&vehicle, segment, &state, &late)?;
     let mut recorder = Recorder::new(segment, experiment.parameters, x, points);
     let samples = segment.observations.time_s.len();
     for k in 0..samples {
@@ -223,13 +227,13 @@ fn segment(
     Some(recorder.finish())
 }
 
-/// Keeps one of every so many samples.
-struct Sieve {
+/// Keeps one of n samples.
+struct Decimator {
     stride: usize,
     seen: usize,
 }
 
-impl Sieve {
+impl Decimator {
     fn new(samples: usize, points: usize) -> Self {
         Self {
             stride: samples.div_ceil(points.max(1)).max(1),
@@ -247,10 +251,10 @@ impl Sieve {
 type Inputs<'a> = (&'a [f64], &'a [f64], &'a [f64]);
 
 /// One sensor in the course of a segment.
-struct Follower {
+struct SensorCursor {
     errors: SensorErrors,
     next: usize,
-    sieve: Sieve,
+    sieve: Decimator,
     /// Grid time and reading where the increment in hand began.
     began: Option<(usize, Vector3)>,
     channel: PredictedChannel,
@@ -258,12 +262,12 @@ struct Follower {
 
 struct Recorder<'a> {
     segment: &'a Segment,
-    all: Vec<Follower>,
+    all: Vec<SensorCursor>,
     /// Samples and errors of the gyro whose rates give the measured momentum.
     gyro: (Vec<(usize, Vector3)>, SensorErrors),
     next_rate: usize,
     kinematics: Option<Kinematics>,
-    sieves: [Sieve; 2],
+    sieves: [Decimator; 2],
     prediction: Prediction,
 }
 
@@ -276,10 +280,10 @@ impl<'a> Recorder<'a> {
         let momentum = channel("momentum", ["N m s"; 2], &["h_x", "h_y", "h_z"]);
         let rates: Vec<(usize, Vector3)> = o.rates().collect();
         let gyro = o.best_gyro().and_then(|r| r.sensor);
-        let follower = |record: &SensorRecord| Follower {
+        let cursor = |record: &SensorRecord| SensorCursor {
             errors: parameters.sensor_errors(x, record.sensor),
             next: 0,
-            sieve: Sieve::new(record.samples.len(), points),
+            sieve: Decimator::new(record.samples.len(), points),
             began: None,
             channel: PredictedChannel {
                 samples: record.samples.len(),
@@ -288,8 +292,8 @@ impl<'a> Recorder<'a> {
         };
         Self {
             segment,
-            all: o.sensors.iter().map(follower).collect(),
-            sieves: [o.time_s.len(), rates.len()].map(|n| Sieve::new(n, points)),
+            all: o.sensors.iter().map(cursor).collect(),
+            sieves: [o.time_s.len(), rates.len()].map(|n| Decimator::new(n, points)),
             gyro: (rates, parameters.sensor_errors(x, gyro)),
             next_rate: 0,
             kinematics: None,
@@ -337,7 +341,7 @@ impl<'a> Recorder<'a> {
         motion: &mut Motion,
         (state, k): (&State, usize),
         instant: &Instant,
-        ideal: &Ideal,
+        ideal: &IdealSeries,
     ) {
         let o = &self.segment.observations;
         let (record, one) = (&o.sensors[i], &mut self.all[i]);
@@ -349,7 +353,7 @@ impl<'a> Recorder<'a> {
         if kept.is_none() && !begins {
             return;
         }
-        let (value, rate) = perfect(record, motion, (state, k), instant);
+        let (value, rate) = ideal_measurement(record, motion, (state, k), instant);
         let rate = rate.unwrap_or_else(|| ideal.rate(i, &o.time_s, k));
         let reading = one.errors.reading(&vector(&value), &rate);
         let clear = reading - one.errors.bias;
@@ -363,7 +367,7 @@ impl<'a> Recorder<'a> {
             (SensorValue::Attitude(measured), SensorValue::Attitude(truth)) => {
                 let expected = truth * UnitQuaternion::from_scaled_axis(reading);
                 let own = xyzw(&measured, last(&one.channel.measured));
-                let residual = gap(&value, &sample.value) - reading;
+                let residual = measurement_error(&value, &sample.value) - reading;
                 one.channel
                     .push(t, &own, &xyzw(&expected, Some(own)), &residual);
             }
@@ -410,7 +414,7 @@ impl<'a> Recorder<'a> {
         p.motion.q_NB_xyzw.push(xyzw(&state.R_NB, before));
     }
 
-    /// Angular momentum about the mass centre does not feel the velocity of the base.
+    /// Angular momentum about the mass centre does not depend on the velocity of the base.
     fn momentum_point(
         &mut self,
         (vehicle, (q, rates, speed)): (&Vehicle, Inputs),

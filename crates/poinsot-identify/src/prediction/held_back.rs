@@ -1,7 +1,7 @@
-//! Held-back telemetry: how well given mass properties predict a record that they were not found from.
+//! Held-back telemetry: how well given mass properties predict a record that was not used.
 //!
-//! Nothing of the vehicle is fitted. What belongs to the record alone is: pose and momentum at the start of
-//! each segment, and biases and other nuisances that the model declares unknown.
+//! No vehicle parameter is fitted, only those of the record: pose and momentum at the start of each segment, and biases
+//! and other nuisances that the model declares unknown.
 
 use crate::diagnosis::diagnose;
 use crate::fit::degrees_of_freedom::fitted_numbers;
@@ -24,10 +24,10 @@ pub struct HeldBack {
     pub worst: Vec<Vec<f64>>,
     /// Measured and predicted.
     pub predictions: Vec<Prediction>,
-    /// What the residuals say: outliers, what would explain them, spectral lines.
+    /// Diagnosis of the residuals: outliers, causes, spectral lines.
     pub findings: Vec<String>,
     /// Whether the fit of pose, momentum and nuisances settled.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 /// Compares the segments of a problem with the motion that a vehicle predicts; the model of the problem gives
@@ -54,7 +54,7 @@ pub fn held_back(
     experiment.loss = Loss::Gaussian;
     let mut fitted = fit(&experiment, None, ITERATIONS)?;
     if !model.wheels.is_empty() {
-        // As in an identification: the data decide how wheels run between readings.
+        // As in an identification: the data decide the wheel interpolation.
         experiment.wheels_smooth = true;
         let smooth = fit(&experiment, None, ITERATIONS)?;
         if experiment.cost_of(&smooth) < experiment.cost_of(&fitted) {
@@ -79,7 +79,7 @@ pub fn held_back(
         worst: worst.collect(),
         predictions,
         findings,
-        settled: fitted.settled,
+        converged: fitted.converged,
     })
 }
 

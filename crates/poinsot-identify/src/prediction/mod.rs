@@ -1,4 +1,4 @@
-//! What an answer predicts, for the eye and for records that were not used.
+//! Predictions of an answer, for figures and held-back records.
 
 pub(crate) mod completion;
 pub(crate) mod curves;

@@ -1,7 +1,7 @@
-//! How much a reading far from its prediction counts.
+//! Loss functions of residuals.
 
-/// Squared lengths, in sigmas, of readings of one, two and three numbers at which Huber's loss turns from squares to lengths:
-/// one reading in twenty lies beyond by chance.
+/// Squared lengths, in sigmas, of readings of one, two and three numbers at which Huber's loss turns from squares to
+/// lengths: 5 % of Gaussian samples exceed it.
 const HUBER: [f64; 3] = [3.84, 5.99, 7.81];
 /// Degrees of freedom of Student's distribution.
 const STUDENT: f64 = 5.0;

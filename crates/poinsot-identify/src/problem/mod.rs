@@ -1,4 +1,4 @@
-//! What is asked: segments of telemetry, unknowns, priors, loss.
+//! The problem: segments of telemetry, unknowns, priors, loss.
 
 pub(crate) mod loss;
 pub(crate) mod parameters;

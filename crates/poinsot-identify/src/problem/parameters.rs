@@ -1,5 +1,4 @@
-//! The unknowns of the linear problem: which numbers are asked for and how they make up the ten
-//! parameters of every body.
+//! The unknowns of the linear problem: the estimated numbers and their map to the ten parameters of every body.
 
 mod kind;
 mod known_numbers;
@@ -20,7 +19,7 @@ pub use poinsot_spatial::{TENSOR, tensor_index, tensor_name};
 /// One unknown number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unknown {
-    /// What it is.
+    /// Meaning.
     pub kind: UnknownKind,
     /// Name as it appears in the result, for example `bus.I_BBo_xx`.
     pub name: String,
@@ -56,7 +55,7 @@ pub struct Parameters {
     pub nominal: Vec<InertialParameters>,
     /// Names of the bodies.
     pub body_names: Vec<String>,
-    /// What is asked for, per body.
+    /// Estimated quantities, per body.
     pub estimate: Vec<EstimateSet>,
     /// Nominal mass properties of every body.
     pub nominal_properties: Vec<MassProperties>,
@@ -70,12 +69,12 @@ pub struct Parameters {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Why the question cannot be asked of the linear method.
+/// Why the linear method cannot solve a problem.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParametersError {
     /// The nominal numbers make a product of unknowns.
     #[error(
-        "E0401 body '{body}': estimate asks for the mass centre while the inertia about it is held; that is a product of unknowns, which the linear method cannot solve; add \"inertia\" to estimate or use --method maximum_likelihood"
+        "E0401 body '{body}': estimate has the mass centre but not the inertia; the linear method cannot solve that product of unknowns; add \"inertia\" to estimate or use --method maximum_likelihood"
     )]
     Nonlinear {
         /// Body.
@@ -83,20 +82,20 @@ pub enum ParametersError {
     },
     /// Nothing is unknown.
     #[error(
-        "E0402 the model has nothing to estimate: every body is given as known; set estimate = true on at least one body"
+        "E0402 the model has nothing to estimate: every body is known; set estimate = true on at least one body"
     )]
     NothingUnknown,
     /// A tree without a translation sensor.
     #[error(
-        "E0403 no velocity: no channels v_x v_y v_z, or no [[sensor]] of type \"velocity\" in the model: the linear method can use rotation alone only for one rigid body whose mass properties are all asked of it; this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
+        "E0403 no velocity (channels v_x v_y v_z with a [[sensor]] of type \"velocity\"): without it the linear method identifies one fully unknown rigid body only, and this model has {bodies} bodies; add velocity or use --method maximum_likelihood"
     )]
     RotationOfTree {
         /// Number of bodies.
         bodies: usize,
     },
-    /// The matrices would not fit into memory, nor the time into a day.
+    /// The matrices would exceed memory and computing time.
     #[error(
-        "E0406 the model asks for {numbers} mass properties at once; at most {MOST_NUMBERS} are solved for; take estimate out of bodies that are known well enough"
+        "E0406 the model has {numbers} mass properties to estimate, more than the limit of {MOST_NUMBERS}; take estimate out of bodies that are known well enough"
     )]
     TooMany {
         /// Numbers asked for.
@@ -104,14 +103,14 @@ pub enum ParametersError {
     },
 }
 
-/// Most mass properties that are solved for together: their spectrum costs the cube of it.
+/// Largest number of mass properties in one fit: the cost of their spectrum is cubic.
 const MOST_NUMBERS: usize = 1000;
 
 impl Parameters {
     /// The unknowns of a model under the equations that the data allow.
     ///
     /// # Errors
-    /// The question cannot be put as a linear problem.
+    /// The problem is not linear.
     pub fn new(
         model: &Model,
         tree: &Tree,
@@ -173,7 +172,7 @@ impl Parameters {
         parameters
     }
 
-    /// The same unknowns of a vehicle whose known numbers differ; `None` where the question cannot be asked of it.
+    /// The same unknowns of a vehicle whose known numbers differ; `None` if the problem is not valid for it.
     pub(crate) fn of_vehicle(&self, model: &Model, tree: &Tree) -> Option<Self> {
         let fires = self.unknowns.iter();
         let fires = fires
@@ -222,8 +221,7 @@ impl Parameters {
         });
     }
 
-    /// Unknowns of one body under the momentum equations: linear wherever the mass centre is not asked
-    /// for on its own.
+    /// Unknowns of one body under the momentum equations: linear unless the mass centre alone is estimated.
     fn add_body(&mut self, body: usize) -> Result<(), ParametersError> {
         let asked = self.estimate[body];
         if !asked.any() {
@@ -314,7 +312,7 @@ impl Parameters {
         let (m, l) = self.natural[0];
         let given = self.nominal_properties[0];
         let name = self.body_names[0].clone();
-        // Without thrusters the mass centre never enters: it is left out, and reported as unseen.
+        // Without thrusters the mass centre never enters: it is omitted and reported as unobservable.
         if asked.com && thrusters_fire {
             for (k, axis) in AXES.iter().enumerate() {
                 self.push(
@@ -431,13 +429,13 @@ fn wheel_axes(model: &Model) -> Vec<(Vector3, [Vector3; 2])> {
     wheels.map(|w| (w.axis_B, w.tilt_axes())).collect()
 }
 
-/// Gravitational parameter of the centre, m3/s2, where the gravity gradient is asked for.
+/// Gravitational parameter of the centre, m3/s2, if the gravity gradient is included.
 fn gradient_gm(model: &Model) -> Option<f64> {
     let around = &model.environment;
     around.point_mass_gm.filter(|_| around.gravity_gradient)
 }
 
-/// Natural unit of mass and length per body; a massless nominal body borrows those of the vehicle.
+/// Natural unit of mass and length per body; a massless nominal body has those of the vehicle.
 fn natural_units(
     tree: &Tree,
     properties: &[MassProperties],
@@ -470,8 +468,8 @@ pub fn axis_name(k: usize) -> &'static str {
     AXES[k % 3]
 }
 
-/// Values of the unknowns of the rotation of one body as those of barycentric unknowns; mass and whatever else it does not
-/// know at their nominal values.
+/// Values of the unknowns of the rotation of one body as those of barycentric unknowns; mass and other missing unknowns
+/// at their nominal values.
 pub(crate) fn lifted_vector(from: &Parameters, x: &[f64], parameters: &Parameters) -> Vec<f64> {
     let body = rotation_properties(from, x);
     let pi = body.parameters().to_array();

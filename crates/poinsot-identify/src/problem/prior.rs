@@ -1,4 +1,4 @@
-//! What is known before the data: declared sigmas of nominal values, as rows beside those of the sensors.
+//! Priors: declared sigmas of nominal values, as rows in addition to those of the sensors.
 
 use crate::problem::Problem;
 use crate::problem::parameters::{
@@ -9,9 +9,9 @@ use nalgebra::{DMatrix, Matrix4};
 use poinsot_model::{Nuisance, Prior, SensorKind};
 use poinsot_spatial::{InertialParameters, pseudo_inertia};
 
-/// Sigmas between a declared number and what the data say of it, from which they contradict each other.
+/// Difference between a declared number and its estimate, sigmas, from which they contradict each other.
 pub(crate) const CONTRADICTED_SIGMAS: f64 = 5.0;
-/// Least share of a declared variance that the data leave to judge it by.
+/// Smallest share of a declared variance for a test against the data.
 pub(crate) const LEAST_SHARE: f64 = 1.0e-6;
 
 /// One row: `gradient . dx = residual`, both over the sigma.
@@ -36,12 +36,12 @@ pub(crate) struct Declared {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Conflict {
     pub text: String,
-    /// Factor on every variance that covers what the priors of mass properties have moved the answer by. Calibrations (a bias,
-    /// a random torque) act on the answer through others, and a bound on that would be far above what they do.
+    /// Factor on every variance that covers the shift of the answer by the priors of mass properties. Calibrations (a
+    /// bias, a random torque) act on the answer through others, and a bound on that would be far above what they do.
     pub ratio: f64,
 }
 
-/// Rows of the declared priors at a value of the unknowns, and what they add to chi-square.
+/// Rows of the declared priors at a value of the unknowns, and their contribution to chi-square.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PriorRows {
     pub rows: Vec<PriorRow>,

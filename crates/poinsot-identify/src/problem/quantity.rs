@@ -65,7 +65,7 @@ impl TenParameters {
         sum
     }
 
-    /// The body these numbers make.
+    /// The body with these numbers.
     pub fn inertial(&self) -> InertialParameters {
         InertialParameters::from_array(&self.value)
     }

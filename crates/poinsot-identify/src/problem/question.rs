@@ -1,4 +1,4 @@
-//! The question put to an estimator.
+//! The problem of an estimator.
 
 use crate::problem::parameters::{Equations, Parameters, ParametersError};
 use crate::problem::segment::{Noise, Segment};
@@ -6,7 +6,7 @@ use poinsot_dynamics::Tree;
 use poinsot_model::Model;
 use poinsot_solve::NotFinite;
 
-/// The question: which numbers of this vehicle follow from these segments?
+/// The identification problem: a vehicle and its segments of telemetry.
 #[derive(Clone, Copy)]
 pub struct Problem<'a> {
     /// Vehicle with nominal numbers.
@@ -21,16 +21,16 @@ pub struct Problem<'a> {
     pub relative_accuracy: f64,
 }
 
-/// Why a problem has no answer.
+/// Why a problem has no solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ProblemError {
-    /// The question cannot be put.
+    /// The problem is not valid.
     #[error(transparent)]
     Parameters(#[from] ParametersError),
     /// The numbers overflow.
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
-    /// Fewer samples than any motion needs.
+    /// Too few samples.
     #[error(
         "E0404 segment '{label}': {samples} samples are not enough, at least 2 are needed; give a longer record"
     )]
@@ -40,9 +40,9 @@ pub enum ProblemError {
         /// Samples found.
         samples: usize,
     },
-    /// The nominal vehicle cannot move.
+    /// The nominal vehicle has no motion.
     #[error(
-        "E0405 the motion cannot be predicted from the nominal mass properties: the vehicle has no positive mass or inertia, or would turn five times faster than measured; check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
+        "E0405 the motion cannot be predicted from the nominal mass properties (no positive mass or inertia, or a rotation five times faster than measured); check mass_kg and inertia_kg_m2 in the model and the units of wheel and joint columns"
     )]
     NoMotion,
 }
@@ -64,7 +64,7 @@ impl Problem<'_> {
     /// seen.
     ///
     /// # Errors
-    /// The question cannot be put.
+    /// The problem is not valid.
     pub(crate) fn likelihood_parameters(&self) -> Result<Parameters, ParametersError> {
         let fires = self.segments.iter().any(|s| !s.firings.is_empty());
         let of = |equations| Parameters::new(self.model, self.tree, equations, fires);

@@ -1,4 +1,4 @@
-//! One stretch of telemetry, aligned on the gyro's times: what the linear rung needs.
+//! One segment of telemetry, aligned on the gyro's times, for the linear method.
 
 use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, UnitQuaternion, Vector3};
@@ -151,7 +151,7 @@ impl SensorRecord {
     }
 }
 
-/// What every sensor really read, each at its own times, on one grid: what maximum likelihood needs.
+/// Samples of every sensor at its own times, on one grid, for maximum likelihood.
 ///
 /// The grid holds the times of all sensors and the edges of all firings. Joints and wheels are inputs and
 /// have a value at every time.
@@ -173,7 +173,7 @@ pub struct Observations {
     /// Wheel speeds as a smooth curve through their readings has them, where some are not read at every time; empty
     /// otherwise. `wheel_speed` then runs straight between readings.
     pub smooth_wheel_speed: Vec<f64>,
-    /// How the errors of each joint's position hang together; independent where the list is shorter.
+    /// Error correlation of each joint's position; independent if the list is shorter.
     pub joint_errors: Vec<InputErrors>,
     /// The same for each wheel's speed.
     pub wheel_errors: Vec<InputErrors>,
@@ -210,7 +210,7 @@ impl Observations {
         self.of_kind(kind).next().is_some()
     }
 
-    /// Whether any sensor reads at a point what the motion of the inputs does there at once.
+    /// Whether any sensor at a point depends directly on the input motion.
     pub(crate) fn reads_points(&self) -> bool {
         self.reads(SensorKind::Accelerometer) || self.reads(SensorKind::VelocityIncrement)
     }
@@ -220,7 +220,7 @@ impl Observations {
         self.reads(SensorKind::Position) || self.reads(SensorKind::Velocity)
     }
 
-    /// The gyro of the base that tells most of its rate: samples over variance.
+    /// The most informative gyro of the base: samples over variance.
     pub fn best_gyro(&self) -> Option<&SensorRecord> {
         let weight = |r: &SensorRecord| r.samples.len() as f64 / r.covariance.trace();
         let base = self.of_kind(SensorKind::Gyro).filter(|r| r.body == 0);
@@ -251,13 +251,13 @@ impl Observations {
     }
 }
 
-/// How the errors of an input's readings hang together along the grid of a segment.
+/// Error correlation of an input's samples along the grid of a segment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum InputErrors {
-    /// Every value errs on its own.
+    /// Independent errors.
     #[default]
     Independent,
-    /// The input is given, not read: a joint without a column.
+    /// The input is given, not measured: a joint without a column.
     None,
     /// One error for the whole segment, and no rate: the reading never changes.
     Locked,
@@ -291,7 +291,7 @@ pub struct Accelerations {
 /// One segment: its own initial momentum, the bodies shared with the others.
 #[derive(Debug, Clone, Default)]
 pub struct Segment {
-    /// What to call it in messages: the file name.
+    /// Name in messages: the file name.
     pub label: String,
     /// Aligned samples.
     pub samples: Samples,
@@ -303,8 +303,8 @@ pub struct Segment {
     pub accelerations: Option<Accelerations>,
 }
 
-/// Declared noise of what enters the linear rows ([`Samples`]) and of the inputs, one sample each, and the part of it
-/// that is really seen in the data (0 for a noise-free file).
+/// Declared noise of what enters the linear rows ([`Samples`]) and of the inputs, one sample each, and its observed
+/// share in the data (0 for a noise-free file).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
     /// Index in the model of the gyro from which the rates of [`Samples`] come.
@@ -323,10 +323,10 @@ pub struct Noise {
     pub joint_rate: Vec<f64>,
     /// Variance of each wheel speed, rad2/s2.
     pub wheel_speed: Vec<f64>,
-    /// Seen over declared variance of the gyro.
+    /// Observed over declared variance of the gyro.
     pub seen_gyro: f64,
-    /// Seen over declared variance of the velocity.
+    /// Observed over declared variance of the velocity.
     pub seen_velocity: f64,
-    /// Seen over declared variance of the joint rates.
+    /// Observed over declared variance of the joint rates.
     pub seen_joint_rate: f64,
 }

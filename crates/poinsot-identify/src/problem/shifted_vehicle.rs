@@ -8,7 +8,7 @@ use poinsot_model::{KnownNumber, Model, SensorKind};
 use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// The vehicle with its known numbers at other values than those of the model.
-pub(crate) struct Centre {
+pub(crate) struct ShiftedVehicle {
     model: Model,
     tree: Tree,
     segments: Option<Vec<Segment>>,
@@ -16,8 +16,8 @@ pub(crate) struct Centre {
     pub parameters: Parameters,
 }
 
-impl Centre {
-    /// `changes` are added to the numbers of the problem; `None` where no such vehicle can be asked about.
+impl ShiftedVehicle {
+    /// `changes` are added to the numbers of the problem; `None` without a valid vehicle.
     pub fn new(
         problem: &Problem,
         parameters: &Parameters,
@@ -64,7 +64,7 @@ impl Centre {
         Self::new(problem, parameters, &changes.collect::<Vec<_>>())
     }
 
-    /// The question asked of that vehicle.
+    /// The problem of that vehicle.
     pub fn problem<'a>(&'a self, problem: &Problem<'a>) -> Problem<'a> {
         Problem {
             model: &self.model,
@@ -75,7 +75,7 @@ impl Centre {
     }
 }
 
-/// What would have been read with another thrust for each newton, or with a sensor mounted otherwise.
+/// Samples with another thrust factor or sensor mounting.
 fn reread(segments: &mut [Segment], number: KnownNumber, component: usize, change: f64) {
     for segment in segments {
         match number {

@@ -1,22 +1,21 @@
-//! What change would resolve an unobservable direction: tried, not guessed.
+//! Changes that resolve an unobservable direction: computed, not guessed.
 //!
-//! To what the experiment determines already comes one record more, with a motion, a thrust, a momentum or a sensor that
-//! it does not have, or one number that is given. The information of both together is decomposed again, and a
-//! direction counts as resolved where it lies in what is then identified. Nothing is simulated: information needs
-//! the predicted motion and the noise, and no samples. Where no change alone resolves a direction, pairs are tried.
+//! One record with another motion, thrust, momentum or sensor, or one known number, is added to the experiment. The
+//! joint information is decomposed again, and a direction is resolved if it is then identified. Information needs the
+//! predicted motion and the noise, but no simulated samples. Pairs are tested if no single change resolves a direction.
 
-mod ground;
+mod baseline;
 mod records;
 
 use crate::problem::Problem;
-use crate::solution::estimate::OpenCombination;
-use crate::solution::solved::Solved;
-use ground::Ground;
+use crate::solution::estimate::UnobservableCombination;
+use crate::solution::solved::Solution;
+use baseline::Baseline;
 use poinsot_solve::Spectrum;
 
 /// Share of a direction's square that must be identified for it to count as resolved.
 const CLOSED: f64 = 0.99;
-/// Share of a direction's square below which a change shows nothing of it.
+/// Share of a direction's square below which a change has no effect on it.
 const NOTHING: f64 = 0.05;
 /// Changes of which pairs are tried for a direction.
 const PAIRED: usize = 8;
@@ -24,14 +23,14 @@ const PAIRED: usize = 8;
 /// A row of information: over all unknowns in the order of the parameters.
 type Row = Vec<f64>;
 
-/// What a change takes, the least first.
+/// Effort of a change, the smallest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Effort {
-    /// A manoeuvre with what the vehicle has.
+    /// A manoeuvre of the existing vehicle.
     Manoeuvre,
-    /// Something that the vehicle does not have.
+    /// Additional equipment.
     Equipment,
-    /// A number from elsewhere.
+    /// A number from another source.
     Number,
 }
 
@@ -42,18 +41,18 @@ struct Change {
     rows: Vec<Row>,
 }
 
-/// What a change does.
+/// Effect of a change.
 struct Effect {
     text: String,
     effort: Effort,
-    /// Per open direction: the share identified, and the one sigma of what is, natural units.
+    /// Per unobservable direction: the identified share and its sigma, natural units.
     seen: Vec<(f64, f64)>,
 }
 
 impl Effect {
-    fn of(ground: &Ground, changes: &[&Change], directions: &[Vec<f64>]) -> Option<Self> {
+    fn of(baseline: &Baseline, changes: &[&Change], directions: &[Vec<f64>]) -> Option<Self> {
         let rows: Vec<&Row> = changes.iter().flat_map(|c| &c.rows).collect();
-        let spectrum = ground.spectrum(&rows)?;
+        let spectrum = baseline.spectrum(&rows)?;
         let texts: Vec<&str> = changes.iter().map(|c| c.text.as_str()).collect();
         Some(Self {
             seen: directions.iter().map(|z| seen(&spectrum, z)).collect(),
@@ -81,14 +80,18 @@ impl Effect {
     }
 }
 
-/// Puts what was tried in the place of each remedy. Open directions keep theirs where nothing can be tried: the
-/// answer was withheld, or priors hold what the data leave open.
-pub(crate) fn try_changes(problem: &Problem, solved: &Solved, open: &mut [OpenCombination]) {
-    let can = matches!(solved.method, "maximum_likelihood" | "cramer_rao")
-        && solved.data_alone.is_none()
-        && solved.settled
+/// Replaces each remedy by a tested one. Unobservable directions keep theirs if none can be tested: the answer was
+/// withheld, or priors determine them.
+pub(crate) fn try_changes(
+    problem: &Problem,
+    solution: &Solution,
+    open: &mut [UnobservableCombination],
+) {
+    let can = matches!(solution.method, "maximum_likelihood" | "cramer_rao")
+        && solution.data_alone.is_none()
+        && solution.converged
         && !open.is_empty();
-    let Some(tried) = can.then(|| Tried::new(problem, solved, open)).flatten() else {
+    let Some(tried) = can.then(|| Tried::new(problem, solution, open)).flatten() else {
         return;
     };
     for (k, direction) in open.iter_mut().enumerate() {
@@ -98,33 +101,37 @@ pub(crate) fn try_changes(problem: &Problem, solved: &Solved, open: &mut [OpenCo
     }
 }
 
-/// Every change with what it does.
+/// Every change with its effect.
 struct Tried<'a> {
-    ground: Ground<'a>,
+    baseline: Baseline<'a>,
     directions: Vec<Vec<f64>>,
     changes: Vec<(Change, Effect)>,
 }
 
 impl<'a> Tried<'a> {
-    fn new(problem: &'a Problem<'a>, solved: &Solved, open: &[OpenCombination]) -> Option<Self> {
-        let ground = Ground::new(problem, solved)?;
-        let directions: Vec<Vec<f64>> = open.iter().map(|o| ground.direction(o)).collect();
-        let changes: Vec<(Change, Effect)> = ground
+    fn new(
+        problem: &'a Problem<'a>,
+        solution: &Solution,
+        open: &[UnobservableCombination],
+    ) -> Option<Self> {
+        let baseline = Baseline::new(problem, solution)?;
+        let directions: Vec<Vec<f64>> = open.iter().map(|o| baseline.direction(o)).collect();
+        let changes: Vec<(Change, Effect)> = baseline
             .changes()
             .into_iter()
             .filter_map(|change| {
-                let effect = Effect::of(&ground, &[&change], &directions)?;
+                let effect = Effect::of(&baseline, &[&change], &directions)?;
                 Some((change, effect))
             })
             .collect();
         (!changes.is_empty()).then_some(Self {
-            ground,
+            baseline,
             directions,
             changes,
         })
     }
 
-    /// The best change for one direction in words; the best pair where none helps alone.
+    /// The best change for one direction in words; the best pair if no single change helps.
     fn sentence(&self, k: usize) -> Option<String> {
         let effects = || self.changes.iter().map(|c| &c.1);
         if let Some(best) = best(effects(), k) {
@@ -139,7 +146,7 @@ impl<'a> Tried<'a> {
             others.map(move |b| [&a.0, &b.0])
         });
         let pairs: Vec<Effect> = pairs
-            .filter_map(|pair| Effect::of(&self.ground, &pair, &self.directions))
+            .filter_map(|pair| Effect::of(&self.baseline, &pair, &self.directions))
             .collect();
         if let Some(best) = best(pairs.iter(), k) {
             return Some(format!("only together: {}", best.words(k)));
@@ -160,7 +167,7 @@ impl<'a> Tried<'a> {
     }
 }
 
-/// What resolves a direction with the least effort; of equal ones what resolves most, then the most accurate.
+/// The change that resolves a direction with the least effort; then the one that resolves most, then the most accurate.
 fn best<'e>(effects: impl Iterator<Item = &'e Effect>, k: usize) -> Option<&'e Effect> {
     let closing = effects.filter(|e| e.seen[k].0 > CLOSED);
     closing.min_by(|a, b| {

@@ -1,8 +1,8 @@
-//! Records that are tried: a turn, a joint's motion, a sensor, a thrust. Those that the vehicle can do come first.
+//! Tested records: a rotation, a joint motion, a sensor, a thrust. Those within the vehicle's capability come first.
 
-use super::ground::Ground;
+use super::baseline::Baseline;
 use super::{Change, Effort, Row};
-use crate::likelihood::{Head, HeadColumns, Setting, Sight, evaluate};
+use crate::likelihood::{InitialState, InitialStateColumns, MeasuredMotion, Setting, evaluate};
 use crate::motion::input_curves::InputCurves;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::axis_name;
@@ -19,26 +19,26 @@ const SPAN: f64 = 120.0;
 const VELOCITY: f64 = 1.0e-3;
 /// Noise of the accelerometer tried, m/s2.
 const ACCELERATION: f64 = 1.0e-4;
-/// Least rate that is tried about an axis, rad/s.
+/// Smallest tested rate about an axis, rad/s.
 const RATE: f64 = 0.05;
 /// Size of a joint's motion that is tried, rad or m, and its turns in the record.
 const SWING: (f64, f64) = (0.3, 3.0);
-/// Most joints that are swung, those next to the base first: the time of all grows with the square of a chain.
+/// Largest number of tested joints, those next to the base first: the time of all grows with the square of a chain.
 const JOINTS: usize = 32;
 /// Largest force that is tried, N, its arm, m, and the share of the record that it lasts.
 const PUSH: (f64, f64, f64) = (1.0, 0.5, 0.1);
 
-impl Ground<'_> {
+impl Baseline<'_> {
     /// Records with a sensor, a thrust, a momentum or a motion that is missing; `None` without a record to start
     /// from.
     pub fn records(&self) -> Option<Vec<Change>> {
         let from = self.problem.segments.first()?;
-        let (base, share) = thinned(from, self.sight, self.problem.noise)?;
+        let (base, share) = thinned(from, self.measured_motion, self.problem.noise)?;
         let trial = Trial {
             segment: base,
             noise: self.problem.noise.clone(),
-            head: self.head,
-            sight: self.sight,
+            initial_state: self.initial_state,
+            measured_motion: self.measured_motion,
             known_momentum: false,
             thrusters: self.problem.model.thrusters.clone(),
         };
@@ -74,13 +74,13 @@ impl Ground<'_> {
         known.known_momentum = true;
         add(
             Effort::Equipment,
-            "know the angular momentum at the start of a record".to_owned(),
+            "measure the angular momentum at the start of a record".to_owned(),
             &known,
         );
         Some(list)
     }
 
-    /// The base turns about one of its axes besides.
+    /// The base also rotates about one of its axes.
     fn turns(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
         let tree = self.problem.tree;
         let mut kinematics = Kinematics::new(tree);
@@ -97,9 +97,9 @@ impl Ground<'_> {
             let mut w = Vector3::zeros();
             w[axis] = fastest;
             let mut turning = trial.clone();
-            turning.head.h_SScm_N += trial.head.R_NB * (I * w);
+            turning.initial_state.h_SScm_N += trial.initial_state.R_NB * (I * w);
             let text = format!(
-                "record {:.0} s more with the base turning about its {} axis too, at {fastest:.2} rad/s",
+                "record {:.0} s more with the base also rotating about its {} axis, at {fastest:.2} rad/s",
                 trial.span(),
                 axis_name(axis)
             );
@@ -107,7 +107,7 @@ impl Ground<'_> {
         }
     }
 
-    /// A joint that swings.
+    /// An oscillating joint.
     fn joints(&self, trial: &Trial, add: &mut impl FnMut(String, &Trial)) {
         let tree = self.problem.tree;
         let dof = tree.dof();
@@ -128,7 +128,7 @@ impl Ground<'_> {
                 _ => "rad",
             };
             let text = format!(
-                "record {:.0} s more with {} swinging by {size} {unit}",
+                "record {:.0} s more with {} oscillating by {size} {unit}",
                 trial.span(),
                 joint.name
             );
@@ -139,9 +139,9 @@ impl Ground<'_> {
     /// A velocity sensor or an accelerometer on the base.
     fn sensors(&self, trial: &Trial, share: f64, add: &mut impl FnMut(String, &Trial)) {
         let samples = trial.segment.observations.time_s.len();
-        if self.sight == Sight::Rotation {
+        if self.measured_motion == MeasuredMotion::Rotation {
             let mut with = trial.clone();
-            with.sight = Sight::Translation;
+            with.measured_motion = MeasuredMotion::Translation;
             let o = &mut with.segment.observations;
             let sigma = VELOCITY * share.sqrt();
             o.sensors.push(tried(SensorKind::Velocity, samples, sigma));
@@ -171,7 +171,7 @@ impl Ground<'_> {
         let o = &trial.segment.observations;
         let start_s = o.time_s[0];
         let lasting = (trial.span() * share).max(f64::MIN_POSITIVE);
-        // No more than turns the base at the rate that is tried about its axes.
+        // At most the tested rate about the base's axes.
         let kinematics = Kinematics::new(self.problem.tree);
         let I = composite(&self.parameters.bodies(&self.x), &kinematics).I_SScm_B();
         let force = (RATE * I.trace() / 3.0 / (arm * lasting)).clamp(1.0e-6, most);
@@ -215,16 +215,16 @@ impl Ground<'_> {
             push(
                 0,
                 &with,
-                format!("push the base along y, {arm} m from its origin along x"),
+                format!("apply a force to the base along y, {arm} m from its origin along x"),
             );
         }
     }
 
     /// Information of a record over the shared unknowns, its own start projected out.
     fn rows_of(&self, trial: &Trial) -> Option<Vec<Row>> {
-        let seen = trial.sight == Sight::Translation;
+        let seen = trial.measured_motion == MeasuredMotion::Translation;
         let o = &trial.segment.observations;
-        let unknown = HeadColumns {
+        let unknown = InitialStateColumns {
             attitude: o.reads(SensorKind::Attitude)
                 && !o.of_kind(SensorKind::Attitude).any(SensorRecord::is_exact),
             position: false,
@@ -236,7 +236,7 @@ impl Ground<'_> {
             .unknowns
             .iter()
             .any(|u| u.kind.delays_inputs());
-        // A record of its own: of the others nothing is asked.
+        // A separate record, without the others.
         let index = self.problem.segments.len();
         let mut curves = vec![InputCurves::default(); index];
         if late {
@@ -263,7 +263,7 @@ impl Ground<'_> {
             &setting,
             (index, &trial.segment),
             &self.x,
-            &trial.head,
+            &trial.initial_state,
             unknown,
             true,
         )?;
@@ -280,8 +280,8 @@ impl Ground<'_> {
 struct Trial {
     segment: Segment,
     noise: Noise,
-    head: Head,
-    sight: Sight,
+    initial_state: InitialState,
+    measured_motion: MeasuredMotion,
     known_momentum: bool,
     thrusters: Vec<Thruster>,
 }
@@ -294,7 +294,7 @@ impl Trial {
     }
 }
 
-/// A sensor at the base's origin with a sample at every grid time; its values are not looked at.
+/// A sensor at the base's origin with a sample at every grid time; its values are not used.
 fn tried(kind: SensorKind, samples: usize, sigma: f64) -> SensorRecord {
     let covariance = Matrix3::identity() * (sigma * sigma);
     SensorRecord::of_base(kind, covariance).at_every_time(vec![any_value(kind); samples])
@@ -309,7 +309,11 @@ fn any_value(kind: SensorKind) -> SensorValue {
 
 /// A segment at a few times of the gyro, every sensor of rate, attitude and velocity at each, and how many these are of
 /// those at hand.
-fn thinned(segment: &Segment, sight: Sight, noise: &Noise) -> Option<(Segment, f64)> {
+fn thinned(
+    segment: &Segment,
+    measured_motion: MeasuredMotion,
+    noise: &Noise,
+) -> Option<(Segment, f64)> {
     let o = &segment.observations;
     let first = o.time_s.first()?;
     let times = o.rates().map(|(k, _)| k);
@@ -329,7 +333,7 @@ fn thinned(segment: &Segment, sight: Sight, noise: &Noise) -> Option<(Segment, f
     };
     let samples = picked.len();
     let share = samples as f64 / all.len() as f64;
-    let moving = sight == Sight::Translation;
+    let moving = measured_motion == MeasuredMotion::Translation;
     let mut sensors: Vec<SensorRecord> = Vec::new();
     for record in o.sensors.iter().filter(|r| !r.samples.is_empty()) {
         let kept = match record.kind {
@@ -348,7 +352,7 @@ fn thinned(segment: &Segment, sight: Sight, noise: &Noise) -> Option<(Segment, f
         }
     }
     if moving && sensors.iter().all(|r| r.kind != SensorKind::Velocity) {
-        // Made of positions.
+        // Derived from positions.
         sensors.push(SensorRecord {
             covariance: noise.velocity * share,
             ..tried(SensorKind::Velocity, samples, VELOCITY)

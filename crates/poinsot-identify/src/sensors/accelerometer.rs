@@ -1,9 +1,9 @@
-//! Accelerometer: specific force at a point, in the axes of its body. It feels how inputs accelerate, so its slopes are
-//! not those of pose, twist and joints.
+//! Accelerometer: specific force at a point, in the axes of its body. It depends on input accelerations, so its
+//! derivatives are not those over pose, twist and joints.
 
-use super::Predicted;
+use super::PredictedMeasurement;
 use crate::motion::input_noise::InputNoise;
-use crate::motion::{Instant, Motion, Point, State};
+use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_spatial::Vector3;
 
@@ -13,7 +13,7 @@ pub(super) fn value(
     (state, k): (&State, usize),
     instant: &Instant,
 ) -> Vector3 {
-    let point: Point = (record.body, record.p_BoS_B);
+    let point: BodyPoint = (record.body, record.p_BoS_B);
     let forces = motion.specific_force(state, k, instant, &[point]);
     forces.first().map_or_else(Vector3::zeros, |f| f.value)
 }
@@ -25,14 +25,14 @@ pub(super) fn predict(
     (state, k): (&State, usize),
     instant: &Instant,
     inputs: &InputNoise,
-) -> Option<Predicted> {
+) -> Option<PredictedMeasurement> {
     if motion.thrust_after_unknown(k) {
         return None;
     }
-    let point: Point = (record.body, record.p_BoS_B);
+    let point: BodyPoint = (record.body, record.p_BoS_B);
     let mut forces = motion.specific_force(state, k, instant, &[point]);
     let force = forces.pop()?;
-    Some(Predicted {
+    Some(PredictedMeasurement {
         value: SensorValue::Vector(force.value),
         rate: None,
         columns: force.columns,

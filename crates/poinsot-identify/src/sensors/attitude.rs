@@ -1,12 +1,12 @@
 //! Attitude of a body in N: a star tracker. Its changes are small turns in the body's axes.
 
-use super::{Seen, Slopes, joints};
-use crate::motion::{Place, State};
+use super::{IdealMeasurement, MeasurementJacobian, joints};
+use crate::motion::{PointKinematics, State};
 use crate::problem::segment::SensorValue;
 use nalgebra::{Rotation3, UnitQuaternion};
 use poinsot_spatial::{Matrix3, Vector3};
 
-pub(super) fn see(place: &Place, state: &State, body: usize) -> Seen {
+pub(super) fn measure(place: &PointKinematics, state: &State, body: usize) -> IdealMeasurement {
     let to_body = place.R.transpose();
     let R_NBi = match body {
         0 => state.R_NB,
@@ -16,12 +16,12 @@ pub(super) fn see(place: &Place, state: &State, body: usize) -> Seen {
         }
     };
     let zero = Matrix3::zeros();
-    Seen {
+    IdealMeasurement {
         value: SensorValue::Attitude(R_NBi),
         rate: Some(to_body * place.w),
-        slopes: Slopes {
+        slopes: MeasurementJacobian {
             joints: joints(place, |j| (to_body * j.turn, Vector3::zeros())),
-            ..Slopes::new([&to_body, &zero], [&zero, &zero])
+            ..MeasurementJacobian::new([&to_body, &zero], [&zero, &zero])
         },
     }
 }

@@ -1,34 +1,34 @@
 //! Direction of a vector known in N, seen from a body: sun sensor, magnetometer.
 
-use super::{Seen, Slopes, attitude};
-use crate::motion::{Place, State};
+use super::{IdealMeasurement, MeasurementJacobian, attitude};
+use crate::motion::{PointKinematics, State};
 use crate::problem::segment::SensorValue;
 use nalgebra::SMatrix;
 use poinsot_spatial::{Matrix3, Vector3, skew};
 
 /// `d_Bi = R_NBi^T d_N`; a small turn `a` of the body changes it by `d_Bi x a`.
-pub(super) fn see(
-    place: &Place,
+pub(super) fn measure(
+    place: &PointKinematics,
     state: &State,
     body: usize,
     reference_N: &Vector3,
-) -> Option<Seen> {
-    let Seen {
+) -> Option<IdealMeasurement> {
+    let IdealMeasurement {
         value: SensorValue::Attitude(R_NBi),
         rate: Some(w_NBi_Bi),
         slopes,
-    } = attitude::see(place, state, body)
+    } = attitude::measure(place, state, body)
     else {
         return None;
     };
     let d = R_NBi.inverse() * reference_N;
     let turned = skew(&d);
     let joints = slopes.joints.iter();
-    Some(Seen {
+    Some(IdealMeasurement {
         value: SensorValue::Vector(d),
-        // The reference stands still between two samples.
+        // The reference is constant between two samples.
         rate: Some(d.cross(&w_NBi_Bi)),
-        slopes: Slopes {
+        slopes: MeasurementJacobian {
             pose: turned * slopes.pose,
             twist: SMatrix::zeros(),
             joints: joints
@@ -38,7 +38,7 @@ pub(super) fn see(
     })
 }
 
-/// Takes a vector to two axes across a direction; what it has along the direction is lost.
+/// Takes a vector to two axes across a direction; its component along the direction is lost.
 ///
 /// The axes follow the direction without a branch but for its sign (Duff et al. 2017).
 pub(crate) fn across(direction: &Vector3) -> Matrix3 {

@@ -1,19 +1,19 @@
-//! What a lag needs: what a perfect sensor reads before and after.
+//! Ideal measurements before and after, for a lag.
 
-use super::{perfect, vector};
+use super::{ideal_measurement, vector};
 use crate::motion::{Motion, State};
 use crate::motion::{Vehicle, parabola_slope};
 use crate::problem::segment::Segment;
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
-/// What perfect sensors read at all grid times, one series a sensor of the segment; empty where nobody asks.
+/// Ideal measurements at all grid times, one series per sensor; empty if not requested.
 #[derive(Default)]
-pub(crate) struct Ideal {
+pub(crate) struct IdealSeries {
     series: Vec<Vec<Vector3>>,
 }
 
-/// Whether the instant alone tells how fast the reading of a kind changes.
+/// Whether the state determines the rate of change of a kind's measurement.
 fn knows_rate(kind: SensorKind) -> bool {
     matches!(
         kind,
@@ -21,8 +21,9 @@ fn knows_rate(kind: SensorKind) -> bool {
     )
 }
 
-impl Ideal {
-    /// Follows the motion for the sensors wanted, one entry a sensor of the segment. `None` where the vehicle cannot move.
+impl IdealSeries {
+    /// Propagates the motion for the selected sensors, one entry per sensor of the segment. `None` where the vehicle
+    /// cannot move.
     pub fn new(
         vehicle: &Vehicle,
         segment: &Segment,
@@ -44,7 +45,7 @@ impl Ideal {
             let (instant, _) = motion.velocity(&state, k)?;
             let all = o.sensors.iter().zip(&mut series).zip(&wanted);
             for ((record, series), _) in all.filter(|(_, w)| **w) {
-                let (value, _) = perfect(record, &mut motion, (&state, k), &instant);
+                let (value, _) = ideal_measurement(record, &mut motion, (&state, k), &instant);
                 series.push(vector(&value));
             }
             if k + 1 < samples {
@@ -54,7 +55,7 @@ impl Ideal {
         Some(Self { series })
     }
 
-    /// Slope over time of a sensor's series at grid time k; zero where there is none.
+    /// Slope over time of a sensor's series at grid time k; zero without a series.
     pub fn rate(&self, sensor: usize, t: &[f64], k: usize) -> Vector3 {
         match self.series.get(sensor) {
             Some(series) if series.len() >= 2 && series.len() == t.len() => {

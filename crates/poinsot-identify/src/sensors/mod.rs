@@ -1,8 +1,8 @@
-//! What sensors read: one file a kind, one interface.
+//! Measurement models: one file a kind, one interface.
 //!
-//! A kind says what a perfect sensor reads at an instant, and how that changes with pose, base twist and joints
-//! ([`Seen`]: `h`, `H_x`, `H_u`). [`predict`] makes of it the change with every unknown and with every error of the
-//! inputs. What may be wrong with a sensor (`H_theta`) comes on top, by one law for all: [`SensorErrors`].
+//! A kind gives the ideal measurement at an instant, and its derivatives over pose, base twist and joints
+//! ([`IdealMeasurement`]: `h`, `H_x`, `H_u`). [`predict`] converts them to derivatives over every unknown and every
+//! input error. Sensor errors (`H_theta`) are added by one model for all: [`SensorErrors`].
 
 mod accelerometer;
 mod attitude;
@@ -13,27 +13,27 @@ mod position;
 mod velocity;
 
 pub(crate) use direction::across;
-pub(crate) use ideal::Ideal;
+pub(crate) use ideal::IdealSeries;
 
 use crate::motion::input_noise::InputNoise;
-use crate::motion::{Column, Instant, Motion, Place, State, matrix, small_turn};
+use crate::motion::{Column, Instant, Motion, PointKinematics, State, matrix, small_rotation};
 use crate::problem::segment::{SensorRecord, SensorValue};
 use nalgebra::SMatrix;
 use poinsot_dynamics::SensorErrors;
 use poinsot_model::SensorKind;
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
-/// What a perfect sensor reads at an instant.
-pub(crate) struct Seen {
+/// Ideal measurement at an instant.
+pub(crate) struct IdealMeasurement {
     pub value: SensorValue,
-    /// How fast it changes, where the instant alone tells.
+    /// Its rate of change, if the state determines it.
     pub rate: Option<Vector3>,
-    pub slopes: Slopes,
+    pub slopes: MeasurementJacobian,
 }
 
 /// Slopes of a reading; of an attitude, of the small turn in the axes of the sensor's body.
 #[derive(Default)]
-pub(crate) struct Slopes {
+pub(crate) struct MeasurementJacobian {
     /// Over `[dphi_B, dp_N]` of the base.
     pub pose: SMatrix<f64, 3, 6>,
     /// Over `[dv_NBo_B, dw_NB_B]`.
@@ -42,7 +42,7 @@ pub(crate) struct Slopes {
     pub joints: Vec<(usize, Vector3, Vector3)>,
 }
 
-impl Slopes {
+impl MeasurementJacobian {
     fn new(pose: [&Matrix3; 2], twist: [&Matrix3; 2]) -> Self {
         let side_by_side = |[a, b]: [&Matrix3; 2]| {
             let mut both = SMatrix::<f64, 3, 6>::zeros();
@@ -63,10 +63,10 @@ impl Slopes {
     }
 }
 
-/// What a perfect sensor reads at a grid time, and what moves it.
-pub(crate) struct Predicted {
+/// Ideal measurement at a grid time, with its derivatives.
+pub(crate) struct PredictedMeasurement {
     pub value: SensorValue,
-    /// How fast it changes, where the instant alone tells.
+    /// Its rate of change, if the state determines it.
     pub rate: Option<Vector3>,
     /// Change with every sensitivity column.
     pub columns: Vec<Vector3>,
@@ -76,8 +76,8 @@ pub(crate) struct Predicted {
     pub gains: Vec<Vector3>,
 }
 
-impl Predicted {
-    /// The value that the law of errors acts on: an attitude's errors are turns from the true one.
+impl PredictedMeasurement {
+    /// The value to which the error model applies: an attitude's errors are rotations from the true one.
     pub fn vector(&self) -> Vector3 {
         vector(&self.value)
     }
@@ -90,11 +90,11 @@ impl Predicted {
         rate: &Vector3,
     ) -> Vector3 {
         let x = self.vector();
-        gap(&self.value, measured) - (errors.reading(&x, rate) - x)
+        measurement_error(&self.value, measured) - (errors.reading(&x, rate) - x)
     }
 }
 
-/// The value that the law of errors acts on.
+/// The value to which the error model applies.
 pub(crate) fn vector(value: &SensorValue) -> Vector3 {
     match value {
         SensorValue::Vector(x) => *x,
@@ -104,46 +104,48 @@ pub(crate) fn vector(value: &SensorValue) -> Vector3 {
 }
 
 /// Measured less true; of attitudes the small turn from the true one, in its axes.
-pub(crate) fn gap(truth: &SensorValue, measured: &SensorValue) -> Vector3 {
+pub(crate) fn measurement_error(truth: &SensorValue, measured: &SensorValue) -> Vector3 {
     match (truth, measured) {
         (SensorValue::Vector(x), SensorValue::Vector(y)) => y - x,
         (SensorValue::Vector(x), SensorValue::Direction { seen_B, .. }) => seen_B - x,
-        (SensorValue::Attitude(R), SensorValue::Attitude(S)) => small_turn(R, S),
+        (SensorValue::Attitude(R), SensorValue::Attitude(S)) => small_rotation(R, S),
         // A record of mixed values has no meaning.
         _ => Vector3::from_element(f64::NAN),
     }
 }
 
-/// What a perfect sensor of the pose or its rate reads; an increment's sensor the velocity. `None` for an accelerometer,
-/// whose reading is no function of pose, twist and joints.
-fn see(
+/// Ideal measurement of the pose or its rate; of an increment, the velocity. `None` for an accelerometer, whose
+/// measurement is no function of pose, twist and joints.
+fn measure(
     record: &SensorRecord,
     motion: &mut Motion,
     (state, k): (&State, usize),
     instant: &Instant,
-) -> Option<Seen> {
+) -> Option<IdealMeasurement> {
     let place = motion.place(&instant.twist, (record.body, &record.p_BoS_B));
     let R_NB = matrix(&state.R_NB);
     match record.kind {
-        SensorKind::Gyro => Some(gyro::see(&place)),
-        SensorKind::Attitude => Some(attitude::see(&place, state, record.body)),
+        SensorKind::Gyro => Some(gyro::measure(&place)),
+        SensorKind::Attitude => Some(attitude::measure(&place, state, record.body)),
         SensorKind::Direction => {
-            direction::see(&place, state, record.body, &record.reference_N(k)?)
+            direction::measure(&place, state, record.body, &record.reference_N(k)?)
         }
-        SensorKind::Position => Some(position::see(&place, state, &R_NB)),
-        SensorKind::Velocity | SensorKind::VelocityIncrement => Some(velocity::see(&place, &R_NB)),
+        SensorKind::Position => Some(position::measure(&place, state, &R_NB)),
+        SensorKind::Velocity | SensorKind::VelocityIncrement => {
+            Some(velocity::measure(&place, &R_NB))
+        }
         _ => None,
     }
 }
 
-/// Value that a perfect sensor reads at grid time k, and its rate where the instant alone tells.
-pub(crate) fn perfect(
+/// Ideal measurement at grid time k, and its rate if the state determines it.
+pub(crate) fn ideal_measurement(
     record: &SensorRecord,
     motion: &mut Motion,
     (state, k): (&State, usize),
     instant: &Instant,
 ) -> (SensorValue, Option<Vector3>) {
-    match see(record, motion, (state, k), instant) {
+    match measure(record, motion, (state, k), instant) {
         Some(seen) => (seen.value, seen.rate),
         None => {
             let force = accelerometer::value(record, motion, (state, k), instant);
@@ -152,19 +154,19 @@ pub(crate) fn perfect(
     }
 }
 
-/// What a perfect sensor reads at grid time k with all that moves it; `None` where nobody can say.
+/// Ideal measurement at grid time k with its derivatives; `None` if it is unknown.
 pub(crate) fn predict(
     record: &SensorRecord,
     motion: &mut Motion,
     (state, k): (&State, usize),
     instant: &Instant,
     inputs: &InputNoise,
-) -> Option<Predicted> {
-    let Some(Seen {
+) -> Option<PredictedMeasurement> {
+    let Some(IdealMeasurement {
         value,
         rate,
         slopes,
-    }) = see(record, motion, (state, k), instant)
+    }) = measure(record, motion, (state, k), instant)
     else {
         return accelerometer::predict(record, motion, (state, k), instant, inputs);
     };
@@ -198,7 +200,7 @@ pub(crate) fn predict(
             }
         }
     }
-    Some(Predicted {
+    Some(PredictedMeasurement {
         value,
         rate,
         columns,
@@ -214,7 +216,7 @@ fn times_skew(M: &Matrix3, a: &Vector3) -> Matrix3 {
 
 /// The joints' part of slopes.
 fn joints(
-    place: &Place,
+    place: &PointKinematics,
     of: impl Fn(&crate::motion::JointEffect) -> (Vector3, Vector3),
 ) -> Vec<(usize, Vector3, Vector3)> {
     let all = place.joints.iter().map(|joint| {

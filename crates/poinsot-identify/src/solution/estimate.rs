@@ -1,18 +1,18 @@
-//! The answer: numbers with their sigma and source, and what the data leave open.
+//! The answer: numbers with sigma and source, and the undetermined directions.
 
 use crate::diagnosis::Diagnostics;
 use crate::diagnosis::octaves::Octave;
 
-/// How a question was answered. The names are those of the result file.
+/// Status of an answer. The names are those of the result file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// Every number asked for is determined.
+    /// Every requested number is determined.
     Converged,
     /// Some are.
     Partial,
     /// None is.
     NotIdentifiable,
-    /// The iteration ended before it settled.
+    /// The iteration ended before convergence.
     IterationLimit,
     /// The rigid model contradicts the data.
     Rejected,
@@ -32,8 +32,8 @@ impl Status {
 }
 
 impl Estimate {
-    /// Takes note of a reason not to rely on the answer.
-    pub fn doubt(&mut self, reason: String) {
+    /// Records evidence against the answer.
+    pub fn add_evidence_against(&mut self, reason: String) {
         self.doubts.push(reason);
         self.covariance_trustworthy = false;
     }
@@ -44,7 +44,7 @@ impl Estimate {
     }
 }
 
-/// Where a number comes from.
+/// Source of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// The telemetry.
@@ -53,7 +53,7 @@ pub enum Source {
     Prior,
     /// Given in the model as known.
     Known,
-    /// Nowhere: it is not determined.
+    /// None: the number is undetermined.
     Open,
 }
 
@@ -93,8 +93,8 @@ impl Number {
         }
     }
 
-    /// A number the data leave open.
-    pub fn open(nominal: f64) -> Self {
+    /// An undetermined number.
+    pub fn undetermined(nominal: f64) -> Self {
         Self {
             value: None,
             sigma: None,
@@ -119,7 +119,7 @@ impl Number {
 pub struct BodyEstimate {
     /// Name.
     pub name: String,
-    /// Whether anything of it was asked for.
+    /// Whether any of its numbers was requested.
     pub asked: bool,
     /// Mass, kg.
     pub mass: Number,
@@ -129,9 +129,9 @@ pub struct BodyEstimate {
     pub inertia: [Number; 6],
     /// The ten barycentric parameters about the body's origin.
     pub barycentric: [Number; 10],
-    /// Principal moments, kg m2, and axes as a rotation (body from principal), where all is determined.
+    /// Principal moments, kg m2, and axes as a rotation (body from principal), if all are determined.
     pub principal: Option<Principal>,
-    /// Whether some distribution of positive mass has these properties; `None` where not all is known.
+    /// Whether the properties are physical; `None` if some are undetermined.
     pub physically_consistent: Option<bool>,
 }
 
@@ -179,23 +179,23 @@ pub struct DeterminedCombination {
     pub sigma: f64,
 }
 
-/// A direction in which the parameters can move unseen.
+/// An unobservable direction of the parameters.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OpenCombination {
+pub struct UnobservableCombination {
     /// In words.
     pub text: String,
     /// Name and coefficient of each parameter.
     pub coefficients: Vec<(String, f64)>,
-    /// Why it is open.
+    /// Why it is unobservable.
     pub reason: String,
-    /// What would close it.
+    /// What would resolve it.
     pub remedy: String,
-    /// Values of each parameter that moves, at points of equal prediction along it, evenly spaced, the answer in the middle;
-    /// empty where nobody walked.
+    /// Values of each changed parameter at evenly spaced points of equal prediction, the answer in the middle; empty
+    /// without a path.
     pub walk: Vec<(String, Vec<f64>)>,
 }
 
-/// What the data determine and what they leave open.
+/// Identifiable and unobservable directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Identifiability {
     /// Number of unknown mass properties (momentum and biases not counted).
@@ -204,18 +204,17 @@ pub struct Identifiability {
     pub rank: usize,
     /// Directions above round-off.
     pub structural_rank: usize,
-    /// Rank at the answer and at two points of equal prediction as far from it as was walked; empty where the open set is
-    /// straight.
+    /// Rank at the answer and at the ends of the path of equal prediction; empty if the path is linear.
     pub ranks: Vec<usize>,
     /// Sigma of each direction in natural units, best first.
     pub sigmas_natural: Vec<f64>,
-    /// Determined combinations; where they are fewer than the rank, other functions behind them.
+    /// Determined combinations; if they are fewer than the rank, other functions follow.
     pub determined: Vec<DeterminedCombination>,
-    /// Open directions.
-    pub open: Vec<OpenCombination>,
+    /// Unobservable directions.
+    pub open: Vec<UnobservableCombination>,
 }
 
-/// How well one segment fits.
+/// Fit of one segment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SegmentFit {
     /// Name of the segment.
@@ -228,7 +227,7 @@ pub struct SegmentFit {
     pub channels: Vec<ChannelFit>,
 }
 
-/// How well one sensor fits in one segment.
+/// Fit of one sensor in one segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelFit {
     /// Kind: gyro, attitude, velocity, position, accelerometer, velocity_increment; `<kind>.<sensor>` where several
@@ -238,23 +237,20 @@ pub struct ChannelFit {
     pub unit: &'static str,
     /// Root mean square of measured less predicted, per axis.
     pub rms: f64,
-    /// Chi-square per number with the declared noise; `None` where the method does not weigh this sensor
-    /// on its own.
+    /// Chi-square per number with the declared noise; `None` if the method does not weight this sensor separately.
     pub chi2_per_number: Option<f64>,
-    /// Probability of so much correlation in time if the residual were white (Ljung and Box 1978, ten lags
-    /// on each axis).
+    /// p-value of a white residual (Ljung and Box 1978, ten lags on each axis).
     pub whiteness_p: Option<f64>,
-    /// The whitened residual octave by octave, the fastest first; empty where the method does not weigh this sensor
-    /// on its own.
+    /// The whitened residual by octaves, the fastest first; empty if the method does not weight this sensor separately.
     pub octaves: Vec<Octave>,
 }
 
-/// How the answer depends on numbers that the model gives as known.
+/// Sensitivity of the answer to known numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct KnownNumbers {
-    /// Whether the model takes every known number as exact.
+    /// Whether every known number is exact in the model.
     pub exact: bool,
-    /// Whether the model leaves the source of some known number open, so that it is taken as exact.
+    /// Whether some known number has no declared source and is assumed exact.
     pub assumed: bool,
     /// One sigma of each number of the covariance if every known number were exact; `None` of one that is itself known.
     pub sigma_data: Vec<Option<f64>>,
@@ -262,7 +258,7 @@ pub struct KnownNumbers {
     pub effects: Vec<KnownEffect>,
 }
 
-/// What one known number does to the answer.
+/// Effect of one known number on the answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownEffect {
     /// Name, for example `link1.mass`.
@@ -273,7 +269,7 @@ pub struct KnownEffect {
     pub value: f64,
     /// Declared one sigma.
     pub sigma: f64,
-    /// Value and one sigma where the data are needed to state it: they shrink the declared sigma below 0.7.
+    /// Estimated value and sigma, if the data reduce the sigma below 0.7 of the declared one.
     pub estimated: Option<(f64, f64)>,
     /// A step of it: 1 %, 1 mm or 1 mrad, in its unit.
     pub step: f64,
@@ -298,7 +294,7 @@ impl KnownEffect {
 /// Numbers of a published method in its own terms, beside the answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodReport {
-    /// What they are and what they are not.
+    /// Their meaning and limits.
     pub note: String,
     /// The numbers.
     pub numbers: Vec<NamedNumber>,
@@ -311,7 +307,7 @@ pub struct Estimate {
     pub method: String,
     /// Variant of a published method.
     pub variant: Option<String>,
-    /// How it ended.
+    /// Status.
     pub status: Status,
     /// Iterations taken; one for a closed form.
     pub iterations: usize,
@@ -334,17 +330,17 @@ pub struct Estimate {
     pub identifiability: Identifiability,
     /// Fit, one per segment.
     pub fit: Vec<SegmentFit>,
-    /// Whether a covariance is stated and nothing speaks against it.
+    /// Whether a covariance is stated without evidence against it.
     pub covariance_trustworthy: bool,
-    /// Why the answer is not to be relied on, the most important first; empty where nothing speaks against it.
+    /// Evidence against the answer, the most important first; empty if every check passed.
     pub doubts: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
-    /// What the method assumed of its inputs.
+    /// Assumptions about the inputs.
     pub assumptions: Vec<String>,
-    /// What the residuals say beyond the fit; `None` of a method that does not ask them.
+    /// Diagnosis of the residuals; `None` for a method without it.
     pub diagnostics: Option<Diagnostics>,
-    /// How it depends on numbers that are known.
+    /// Sensitivity to known numbers.
     pub known_numbers: KnownNumbers,
     /// A published method's own numbers.
     pub method_report: Option<MethodReport>,

@@ -1,5 +1,5 @@
-//! What a method has found: numbers with their spectrum, what stays open, the types of the answer.
+//! The numerical solution, its unobservable set, and the types of the answer.
 
 pub(crate) mod estimate;
-pub(crate) mod open_set;
 pub(crate) mod solved;
+pub(crate) mod unobservable_set;

@@ -1,15 +1,15 @@
-//! A solved problem before it is put into words.
+//! The numerical solution of a problem.
 
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::known_numbers::Effects;
-use crate::fit::step::Held;
-use crate::fit::triangle::{HeadSolution, Shared};
+use crate::fit::step::BoundaryBodies;
+use crate::fit::triangle::{ConditionalEstimate, SharedTriangle};
 use crate::likelihood::rows::StartMomentum;
-use crate::likelihood::{Head, Sight};
+use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::parameters::Parameters;
 use crate::problem::prior::Conflict;
 use crate::solution::estimate::SegmentFit;
-use crate::solution::open_set::OpenSet;
+use crate::solution::unobservable_set::UnobservableSet;
 use poinsot_model::MomentumKnowledge;
 use poinsot_solve::{Spectrum, Triangle};
 use poinsot_spatial::{Matrix3, Vector3};
@@ -32,12 +32,16 @@ impl VectorQuantity {
         }
     }
 
-    /// Components `from..from + 3` of a solved head.
-    pub fn of_head(solution: &HeadSolution, from: usize, value: Vector3) -> Self {
+    /// Components `from..from + 3` of a conditional estimate.
+    pub fn of_initial_state(
+        conditional: &ConditionalEstimate,
+        from: usize,
+        value: Vector3,
+    ) -> Self {
         Self {
             value,
-            gradient: std::array::from_fn(|k| solution.slope[from + k].clone()),
-            own: solution
+            gradient: std::array::from_fn(|k| conditional.slope[from + k].clone()),
+            own: conditional
                 .covariance
                 .fixed_view::<3, 3>(from, from)
                 .into_owned(),
@@ -51,11 +55,11 @@ pub(crate) struct StartOfSegment {
     pub angular: VectorQuantity,
     pub linear_given: MomentumKnowledge,
     pub angular_given: MomentumKnowledge,
-    /// Whether any sensor sees translation.
+    /// Whether any sensor measures translation.
     pub translation: bool,
 }
 
-/// One segment reduced by the linear method: its momentum rows and what is left for the shared unknowns.
+/// One segment reduced by the linear method: its momentum rows and the rows of the shared unknowns.
 pub(crate) struct Reduced {
     /// Triangle of `[momentum | unknowns | rhs]`.
     pub triangle: Triangle,
@@ -63,12 +67,12 @@ pub(crate) struct Reduced {
     pub start: StartMomentum,
 }
 
-/// A solved problem.
-pub(crate) struct Solved {
+/// The solution of a problem.
+pub(crate) struct Solution {
     pub method: &'static str,
     pub parameters: Parameters,
-    pub shared: Shared,
-    /// Spectrum of the data and all declared priors: what the numbers rest on.
+    pub shared: SharedTriangle,
+    /// Spectrum of the data and all declared priors.
     pub spectrum: Spectrum,
     /// Spectrum without the priors of mass properties, where any are declared.
     pub data_alone: Option<Spectrum>,
@@ -85,53 +89,53 @@ pub(crate) struct Solved {
     pub fit: Vec<SegmentFit>,
     /// Triangles of the linear method; empty for others.
     pub reduced: Vec<Reduced>,
-    /// Walks along what is open.
-    pub open_set: OpenSet,
-    /// Iterations, and whether they settled.
+    /// Paths along unobservable directions.
+    pub unobservable_set: UnobservableSet,
+    /// Iterations, and whether they converged.
     pub iterations: usize,
-    pub settled: bool,
+    pub converged: bool,
     pub warnings: Vec<String>,
     /// Whether wheel speeds are assumed smooth between samples.
     pub wheels_smooth: bool,
     /// What was assumed of the inputs.
     pub assumptions: Vec<String>,
-    /// Bodies that the data press against the edge of what positive mass can have.
-    pub held: Option<Held>,
-    /// What the residuals say; `None` of a method that does not ask them.
+    /// Bodies at an active limit of physical mass properties.
+    pub held: Option<BoundaryBodies>,
+    /// Diagnosis of the residuals; `None` for a method without it.
     pub diagnostics: Option<crate::diagnosis::Diagnostics>,
     /// Priors that the data contradict.
     pub conflict: Option<Conflict>,
-    /// Whether noise adds up from row to row, which the sigmas take as fresh in every row.
-    pub adds_up: bool,
+    /// Whether noise accumulates over rows, which the sigmas assume independent.
+    pub noise_accumulates: bool,
     /// How the answer depends on the known numbers, where any is uncertain.
     pub known: Option<Effects>,
-    /// What is not measured well enough for the answer to be relied on.
+    /// Inputs to which the answer is too sensitive.
     pub sensitive_to: Vec<&'static str>,
-    /// Whether the residual speaks against a rigid vehicle.
+    /// Whether the residual contradicts a rigid vehicle.
     pub not_rigid: bool,
     /// `E[dA^T dA]` of the mass properties, row by row; empty where noise is not in the regressor.
     pub regressor_noise: Vec<f64>,
 }
 
-impl Solved {
+impl Solution {
     /// What the data determine, priors of mass properties left out.
     pub fn of_data(&self) -> &Spectrum {
         self.data_alone.as_ref().unwrap_or(&self.spectrum)
     }
 
-    /// The value of all unknowns that it stands for.
-    pub fn point(&self, experiment: &Experiment) -> Point {
+    /// Its values of all unknowns.
+    pub fn point(&self, experiment: &Experiment) -> Iterate {
         let segments = experiment.problem.segments.iter().zip(&self.starts);
-        let heads = segments.map(|(segment, start)| Head {
-            P: match experiment.sight {
-                Sight::Translation => start.linear.value,
-                Sight::Rotation => Vector3::zeros(),
+        let initial_states = segments.map(|(segment, start)| InitialState {
+            P: match experiment.measured_motion {
+                MeasuredMotion::Translation => start.linear.value,
+                MeasuredMotion::Rotation => Vector3::zeros(),
             },
             h_SScm_N: start.angular.value,
-            ..experiment.measured_head(segment, &self.x)
+            ..experiment.measured_initial_state(segment, &self.x)
         });
-        Point {
-            heads: heads.collect(),
+        Iterate {
+            initial_states: initial_states.collect(),
             x: self.x.clone(),
         }
     }

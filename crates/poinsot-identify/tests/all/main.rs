@@ -1,6 +1,6 @@
 //! The integration tests of this crate, linked as one binary.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-mod far_start;
+mod coarse_fit;
 mod threads;
 mod two_bodies;

@@ -2,7 +2,7 @@ use super::NuisanceFile;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Forces of the surroundings. The default is free fall.
+/// External forces and torques. The default is free fall.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EnvironmentFile {
@@ -10,7 +10,7 @@ pub(crate) struct EnvironmentFile {
     pub gravity: Option<Gravity>,
     /// Gravitational parameter of the attracting body, m3/s2. Required with, and only with, "point_mass".
     pub gm_m3_s2: Option<f64>,
-    /// Whether the gravity-gradient torque acts. Needs gravity = "point_mass". Default false.
+    /// Whether the gravity-gradient torque is included. Needs gravity = "point_mass". Default false.
     pub gravity_gradient: Option<bool>,
     /// Reference orbit for the gravity gradient, where no columns orbit_x orbit_y orbit_z give it.
     pub orbit: Option<OrbitFile>,
@@ -21,8 +21,8 @@ pub(crate) struct EnvironmentFile {
     /// Torque of drag in body axes, -c |w| w with one coefficient an axis, kg m2: "none" (default), "estimate", or
     /// { sigma_kg_m2 = x }.
     pub drag_torque: Option<NuisanceFile>,
-    /// Random torque about the mass centre, alike about every inertial axis, with its sigma and the time after
-    /// which it has forgotten itself (Gauss-Markov): air, outgassing, what else no formula knows. None by default.
+    /// Random torque about the mass centre, alike about every inertial axis, with its sigma and correlation time
+    /// (Gauss-Markov), for example air or outgassing. None by default.
     pub random_torque: Option<RandomTorqueFile>,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct EnvironmentFile {
 pub(crate) struct RandomTorqueFile {
     /// One sigma about each axis, N m.
     pub sigma_N_m: f64,
-    /// Time after which it has forgotten itself to 1/e, s.
+    /// Correlation time, to 1/e, s.
     pub correlation_s: f64,
 }
 

@@ -32,15 +32,15 @@ pub(crate) struct JointFile {
     pub locked_at_rad: Option<f64>,
     /// Position of a prismatic joint where telemetry has no column for it, m. Default 0.
     pub locked_at_m: Option<f64>,
-    /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it then
-    /// moves by itself: slosh as a pendulum, a hinged panel.
+    /// Spring and damper in the joint. Where a simulated case does not prescribe the joint's motion, it is then free:
+    /// slosh as a pendulum, a hinged panel.
     pub spring_damper: Option<SpringDamperFile>,
     /// Where the known numbers come from: "measured" or "cad", by default that of the
     /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
-    /// true takes all known numbers of this table as exact.
+    /// true: all known numbers of this table are exact.
     pub exact: Option<bool>,
-    /// One sigma of known numbers, before the source and `exact` are asked.
+    /// One sigma of known numbers; overrides source and `exact`.
     pub uncertainty: Option<JointUncertaintyFile>,
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct SpringDamperFile {
     pub damping_N_m_s_per_rad: Option<f64>,
     /// Damping of a prismatic joint, N s/m; not negative. Default 0.
     pub damping_N_s_per_m: Option<f64>,
-    /// Position at which the spring of a revolute joint pulls nothing, rad. Default 0.
+    /// Rest position of the spring of a revolute joint, rad. Default 0.
     pub rest_rad: Option<f64>,
     /// The same of a prismatic joint, m. Default 0.
     pub rest_m: Option<f64>,

@@ -11,7 +11,7 @@ pub(crate) enum SourceFile {
     Cad,
 }
 
-/// One sigma of the known numbers of a body; 0 takes one as exact.
+/// One sigma of the known numbers of a body; 0: exact.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BodyUncertaintyFile {
@@ -23,7 +23,7 @@ pub(crate) struct BodyUncertaintyFile {
     pub inertia: Option<f64>,
 }
 
-/// One sigma of the numbers of a joint; 0 takes one as exact.
+/// One sigma of the numbers of a joint; 0: exact.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JointUncertaintyFile {
@@ -33,7 +33,7 @@ pub(crate) struct JointUncertaintyFile {
     pub axis_rad: Option<f64>,
 }
 
-/// One sigma of the known numbers of a wheel; 0 takes one as exact.
+/// One sigma of the known numbers of a wheel; 0: exact.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct WheelUncertaintyFile {
@@ -43,7 +43,7 @@ pub(crate) struct WheelUncertaintyFile {
     pub axis_rad: Option<f64>,
 }
 
-/// One sigma of the known numbers of a thruster; 0 takes one as exact.
+/// One sigma of the known numbers of a thruster; 0: exact.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ThrusterUncertaintyFile {
@@ -55,7 +55,7 @@ pub(crate) struct ThrusterUncertaintyFile {
     pub position_m: Option<f64>,
 }
 
-/// One sigma of how a sensor stands on its body; 0 takes it as exact.
+/// One sigma of the mounting of a sensor; 0: exact.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SensorUncertaintyFile {

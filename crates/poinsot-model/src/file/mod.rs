@@ -46,13 +46,13 @@ pub(crate) struct ModelFile {
     pub schema: Option<String>,
     /// Name of the vehicle. Default "vehicle".
     pub name: Option<String>,
-    /// Where the known numbers come from, for every table that does not say it: "measured" or "cad", the
-    /// default. It sets how uncertain they are.
+    /// Source of the known numbers, for every table that does not declare it: "measured" or "cad", the default. It sets
+    /// their uncertainty.
     pub source: Option<SourceFile>,
-    /// true takes all known numbers as exact, in every table that does not say otherwise.
+    /// true: all known numbers are exact, except in tables that declare otherwise.
     pub exact: Option<bool>,
-    /// How far an answer may be from nominal before that counts against it: a factor above 1 of masses and principal moments,
-    /// and as many radii of gyration of a mass centre. Default 3.
+    /// Largest plausible distance from nominal: a factor above 1 for masses and principal moments, and that many radii
+    /// of gyration for a mass centre. Default 3.
     pub nominal_within: Option<f64>,
     /// Bodies; the first is the base.
     #[schemars(required)]
@@ -65,9 +65,9 @@ pub(crate) struct ModelFile {
     pub thruster: Option<Vec<ThrusterFile>>,
     /// Sensors with their declared noise.
     pub sensor: Option<Vec<SensorFile>>,
-    /// What is known of the momentum at the first sample of each segment.
+    /// Momentum at the first sample of each segment, as far as known.
     pub momentum: Option<MomentumFile>,
-    /// Forces of the surroundings.
+    /// External forces and torques.
     pub environment: Option<EnvironmentFile>,
     /// How columns of a telemetry file become channels.
     pub telemetry: Option<TelemetryFile>,

@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// What is known of a number that is not asked for but may be wrong.
+/// Knowledge of a nuisance parameter.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum NuisanceFile {

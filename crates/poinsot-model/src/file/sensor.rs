@@ -18,7 +18,7 @@ pub(crate) struct SensorFile {
     #[serde(rename = "type")]
     #[schemars(required)]
     pub kind: Option<SensorType>,
-    /// Name of the body it sits on. Default: the base.
+    /// Name of its body. Default: the base.
     pub body: Option<String>,
     /// Names of the joints, wheels or thrusters that a joint_position, joint_rate, wheel_speed or thrust
     /// sensor reads: one name or a list. Default: all whose unit fits.
@@ -35,7 +35,7 @@ pub(crate) struct SensorFile {
     pub noise_m_s2: Option<NoiseFile>,
     /// One sigma per sample of a thrust, N.
     pub noise_N: Option<NoiseFile>,
-    /// Time after which the noise of one axis has forgotten itself to 1/e, s (Gauss-Markov). Default: white.
+    /// Correlation time of the noise of each axis, to 1/e, s (Gauss-Markov). Default: white.
     pub correlation_s: Option<f64>,
     /// Least significant bit, rad. Its variance is LSB^2/12.
     pub quantisation_rad: Option<f64>,
@@ -59,7 +59,8 @@ pub(crate) struct SensorFile {
     pub nonorthogonality: Option<NuisanceFile>,
     /// Delay of the samples, s: "none" (default), "estimate", or { sigma_s = x }.
     pub lag: Option<NuisanceFile>,
-    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity. Columns of telemetry are in body axes whatever stands here: it says in which axes the sensor errs (noise, bias, scale).
+    /// Body from sensor: quaternion, Hamilton, scalar last. Default identity. Columns of telemetry are in body axes in
+    /// any case: this rotation gives the axes of the sensor's errors (noise, bias, scale).
     pub rotation_xyzw: Option<[f64; 4]>,
     /// The same as a matrix of rows: takes components in the sensor's axes to components in the body's.
     pub rotation_matrix: Option<[[f64; 3]; 3]>,
@@ -70,9 +71,9 @@ pub(crate) struct SensorFile {
     /// Where the known numbers come from: "measured" or "cad", by default that of the
     /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
-    /// true takes all known numbers of this table as exact.
+    /// true: all known numbers of this table are exact.
     pub exact: Option<bool>,
-    /// One sigma of known numbers, before the source and `exact` are asked.
+    /// One sigma of known numbers; overrides source and `exact`.
     pub uncertainty: Option<SensorUncertaintyFile>,
 }
 

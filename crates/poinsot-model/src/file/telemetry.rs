@@ -10,26 +10,26 @@ pub(crate) struct TelemetryFile {
     pub delimiter: Option<String>,
     /// Character at the start of a line that is a comment, for example "#". Default: no line is a comment.
     pub comment: Option<String>,
-    /// Line of the header row; the lines above it are not read. Default 1.
+    /// Line of the header row; the lines above it are skipped. Default 1.
     pub header_row: Option<f64>,
     /// Whether the row below the header names the units. Default false.
     pub units_row: Option<bool>,
     /// What the times are. Default: the column time_s, s.
     pub time: Option<TimeFile>,
-    /// Channel (standard name, SI; or <sensor>.<channel>) to the column that holds it.
+    /// Channel (standard name, SI; or <sensor>.<channel>) and its column.
     pub columns: Option<BTreeMap<String, ColumnFile>>,
     /// Attitudes in any form.
     pub attitude: Option<Vec<AttitudeFile>>,
     /// Position of the vehicle from the centre of the attracting body: the orbit of the gravity gradient.
     pub orbit: Option<OrbitColumnsFile>,
-    /// Rows are kept where each of these columns holds exactly this text.
+    /// Rows are kept where each of these columns has exactly this text.
     #[serde(rename = "where")]
     pub rows: Option<BTreeMap<String, String>>,
-    /// What holds for the files of one name, beside what holds for all.
+    /// Settings for the files of one name, in addition to those for all.
     pub file: Option<Vec<ExportFile>>,
 }
 
-/// What holds for the files of one name. Keys given here replace those of [telemetry]; columns, attitudes and rows are
+/// Settings for the files of one name. Keys given here replace those of [telemetry]; columns, attitudes and rows are
 /// added to them.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -47,13 +47,13 @@ pub(crate) struct ExportFile {
     pub units_row: Option<bool>,
     /// What the times are.
     pub time: Option<TimeFile>,
-    /// Channel to the column that holds it.
+    /// Channel and its column.
     pub columns: Option<BTreeMap<String, ColumnFile>>,
     /// Attitudes in any form.
     pub attitude: Option<Vec<AttitudeFile>>,
     /// Position of the vehicle on its orbit.
     pub orbit: Option<OrbitColumnsFile>,
-    /// Rows are kept where each of these columns holds exactly this text.
+    /// Rows are kept where each of these columns has exactly this text.
     #[serde(rename = "where")]
     pub rows: Option<BTreeMap<String, String>>,
 }
@@ -76,10 +76,10 @@ pub(crate) struct ColumnFile {
     pub offset: Option<f64>,
     /// Values are counts of an encoder (of a rate: counts per second), so many to one revolution. In place of a unit.
     pub counts_per_revolution: Option<f64>,
-    /// The column is the on/off flag of a thruster, and on stands for this force, N. With a unit of time (`unit = "ms"`) the
+    /// The column is the on/off flag of a thruster, and on means this force, N. With a unit of time (`unit = "ms"`) the
     /// column is the duration of a pulse that begins at the time of the row; zero or empty: no pulse.
     pub nominal_N: Option<f64>,
-    /// The samples are those of the rows where each of these columns holds exactly this text: a table of pulses with a
+    /// The samples are those of the rows where each of these columns has exactly this text: a table of pulses with a
     /// column that names the thruster, or one column for the values of several channels.
     #[serde(rename = "where")]
     pub rows: Option<BTreeMap<String, String>>,
@@ -147,13 +147,13 @@ pub(crate) struct AttitudeFile {
     pub matrix: Option<Vec<String>>,
     /// Three columns of Euler angles, in the order of `sequence`.
     pub euler: Option<Vec<String>>,
-    /// Axes of the three turns, each as the turns before left it: "ZYX" for yaw, pitch, roll.
+    /// Axes of the three turns, each about the axis rotated by those before: "ZYX" for yaw, pitch, roll.
     pub sequence: Option<String>,
     /// Unit of the Euler angles. Default: that of the units row.
     pub unit: Option<String>,
     /// Three columns of modified Rodrigues parameters.
     pub mrp: Option<Vec<String>>,
-    /// What the rotation takes to what: "body_to_inertial" (default) or "inertial_to_body".
+    /// Direction of the rotation: "body_to_inertial" (default) or "inertial_to_body".
     pub sense: Option<SenseFile>,
 }
 
@@ -181,7 +181,7 @@ pub(crate) enum SenseFile {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct OrbitColumnsFile {
-    /// Columns of x, y and z. With a position sensor in the model and gravity in [environment], the positions are taken
+    /// Columns of x, y and z. With a position sensor in the model and gravity in [environment], the positions are used
     /// relative to free fall.
     #[schemars(required)]
     pub position: Option<[String; 3]>,
@@ -205,7 +205,7 @@ pub(crate) enum FrameFile {
     EarthFixed,
 }
 
-/// A file that holds the [telemetry] table alone.
+/// A file with the [telemetry] table alone.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TelemetryMapFile {

@@ -26,8 +26,8 @@ pub(crate) struct WheelFile {
     /// Where the known numbers come from: "measured" or "cad", by default that of the
     /// whole model. It sets how uncertain they are.
     pub source: Option<SourceFile>,
-    /// true takes all known numbers of this table as exact.
+    /// true: all known numbers of this table are exact.
     pub exact: Option<bool>,
-    /// One sigma of known numbers, before the source and `exact` are asked.
+    /// One sigma of known numbers; overrides source and `exact`.
     pub uncertainty: Option<WheelUncertaintyFile>,
 }

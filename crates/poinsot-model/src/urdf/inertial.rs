@@ -43,7 +43,7 @@ pub(super) fn check(
 fn one(link: &Link, remarks: &mut Vec<Remark>) -> MassProperties {
     let mut judge = Remarks { link, remarks };
     let Some(inertial) = &link.inertial else {
-        let problem = "no <inertial>: taken as without mass".to_owned();
+        let problem = "no <inertial>: assumed massless".to_owned();
         judge.push(UrdfDefect::NoInertial, None, problem, "");
         return MassProperties::ZERO;
     };
@@ -171,7 +171,7 @@ impl Remarks<'_> {
         }
         if a + b < c * (1.0 - PHYSICAL_TOLERANCE) {
             let problem = format!(
-                "no body has these principal moments: {listed} kg m2, the largest exceeds the sum of the other two"
+                "these principal moments are not physical: {listed} kg m2, the largest exceeds the sum of the other two"
             );
             self.push(UrdfDefect::Triangle, Some("E0115"), problem, remedy);
         }
@@ -244,7 +244,7 @@ fn moving_without_mass(
                 subject: format!("link \"{}\"", excerpt(&link.name, 60)),
                 value: String::new(),
                 problem: format!(
-                    "the link moves on joint \"{}\", but neither it nor what it carries has mass",
+                    "the link moves on joint \"{}\", but neither it nor its outboard bodies have mass",
                     excerpt(&joint.name, 60)
                 ),
                 remedy: "give it an <inertial>, or make its joint fixed".to_owned(),

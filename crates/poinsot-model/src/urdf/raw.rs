@@ -152,7 +152,7 @@ fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
         .map_or(start, |(at, _)| start + at);
     let (problem, remedy) = match error {
         roxmltree::Error::DtdDetected => (
-            "the file has a document type definition, which is not read".to_owned(),
+            "the file has a document type definition, which is not supported".to_owned(),
             "take <!DOCTYPE ...> out",
         ),
         roxmltree::Error::NodesLimitReached => (
@@ -160,7 +160,7 @@ fn not_xml(text: &str, error: &roxmltree::Error) -> Remark {
             "name a URDF file",
         ),
         roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => (
-            "the file holds xacro tags and does not declare them".to_owned(),
+            "the file has xacro tags and does not declare them".to_owned(),
             "expand it: xacro FILE > robot.urdf",
         ),
         other => {
@@ -358,7 +358,7 @@ impl Reader<'_> {
             }
         }
         if count != N {
-            let problem = format!("{count} numbers where {N} should stand");
+            let problem = format!("{count} numbers instead of {N}");
             let remedy = match N {
                 1 => "write one number",
                 _ => "write three numbers with blanks between them",
@@ -387,7 +387,7 @@ impl Reader<'_> {
                 byte,
                 subject: format!("{subject} type"),
                 value: format!("\"{}\"", excerpt(word, 40)),
-                problem: "this type of joint is not read".to_owned(),
+                problem: "this type of joint is not supported".to_owned(),
                 remedy: "write revolute, continuous, prismatic or fixed; a base that floats needs no joint"
                     .to_owned(),
             });
@@ -400,7 +400,7 @@ impl Reader<'_> {
                 subject: subject.clone(),
                 value: String::new(),
                 problem: format!(
-                    "mimics \"{}\" (multiplier {}, offset {}): it is read as a joint of its own, and telemetry needs a column for it",
+                    "mimics \"{}\" (multiplier {}, offset {}): it is used as an independent joint, and telemetry needs its column",
                     excerpt(mimic.attribute("joint").unwrap_or_default(), 60),
                     excerpt(mimic.attribute("multiplier").unwrap_or("1"), 20),
                     excerpt(mimic.attribute("offset").unwrap_or("0"), 20),
@@ -449,7 +449,7 @@ impl Reader<'_> {
             });
         };
         let Some(axis) = child(node, "axis") else {
-            let problem = "no axis is given: x, as URDF says".to_owned();
+            let problem = "no axis is given: x, the default of URDF".to_owned();
             note(
                 UrdfDefect::NoAxis,
                 None,

@@ -126,7 +126,7 @@ impl<'a> Tree<'a> {
             if let Some(first) = *slot {
                 let other = robot.joints.get(first).map_or("", |j| j.name.as_str());
                 let problem = format!(
-                    "link \"{}\" has two parents: joint \"{}\" carries it too",
+                    "link \"{}\" has two parents: it is also the child of joint \"{}\"",
                     excerpt(&joint.child, NAME),
                     excerpt(other, NAME)
                 );
@@ -154,7 +154,7 @@ impl<'a> Tree<'a> {
         found
     }
 
-    /// Whether a link is the first of its name: a second one hangs on nothing because of that name.
+    /// Whether a link is the first of its name: a second one has no parent because of that name.
     fn is_first(&self, k: usize) -> bool {
         let link = self.robot.links.get(k);
         link.and_then(|l| self.index.get(l.name.as_str())) == Some(&k)
@@ -169,11 +169,11 @@ impl<'a> Tree<'a> {
             1 => return roots,
             0 if self.robot.links.is_empty() => ("the robot has no link".to_owned(), "add <link>"),
             0 => (
-                "no link is the base: the joints run in a circle".to_owned(),
+                "no link is the base: the joints form a loop".to_owned(),
                 "remove one of the joints",
             ),
             n => (
-                format!("{n} links hang on nothing: {}", self.names(&roots)),
+                format!("{n} links have no parent: {}", self.names(&roots)),
                 "connect them by joints of type fixed; one link is the base",
             ),
         };
@@ -187,7 +187,7 @@ impl<'a> Tree<'a> {
             .filter(|k| !reached.contains(k) && self.is_first(*k))
             .collect();
         if !lost.is_empty() {
-            let problem = format!("the joints of {} run in a circle", self.names(&lost));
+            let problem = format!("the joints of {} form a loop", self.names(&lost));
             self.refuse(NO_TREE, problem, "remove one of the joints");
         }
     }

@@ -66,7 +66,7 @@ fn regress_names_that_no_model_file_takes_are_refused() {
     assert!(says(&long, "j").contains("the name is longer than 200 bytes; give it a plain name"));
     let mark = says("to&#x202e;ol", "j");
     assert!(
-        mark.contains("the name holds a character that cannot be printed"),
+        mark.contains("the name has an unprintable character"),
         "{mark}"
     );
     assert!(!mark.contains('\u{202e}'));

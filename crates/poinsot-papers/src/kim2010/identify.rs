@@ -204,7 +204,7 @@ fn run(sums: &Sums, variant: Variant) -> Result<Found, Kim2010Error> {
             let settled = if it.converged {
                 "settled"
             } else {
-                "did not settle"
+                "did not converge"
             };
             let end = match (it.free_directions, it.fixed_point) {
                 (0, _) => "its fixed point is unique".to_owned(),

@@ -54,7 +54,7 @@ pub enum Kim2010Error {
     },
     /// Wheels that never change their momentum: z = 0 in (2).
     #[error(
-        "E0423 kim2010: the momentum of the wheels never changes, so Q = 0 (8) and the scale of the inertia is undetermined; check the wheel columns"
+        "E0423 kim2010: the wheel momentum never changes: Q = 0 (8), and the scale of the inertia is undetermined; check the wheel columns"
     )]
     NoWheelMotion,
     /// Not a number.

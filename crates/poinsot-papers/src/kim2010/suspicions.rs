@@ -116,7 +116,7 @@ fn flipped(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String
             .filter(|w| w.axis_B.dot(&e).abs() > SERVES);
         let names: Vec<String> = wheels.map(|w| format!("'{}'", w.name)).collect();
         list.push(format!(
-            "the moment of inertia about {name} comes out as {:.3} kg m2, and none is negative: the sign of wheel {} is probably flipped (axis in the model, or speed column)",
+            "the moment of inertia about {name} is {:.3} kg m2, which is negative: the sign of wheel {} is probably wrong (axis in the model, or speed column)",
             I[(axis, axis)],
             names.join(" or ")
         ));
@@ -136,7 +136,7 @@ fn flipped(problem: &Problem, I: &Matrix3, certificate: &Estimate) -> Vec<String
             });
             if other.is_ok_and(|e| worst(&e) < now / MISFIT) {
                 list.push(format!(
-                    "with the axis of wheel '{}' turned round chi-square falls by more than {MISFIT} times: its sign is probably flipped",
+                    "reversing the axis of wheel '{}' reduces chi-square by more than {MISFIT} times: its sign is probably wrong",
                     model.wheels[k].name
                 ));
             }

@@ -1,7 +1,7 @@
 //! From model and telemetry to the answer: both steps, what they determine, sigma and words.
 
 use super::arm::{Raw, Vehicle};
-use super::both::{Solved, solve_both};
+use super::both::{NoisySolution, solve_both};
 use super::bounds::Bound;
 use super::data::{Variant, check, raws};
 use super::equations::Given;
@@ -56,7 +56,7 @@ fn write(
     problem: &Problem,
     variant: Variant,
     given: Given,
-    solved: &Solved,
+    solved: &NoisySolution,
     contradicted: Option<f64>,
 ) -> Estimate {
     let model = problem.model;
@@ -196,11 +196,11 @@ fn covariance(ten: &Ten, name: &str) -> Covariance {
     )
 }
 
-fn momentum(given: Given, solved: &Solved, ten: &Ten) -> Vec<MomentumEstimate> {
+fn momentum(given: Given, solved: &NoisySolution, ten: &Ten) -> Vec<MomentumEstimate> {
     let cov: &DMatrix<f64> = &solved.influence.covariance;
     let number = |value: f64, at: usize, open: bool| {
         if open {
-            Number::open(0.0)
+            Number::undetermined(0.0)
         } else {
             Number::data(value, ten.inflation * cov[(at, at)].sqrt(), 0.0)
         }
@@ -224,7 +224,7 @@ fn momentum(given: Given, solved: &Solved, ten: &Ten) -> Vec<MomentumEstimate> {
         .collect()
 }
 
-fn fit(problem: &Problem, solved: &Solved) -> Vec<SegmentFit> {
+fn fit(problem: &Problem, solved: &NoisySolution) -> Vec<SegmentFit> {
     let segments = problem.segments.iter().zip(&solved.chi2_segment);
     let of = |(s, chi2): (&Segment, &f64)| SegmentFit {
         label: s.label.clone(),
@@ -236,7 +236,7 @@ fn fit(problem: &Problem, solved: &Solved) -> Vec<SegmentFit> {
 }
 
 /// Sec. IV with the declared noise: errors, bounds, condition numbers of both steps.
-fn report(solved: &Solved) -> MethodReport {
+fn report(solved: &NoisySolution) -> MethodReport {
     let units = [
         ["1", "mixed", "m/s", "mixed (1, m)", "1"],
         ["1", "rad/s", "N m s", "kg m2", "1"],

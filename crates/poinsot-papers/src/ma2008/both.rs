@@ -19,7 +19,7 @@ use poinsot_spatial::{MassProperties, elements};
 const NOISE_SHARE: f64 = 0.5;
 
 /// Both steps with what the declared noise does to them.
-pub(super) struct Solved {
+pub(super) struct NoisySolution {
     pub(super) x: SVector<f64, 4>,
     pub(super) linear: Directions<4>,
     pub(super) angular: Option<(SVector<f64, 6>, Directions<6>)>,
@@ -52,7 +52,7 @@ pub(super) fn solve_both(
     data: &[Vec<Raw>],
     sources: &[(Source, f64)],
     given: Given,
-) -> Result<Solved, Ma2008Error> {
+) -> Result<NoisySolution, Ma2008Error> {
     let arm_mass = vehicle.arm_mass();
     let bodies = &problem.model.bodies;
     let base = bodies.first().map_or(MassProperties::ZERO, |b| b.nominal);
@@ -82,7 +82,7 @@ pub(super) fn solve_both(
 }
 
 impl Work<'_> {
-    fn step1(&self, vehicle: &mut Vehicle) -> Result<Solved, Ma2008Error> {
+    fn step1(&self, vehicle: &mut Vehicle) -> Result<NoisySolution, Ma2008Error> {
         let known = self.setting.known.p_C_N;
         let rows = differences(
             &self.readings,
@@ -115,7 +115,7 @@ impl Work<'_> {
         let square = |r: &LinearRows| (r * up(&x)).norm_squared();
         let left: f64 = rows.iter().map(square).sum();
         let whole: f64 = rows.iter().map(|r| r.column(4).norm_squared()).sum();
-        Ok(Solved {
+        Ok(NoisySolution {
             chi2: left / expected,
             chi2_segment: shares(&self.readings, known.is_some(), &rows, square, expected),
             explained: 1.0 - left / whole.max(f64::MIN_POSITIVE),
@@ -128,7 +128,7 @@ impl Work<'_> {
         })
     }
 
-    fn step2(&self, vehicle: &mut Vehicle, solved: &mut Solved) -> Result<(), Ma2008Error> {
+    fn step2(&self, vehicle: &mut Vehicle, solved: &mut NoisySolution) -> Result<(), Ma2008Error> {
         let (known, x) = (self.setting.known.h_C_N, solved.x);
         let (m_S, rho_S) = (self.arm_mass / x[0], x.fixed_rows::<3>(1).into_owned());
         let of = |s: &Reading| angular_rows(s, m_S, &rho_S);

@@ -35,7 +35,7 @@ pub(super) const CODES: &[Explained] = &[
     ),
     (
         "E0526",
-        "ma2008 takes momentum as conserved, and a thruster fires.",
+        "ma2008 assumes that momentum is conserved, and a thruster fires.",
         "A firing in the record.",
         "Cut it out, or use --method auto.",
     ),

@@ -42,7 +42,7 @@ pub enum Ma2008Error {
     },
     /// Thrust.
     #[error(
-        "E0526 segment '{label}': a thruster fires: ma2008 takes momentum as conserved; cut the firing out, or use --method auto"
+        "E0526 segment '{label}': a thruster fires: ma2008 assumes that momentum is conserved; cut the firing out, or use --method auto"
     )]
     Thrust {
         /// Segment.

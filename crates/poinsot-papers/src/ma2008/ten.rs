@@ -1,6 +1,6 @@
 //! The ten numbers of the base with their covariance, and which of them are undetermined.
 
-use super::both::Solved;
+use super::both::NoisySolution;
 use super::solution::Directions;
 use nalgebra::{SMatrix, SVector};
 use poinsot_identify::Number;
@@ -21,7 +21,7 @@ pub(super) struct Ten {
 }
 
 impl Ten {
-    pub(super) fn new(solved: &Solved, inflation: f64, rejected: bool) -> Self {
+    pub(super) fn new(solved: &NoisySolution, inflation: f64, rejected: bool) -> Self {
         let x = &solved.x;
         let m = solved.arm_mass / x[0];
         let mut value = [0.0; 10];
@@ -78,7 +78,7 @@ impl Ten {
         let value = f(&self.value);
         let open = (0..10).any(|k| self.open[k] && gradient[k] != 0.0);
         if open || !value.is_finite() {
-            return Number::open(nominal);
+            return Number::undetermined(nominal);
         }
         let variance = (self.covariance * gradient).dot(&gradient).max(0.0);
         let bias = self.bias.dot(&gradient);

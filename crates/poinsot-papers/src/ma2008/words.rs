@@ -1,10 +1,11 @@
 //! What is determined and what is open, and the warnings, in words.
 
-use super::both::Solved;
+use super::both::NoisySolution;
 use super::solution::Directions;
 use super::ten::{MISFIT, Ten, unit};
 use poinsot_identify::{
-    DeterminedCombination, Identifiability, OpenCombination, Problem, axis_name, tensor_name,
+    DeterminedCombination, Identifiability, Problem, UnobservableCombination, axis_name,
+    tensor_name,
 };
 use poinsot_model::{Nuisance, SensorKind};
 
@@ -13,7 +14,7 @@ const STUDIED: [f64; 2] = [0.005, 0.5];
 
 pub(super) fn identifiability(
     name: &str,
-    solved: &Solved,
+    solved: &NoisySolution,
     ten: &Ten,
     rejected: bool,
 ) -> Identifiability {
@@ -50,7 +51,7 @@ pub(super) fn identifiability(
     );
     match &solved.angular {
         Some((_, directions)) => {
-            let why = "the angular velocity of the base does not reach all directions (with stopped joints it must come from an initial spin; a spin about one axis needs arm motion about two)";
+            let why = "the angular velocity of the base does not span all directions (stopped joints need an initial spin; spin about one axis needs arm motion about two)";
             let remedy = "spin about two axes, move the arm about two axes, or keep moving samples";
             describe(
                 &mut found,
@@ -64,7 +65,7 @@ pub(super) fn identifiability(
         }
         None => {
             for name in &names[4..] {
-                found.open.push(OpenCombination {
+                found.open.push(UnobservableCombination {
                     text: name.clone(),
                     coefficients: vec![(name.clone(), 1.0)],
                     reason: "step 2 needs mass and mass centre, which step 1 does not determine"
@@ -144,7 +145,7 @@ pub(super) fn describe<const N: usize>(
             true => ("the answer is rejected", "see the warnings"),
             false => (reason, remedy),
         };
-        found.open.push(OpenCombination {
+        found.open.push(UnobservableCombination {
             text,
             coefficients,
             reason: reason.to_owned(),
@@ -176,7 +177,7 @@ pub(super) fn sentence(terms: &[(String, f64)]) -> String {
 
 pub(super) fn warnings(
     problem: &Problem,
-    solved: &Solved,
+    solved: &NoisySolution,
     ten: &Ten,
     contradicted: Option<f64>,
     rejected: bool,
@@ -186,7 +187,7 @@ pub(super) fn warnings(
     let chi2 = solved.chi2;
     if let Some(free) = contradicted {
         list.push(format!(
-            "the momentum given contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
+            "the declared momentum contradicts the data: residuals are {:.1} times the declared noise with it and {:.1} times without; give linear_N_s and angular_N_m_s in N, angular about the system mass centre, at the first sample, or use --variant unknown-momentum",
             chi2.sqrt(), free.sqrt()
         ));
     } else if rejected {
@@ -218,7 +219,10 @@ pub(super) fn warnings(
         .sensors_of(SensorKind::Gyro)
         .any(|s| s.bias != Nuisance::Known);
     if bias {
-        list.push("the gyro's bias is declared unknown: ma2008 takes it as zero; --method auto estimates it".to_owned());
+        list.push(
+            "the gyro's bias is declared unknown: ma2008 assumes zero; --method auto estimates it"
+                .to_owned(),
+        );
     }
     if problem
         .model
@@ -241,7 +245,7 @@ pub(super) fn warnings(
         .fold(0.0, f64::max);
     if worst > 1.0e-6 && !rejected {
         list.push(format!(
-            "noise in the regressor biases the two steps by up to {worst:.1e} of the nominal; the sigmas hold it, and maximum likelihood is free of it"
+            "noise in the regressor biases the two steps by up to {worst:.1e} of the nominal; the sigmas include that; maximum likelihood has no such bias"
         ));
     }
     if base.physically_consistent == Some(false) {

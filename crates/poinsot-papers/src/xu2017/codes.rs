@@ -5,7 +5,7 @@ use crate::Explained;
 pub(super) const CODES: &[Explained] = &[
     (
         "E0531",
-        "xu2017 knows no momentum wheels.",
+        "xu2017 does not support momentum wheels.",
         "A model with [[wheel]].",
         "Take a wheel that stands still out, or use --method auto.",
     ),
@@ -35,7 +35,7 @@ pub(super) const CODES: &[Explained] = &[
     ),
     (
         "E0536",
-        "xu2017 takes momentum as conserved while a joint moves, and a thruster fires.",
+        "xu2017 assumes that momentum is conserved while a joint moves, and a thruster fires.",
         "A firing in a segment with joint motion.",
         "Cut it out, or use --method auto.",
     ),

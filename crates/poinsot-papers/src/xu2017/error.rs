@@ -27,7 +27,7 @@ pub enum Xu2017Error {
     },
     /// No thrust and nothing known that sets the scale.
     #[error(
-        "E0533 no thruster fires with the joints locked, and neither the base nor all that a moving joint carries is known: without the equivalent single body of (35) nothing sets the scale of the momentum equations; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"
+        "E0533 no thruster fires with the joints locked, and no body fixes the scale of the momentum equations (35); add a segment with thrust, take estimate out of the base or the arm, or use --method auto"
     )]
     NoScale,
     /// No velocity.
@@ -78,7 +78,7 @@ pub enum Xu2017Error {
     },
     /// The swarm's objective takes zero momentum.
     #[error(
-        "E0538 segment '{label}': the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) takes momentum as zero, so variant {variant} must start at rest; use --variant linear, which takes the momentum as unknown",
+        "E0538 segment '{label}': the vehicle moves at {} rad/s and {} m/s at the first sample: the objective (52) assumes zero momentum, so variant {variant} must start at rest; use --variant linear, which takes the momentum as unknown",
         rounded(*rate, 2),
         rounded(*speed, 2)
     )]

@@ -143,7 +143,7 @@ impl Work<'_> {
         if !self.weighed {
             let note = match self.roles.moving_segments() {
                 0 => {
-                    "translation is not measured: the mass stays at its nominal value, and no number of the answer depends on it"
+                    "translation is not measured: the mass keeps its nominal value, which does not affect the answer"
                 }
                 _ => {
                     "the thrust segments show no translation: the mass of the whole follows from the first joint that moves"
@@ -286,7 +286,7 @@ impl Work<'_> {
                 });
             }
         }
-        let note = "momentum is taken as zero, as in (49): the base is at rest within the noise at the first sample";
+        let note = "assumed: zero momentum, as in (49), because the base is at rest within the noise at first";
         if !self.found.notes.iter().any(|n| n == note) {
             self.found.notes.push(note.to_owned());
         }

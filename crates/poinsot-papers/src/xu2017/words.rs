@@ -37,7 +37,7 @@ pub(super) fn notes(variant: Variant, found: &Found, estimate: &Estimate) -> Str
         None => "",
     };
     format!(
-        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; the data determine {} of {} combinations, and only those are given. Sigma is that of the linear method (of maximum likelihood where thrust shows attitude alone) on all segments at once, widened by the difference to it.",
+        "Xu, Hu, Zhang and Liang 2017, {} ({order}).{form} The method claims every number of every body; the data determine {} of {} combinations, and only those are given. Sigma is that of the linear method on all segments (maximum likelihood where thrust shows attitude alone), widened by the difference.",
         variant.solver.words(),
         estimate.identifiability.rank,
         estimate.identifiability.parameters,
@@ -107,7 +107,7 @@ fn thrust(problem: &Problem, found: &Found) -> Vec<String> {
     });
     if lever <= NO_LEVER * length || !turns {
         list.push(format!(
-            "the thrust makes no torque about the mass centre (largest lever {lever:.1e} m), so nothing turns: the inertia tensor does not enter (30) and is undetermined; fire thrusters beside the mass centre"
+            "the thrust makes no torque about the mass centre (largest lever {lever:.1e} m), so the inertia tensor does not enter (30) and is undetermined; fire thrusters beside the mass centre"
         ));
     }
     list
@@ -148,7 +148,7 @@ fn standing(problem: &Problem) -> Vec<String> {
             let joint = &problem.model.joints[problem.tree.coordinates[j]];
             let name = |b: usize| &problem.model.bodies[b].name;
             format!(
-                "{} does not move in any segment: {} and {} are one body to these data; drive it in a segment of its own",
+                "{} does not move in any segment: {} and {} are one body to these data; drive it in a separate segment",
                 joint_name(problem, j),
                 name(joint.parent),
                 name(joint.child)
@@ -173,7 +173,7 @@ fn search(step: &StepReport, share: f64) -> Option<String> {
         .collect();
     if step.excluded() {
         return Some(format!(
-            "{}: the swarm's solution lies on the bound of its search range ({}) and leaves a cost of {:.1e} where the linear solution leaves {:.1e}: the range excludes the answer and its numbers are withheld; correct the nominal values, which the range of {:.0} % surrounds, widen it (--set range={}), or use --variant linear",
+            "{}: the swarm's solution is on the bound of its search range ({}), with a cost of {:.1e} where the linear solution leaves {:.1e}: the range excludes the answer and its numbers are withheld; correct the nominal values, which the range of {:.0} % surrounds, widen it (--set range={}), or use --variant linear",
             step.name,
             touched.join("; "),
             flight.cost,

@@ -73,7 +73,7 @@ pub(super) fn find(table: &Table) -> Option<Found> {
             of: x.values.len(),
             first_times_s: Vec::new(),
             text: format!(
-                "the gyro is {:.4} s {late} than the attitude ({:.1} samples): with that shift their difference falls from {} to {} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
+                "the gyro is {:.4} s {late} than the attitude ({:.1} samples); that shift reduces their difference from {} to {} rad/s; correct the times, or write lag = \"estimate\" for the sensor",
                 lag.abs(),
                 lag.abs() / fast,
                 rounded(without, 4),

@@ -128,7 +128,7 @@ impl Policies {
         for change in changes {
             let change = change.as_ref();
             let (check, policy) = change.split_once('=').ok_or_else(|| {
-                format!("'{change}' holds no '='; write CHECK=POLICY, for example outlier=exclude")
+                format!("'{change}' has no '='; write CHECK=POLICY, for example outlier=exclude")
             })?;
             let check = Check::ALL
                 .into_iter()
@@ -363,7 +363,7 @@ fn gaps(channel: &Channel) -> Option<Found> {
             of: channel.values.len(),
             first_times_s: long.iter().map(|g| g.0).take(SHOWN).collect(),
             text: format!(
-                "{} gaps, the longest {longest:.6} s, {lost:.6} s lost in all; nothing is interpolated across",
+                "{} gaps, the longest {longest:.6} s, {lost:.6} s lost in all; no value is interpolated across them",
                 long.len()
             ),
             policy: Policy::Report,

@@ -44,7 +44,7 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     let worst = from_median.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     (!far.is_empty()).then(|| {
         let text = format!(
-            "{} readings lie up to {} {} from their neighbours, more than {FAR} robust sigmas ({})",
+            "{} samples differ from their neighbours by up to {} {}, more than {FAR} robust sigmas ({})",
             far.len(),
             rounded(worst, 4),
             channel.unit,

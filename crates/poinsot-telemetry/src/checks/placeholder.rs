@@ -30,7 +30,7 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     Some((
         samples,
         format!(
-            "{} stands in {count} samples, far from all others: a placeholder for no sample? leave those cells empty, or --policy placeholder=exclude",
+            "{} occurs in {count} samples, far from all others: probably a placeholder; leave those cells empty, or use --policy placeholder=exclude",
             crate::as_read(value)
         ),
     ))

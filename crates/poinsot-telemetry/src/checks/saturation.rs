@@ -38,7 +38,7 @@ pub(super) fn find(channel: &Channel) -> Option<(Vec<usize>, String)> {
     Some((
         samples,
         format!(
-            "{cut} readings stand at the end of the range ({} to {} {}): the sensor is saturated there",
+            "{cut} samples are at the end of the range ({} to {} {}): the sensor is saturated",
             crate::as_read(smallest),
             crate::as_read(largest),
             channel.unit

@@ -59,7 +59,7 @@ fn slow(all: &[(usize, usize)], samples: usize) -> Option<(Vec<usize>, String)> 
     Some((
         stuck,
         format!(
-            "each reading stands {usual} times in a row: the sensor is slower than its column; only its first sample counts"
+            "each value is repeated {usual} times: the sensor is slower than its column; only the first sample of each is used"
         ),
     ))
 }
@@ -104,7 +104,7 @@ fn hangs(channels: &[&Channel], samples: usize, sensor: &Sensor) -> Option<(Vec<
     Some((
         stuck,
         format!(
-            "{} repeats exactly {LONG} times or more, though it is noisy elsewhere: a sensor that hangs",
+            "{} repeats exactly {LONG} times or more, although it is noisy elsewhere: the sensor is stuck",
             names.join("; ")
         ),
     ))

@@ -40,7 +40,7 @@ fn outcome(path: &Path, kind: &str) -> Result<usize, String> {
         // No column is called time_s: take the first that the message names.
         let text = error.to_string();
         let name = text
-            .split(" map one of [")
+            .split(" among [")
             .nth(1)
             .and_then(|t| t.split([',', ']']).next());
         options.map.all.columns = vec![ColumnMap::new("time_s", name.unwrap_or_default(), "s")];

@@ -1,4 +1,4 @@
-//! Accelerations at the times of the samples, where they are measured, for a method that reads them.
+//! Measured accelerations at the sample times, for methods that use them.
 
 use super::channels::Channels;
 use super::sensors::SAME;

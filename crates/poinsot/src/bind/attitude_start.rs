@@ -1,4 +1,4 @@
-//! Attitudes to start from, out of gyro and directions where no attitude is measured.
+//! Initial attitudes from gyro and directions, without an attitude sensor.
 
 use super::sensors::sensor_columns;
 use nalgebra::{Matrix3, Matrix4, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
@@ -6,22 +6,22 @@ use poinsot_model::{Model, SensorKind};
 use poinsot_spatial::skew;
 use poinsot_telemetry::Table;
 
-/// First stretch that is looked at, s; each is twice the one before. A gyro bias of 1e-3 rad/s turns by 0.03 rad in it.
+/// First interval, s; each is twice the previous one. A gyro bias of 1e-3 rad/s turns by 0.03 rad in it.
 const FIRST_S: f64 = 30.0;
-/// Steps on each stretch: bias and start are nearly linear in it.
+/// Steps in each interval: bias and initial attitude are nearly linear in it.
 const STEPS: usize = 3;
-/// Error of a direction, of the attitude and of the gyro before anything is known, rad, rad and rad/s: they hold what the
-/// directions leave open.
+/// Prior sigma of a direction, of the attitude and of the gyro, rad, rad and rad/s: they fix what the directions do not
+/// determine.
 const DIRECTION: f64 = 1.0e-2;
 const ATTITUDE: f64 = 1.0;
 const BIAS: f64 = 5.0e-2;
 
-/// A direction as the base sees it: time, s, measured in B, known in N.
+/// A direction measured by the base: time, s, measured in B, known in N.
 pub(super) type Direction = (f64, Vector3<f64>, Vector3<f64>);
 
 type Attitudes = Vec<Option<UnitQuaternion<f64>>>;
 
-/// Directions that sensors of the base see.
+/// Directions measured by sensors of the base.
 pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Direction> {
     let all = sensor_columns(model, table).into_iter();
     let own = all.filter(|c| c.kind == SensorKind::Direction);
@@ -31,8 +31,8 @@ pub(super) fn base_directions(model: &Model, table: &Table) -> Vec<Direction> {
 
 /// Attitudes at the gyro's times that fit directions best, with one bias of the gyro for all.
 ///
-/// The start is Davenport's solution of Wahba's problem on the first stretch (Wahba 1965, Markley and Crassidis 2014, section
-/// 5.3); start and bias then go by Gauss and Newton over stretches that grow, so that a drift is known before it is large.
+/// The start is Davenport's solution of Wahba's problem on the first stretch (Wahba 1965, Markley and Crassidis 2014,
+/// section 5.3); start and bias then go by Gauss and Newton over growing intervals, so that the drift stays small.
 pub(super) fn attitudes(
     times: &[f64],
     rate: &[Option<Vector3<f64>>],
@@ -194,7 +194,7 @@ mod tests {
         seen: Vec<Direction>,
     }
 
-    /// A tumbling base, its gyro off by `bias`, and what it sees of the known vectors.
+    /// A tumbling base with a gyro bias, and its measurements of the known vectors.
     fn tumble(bias: Vector3<f64>, known: &[Vector3<f64>]) -> Tumble {
         let times: Vec<f64> = (0..3000).map(|k| 0.1 * f64::from(k)).collect();
         let w = |t: &f64| Vector3::new(0.02, -0.03 * (0.05 * t).cos(), 0.025 * (0.03 * t).sin());
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// One direction leaves a turn about itself open, and nothing else.
+    /// One direction does not determine the rotation about itself.
     #[test]
     fn exact_one_direction_is_seen_as_read_whatever_the_bias() {
         let bias = Vector3::new(5.0e-3, -2.0e-3, 8.0e-3);

@@ -1,7 +1,7 @@
 //! Finding the channels of a sensor in a table.
 
 use super::BindError;
-use super::sensors::{Leading, REFERENCE};
+use super::sensors::{BaseSensors, REFERENCE};
 use poinsot_model::{JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
 use poinsot_telemetry::{Channel, Table};
@@ -12,7 +12,7 @@ pub(super) struct Channels<'a> {
     pub table: &'a Table,
     pub label: &'a str,
     /// The sensors from which aligned samples come.
-    pub leading: &'a Leading,
+    pub leading: &'a BaseSensors,
 }
 
 /// The three channels of a vector sensor, with where it sits. Tables are in body or inertial axes: columns of a
@@ -37,7 +37,7 @@ impl<'a> Channels<'a> {
             .or_else(|| self.table.sensor_channel("", name))
     }
 
-    /// The columns of the leading sensor of a kind: see [`Leading::columns`].
+    /// The columns of the leading sensor of a kind: see [`BaseSensors::columns`].
     pub fn leading(&self, model: &Model, kind: SensorKind) -> Option<Vec<&'a Channel>> {
         self.leading.columns(model, self.table, kind)
     }

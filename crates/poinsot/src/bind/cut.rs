@@ -1,7 +1,7 @@
-//! A record is cut where an input was not read: what wheels, joints and thrusters did meanwhile nobody knows.
+//! A record is cut at gaps of its inputs: the motion of wheels, joints and thrusters is unknown there.
 //!
-//! Base sensors may pause, since the equation of motion carries the state across. Inputs drive it, so across a gap in them
-//! attitude and momentum are lost: each piece is a segment with a start of its own, and shares the bodies.
+//! Gaps of base sensors are allowed, since the equation of motion propagates the state. Each piece is a segment with a
+//! separate initial state, and shares the bodies.
 
 use super::channels::{Channels, joint_columns};
 use super::input_errors::is_locked;

@@ -1,10 +1,10 @@
-//! Which faults of which sensors can be unknown: anything else that is asked for is refused, not ignored.
+//! Sensor errors that can be estimated; any other is refused, not ignored.
 
 use super::BindError;
 use poinsot_identify::ErrorGroup;
 use poinsot_model::{Model, Nuisance, SensorKind};
 
-/// Faults that the fit knows, by kind of sensor.
+/// Errors that the fit can estimate, by kind of sensor.
 fn known(kind: SensorKind) -> Vec<&'static str> {
     match kind {
         SensorKind::JointPosition => vec!["bias", "lag"],
@@ -32,7 +32,7 @@ pub(super) fn check_faults(model: &Model) -> Result<(), BindError> {
             if moves && what == "bias" && model.sensors_of(kind).nth(1).is_none() {
                 return Err(BindError::Unsupported {
                     what: format!(
-                        "sensor '{}': a bias of the only sensor of type {} cannot be told from where N is and how it drifts; take it out",
+                        "sensor '{}': a bias of the only sensor of type {} is not identifiable: it equals an offset and drift of N; take it out",
                         sensor.name,
                         kind.word()
                     ),

@@ -1,8 +1,8 @@
 //! Positions and velocities on an orbit, as receivers and ephemerides give them, relative to free fall.
 //!
-//! N falls freely with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity where the vehicle is. Then
-//! `r - G` obeys `m (r - G)'' = F` with the forces of the vehicle alone, tide included, on any orbit and for any time.
-//! Noise of `r` enters `G` as noise times the gradient of gravity, 1e-6 1/s2 in low orbit, and can be neglected.
+//! N is in free fall with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity where the vehicle is.
+//! Then `r - G` obeys `m (r - G)'' = F` with the forces of the vehicle alone, tide included, on any orbit and for any
+//! time. Noise of `r` enters `G` as noise times the gradient of gravity, 1e-6 1/s2 in low orbit, and can be neglected.
 
 use super::BindError;
 use nalgebra::Vector3;
@@ -46,7 +46,7 @@ pub(super) fn relative<'t>(
             continue;
         };
         if matches!(model.momentum.linear, MomentumKnowledge::Known(_)) {
-            let what = "[momentum] linear_N_s is given, and positions on an orbit are taken relative to free fall, where it has no meaning; write linear_N_s = \"estimate\"".to_owned();
+            let what = "[momentum] linear_N_s is given, but it has no meaning for positions relative to free fall; write linear_N_s = \"estimate\"".to_owned();
             return Err(BindError::Unsupported { what });
         }
         repairs.push(format!("{}: {}", super::file_label(table), fall.words()));
@@ -156,7 +156,7 @@ impl FreeFall {
             ),
             false => "a point mass; all else is neglected".to_owned(),
         };
-        format!("positions taken relative to free fall in the gravity of {field}")
+        format!("positions are relative to free fall in the gravity of {field}")
     }
 
     /// Replaces positions and velocities, and keeps the orbit for the gravity gradient.

@@ -1,9 +1,10 @@
-//! How the errors of joint and wheel readings hang together in time.
+//! Correlation in time of joint and wheel errors.
 //!
-//! A rounded sample errs by up to half a step. Where the quantity moves by a share `d` of a step from one sample to the
-//! next, two errors correlate by `1 - 6 d + 6 d^2` (the mean over the phase of the product of two sawtooth errors), so
-//! the error of a quantity that moves by more than a fifth of a step is new at each sample. In a run of `n` equal samples
-//! `d` is at most `1 / n`: a quantity at rest and one that drifts by a whole step during the run read alike.
+//! The error of a rounded sample is up to half a step. Where the quantity moves by a share `d` of a step from one
+//! sample to the next, two errors correlate by `1 - 6 d + 6 d^2` (the mean over the phase of the product of two
+//! sawtooth errors), so the error of a quantity that moves by more than a fifth of a step is new at each sample. In a
+//! run of `n` equal samples `d` is at most `1 / n`: a quantity at rest and one that drifts by a whole step during the
+//! run are indistinguishable.
 
 use super::channels::{Channels, joint_columns};
 use poinsot_dynamics::Tree;
@@ -11,7 +12,7 @@ use poinsot_identify::InputErrors;
 use poinsot_model::{Model, Sensor, SensorKind};
 use poinsot_telemetry::{Channel, median_step};
 
-/// White noise, in steps, from which rounding errs anew each time even at rest.
+/// White noise, in steps, from which rounding errors are independent even at rest.
 const DITHER: f64 = 0.25;
 /// Share of a step within which two readings are one.
 const ONE_LEVEL: f64 = 0.9;

@@ -1,6 +1,6 @@
 //! Names become indices: a table of channels and a model become samples on one time base.
 //!
-//! Every assumption and repair is put into words; a name without a meaning is an error, loudly.
+//! Every assumption and repair is reported; an unknown name is an error.
 
 mod acceleration;
 mod attitude_start;
@@ -29,10 +29,10 @@ use poinsot_dynamics::Tree;
 use poinsot_identify::{Noise, Samples, Segment};
 use poinsot_model::{Model, MomentumKnowledge, SensorKind};
 use poinsot_telemetry::Table;
-use sensors::Leading;
+use sensors::BaseSensors;
 use std::collections::HashSet;
 
-/// Everything an estimator needs of one question.
+/// The input of an estimator.
 pub struct Bound {
     /// Segments in the order given.
     pub segments: Vec<Segment>,
@@ -53,7 +53,7 @@ pub fn bind(model: &Model, tree: &Tree, tables: &[Table]) -> Result<Bound, BindE
     let mut repairs = Vec::new();
     let tables = free_fall::relative(model, tables, &mut repairs)?;
     let tables = tables.as_ref();
-    let leading = Leading::new(model, tables);
+    let leading = BaseSensors::new(model, tables);
     sensors::check_sensors(model, tables, &leading, &mut repairs)?;
     let mut segments = Vec::with_capacity(tables.len());
     let mut dropped: f64 = 0.0;
@@ -83,7 +83,7 @@ fn file_label(table: &Table) -> String {
 fn bind_table(
     model: &Model,
     tree: &Tree,
-    (table, leading): (&Table, &Leading),
+    (table, leading): (&Table, &BaseSensors),
     repairs: &mut Vec<String>,
 ) -> Result<(Vec<Segment>, f64), BindError> {
     let label = file_label(table);
@@ -123,7 +123,7 @@ fn bind_table(
     let lost = whole.len() - kept;
     if lost > 0 {
         repairs.push(format!(
-            "{label}: {lost} of {} gyro samples left out: another channel has no sample there or within 3 of its steps",
+            "{label}: {lost} of {} gyro samples left out: another channel has no sample within 3 of its steps",
             whole.len()
         ));
     }
@@ -150,7 +150,7 @@ fn told_gaps(label: &str, gaps: &[(f64, f64)], pieces: usize) -> String {
         words.push(format!("{} more", gaps.len() - SHOWN));
     }
     format!(
-        "{label}: wheels, joints or thrusters are not read for a while ({}): taken as {pieces} segments, each with its own start and momentum",
+        "{label}: gaps in the wheel, joint or thruster samples ({}): split into {pieces} segments, each with its own initial state",
         words.join(", ")
     )
 }

@@ -51,7 +51,7 @@ pub(super) fn align(
         let channel = channels.find(None, &name).ok_or_else(|| {
             channels.missing(
                 &name,
-                "the momentum of a wheel cannot be guessed; add the column, or take the wheel out of the model",
+                "the momentum of a wheel has no default; add the column, or take the wheel out of the model",
             )
         })?;
         wheel_speed.push(resample(channel, times, None));
@@ -276,7 +276,7 @@ fn joint(
         (Some(q), rate) if super::input_errors::is_locked(model, at, q) => {
             if rate.is_some_and(|r| r.values.iter().any(|x| *x != 0.0)) {
                 repairs.push(format!(
-                    "{label}: {} reads one position throughout: taken as locked, its '{rate_name}' as zero",
+                    "{label}: {} has one constant position: assumed locked, its '{rate_name}' assumed zero",
                     joint.name
                 ));
             }
@@ -300,12 +300,12 @@ fn joint(
             });
             let springs = match joint.spring_damper {
                 Some(_) => {
-                    " although its spring lets it move: give its readings, or a model without it"
+                    " although it has a spring: add its samples, or remove the spring from the model"
                 }
                 None => "",
             };
             repairs.push(format!(
-                "{label}: no channel '{position_name}': {} taken as locked at {}{unused}{springs}",
+                "{label}: no channel '{position_name}': assumed: {} locked at {}{unused}{springs}",
                 joint.name, joint.locked_at
             ));
             (

@@ -1,7 +1,7 @@
-//! Declared noise of the sensors, and how much of it the data really show.
+//! Declared noise of the sensors, and its observed share in the data.
 
 use super::BindError;
-use super::sensors::{Leading, covariance};
+use super::sensors::{BaseSensors, covariance};
 use poinsot_dynamics::Tree;
 use poinsot_identify::Noise;
 use poinsot_model::{Model, SensorKind};
@@ -18,7 +18,7 @@ const DIFFERENCE: f64 = 0.95;
 pub(super) fn declared_noise(
     model: &Model,
     tree: &Tree,
-    (tables, leading): (&[Table], &Leading),
+    (tables, leading): (&[Table], &BaseSensors),
     repairs: &mut Vec<String>,
 ) -> Result<Noise, BindError> {
     let columns = |kind| -> Vec<Vec<&Channel>> {
@@ -39,7 +39,7 @@ pub(super) fn declared_noise(
         if value.is_none() && has(kind) {
             let what = kind.word();
             repairs.push(format!(
-                "{what} taken as exact: no sensor declares its noise"
+                "assumed: {what} exact, because no sensor declares its noise"
             ));
         }
         value.unwrap_or_else(Matrix3::zeros)
@@ -75,7 +75,7 @@ pub(super) fn declared_noise(
 }
 
 /// Covariance of a leading sensor in body axes, quantisation included.
-fn vector(model: &Model, leading: &Leading, kind: SensorKind) -> Option<Matrix3> {
+fn vector(model: &Model, leading: &BaseSensors, kind: SensorKind) -> Option<Matrix3> {
     let sensor = leading.sensor(model, kind)?;
     let covariance = covariance(sensor)?;
     Some(sensor.R_BS * covariance * sensor.R_BS.transpose())

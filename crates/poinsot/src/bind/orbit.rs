@@ -58,7 +58,7 @@ pub(super) fn check_orbit(
     let positions = model.sensors_of(SensorKind::Position).next().is_some();
     if around.point_mass_gm.is_some() && !around.gravity_gradient && !positions {
         return Err(BindError::Unsupported {
-            what: "[environment] gravity = \"point_mass\" alone changes nothing: N falls freely with the vehicle; add gravity_gradient = true, or take it out".to_owned(),
+            what: "[environment] gravity = \"point_mass\" alone has no effect: N is in free fall with the vehicle; add gravity_gradient = true, or remove it".to_owned(),
         });
     }
     if !around.gravity_gradient {
@@ -74,7 +74,7 @@ pub(super) fn check_orbit(
         )),
         (true, true) => {
             repairs.push(format!(
-                "{}: orbit taken from its columns, not from the elements of the model",
+                "{}: orbit from its columns, not from the elements of the model",
                 channels.label
             ));
             Ok(())

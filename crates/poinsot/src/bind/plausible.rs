@@ -1,5 +1,4 @@
-//! Numbers that no vehicle reaches: placeholders, wrong units. One of them would carry the answer with it, and
-//! following it would take forever.
+//! Plausibility limits against placeholders and wrong units, which would dominate the answer and the computing time.
 
 use super::BindError;
 use super::channels::Channels;
@@ -16,7 +15,7 @@ const LARGEST: [(&str, f64, &str); 6] = [
     ("_N", 1.0e8, "N"),
 ];
 
-/// Refuses readings that no vehicle reaches.
+/// Refuses samples beyond plausible limits.
 ///
 /// # Errors
 /// The first of them with its channel and time.
@@ -51,7 +50,7 @@ fn beyond(channel: &Channel, most: f64, unit: &str) -> Option<(usize, String)> {
     Some((at, format!("beyond {most:e} {unit}")))
 }
 
-/// Between two samples a vehicle must turn less than half a turn, or nobody can say how far it turned.
+/// Between two samples a vehicle must rotate by less than half a turn; otherwise the rotation is ambiguous.
 fn turns_too_far(channel: &Channel) -> Option<(usize, String)> {
     let step = median_step(&channel.time_s)?;
     let at = channel.values.iter().position(|x| x.abs() * step > PI)?;

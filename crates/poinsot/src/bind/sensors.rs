@@ -1,4 +1,4 @@
-//! Sensors of three axes: which columns are whose, and their samples on the grid. Any number of a kind, on any body.
+//! Sensors of three axes: their columns and samples on the grid. Any number of a kind, on any body.
 
 use super::BindError;
 use crate::channel_names::{XYZ, names};
@@ -195,7 +195,7 @@ impl<'a> SensorColumns<'a> {
             correlation_s: declared.map_or(0.0, |s| s.correlation_s),
             samples: samples.collect(),
             name: declared.map_or_else(|| self.kind.word().to_owned(), |s| label(model, s)),
-            // Sensors that report in body axes err in their own.
+            // Sensors with samples in body axes have errors in their own axes.
             ..SensorRecord::of_base(
                 self.kind,
                 match declared {
@@ -278,11 +278,11 @@ pub(super) fn covariance(sensor: &Sensor) -> Option<Matrix3> {
 }
 
 /// The sensors of the base from which the aligned samples of the linear method come: one of each kind.
-pub(super) struct Leading {
+pub(super) struct BaseSensors {
     of: Vec<(SensorKind, usize)>,
 }
 
-impl Leading {
+impl BaseSensors {
     /// Of each kind the sensor that is read in most tables, and of those the one that tells most: samples over variance.
     pub fn new(model: &Model, tables: &[Table]) -> Self {
         let worth = |k: usize| {
@@ -336,7 +336,7 @@ impl Leading {
 pub(super) fn check_sensors(
     model: &Model,
     tables: &[Table],
-    leading: &Leading,
+    leading: &BaseSensors,
     repairs: &mut Vec<String>,
 ) -> Result<(), BindError> {
     for table in tables {
@@ -368,7 +368,7 @@ pub(super) fn check_sensors(
         if let Some(sensor) = all.iter().find(|s| needed && asks(s) && !read(s)) {
             return Err(BindError::Unsupported {
                 what: format!(
-                    "sensor '{}': an unknown of it is asked for, and no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
+                    "sensor '{}': one of its errors is to be estimated, but no segment has its columns '{}'; add them, or take bias, scale, misalignment and lag out",
                     sensor.name,
                     names_of(model, kind).join(" ")
                 ),
@@ -408,7 +408,7 @@ fn refuse_ambiguous(model: &Model, table: &Table, kind: SensorKind) -> Result<()
     })
 }
 
-/// A direction tells nothing without the vector in N that it belongs to.
+/// A direction needs its reference vector in N.
 fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result<(), BindError> {
     for (k, sensor) in model.sensors.iter().enumerate() {
         if sensor.kind != SensorKind::Direction || sensor.reference_N.is_some() {
@@ -420,7 +420,7 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
                 file: label.to_owned(),
                 channel: XYZ.map(own).join(" "),
                 why: format!(
-                    "the direction '{}' tells nothing without the vector in inertial axes that it belongs to; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
+                    "the direction '{}' needs its reference vector in inertial axes; add the columns, or write reference_N = [x, y, z] in its [[sensor]]",
                     sensor.name
                 ),
             });
@@ -429,7 +429,7 @@ fn refuse_without_reference(model: &Model, table: &Table, label: &str) -> Result
     Ok(())
 }
 
-/// What the fit starts from is measured on the base: rate, attitude, and position or velocity where there is any.
+/// The initial state is measured on the base: rate, attitude, and position or velocity where there is any.
 fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<(), BindError> {
     let groups: [&[SensorKind]; 3] = [
         &[SensorKind::Gyro],
@@ -445,7 +445,7 @@ fn refuse_links_alone(model: &Model, read: &impl Fn(&Sensor) -> bool) -> Result<
             let words: Vec<&str> = kinds.iter().map(|k| k.word()).collect();
             return Err(BindError::Unsupported {
                 what: format!(
-                    "sensor '{}' sits on body '{}', and no {} is read on the base '{}', from which the fit starts; add one there, or take this one out",
+                    "sensor '{}' is on body '{}', but the fit needs a {} on the base '{}' for its initial state; add one there, or remove this sensor",
                     sensor.name,
                     model.bodies[sensor.body].name,
                     words.join(" or "),
@@ -482,7 +482,7 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
                     || kind == SensorKind::Attitude && model.sensors_of(kind).next().is_none());
             if !declared && !shared {
                 repairs.push(format!(
-                    "{label}: column '{}' and its companions belong to no {} of the model: not used; declare [[sensor]] type = \"{}\", name = \"{}\"",
+                    "{label}: column '{}' and its companions match no {} of the model and are not used; declare [[sensor]] type = \"{}\", name = \"{}\"",
                     full_name(&channel.sensor, &channel.name),
                     kind.word().replace('_', " "),
                     kind.word(),
@@ -493,7 +493,7 @@ fn ownerless(model: &Model, table: &Table, label: &str, repairs: &mut Vec<String
     }
 }
 
-/// Attitude and position of the only sensor may be taken as exact; anything else is worth nothing without its noise.
+/// Attitude and position of the only sensor may be taken as exact; any other sensor needs its noise.
 fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError> {
     if covariance(sensor).is_some() {
         return Ok(());
@@ -506,7 +506,7 @@ fn refuse_noiseless(sensor: &Sensor, of_its_kind: usize) -> Result<(), BindError
         kind => {
             return Err(BindError::Unsupported {
                 what: format!(
-                    "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are not known; declare its noise",
+                    "sensor '{}' declares no noise, and is one of {of_its_kind} of type {}: their weights are undetermined; declare its noise",
                     sensor.name,
                     kind.word()
                 ),

@@ -45,7 +45,7 @@ pub(super) fn firings(
     }
     if !off.is_empty() {
         repairs.push(format!(
-            "{}: no column for {}: taken as off",
+            "{}: no column for {}: assumed off",
             channels.label,
             off.join(", ")
         ));

@@ -22,7 +22,7 @@ const NOISY: [&str; 2] = ["noise_", "quantisation_"];
 
 /// In which files a number changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Of {
+pub(crate) struct FileSelector {
     pub truth: bool,
     pub nominal: bool,
 }
@@ -38,7 +38,7 @@ pub(crate) struct Documents {
     pub nominal: Option<Table>,
 }
 
-/// What becomes of a number: its index among those of the address, and its value in the file.
+/// New value of a number from its index in the address and its value in the file.
 pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
 
 /// Changes the numbers at an address.
@@ -48,7 +48,7 @@ pub(crate) type Edit<'a> = &'a dyn Fn(usize, f64) -> f64;
 pub(crate) fn edit(
     documents: &mut Documents,
     address: &str,
-    of: Of,
+    of: FileSelector,
     change: Edit<'_>,
 ) -> Result<(), (String, String)> {
     let address = Address::parse(address);
@@ -56,8 +56,7 @@ pub(crate) fn edit(
         && let Some(way) = way_in_case(case, address)
     {
         if !of.truth {
-            let what =
-                "a case has no nominal side: the identification reads telemetry, not the case";
+            let what = "a case has no nominal numbers: identification uses telemetry, not the case";
             return Err((what.to_owned(), "write of = \"both\"".to_owned()));
         }
         return change_leaves(walk_table(case, &way)?, change);
@@ -83,7 +82,7 @@ pub(crate) fn edit(
 }
 
 /// The keys that lead to an address in the case: its own, or those of what it says of a sensor, `gyro.bias_rad_s.x`.
-fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<Way<'a>> {
+fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<KeyPath<'a>> {
     if case.contains_key(address.first()) && !matches!(address.first(), "schema" | "model") {
         return Some(way(&[], address));
     }
@@ -94,9 +93,9 @@ fn way_in_case<'a>(case: &Table, address: Address<'a>) -> Option<Way<'a>> {
 }
 
 /// Keys from the top of a file down.
-type Way<'a> = Vec<Cow<'a, str>>;
+type KeyPath<'a> = Vec<Cow<'a, str>>;
 
-fn way<'a>(to: &[&str], rest: Address<'a>) -> Way<'a> {
+fn way<'a>(to: &[&str], rest: Address<'a>) -> KeyPath<'a> {
     let to = to.iter().map(|step| Cow::Owned((*step).to_owned()));
     to.chain(rest.steps().map(Cow::Borrowed)).collect()
 }
@@ -309,7 +308,7 @@ fn change_leaves(value: &mut Value, change: Edit<'_>) -> Result<(), (String, Str
     visit(value, &mut count, change);
     if count == 0 {
         let what = format!("there is no number here but {}", value.type_str());
-        return Err((what, "let the address end at a number".to_owned()));
+        return Err((what, "end the address at a number".to_owned()));
     }
     Ok(())
 }
@@ -342,7 +341,7 @@ fn visit(value: &mut Value, count: &mut usize, change: Edit<'_>) {
 pub(crate) fn count(
     documents: &Documents,
     address: &str,
-    of: Of,
+    of: FileSelector,
 ) -> Result<usize, (String, String)> {
     let most = std::cell::Cell::new(0);
     let mut copy = documents.clone();
@@ -358,7 +357,7 @@ pub(crate) fn count(
 mod tests {
     use super::*;
 
-    const BOTH: Of = Of {
+    const BOTH: FileSelector = FileSelector {
         truth: true,
         nominal: true,
     };
@@ -497,7 +496,7 @@ bias_rad_s = [0.0, 0.0, 0.0]
     #[test]
     fn unit_one_side_leaves_the_other() {
         let mut all = documents();
-        let truth = Of {
+        let truth = FileSelector {
             truth: true,
             nominal: false,
         };

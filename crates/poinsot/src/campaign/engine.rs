@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// What the trials of a cell share, made by the first of them.
+/// Data shared by the trials of a cell, made by the first of them.
 type Shared = Arc<OnceLock<Result<Prepared, String>>>;
 
 /// Numbers of shards that are damaged, with the reason.
@@ -28,7 +28,7 @@ struct Active {
     left: AtomicUsize,
 }
 
-/// What is still to be given out.
+/// The remaining trials.
 struct Queue {
     shards: VecDeque<u64>,
     current: Option<(Arc<Active>, u64)>,

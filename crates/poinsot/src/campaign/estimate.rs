@@ -1,4 +1,4 @@
-//! What a campaign will cost, from trials that were measured.
+//! Cost of a campaign, from measured trials.
 
 use super::plan::{Plan, Shard};
 use super::shard::ShardResult;
@@ -11,12 +11,12 @@ use poinsot_telemetry::RowCells;
 const MEASURED: u64 = 4;
 /// Cells that are measured: the first and the last, and one between.
 const CELLS: u64 = 3;
-/// Trials that a campaign is told the price of, beside its own.
+/// Numbers of trials with a reported cost, in addition to the plan's.
 const PRICED: [u64; 2] = [1_000_000, 1_000_000_000];
 /// Shards take this long, s, so that a scheduler has little to do and little is lost with one.
 const SHARD_S: [f64; 2] = [10.0, 120.0];
 
-/// What trials of a plan cost.
+/// Cost of the trials of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampaignCost {
     /// Processor time of one trial by all methods, s, mean over the cells that were measured.
@@ -111,7 +111,7 @@ pub fn cost_document(plan: &Plan, cost: &CampaignCost) -> Document {
     let mut lines = Vec::new();
     if let Some(memory) = cost.memory {
         lines.push(format!(
-            "memory: {} with one thread; every further one holds its own trial",
+            "memory: {} with one thread; each further thread adds one trial",
             size(memory as f64)
         ));
     }
@@ -121,8 +121,7 @@ pub fn cost_document(plan: &Plan, cost: &CampaignCost) -> Document {
         cost.planned_block
     ));
     lines.push(
-        "measured alone on this machine: other work on it, and other processors, change the time"
-            .to_owned(),
+        "measured on this machine without other load; times differ on other machines".to_owned(),
     );
     document.push(Section::list("and", lines));
     document

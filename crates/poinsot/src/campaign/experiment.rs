@@ -1,6 +1,6 @@
 //! An experiment of a plan: its files as tables, and the study at one point.
 
-use super::address::{Documents, Edit, Of, edit};
+use super::address::{Documents, Edit, FileSelector, edit};
 use super::faults::PlanText;
 use crate::case::{Case, parse_case, read_case};
 use crate::digest::sha256;
@@ -18,7 +18,8 @@ use std::sync::Arc;
 pub(crate) type Changes<'a> = dyn Fn(&mut Apply<'_>) -> Result<(), (String, String)> + 'a;
 
 /// Puts one change into the files.
-pub(crate) type Apply<'a> = dyn FnMut(&str, Of, Edit<'_>) -> Result<(), (String, String)> + 'a;
+pub(crate) type Apply<'a> =
+    dyn FnMut(&str, FileSelector, Edit<'_>) -> Result<(), (String, String)> + 'a;
 
 /// Seed of a record where the plan gives none.
 const SEED: u64 = 1;
@@ -78,7 +79,7 @@ impl Experiment {
             (None, Some(_)) => {
                 refuse(
                     "record",
-                    "a record needs the vehicle",
+                    "a record needs a model and a truth file",
                     "give model and truth",
                 );
                 return Ok(None);
@@ -294,7 +295,7 @@ fn check(file: &ExperimentFile, refuse: &mut impl FnMut(&'static str, &str, &str
         let remedy = "give [[output.sensor]] bias_... in the case";
         refuse(
             "bias",
-            "a case gives the biases of its sensors itself",
+            "the case already declares the biases of its sensors",
             remedy,
         );
     }

@@ -1,4 +1,4 @@
-//! What is wrong with a plan, each fault with its line.
+//! Faults of a plan, each with its line.
 
 use crate::case::{CaseError, CaseFault, CaseText};
 use crate::error::Error;
@@ -60,7 +60,7 @@ impl PlanText {
         fault
     }
 
-    /// Takes note of a fault.
+    /// Adds a fault.
     pub fn refuse(
         &mut self,
         code: &'static str,

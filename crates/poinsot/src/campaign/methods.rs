@@ -4,7 +4,7 @@ use super::faults::PlanText;
 use crate::identify::{Question, check_method};
 use poinsot_formats::{MethodFile, SettingFile};
 
-/// A method as every trial is put to it.
+/// A method of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MethodChoice {
     /// Name, variant and settings in one line.

@@ -1,8 +1,8 @@
 //! The verb `campaign`: many trials of many experiments, from one core to a cluster.
 //!
 //! A [`Plan`] names experiments, methods, numbers that vary and numbers that are drawn. Its trials fall into numbered
-//! shards. A shard is a function of the plan and its number alone: it is run anywhere, written whole or not at all, and run
-//! again without harm. [`fold_shards`] adds shards up by their numbers, so that the sums of a campaign have the same bits
+//! shards. A shard is a function of the plan and its number alone: it can run anywhere, is written atomically, and can
+//! be repeated. [`fold_shards`] adds shards up by their numbers, so that the sums of a campaign have the same bits
 //! however often it was interrupted.
 //!
 //! ```no_run
@@ -43,7 +43,7 @@ pub use estimate::{CampaignCost, campaign_cost, cost_document};
 pub use pairs::{PairNumberSums, PairSums};
 pub use plan::{Plan, Shard, made_plan, parse_plan, read_plan};
 pub use result::{CellSums, Folded, OUTSIDE, fold_shards, fold_sums};
-pub use run::{CampaignRequest, Ran, campaign, campaign_in_memory, merge_campaign};
+pub use run::{CampaignRequest, CampaignRun, campaign, campaign_in_memory, merge_campaign};
 pub use shard::{ShardResult, ShardSums};
 pub use slurm::slurm_scripts;
 pub use text::campaign_document;

@@ -6,7 +6,7 @@ use poinsot_report::{
     Axis, Figure, Light, Mark, Opening, Page, PageError, Part, Plot, Series, Tone,
 };
 
-/// Most numbers that have a figure of their own.
+/// Largest number of separate figures.
 const FIGURES: usize = 12;
 
 /// The page.
@@ -42,12 +42,12 @@ pub(crate) fn campaign_page(result: &CampaignFile) -> Result<Page, PageError> {
     Ok(Page {
         title: format!("Campaign {}", result.name),
         subtitle: format!("{}; plan {}; poinsot {}", headline(result), &result.digest.get(..12).unwrap_or(""), result.poinsot),
-        footer: "Intervals hold in 95 of 100 campaigns: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file is complete in itself and loads nothing.".to_owned(),
+        footer: "Intervals have 95 % confidence: Wilson for shares, Student for means, chi-square for mean squares; of a sampling Student's over its replicates. This file needs no network.".to_owned(),
         parts: vec![opening.part()?, drawn, tables],
     })
 }
 
-/// Whether every method holds what a calibrated estimator must.
+/// Whether every method is calibrated.
 fn held(result: &CampaignFile) -> Light {
     let methods = || result.cells.iter().flat_map(|c| &c.methods);
     let missed = methods().filter(|m| !m.misses.is_empty()).count();
@@ -60,7 +60,7 @@ fn held(result: &CampaignFile) -> Light {
         place: "tables",
         tone,
         word: word.to_owned(),
-        found: format!("{missed} of {} methods miss an aim", methods().count()),
+        found: format!("{missed} of {} methods miss a limit", methods().count()),
     }
 }
 

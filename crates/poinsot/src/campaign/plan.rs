@@ -3,7 +3,7 @@
 //! A cell is one experiment at one point of the grid. A shard is a block of trials of one cell; shards are numbered block
 //! by block, so that all cells have their first trials before any has its second block.
 
-use super::address::{Of, count};
+use super::address::{FileSelector, count};
 use super::experiment::{Apply, Experiment, FilesAt};
 use super::faults::PlanText;
 use super::methods::MethodChoice;
@@ -38,7 +38,7 @@ const SOBOL_DIMENSIONS: usize = 256;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GridAxis {
     pub number: String,
-    pub of: Of,
+    pub of: FileSelector,
     pub values: Vec<f64>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct GridAxis {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SampledAxis {
     pub number: String,
-    pub of: Of,
+    pub of: FileSelector,
     pub range: [f64; 2],
     pub log: bool,
 }
@@ -92,7 +92,7 @@ pub struct Shard {
 /// Reads and checks a plan.
 ///
 /// # Errors
-/// Everything that is wrong with the plan or with a file that it names.
+/// All faults of the plan and its files.
 pub fn read_plan(path: &Path) -> Result<Plan, Error> {
     let text = poinsot_files::read_text(path, LARGEST).map_err(|e| {
         let text = PlanText::new(path, String::new());
@@ -178,7 +178,7 @@ fn plan_of(file: PlanFile, mut text: PlanText) -> Result<Plan, Error> {
         );
     }
     text.finish()?;
-    // Every point of the grid is tried before an hour is spent on the first.
+    // Every point of the grid is checked before the first trial.
     for cell in 0..plan.cells() {
         let experiment = plan.experiment(cell);
         let files = plan.files_at(experiment, cell)?;
@@ -222,7 +222,7 @@ fn check_counts(file: &PlanFile, text: &mut PlanText) {
             ("trials_per_shard", file.trials_per_shard.is_some()),
         ] {
             if given {
-                let what = "a sampling counts its own trials: points x replicates";
+                let what = "a sampling sets its own number of trials: points x replicates";
                 text.refuse("E0541", &[key], what, "take it out");
             }
         }
@@ -245,7 +245,7 @@ fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
         .replicates
         .is_some_and(|n| !(REPLICATES..=MOST_POINTS).contains(&n))
     {
-        let what = "bands come from the scatter between replicates: too few, or too many to count";
+        let what = "bands are computed from the scatter between replicates: too few or too many";
         let remedy = format!("give {REPLICATES} to {MOST_POINTS}");
         text.refuse("E0541", &at("replicates"), what, &remedy);
     }
@@ -255,9 +255,9 @@ fn sampling(file: &PlanFile, text: &mut PlanText) -> Option<Sampling> {
     })
 }
 
-pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> Of {
+pub(super) fn of(given: Option<OfFile>, usual: OfFile) -> FileSelector {
     let of = given.unwrap_or(usual);
-    Of {
+    FileSelector {
         truth: of != OfFile::Nominal,
         nominal: of != OfFile::Truth,
     }
@@ -338,7 +338,7 @@ fn axis(
         }
         _ => refuse(
             "number",
-            "neither values nor one range",
+            "needs either values or one range",
             "give values = [...], or from and to with count",
         ),
     }
@@ -365,7 +365,7 @@ pub(super) fn between(from: f64, to: f64, share: f64, log: bool) -> f64 {
 
 /// Every address names numbers in every experiment, and every change fits them.
 fn check_addresses(plan: &Plan, text: &mut PlanText) {
-    let mut all: Vec<(&str, usize, &str, Of, Option<usize>)> = Vec::new();
+    let mut all: Vec<(&str, usize, &str, FileSelector, Option<usize>)> = Vec::new();
     for (k, vary) in plan.file.vary.iter().enumerate() {
         all.push(("vary", k, &vary.number, of(vary.of, OfFile::Both), Some(1)));
     }
@@ -421,7 +421,12 @@ fn check_addresses(plan: &Plan, text: &mut PlanText) {
                 Ok(n) if wanted.is_some_and(|w| w != n) => {
                     let what =
                         format!("the address names {n} numbers, not {}", wanted.unwrap_or(1));
-                    text.refuse("E0542", &[list, &at, "number"], what, "let the address end at one number, as in com_m.x, or give one value for each");
+                    text.refuse(
+                        "E0542",
+                        &[list, &at, "number"],
+                        what,
+                        "end the address at one number, as in com_m.x, or give one value for each",
+                    );
                 }
                 Ok(_) => {}
             }
@@ -457,7 +462,7 @@ fn digest(file: &PlanFile, experiments: &[Experiment]) -> String {
     sha256(&serde_json::to_vec(&whole).unwrap_or_default())
 }
 
-/// Everything that a trial depends on.
+/// All inputs of a trial.
 #[derive(Serialize)]
 struct Digested<'a> {
     files: Vec<&'a String>,

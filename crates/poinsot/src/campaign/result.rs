@@ -24,7 +24,7 @@ const NAMED: usize = 10;
 pub struct CellSums {
     /// One a method.
     pub methods: Vec<Sums>,
-    /// Every method but the first beside the first.
+    /// Every method compared with the first.
     pub pairs: Vec<PairSums>,
     /// Processor time by each method, s.
     pub seconds: Vec<f64>,

@@ -16,10 +16,10 @@ use std::time::{Duration, Instant};
 
 /// Largest file of rows that is copied between folders, bytes.
 const LARGEST_ROWS: u64 = 1 << 34;
-/// Between two looks of `--follow`: at least this long, and ten times what a look takes.
+/// Interval of `--follow`: at least this, and ten times its computing time.
 const FOLLOWED: Duration = Duration::from_secs(5);
 
-/// What is to be run.
+/// Request of a campaign.
 pub struct CampaignRequest<'a> {
     /// Folder of the campaign.
     pub out: PathBuf,
@@ -34,7 +34,7 @@ pub struct CampaignRequest<'a> {
 }
 
 /// A campaign that was run.
-pub struct Ran {
+pub struct CampaignRun {
     /// Statistics with intervals; `None` for one share of the shards.
     pub result: Option<CampaignFile>,
     /// The sums behind them.
@@ -49,7 +49,7 @@ pub struct Ran {
     pub written: Vec<PathBuf>,
 }
 
-impl Ran {
+impl CampaignRun {
     /// Whether no trial crashed, no shard is missing, and `until` was reached.
     pub fn passes(&self) -> bool {
         let Some(result) = &self.result else {
@@ -62,11 +62,11 @@ impl Ran {
     }
 }
 
-/// Runs a plan in memory, for a result whose trials nobody keeps.
+/// Runs a plan in memory, without files.
 ///
 /// # Errors
 /// An experiment cannot be simulated.
-pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
+pub fn campaign_in_memory(plan: &Plan) -> Result<CampaignRun, Error> {
     let damaged = |why: String| Error::Internal { what: why };
     let all: Mutex<Vec<ShardSums>> = Mutex::new(Vec::new());
     let shards: Vec<u64> = (0..plan.shards()).collect();
@@ -80,7 +80,7 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
     })?;
     let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
     let folded = fold_sums(plan, &all).map_err(damaged)?;
-    Ok(Ran {
+    Ok(CampaignRun {
         result: Some(folded.result(plan, plan.trials)),
         folded: Some(folded),
         shards: plan.shards(),
@@ -95,9 +95,9 @@ pub fn campaign_in_memory(plan: &Plan) -> Result<Ran, Error> {
 /// # Errors
 /// The folder holds shards of another plan, or shards where nothing was to be resumed; the disk refuses; an experiment
 /// cannot be simulated.
-pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<Ran, Error> {
+pub fn campaign(plan: &Plan, request: &CampaignRequest<'_>) -> Result<CampaignRun, Error> {
     refuse_other_plans(plan, &request.out)?;
-    let mut ran = Ran {
+    let mut ran = CampaignRun {
         result: None,
         folded: None,
         shards: 0,
@@ -153,7 +153,7 @@ pub fn merge_campaign(
     out: &Path,
     from: &[PathBuf],
     partial: bool,
-) -> Result<Ran, Error> {
+) -> Result<CampaignRun, Error> {
     for folder in std::iter::once(out).chain(from.iter().map(PathBuf::as_path)) {
         refuse_other_plans(plan, folder)?;
     }
@@ -170,7 +170,7 @@ pub fn merge_campaign(
             ),
         });
     }
-    let mut ran = Ran {
+    let mut ran = CampaignRun {
         result: None,
         folded: None,
         shards: 0,
@@ -188,7 +188,7 @@ fn run_missing(
     request: &CampaignRequest<'_>,
     shards: impl Iterator<Item = u64>,
     trials: u64,
-    ran: &mut Ran,
+    ran: &mut CampaignRun,
 ) -> Result<(), Error> {
     let wanted: Vec<u64> = shards.collect();
     let (missing, damaged) = missing_shards(plan, &request.out, wanted.iter().copied())?;
@@ -199,7 +199,7 @@ fn run_missing(
             code: "E0602",
             path: request.out.clone(),
             why: format!(
-                "{there} of {} shards of this plan are there already; give --resume to run what is missing, or another --out",
+                "{there} of {} shards of this plan exist already; use --resume to run the missing ones, or another --out",
                 wanted.len()
             ),
         });
@@ -209,7 +209,7 @@ fn run_missing(
     let last = Mutex::new((Instant::now(), FOLLOWED));
     let watch = |_: u64| {
         let Some(follow) = request.follow else { return };
-        // Who finds it taken goes on: another thread is looking.
+        // If it is locked, another thread updates it.
         let Ok(mut last) = last.try_lock() else {
             return;
         };
@@ -230,7 +230,7 @@ fn finish(
     out: &Path,
     folded: Folded,
     counted: u64,
-    ran: &mut Ran,
+    ran: &mut CampaignRun,
 ) -> Result<(), Error> {
     let result = folded.result(plan, counted);
     let report = |why: String| Error::Report {
@@ -251,7 +251,7 @@ fn finish(
     Ok(())
 }
 
-/// A folder with shards of another plan holds another campaign: to mix them counts trials that were never planned.
+/// Shards of different plans must not be mixed.
 fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
     let short = |path: &Path| {
         let name = path.file_name()?.to_str()?;
@@ -276,7 +276,7 @@ fn refuse_other_plans(plan: &Plan, out: &Path) -> Result<(), Error> {
             code: "E0602",
             path,
             why: format!(
-                "this is a shard of the plan {digest}, and the plan or a file that it names is {} now; give another --out, or the plan as it was",
+                "this is a shard of plan {digest}, but the plan or one of its files is {} now; use another --out, or restore the plan",
                 plan.digest.get(..digest.len()).unwrap_or(&plan.digest)
             ),
         }),
@@ -298,7 +298,7 @@ fn gather(plan: &Plan, out: &Path, from: &[PathBuf]) -> Result<(), Error> {
                         code: "E0603",
                         path: source,
                         why: format!(
-                            "shard {number} is there twice with different sums; remove the one that you do not trust"
+                            "shard {number} is there twice with different sums; remove one of them"
                         ),
                     });
                 }

@@ -1,4 +1,4 @@
-//! A shard that was run: sums for the merge, rows for everybody else, as files of its own.
+//! A finished shard: sums for the merge, and rows for other programs, as separate files.
 
 use super::pairs::PairSums;
 use super::plan::{Plan, Shard};
@@ -23,7 +23,7 @@ const IN_FOLDER: u64 = 1000;
 /// What stands before the checksum, which ends the file.
 const SEAL: &str = ",\"sha256\":\"";
 
-/// What a shard adds up to.
+/// Sums of a shard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShardSums {
@@ -39,7 +39,7 @@ pub struct ShardSums {
     pub trials: (u64, u64),
     /// One a method.
     pub methods: Vec<Sums>,
-    /// Every method but the first beside the first.
+    /// Every method compared with the first.
     pub pairs: Vec<PairSums>,
     /// Processor time by each method, s. It differs from run to run.
     pub seconds: Vec<f64>,
@@ -165,11 +165,11 @@ impl ShardSums {
     }
 }
 
-/// What stands in the place of a shard.
+/// Content of a shard's path.
 pub(super) enum Found {
     /// Nothing.
     Missing,
-    /// Something that is no shard of this plan; why.
+    /// No shard of this plan, with the reason.
     Damaged(String),
     /// The shard.
     Whole(Box<ShardSums>),

@@ -15,11 +15,7 @@ pub fn slurm_scripts(plan: &Plan, plan_path: &str, out: &str) -> Vec<OutputFile>
         "#!/bin/sh\n#SBATCH --job-name={name}\n#SBATCH --ntasks=1\n#SBATCH --cpus-per-task=1\n"
     );
     let array = format!(
-        "{head}#SBATCH --array=1-{tasks}\n#SBATCH --requeue\n\
-         # One share of the {} shards a task; a task that is run again runs what is missing.\n\
-         set -eu\n\
-         export RAYON_NUM_THREADS=\"${{SLURM_CPUS_PER_TASK:-1}}\"\n\
-         exec poinsot campaign {plan_path} --out {out} --shard \"${{SLURM_ARRAY_TASK_ID}}/{tasks}\" --resume --quiet\n",
+        "{head}#SBATCH --array=1-{tasks}\n#SBATCH --requeue\n# Each task runs one part of the {} shards; a repeated task runs the missing ones.\nset -eu\nexport RAYON_NUM_THREADS=\"${{SLURM_CPUS_PER_TASK:-1}}\"\nexec poinsot campaign {plan_path} --out {out} --shard \"${{SLURM_ARRAY_TASK_ID}}/{tasks}\" --resume --quiet\n",
         plan.shards()
     );
     let merge = format!("{head}set -eu\nexec poinsot campaign {plan_path} --out {out} --merge\n");

@@ -23,7 +23,7 @@ pub fn campaign_document(plan: &Plan, folded: &Folded, result: &CampaignFile) ->
                 let statistics = statistics_of(&sums.methods[k]);
                 let mut document = statistics_document(&words.join(", "), &statistics);
                 document.push(Section::list(
-                    "asked of a calibrated estimator",
+                    "limits of a calibrated estimator",
                     asked(&file.methods[k]),
                 ));
                 documents.push(document);
@@ -46,7 +46,7 @@ fn title(plan: &Plan, cell: u64) -> String {
 
 fn asked(method: &MethodResultFile) -> Vec<String> {
     match method.misses.as_slice() {
-        [] => vec!["holds what is asked: RMSE/bound <= 1.05, |bias| < 0.1 sigma, coverage 94 to 96 %, NEES in its band, spread within 5 % of the prediction".to_owned()],
+        [] => vec!["calibrated: RMSE/bound <= 1.05, |bias| < 0.1 sigma, coverage 94 to 96 %, NEES in its band, spread within 5 % of predicted".to_owned()],
         misses => misses.iter().map(|m| format!("missed: {m}")).collect(),
     }
 }
@@ -116,7 +116,7 @@ pub(super) fn table_document(result: &CampaignFile) -> Document {
         document.push(Section::table(&title, table));
     }
     if let Some(last) = document.sections.last_mut() {
-        last.note = Some("coverage: share of stated 95 % intervals that hold the truth, of all trials; answered: of the trials that determined the number. campaign.json has an interval of every statistic".to_owned());
+        last.note = Some("coverage: share of stated 95 % intervals that contain the truth, over all trials; answered: over the trials that determined the number. campaign.json has an interval for every statistic".to_owned());
     }
     document.push(rates(result));
     if let Some(section) = pairs(result) {
@@ -130,7 +130,7 @@ fn all(result: &CampaignFile) -> impl Iterator<Item = (usize, &CellFile, &Method
     cells.flat_map(|(k, c)| c.methods.iter().map(move |m| (k, c, m)))
 }
 
-/// What tells the rows of a table apart.
+/// Labels of the rows of a table.
 fn prefix(result: &CampaignFile, cell: &CellFile, method: &MethodResultFile) -> String {
     let mut words = Vec::new();
     if result.cells.iter().any(|c| c.experiment != cell.experiment) {
@@ -215,7 +215,7 @@ fn pairs(result: &CampaignFile) -> Option<Section> {
     let mut table = Table::new(&[
         "",
         "RMSE ratio",
-        "held by first alone",
+        "covered by first alone",
         "by other alone",
         "McNemar p",
         "trials",

@@ -1,4 +1,4 @@
-//! One trial: what it draws, its readings, every method on them.
+//! One trial: random numbers, samples, and all methods.
 
 use super::experiment::Apply;
 use super::methods::MethodChoice;
@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-/// What all trials of a shard share.
+/// Data shared by all trials of a shard.
 pub(super) struct Prepared {
     /// The experiment and its bound, where every trial has the same truth.
     shared: Option<(Study, Bound)>,
@@ -71,7 +71,7 @@ impl Prepared {
         self.shared.as_ref().map_or_else(Vec::new, |s| s.1.clone())
     }
 
-    /// One trial. What fails in it is part of the result.
+    /// One trial. Failures are part of the result.
     pub fn run(&self, plan: &Plan, shard: &Shard, number: u64) -> Done {
         let start = processor_time();
         let drawn = RefCell::new(Vec::new());
@@ -195,7 +195,7 @@ fn guarded(
     }
 }
 
-/// How the reason of a trial begins that crashed.
+/// Prefix of the reason of a crashed trial.
 pub(super) const CRASHED: &str = "crashed:";
 
 /// Processor time of this thread.
@@ -205,7 +205,7 @@ fn processor_time() -> Duration {
     Duration::new(t.tv_sec.max(0) as u64, t.tv_nsec as u32)
 }
 
-/// Time on the clock, where no other is to be had.
+/// Wall-clock time, if processor time is not available.
 #[cfg(not(unix))]
 fn processor_time() -> Duration {
     use std::sync::OnceLock;

@@ -1,12 +1,12 @@
-//! When a campaign has seen enough: looks at complete prefixes of the trials, the error of the interval split among them.
+//! Stopping rule of a campaign: tests at complete prefixes of the trials, with the error probability split among them.
 
 use super::plan::Plan;
 
-/// Trials at the first look; every further one has twice as many.
+/// Trials at the first test; each further test has twice as many.
 const FIRST_LOOK: u64 = 1000;
 
-/// Numbers of trials at which a campaign is looked at: 1000, 2000, 4000 and so on, or 20, 40, 80 and so on replicates of a
-/// sampling, each up to whole shards, and all of them at the end.
+/// Numbers of trials at the tests: 1000, 2000, 4000 and so on, or 20, 40, 80 and so on replicates of a sampling, each
+/// up to whole shards, and all of them at the end.
 pub fn looks(plan: &Plan) -> Vec<u64> {
     let first = match plan.sampling {
         Some(s) => s.points * poinsot_formats::REPLICATES,
@@ -25,7 +25,7 @@ pub fn looks(plan: &Plan) -> Vec<u64> {
     all
 }
 
-/// Probability outside the interval of one look, where it may be outside with `outside` in all of them together
+/// Probability outside the interval of one test, where it may be outside with `outside` in all of them together
 /// (Bonferroni).
 pub fn outside_at_each(outside: f64, looks: usize) -> f64 {
     outside / looks.max(1) as f64

@@ -66,7 +66,7 @@ impl Planner<'_> {
         }
         if let Some(x) = initial {
             let key = format!("{key}.initial_speed_rad_s");
-            let problem = "speed_rad_s already says the initial speed";
+            let problem = "speed_rad_s already gives the initial speed";
             self.refuse("E0507", &key, x.span(), problem, "leave it out");
         }
         Some(WheelMotion::Speed(profile))
@@ -106,11 +106,11 @@ impl Planner<'_> {
             let force = *table.force_N.get_ref();
             if !on.is_finite() || !off.is_finite() || off <= on {
                 let problem = "the firing ends before it begins, or is not finite";
-                let remedy = "let off_s lie after on_s";
+                let remedy = "set off_s after on_s";
                 self.refuse("E0505", &key("off_s"), table.off_s.span(), problem, remedy);
             }
             if !force.is_finite() || force < 0.0 {
-                let problem = "a thruster pushes along its force_direction only";
+                let problem = "a thruster force acts along its force_direction only";
                 let remedy = "give a finite force that is not negative";
                 self.refuse(
                     "E0505",
@@ -129,7 +129,7 @@ impl Planner<'_> {
             let same = |f: &&Firing| f.thruster == thruster && f.on < off && on < f.off;
             if firings.iter().any(|f| same(&f)) {
                 let problem = "the thruster already fires at that time";
-                let remedy = "let firings of one thruster not overlap";
+                let remedy = "separate the firings of one thruster";
                 self.refuse("E0507", &key("on_s"), table.on_s.span(), problem, remedy);
             }
             firings.push(Firing {

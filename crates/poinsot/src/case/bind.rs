@@ -1,4 +1,4 @@
-//! A case with a model: names become indices, and the first instant a start.
+//! A case with a model: names become indices, and the first instant an initial state.
 
 use super::control::Control;
 use super::planner::Planner;
@@ -16,7 +16,7 @@ use poinsot_telemetry::rounded;
 pub struct Scenario {
     /// Motion of joints and wheels, firings.
     pub plan: Plan,
-    /// What drives the vehicle where torques or springs move some joint; it then stands for the plan.
+    /// Drives of the vehicle if torques or springs move some joint; replaces the plan.
     pub driven: Option<DrivenPlan>,
     /// Attitude feedback that drives the wheels instead of the plan.
     pub control: Option<Control>,
@@ -34,7 +34,7 @@ impl Case {
     /// Resolves the names of the case in a model.
     ///
     /// # Errors
-    /// Every fault that shows against this model.
+    /// All faults with this model.
     pub fn bind(&self, model: &Model) -> Result<Scenario, CaseError> {
         self.bind_open(model, &[])
     }

@@ -38,7 +38,7 @@ impl Planner<'_> {
                     "take either [control] or the [[wheel_motion]] tables out",
                 ),
                 _ => (
-                    "the simulation does not do this yet beside [control]: joints are locked",
+                    "the simulation does not support this with [control]: joints are locked",
                     "take it out, or prescribe wheel speeds with [[wheel_motion]]",
                 ),
             };
@@ -47,7 +47,7 @@ impl Planner<'_> {
         let mut joints = self.model.joints.iter();
         if let Some(joint) = joints.find(|j| j.spring_damper.is_some()) {
             let problem = format!(
-                "joint \"{}\" has a spring and damper, and the simulation does not do this yet beside [control]: joints are locked",
+                "joint \"{}\" has a spring and damper, and the simulation does not support this with [control]: joints are locked",
                 joint.name
             );
             let remedy = "take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";

@@ -65,7 +65,7 @@ pub(crate) fn describe_case(
             counted(joints as u64, "joint"),
             counted(wheels as u64, "wheel"),
         );
-        lines.push(format!("design: moves {joints} and {wheels}"));
+        lines.push(format!("design: prescribes {joints} and {wheels}"));
     }
     Ok(lines)
 }

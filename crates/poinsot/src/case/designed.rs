@@ -1,4 +1,4 @@
-//! `[design]`: what may move and how, and what a design is after.
+//! `[design]`: free motions and objective.
 
 use super::planner::Planner;
 use super::{Case, CaseError, refuse};
@@ -14,7 +14,7 @@ const STARTS: usize = 8;
 /// Most free numbers of one joint or wheel: more only follow the noise of the search.
 const MOST: usize = 64;
 
-/// How one joint or wheel may move.
+/// Form of motion of one joint or wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Form {
     /// `sum_k a_k sin(2 pi k f t) + b_k cos(2 pi k f t)` about where the joint is locked.
@@ -55,7 +55,7 @@ pub struct Moved {
     pub start: f64,
 }
 
-/// What a design may move, and what it is after.
+/// Free motions and objective of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
     /// What is minimised.
@@ -80,7 +80,7 @@ impl Case {
     /// What a design of this case may move; `None` without `[design]`.
     ///
     /// # Errors
-    /// Every fault that shows against this model.
+    /// All faults with this model.
     pub fn design(&self, model: &Model) -> Result<Option<Design>, CaseError> {
         let Some(file) = &self.file.design else {
             return Ok(None);
@@ -143,7 +143,7 @@ impl Planner<'_> {
             }
         }
         if joints.is_empty() && wheels.is_empty() && self.faults.is_empty() {
-            let problem = "nothing may move";
+            let problem = "no joint or wheel is free to move";
             let remedy = "add [[design.joint]] or [[design.wheel]]";
             self.refuse("E0507", "design", span, problem, remedy);
         }

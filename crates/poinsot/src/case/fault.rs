@@ -67,7 +67,7 @@ pub(crate) fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>)
         .iter()
         .min_by_key(|k| strsim::damerau_levenshtein(name, k));
     match nearest {
-        None => "take it out: there is none".to_owned(),
+        None => "remove it: it does not exist here".to_owned(),
         Some(nearest)
             if nearest.starts_with(name)
                 || strsim::damerau_levenshtein(name, nearest) <= name.len() / 2 =>

@@ -1,4 +1,4 @@
-//! `[limits]`: what no designed manoeuvre may exceed.
+//! `[limits]`: limits of a designed manoeuvre.
 
 use super::fault::did_you_mean;
 use super::planner::Planner;
@@ -78,7 +78,7 @@ impl Case {
     /// The limits of a design, for a model.
     ///
     /// # Errors
-    /// Every fault that shows against this model.
+    /// All faults with this model.
     pub fn limits(&self, model: &Model) -> Result<Limits, CaseError> {
         let mut planner = self.planner(model);
         let limits = planner.limits(&self.file.limits);
@@ -295,7 +295,7 @@ impl Planner<'_> {
         };
         let half_angle = *angle.get_ref();
         if !(half_angle > 0.0 && half_angle < std::f64::consts::PI) {
-            let problem = "the half angle of a cone lies between 0 and pi";
+            let problem = "the half angle of a cone must be between 0 and pi";
             self.refuse("E0505", key, angle.span(), problem, "give it in rad");
             return None;
         }

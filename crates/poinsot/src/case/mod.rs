@@ -1,4 +1,4 @@
-//! The case file `poinsot.case/2`: what a vehicle does, for how long, and what is written of it.
+//! The case file `poinsot.case/2`: the motion of a vehicle, its duration, and the output.
 //!
 //! Reading checks what needs no vehicle; [`Case::bind`] resolves names against a model, so that one case
 //! can be run with several models.
@@ -53,7 +53,7 @@ pub struct Case {
     pub format: Format,
     /// Seed of all noise.
     pub seed: u64,
-    /// How hard the integrator works.
+    /// Accuracy of the integrator.
     pub tolerance: Tolerance,
     text: CaseText,
     file: CaseFile,
@@ -62,7 +62,7 @@ pub struct Case {
 /// Reads a case file.
 ///
 /// # Errors
-/// All faults that show without the model.
+/// All faults without a model.
 pub fn read_case(path: &Path) -> Result<Case, CaseError> {
     let text = poinsot_files::read_text(path, LARGEST_FILE).map_err(|e| CaseError {
         faults: vec![CaseFault {
@@ -82,7 +82,7 @@ pub fn read_case(path: &Path) -> Result<Case, CaseError> {
 /// Reads the text of a case file; `path` serves messages and finds the model.
 ///
 /// # Errors
-/// All faults that show without the model.
+/// All faults without a model.
 pub fn parse_case(path: &Path, text: String) -> Result<Case, CaseError> {
     match shaped_case(path, text)? {
         (case, faults) if faults.is_empty() => Ok(case),

@@ -1,4 +1,4 @@
-//! The plan of a case for a model, and what is wrong with it.
+//! The plan of a case for a model, with its faults.
 
 use super::fault::{CaseText, did_you_mean};
 use crate::error::CaseFault;
@@ -75,7 +75,7 @@ impl Planner<'_> {
         }
         for (k, (wheel, driven)) in self.model.wheels.iter().zip(driven).enumerate() {
             if !driven && !self.open_wheels.contains(&k) {
-                let problem = format!("nothing says how wheel \"{}\" turns", wheel.name);
+                let problem = format!("the case does not prescribe wheel \"{}\"", wheel.name);
                 let remedy =
                     "add a [[wheel_motion]], with time_s = [0.0], speed_rad_s = [0.0] for rest";
                 let fault =
@@ -97,7 +97,7 @@ impl Planner<'_> {
     }
 
     pub(super) fn twice(&mut self, key: &str, name: &Placed<String>) {
-        let problem = "a second motion for the same thing";
+        let problem = "a second motion for the same joint or wheel";
         self.refuse("E0504", key, name.span(), problem, "keep one of the two");
     }
 
@@ -123,7 +123,7 @@ impl Planner<'_> {
     }
 }
 
-/// What to do about nodes that make no function.
+/// Remedy for invalid nodes.
 pub(super) fn node_remedy(error: &NodeError) -> &'static str {
     match error {
         NodeError::Empty => "give at least one",

@@ -7,7 +7,7 @@ use poinsot_formats::case::{OutputFile, Placed, SensorOutputFile};
 use poinsot_identify::ErrorGroup;
 use poinsot_model::Sensor;
 
-/// What one sensor of the model does.
+/// Rate and errors of one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorOutput {
     /// It reads every so many rows.

@@ -1,4 +1,4 @@
-//! `[[joint_torque]]`, `[[initial.joint]]` and the springs of the model as what drives the joints.
+//! `[[joint_torque]]`, `[[initial.joint]]` and the springs of the model as drives of the joints.
 
 use super::fault::did_you_mean;
 use super::planner::{Planner, node_remedy};
@@ -11,8 +11,8 @@ use poinsot_telemetry::{ReadOptions, TelemetryError, read};
 use std::ops::Range;
 use std::path::Path;
 
-/// What each joint coordinate has of its own: a motor, and where it starts.
-struct Own {
+/// Motor and initial state of each joint coordinate.
+struct MotorSettings {
     motor: Option<ForceProfile>,
     position: Option<f64>,
     rate: Option<f64>,
@@ -39,8 +39,8 @@ impl Forms<'_> {
 pub(super) type Build = fn(&[f64], &[f64]) -> Result<PiecewisePolynomial, NodeError>;
 
 impl Planner<'_> {
-    /// What drives every joint coordinate; `None` where all motion is prescribed. A joint with a motor, or
-    /// with a spring and nothing that leads it, is left to the forces; `led` says which have a motion.
+    /// What drives every joint coordinate; `None` where all motion is prescribed. A joint with a motor, or with a
+    /// spring and no prescribed motion, is free; `led` marks those with a motion.
     pub(super) fn drives(
         &mut self,
         torques: &[JointTorqueFile],
@@ -49,12 +49,12 @@ impl Planner<'_> {
         led: &[bool],
     ) -> Option<Vec<JointDrive>> {
         let tree = Tree::new(self.model);
-        let none = || Own {
+        let none = || MotorSettings {
             motor: None,
             position: None,
             rate: None,
         };
-        let mut own: Vec<Own> = (0..tree.dof()).map(|_| none()).collect();
+        let mut own: Vec<MotorSettings> = (0..tree.dof()).map(|_| none()).collect();
         for (i, table) in torques.iter().enumerate() {
             let key = format!("joint_torque[{i}]");
             let Some(k) = self.joint(&tree, &table.joint, &key) else {
@@ -77,9 +77,9 @@ impl Planner<'_> {
             let free = own[k].motor.is_some() || joint.spring_damper.is_some();
             if led[k] || !free {
                 let problem = if led[k] {
-                    "the joint's motion is prescribed, and with it its start"
+                    "the joint's motion is prescribed, and so is its initial state"
                 } else {
-                    "nothing moves this joint: it is held where the model locks it"
+                    "this joint has no drive: it stays locked at the model's position"
                 };
                 let remedy = "leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model";
                 let span = table.joint.span();
@@ -285,7 +285,7 @@ impl Planner<'_> {
         })
     }
 
-    /// How the torque runs between nodes: held (as a digital controller does) or straight.
+    /// Interpolation of the torque between nodes: constant (as of a digital controller) or linear.
     fn interpolation(&mut self, table: &JointTorqueFile, key: &str) -> Option<Build> {
         match &table.interpolation {
             None => Some(PiecewisePolynomial::steps),

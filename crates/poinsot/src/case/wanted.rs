@@ -33,7 +33,7 @@ impl Case {
     /// What is wanted of the numbers of a model; empty where the case wants nothing.
     ///
     /// # Errors
-    /// Every fault that shows against this model.
+    /// All faults with this model.
     pub fn wants(&self, model: &Model) -> Result<Vec<Want>, CaseError> {
         let mut planner = self.planner(model);
         let mut wants = Vec::new();
@@ -53,7 +53,7 @@ impl Planner<'_> {
             (Some(number), None) => self.numbers(number.get_ref(), number.span(), key),
             (None, Some(sum)) => self.combination(sum, key),
             _ => {
-                let problem = "a want needs either number or combination";
+                let problem = "each [[want]] needs either number or combination";
                 let remedy = "write number = \"BODY.mass_kg\", or combination = { \"BODY.inertia_kg_m2.xx\" = 1.0, ... }";
                 self.refuse("E0507", key, span, problem, remedy);
                 return Vec::new();
@@ -84,7 +84,7 @@ impl Planner<'_> {
             (Some(x), None) => (x, 1.0, "sigma"),
             (None, Some(x)) => (x, self.scale(terms, x.span(), key)?, "relative"),
             _ => {
-                let problem = "a want needs either sigma or relative";
+                let problem = "each [[want]] needs either sigma or relative";
                 let remedy =
                     "write sigma = X in the unit of the number, or relative = X as a share of it";
                 self.refuse("E0507", key, span.clone(), problem, remedy);
@@ -106,7 +106,7 @@ impl Planner<'_> {
         None
     }
 
-    /// What `relative` is a share of: the mass; the mean principal moment of the body.
+    /// Reference of `relative`: the mass; the mean principal moment of the body.
     fn scale(&mut self, terms: &[WantedTerm], span: Range<usize>, key: &str) -> Option<f64> {
         if let [term] = terms {
             let nominal = &self.model.bodies[term.body].nominal;
@@ -116,7 +116,7 @@ impl Planner<'_> {
                 WantedNumber::MassCentre(_) => {}
             }
         }
-        let problem = "a mass centre or a combination has no scale of its own";
+        let problem = "a mass centre or a combination has no natural scale";
         let key = format!("{key}.relative");
         self.refuse("E0507", &key, span, problem, "give sigma in its unit");
         None

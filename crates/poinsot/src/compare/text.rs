@@ -74,7 +74,7 @@ fn numbers(c: &ComparisonFile) -> Section {
         table.push(row(name, n, pooled));
     }
     let mut section = Section::table("numbers", table);
-    section.note = Some("difference: last answer minus first; p: probability by chance if the vehicle did not change".to_owned());
+    section.note = Some("difference: last answer minus first; p: p-value of no change".to_owned());
     section
 }
 

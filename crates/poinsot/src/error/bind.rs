@@ -5,7 +5,7 @@ use poinsot_telemetry::{as_read, rounded};
 /// Why telemetry and model do not fit together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BindError {
-    /// A channel that the method cannot do without.
+    /// A required channel.
     #[error("E0301 {file}: no channel '{channel}': {why}")]
     Missing {
         /// File or files of the segment.
@@ -17,7 +17,7 @@ pub enum BindError {
     },
     /// A sensor without declared noise.
     #[error(
-        "E0302 model: no sensor of type '{kind}' declares its noise: without it no uncertainty can be stated; add [[sensor]] type = \"{kind}\" with {key}"
+        "E0302 model: no sensor of type '{kind}' declares its noise, which every uncertainty needs; add [[sensor]] type = \"{kind}\" with {key}"
     )]
     NoNoise {
         /// Kind of sensor.
@@ -27,7 +27,7 @@ pub enum BindError {
     },
     /// Too few common samples.
     #[error(
-        "E0303 {file}: {found} samples have all needed channels at one time, and {needed} are needed; give a longer record, or files whose times overlap"
+        "E0303 {file}: {found} samples have all required channels at one time, but {needed} are required; give a longer record, or files whose times overlap"
     )]
     TooFew {
         /// File or files of the segment.
@@ -39,7 +39,7 @@ pub enum BindError {
     },
     /// Absolute orbital coordinates.
     #[error(
-        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: N falls freely near the vehicle (DESIGN section 2), absolute orbital coordinates lose the mass in round-off; write [environment] gravity = \"point_mass\" with gm_m3_s2, then they are taken relative to free fall",
+        "E0304 {file}: channel 'r': |r| = {} m at t = {time} s: absolute orbital coordinates are too large for this precision; write [environment] gravity = \"point_mass\" with gm_m3_s2 to use them relative to free fall",
         rounded(*distance, 4)
     )]
     OrbitalPosition {
@@ -50,7 +50,7 @@ pub enum BindError {
         /// Time, s.
         time: f64,
     },
-    /// A reading that no vehicle gives.
+    /// An implausible sample.
     #[error(
         "E0306 {file}: channel '{channel}': {} at t = {time_s} s: {why}; correct the unit, or leave the cell empty where there is no sample",
         as_read(*value)
@@ -67,9 +67,9 @@ pub enum BindError {
         /// What is wrong with it.
         why: String,
     },
-    /// Vectors in N, and nothing that says how the vehicle stands to N.
+    /// Vectors in N without an attitude.
     #[error(
-        "E0307 {file}: no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N: without attitude N is where the gyro starts, and the answer would be wrong by the turn between the two; add the attitude, or {remedy}"
+        "E0307 {file}: no attitude channel (q_x q_y q_z q_w), but {what} in the axes of N, whose orientation is unknown without it; add the attitude, or {remedy}"
     )]
     NoAttitude {
         /// File or files of the segment.

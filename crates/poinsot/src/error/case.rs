@@ -44,7 +44,7 @@ impl fmt::Display for CaseFault {
 pub struct CaseError {
     /// The faults in the order of the checks, never empty.
     pub faults: Vec<CaseFault>,
-    /// Whether the surroundings (disk, permission) failed and not the file.
+    /// Whether the system (disk, permission) failed, not the file.
     pub environment: bool,
 }
 

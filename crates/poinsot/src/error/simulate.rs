@@ -1,11 +1,11 @@
-//! Why a simulation gave nothing.
+//! Error of a simulation.
 
 use super::CaseError;
 use poinsot_dynamics::ControlError;
 use poinsot_model::ModelError;
 use std::path::PathBuf;
 
-/// Why a simulation gave nothing.
+/// Error of a simulation.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
     /// The case file was refused.
@@ -14,9 +14,9 @@ pub enum SimulateError {
     /// The model file was refused.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A driven joint that nothing resists: the mass matrix is singular.
+    /// A driven joint without outboard inertia: the mass matrix is singular.
     #[error(
-        "E0509 {}: joint \"{joint}\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+        "E0509 {}: joint \"{joint}\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix); give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
         file.display()
     )]
     Singular {
@@ -36,7 +36,7 @@ pub enum SimulateError {
 }
 
 impl SimulateError {
-    /// Whether the surroundings (disk, permission) failed and not the question.
+    /// Whether the system (disk, permission) failed, not the input.
     pub fn is_environment(&self) -> bool {
         match self {
             Self::Case(e) => e.environment,

@@ -1,12 +1,12 @@
-//! Why there is nothing to compare.
+//! Error of a comparison.
 
 use std::path::PathBuf;
 
-/// Why there is nothing to compare.
+/// Error of a comparison.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ValidateError {
     /// The estimate.
-    #[error("E0701 {}: this estimate cannot be moved: {why}", path.display())]
+    #[error("E0701 {}: this estimate cannot be simulated: {why}", path.display())]
     Estimate {
         /// File.
         path: PathBuf,
@@ -15,7 +15,7 @@ pub enum ValidateError {
     },
     /// A controller.
     #[error(
-        "E0702 {}: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]",
+        "E0702 {}: [control] would command different torques on the two vehicles; prescribe wheel torques with [[wheel_motion]]",
         file.display()
     )]
     Control {
@@ -24,7 +24,7 @@ pub enum ValidateError {
     },
     /// No channel or no time in common.
     #[error(
-        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case",
+        "E0703 {}: the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case; give telemetry with times from the start of the case",
         file.display()
     )]
     NothingInCommon {

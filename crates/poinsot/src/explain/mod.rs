@@ -1,4 +1,4 @@
-//! Every error code with its meaning, usual cause and remedy: one registry for all floors.
+//! Every error code with its meaning, usual cause and remedy: one registry for all crates.
 //!
 //! A test compares it with the codes in the sources; another prints every message.
 
@@ -15,7 +15,7 @@ pub struct ErrorCode {
     /// `E` and four digits; the first two say where: 00 command, 01 model, 02 telemetry, 03 model and telemetry
     /// together, 04 and 05 methods and simulation, 06 results.
     pub code: &'static str,
-    /// What it means.
+    /// Meaning.
     pub meaning: &'static str,
     /// What usually causes it.
     pub cause: &'static str,

@@ -89,7 +89,7 @@ impl<'a> Vehicle<'a> {
             _ => (None, Vec::new()),
         };
         let Some((body, inertia)) = body.and_then(|b| Some((b, tensor(b)?))) else {
-            let why = "the inertia of the whole vehicle is not determined, and a CCSDS message has no field for less; identify with more data";
+            let why = "the inertia of the whole vehicle is not determined, but a CCSDS message requires it; identify with more data";
             return Err(source.fault(why.to_owned()));
         };
         Ok(Self {

@@ -86,7 +86,7 @@ impl Target {
         }
     }
 
-    /// How numbers get into a file that is there; `None` where the file is made anew.
+    /// How numbers get into a file that is there; `None` for a new file.
     fn patch(self) -> Option<Patch> {
         match self {
             Self::Model => Some(patch_model),
@@ -117,9 +117,9 @@ impl FromStr for Target {
 pub struct Exported {
     /// The text.
     pub text: String,
-    /// What was asked for and is not exported, and why.
+    /// Requested numbers that are not exported, with the reason.
     pub left_out: Vec<String>,
-    /// What the format has no field for: the file is whole without it.
+    /// Numbers without a field in the format.
     pub no_field: Vec<String>,
 }
 
@@ -220,7 +220,7 @@ impl Source<'_> {
             e.status
         )];
         lines.extend(inputs);
-        lines.extend(e.doubts.iter().map(|d| format!("not to be relied on: {d}")));
+        lines.extend(e.doubts.iter().map(|d| format!("not reliable: {d}")));
         lines
     }
 }

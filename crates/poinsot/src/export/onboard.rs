@@ -32,7 +32,7 @@ pub(super) fn text(source: &Source) -> Result<Exported, Error> {
         covariance_names: e.covariance.names.clone(),
         covariance_units: e.covariance.units.clone(),
         covariance: matrix.ok_or_else(|| {
-            source.fault("its covariance has holes; identify with more data".to_owned())
+            source.fault("its covariance is incomplete; identify with more data".to_owned())
         })?,
     };
     let mut text = serde_json::to_string_pretty(&file).map_err(|e| source.fault(e.to_string()))?;

@@ -21,7 +21,7 @@ pub fn prediction_document(prediction: &PredictionFile) -> Document {
     let found = &prediction.identifiability;
     if !found.not_identifiable.is_empty() {
         document.push(Section::list(
-            "what this manoeuvre cannot tell",
+            "not identifiable from this manoeuvre",
             open_sentences(&found.not_identifiable),
         ));
         document.push(instead(found));
@@ -29,7 +29,7 @@ pub fn prediction_document(prediction: &PredictionFile) -> Document {
     document
 }
 
-/// The document without what the manoeuvre cannot tell.
+/// The document without undetermined numbers.
 pub(crate) fn accuracy(prediction: &PredictionFile) -> Document {
     let enough = match prediction.wants.is_empty() {
         true => prediction.status == Status::Converged.name(),
@@ -88,7 +88,7 @@ fn instead(found: &IdentifiabilityFile) -> Section {
             c.unit.clone(),
         ]);
     }
-    let mut section = Section::table("what it tells instead", table);
+    let mut section = Section::table("identifiable combinations", table);
     if found.identifiable.len() > LISTED {
         section.note = Some(format!(
             "and {} more combinations with --json",
@@ -100,11 +100,13 @@ fn instead(found: &IdentifiabilityFile) -> Section {
 
 /// Whether any single number of a body will be determined.
 fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
-    body.numbers().iter().any(|n| told(&n.2).is_some())
+    body.numbers()
+        .iter()
+        .any(|n| predicted_sigma(&n.2).is_some())
 }
 
-/// The sigma that the manoeuvre gives.
-pub(crate) fn told(n: &PredictedNumberFile) -> Option<f64> {
+/// The predicted sigma.
+pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
     let source = n.source.as_deref();
     n.sigma.filter(|_| source.is_some_and(|s| s != "known"))
 }
@@ -120,7 +122,7 @@ fn sigma_text(n: &PredictedNumberFile) -> String {
 fn body_section(name: &str, body: &MassFile<PredictedNumberFile>) -> Section {
     let mut table = Table::new(&["", "truth", "1 sigma", "95 %", "relative", "unit"]);
     for (number, unit, n) in body.numbers() {
-        let s = told(&n);
+        let s = predicted_sigma(&n);
         let of_all = |s: f64| format!("{} %", significant(100.0 * s / n.nominal.abs(), FIGURES));
         table.push(vec![
             number.replace(' ', "_"),

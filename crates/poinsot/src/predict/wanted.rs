@@ -1,4 +1,4 @@
-//! What is wanted beside what a manoeuvre tells.
+//! Wanted and predicted sigmas.
 
 use crate::case::Want;
 use poinsot_identify::{

@@ -1,4 +1,4 @@
-//! What a report needs beside `estimate.json`: curves, the vehicle as drawn, truth, the command line.
+//! Report data in addition to `estimate.json`: curves, vehicle geometry, truth, command line.
 
 use crate::identify::Identified;
 use crate::simulate::true_mass;
@@ -177,7 +177,7 @@ pub struct Channel {
 /// Most firings kept of a segment.
 const FIRINGS: usize = 2000;
 
-/// What a report needs of an answer beside `estimate.json`.
+/// Report data of an answer in addition to `estimate.json`.
 pub fn report_data(identified: &Identified, command: &[String]) -> ReportData {
     ReportData {
         schema: REPORT_SCHEMA.to_owned(),
@@ -426,7 +426,7 @@ fn rounded(row: &[f64]) -> Vec<f64> {
     row.iter().copied().map(round).collect()
 }
 
-/// Nine figures: enough for the eye, a third of the bytes.
+/// Nine digits: enough for a plot, a third of the bytes.
 fn round(x: f64) -> f64 {
     format!("{x:.8e}").parse().unwrap_or(x)
 }

@@ -44,8 +44,7 @@ impl Envelope {
         if self.share < 1.0 {
             let percent = 100.0 * self.share;
             out.push_str(&format!(
-                "Of these {percent:.0} % are drawn: in every stretch the least and the greatest residual of each axis. \
-                 report_data.json has the rest."
+                "Of these {percent:.0} % are drawn: the smallest and largest residual of each axis in every interval. report_data.json has the rest."
             ));
         }
         (!out.is_empty()).then(|| out.trim_end().to_owned())

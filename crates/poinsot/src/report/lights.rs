@@ -22,7 +22,7 @@ pub(super) fn lights(answer: &Answer) -> Vec<Light> {
     [
         ("Noise as declared?", of(noise)),
         ("Rigid?", of(rigid)),
-        ("Predicts what was held out?", of(held_out)),
+        ("Predicts held-out samples?", of(held_out)),
     ]
     .map(|(question, (tone, word, found))| Light {
         question,

@@ -35,7 +35,7 @@ use results::{NAMES, result_page};
 use std::path::{Path, PathBuf};
 use truth::Truth;
 
-/// What every section sees.
+/// Input of every section.
 pub(crate) struct Answer {
     pub estimate: EstimateFile,
     pub data: ReportData,
@@ -106,7 +106,7 @@ pub(crate) fn page_of(folder: &Path, estimate: &[u8], data: &[u8]) -> Result<Pag
 fn parse<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, Error> {
     serde_json::from_slice(bytes).map_err(|e| Error::Report {
         path: path.to_owned(),
-        why: format!("{e}; write it anew with `poinsot identify`"),
+        why: format!("{e}; write it again with `poinsot identify`"),
     })
 }
 
@@ -148,7 +148,7 @@ pub fn report_html(estimate: EstimateFile, data: ReportData) -> Result<String, S
 pub fn report_page(estimate: EstimateFile, data: ReportData) -> Result<Page, String> {
     if data.schema != REPORT_SCHEMA {
         return Err(format!(
-            "schema '{}' is not {REPORT_SCHEMA}; write it anew with `poinsot identify`",
+            "schema '{}' is not {REPORT_SCHEMA}; write it again with `poinsot identify`",
             data.schema
         ));
     }
@@ -179,9 +179,7 @@ fn page(answer: &Answer) -> Result<Page, PageError> {
     Ok(Page {
         title: format!("Mass properties of {}", e.model),
         subtitle: format!("Identified from telemetry by poinsot {}.", e.poinsot),
-        footer: "Inertia is given as tensor elements (I xy = -∫ x y dm) about the body's mass centre in body axes. \
-                 A 95 % interval holds the true value in 95 of 100 cases where the declared noise and the rigid model hold. \
-                 This file is complete and loads nothing."
+        footer: "Inertia: tensor elements (I xy = -∫ x y dm) about the body's mass centre, in body axes. A 95 % interval contains the true value with 95 % probability if the declared noise and the rigid model are correct. This file needs no network."
             .to_owned(),
         parts,
     })

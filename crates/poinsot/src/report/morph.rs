@@ -1,4 +1,4 @@
-//! Shapes that predict the same measurements: what a tensor may be along the directions that the data leave undetermined.
+//! Shapes that predict the same measurements: tensors along the unobservable directions.
 
 use super::tensor::{inertia_ellipsoid, matrix};
 use poinsot_formats::{BodyFile, EstimateFile, NumberFile, unknown_name};

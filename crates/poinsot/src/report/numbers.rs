@@ -1,9 +1,9 @@
-//! Numbers as a reader wants them: no more figures than they deserve, a plain minus sign, no sign on zero.
+//! Number formats: significant digits only, a plain minus sign, no sign on zero.
 
 use crate::trials::sigmas_of_interval;
 use poinsot_report::{number_with_sigma, significant};
 
-/// Value with the decimals its sigma deserves.
+/// Value with the decimals of its sigma.
 pub(super) fn value(value: Option<f64>, sigma: Option<f64>) -> String {
     match value {
         Some(_) => unsigned_zero(number_with_sigma(value, sigma).0),
@@ -29,7 +29,7 @@ pub(super) fn plus_minus(sigma: Option<f64>) -> String {
     })
 }
 
-/// A difference with its sign, to the figures its sigma deserves.
+/// A difference with its sign, with the digits of its sigma.
 pub(super) fn difference(gap: f64, sigma: Option<f64>) -> String {
     let text = unsigned_zero(number_with_sigma(Some(gap), sigma).0);
     if text.starts_with('-') || gap <= 0.0 || is_zero(&text) {
@@ -39,7 +39,7 @@ pub(super) fn difference(gap: f64, sigma: Option<f64>) -> String {
     }
 }
 
-/// A number as given, without the zeros that say nothing.
+/// A number without trailing zeros.
 pub(super) fn plain(x: f64) -> String {
     trimmed(significant(x, 9))
 }

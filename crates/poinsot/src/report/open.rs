@@ -1,4 +1,4 @@
-//! What the data cannot tell: what to do about it, which directions are open, and what is determined instead.
+//! Undetermined numbers: remedies, unobservable directions, and determined combinations.
 
 use super::Answer;
 use super::numbers::{plus_minus, value};
@@ -42,7 +42,7 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
         row.0 = then;
         row.1.push(algebra(&open.coefficients, several));
     }
-    // What resolves most stands first.
+    // The remedy that resolves most is first.
     remedies.sort_by(|_, a, _, b| b.1.len().cmp(&a.1.len()));
     let rows: Vec<Value> = remedies
         .into_iter()
@@ -73,7 +73,7 @@ pub(super) fn of(i: &IdentifiabilityFile, several: bool) -> Result<Option<Part>,
     )?;
     Ok(Some(Part {
         id: "open",
-        title: "What the data cannot tell",
+        title: "Not identifiable from the data",
         body,
         figures: Vec::new(),
     }))

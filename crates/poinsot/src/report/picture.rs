@@ -173,8 +173,7 @@ fn shapes(answer: &Answer, name: &str, body: &BodyFile) -> Option<Scene> {
     let morph = morph(&answer.estimate, name, body)?;
     let mut scene = Scene {
         title: format!("inertia ellipsoids of {name} that fit equally well"),
-        note: "Every shape predicts the same measurements: chi-square does not change along the way. The data do not \
-               determine which of them the vehicle has."
+        note: "Every shape predicts the same measurements: chi-square is equal for all. The data do not determine the vehicle's shape among them."
             .to_owned(),
         ..Scene::default()
     };
@@ -215,7 +214,7 @@ fn ellipsoid(name: &str, axes: [[f64; 3]; 3], faint: bool) -> Ellipsoid {
     }
 }
 
-/// Ghosts drawn from the covariance, or words where they are thinner than a line.
+/// Ellipsoids drawn from the covariance, or words if they are thinner than a line.
 fn uncertainty(scene: &mut Scene, spread: Option<Spread>, I: &Matrix3, size: f64) -> String {
     let (Some((sigmas, covariance)), Some((moments, axes))) = (spread, principal(I)) else {
         return String::new();

@@ -163,14 +163,13 @@ impl Poles {
         let gaps = match broken {
             0 => String::new(),
             n => format!(
-                " The polhode is broken at {n} places where samples are too far apart to tell the path."
+                " The polhode is broken at {n} places where samples are too sparse for the path."
             ),
         };
         let motion = if free {
             "The body moves freely: the ellipsoid rolls without slip on the invariable plane."
         } else {
-            "Wheels, joints or thrusters drive the body: the plane follows I omega and is not invariable, so there is no \
-             herpolhode. No pole is drawn where the body is nearly at rest."
+            "Wheels, joints or thrusters drive the body: its angular momentum is not constant, so there is no herpolhode. No pole is drawn where the body is nearly at rest."
         };
         format!("{motion}{gaps}")
     }

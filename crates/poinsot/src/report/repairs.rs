@@ -1,4 +1,5 @@
-//! Repairs as a table: what was done, in which record, to which parts. What is said of many parts or records is said once.
+//! Repairs as a table: what was done, in which record, to which parts. Equal repairs of several parts or records are
+//! merged.
 
 use super::Answer;
 use super::data::Vehicle;

@@ -156,7 +156,7 @@ fn momentum(record: usize, m: &Channel, envelope: &Envelope) -> Vec<Figure> {
         "Points: from the measured rates with the estimated mass properties. Lines: predicted."
             .to_owned();
     let mut gap = residuals(record, m, None, &kept);
-    gap.title = "angular momentum, measured less predicted".to_owned();
+    gap.title = "angular momentum, measured minus predicted".to_owned();
     vec![
         Figure::plot(&name(""), plot),
         Figure::plot(&name("_residual"), gap),
@@ -237,7 +237,7 @@ fn residuals(record: usize, c: &Channel, declared: Option<f64>, kept: &[usize]) 
     }
     let what = match kind(&c.name) {
         "attitude" => "rotation error from predicted to measured, body axes",
-        _ => "residual, measured less predicted",
+        _ => "residual, measured minus predicted",
     };
     Plot {
         title: match declared {
@@ -274,7 +274,7 @@ fn quantiles(c: &Channel) -> Option<Plot> {
     }
     let ends = [-REACH, REACH];
     (!x.is_empty()).then(|| Plot {
-        title: format!("{} residual against the normal law", c.name),
+        title: format!("{} residual against the normal distribution", c.name),
         x: Axis::new("normal quantile", "sigma"),
         y: Axis::new("residual", "sigma"),
         series: vec![

@@ -7,7 +7,7 @@ use super::trust::group;
 use poinsot_report::{Arrow, Curve, Ellipsoid, Figure, Hinge, Point, Scene, Spot, Tree};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// Name and colour of a body, by what the answer says of it.
+/// Name and colour of a body, by its result.
 const DETERMINED: (&str, usize) = ("determined", 0);
 const OPEN: (&str, usize) = ("not all determined", 4);
 const KNOWN: (&str, usize) = ("known", 6);
@@ -53,8 +53,7 @@ fn scene(answer: &Answer, suspects: &[&str]) -> Scene {
         tree: Tree::default(),
         scene: Scene {
             title: "the vehicle, axes of the base, m".to_owned(),
-            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, \
-                   else nominal. Lines join the frame origins through the joints."
+            note: "A body is drawn as the homogeneous ellipsoid with its mass and inertia: estimated where determined, else nominal. Lines connect frame origins and joints."
                 .to_owned(),
             ..Scene::default()
         },

@@ -150,7 +150,7 @@ impl Recorder {
         let mut channels = Vec::new();
         for group in self.groups {
             let (first, every) = (group.first.unwrap_or(0), group.every);
-            // A late sensor writes what it read when it is late.
+            // A delayed sensor writes its earlier sample.
             let lag_s = match &group.reader {
                 Reader::Sensor(instrument) => instrument.lag_s(),
                 _ => 0.0,

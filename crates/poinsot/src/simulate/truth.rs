@@ -1,4 +1,4 @@
-//! `truth.json`: what an identification of the telemetry should find.
+//! `truth.json`: the true values of an identification.
 
 use super::record::Recorder;
 use super::{every, stream};
@@ -15,7 +15,7 @@ use poinsot_identify::ErrorGroup;
 use poinsot_model::{Joint, JointKind, Model};
 use poinsot_spatial::{InertialParameters, MassProperties, Matrix3, UnitQuaternion, Vector3};
 
-/// What a truth is made of.
+/// Input of a truth file.
 pub(super) struct Drawn<'a> {
     pub case: &'a Case,
     pub model: &'a Model,

@@ -1,4 +1,4 @@
-//! Where a statistic of many trials must lie if the stated uncertainty is right.
+//! Bands of the statistics of many trials for a correct uncertainty.
 
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF, Normal};
 

@@ -1,18 +1,18 @@
-//! Error, bias, coverage and consistency of many trials against what was stated.
+//! Error, bias, coverage and consistency of many trials.
 
 use super::Trial;
 use super::band::Band;
 use super::sums::{NumberSums, Sums};
 use poinsot_identify::Estimate;
 
-/// How one number came out over all trials that determined it.
+/// Statistics of one number over all trials that determined it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterStatistics {
     /// Name.
     pub name: String,
     /// Trials that determined it.
     pub trials: u64,
-    /// Sigma of the Cramer-Rao bound at the truth; `None` where the bound says it is open.
+    /// Sigma of the Cramer-Rao bound at the truth; `None` if it is not identifiable.
     pub bound: Option<f64>,
     /// Root mean square of the stated sigmas; NaN where none is stated.
     pub stated: f64,
@@ -27,13 +27,13 @@ pub struct ParameterStatistics {
 }
 
 impl ParameterStatistics {
-    /// The yardstick: the bound, or what was stated where there is none.
+    /// The reference: the bound, or the stated sigma without a bound.
     pub fn sigma(&self) -> f64 {
         self.bound.unwrap_or(self.stated)
     }
 }
 
-/// What many trials show.
+/// Statistics of many trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statistics {
     /// Trials run.
@@ -114,7 +114,7 @@ impl Statistics {
             list.push(format!("trial {trial} failed: {why}"));
         }
         let mut judge = |name: &str, what: &str, x: f64, band: Band| {
-            // What a method does not state is no fault of what it states.
+            // A number that a method does not state is no failure.
             if !x.is_nan() && !band.holds(x) {
                 list.push(format!(
                     "{name}: {what} {x:.4} outside [{:.4}, {:.4}]",
@@ -155,7 +155,7 @@ impl Statistics {
             let mut judge = |what: &str, x: f64, low: f64, high: f64| {
                 if !x.is_nan() && !(low..=high).contains(&x) {
                     list.push(format!(
-                        "{}: {what} {x:.4}, asked {low:.4} to {high:.4}",
+                        "{}: {what} {x:.4}, required {low:.4} to {high:.4}",
                         p.name
                     ));
                 }
@@ -181,7 +181,7 @@ impl Statistics {
             let band = Band::of_mean_square(dof);
             if !band.holds(mean) {
                 list.push(format!(
-                    "NEES {mean:.4}, asked {:.4} to {:.4}",
+                    "NEES {mean:.4}, required {:.4} to {:.4}",
                     band.low, band.high
                 ));
             }

@@ -1,4 +1,4 @@
-//! What many trials add up to: small, and sums of pieces are the sum of the whole.
+//! Mergeable sums over many trials.
 //!
 //! A campaign can be run in pieces on several machines; each writes its sums as JSON, and `Sums::merge` puts them
 //! together.
@@ -127,7 +127,7 @@ impl Sums {
         self.doubted += u64::from(!answer.doubts.is_empty());
         self.answers += 1;
         *entry(&mut self.statuses, answer.status.name()) += 1;
-        // What is not finite was not computed, and would hide what was.
+        // Numbers that are not finite were not computed and would hide the others.
         for (name, chi2) in answer.channels.iter().filter(|c| c.1.is_finite()) {
             *entry(&mut self.channels, name) += chi2;
         }

@@ -63,7 +63,7 @@ impl Compared {
                 .map(|x| x * x)
                 .sum();
             square += own;
-            // NaN wins: it must not look like agreement.
+            // NaN must not appear as agreement.
             if own.sqrt() > largest.0 || own.is_nan() {
                 largest = (own.sqrt(), *time);
             }

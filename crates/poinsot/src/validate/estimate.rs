@@ -1,4 +1,4 @@
-//! From `estimate.json` to a vehicle that can be moved.
+//! From `estimate.json` to a vehicle for simulation.
 
 use super::{Mover, ValidateError};
 use crate::error::Error;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Largest relative difference between a nominal number of the model and of the estimate.
 const SAME: f64 = 1.0e-9;
 
-/// An estimate as a vehicle, with how it was made whole where it leaves numbers open.
+/// An estimate as a vehicle, with the completion of undetermined numbers.
 #[derive(Debug, Clone)]
 pub struct EstimatedVehicle {
     /// The vehicle.
@@ -30,7 +30,7 @@ pub struct EstimatedVehicle {
 /// Reads `estimate.json` (or the folder that holds it) as a vehicle of the model that it was made with.
 ///
 /// # Errors
-/// It cannot be read, is no estimate of this model, or holds nothing to predict with.
+/// It cannot be read, is no estimate of this model, or has no determined numbers.
 pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Error> {
     let (file, read) = estimate_of(path)?;
     let refuse = |why: String| ValidateError::Estimate {
@@ -39,7 +39,7 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
     };
     if read.is_withheld() {
         let why = format!(
-            "its status is {}: it holds no numbers to predict with; give an estimate that is converged or partial",
+            "its status is {}: it has no numbers to predict with; give an estimate with status converged or partial",
             read.status
         );
         return Err(refuse(why).into());
@@ -173,7 +173,7 @@ fn completed(
         })
         .collect();
     let determined =
-        determined.ok_or("it withholds some of its combinations: nothing to predict with; give an estimate of more data")?;
+        determined.ok_or("some of its combinations are withheld, so it cannot predict; give an estimate from more data")?;
     let rank = read.identifiability.rank;
     let completion = complete(model, &Tree::new(model), &determined, rank);
     let completion = completion.map_err(|e| e.to_string())?;

@@ -1,10 +1,10 @@
-//! A vehicle that can be moved: of a model, or of an estimate that leaves numbers open.
+//! A vehicle for simulation, from a model or from an estimate with undetermined numbers.
 
 use poinsot_identify::CompletedVehicle;
 use poinsot_model::Model;
 use poinsot_spatial::InertialParameters;
 
-/// A vehicle with inertial parameters of its own. They need not be those of real bodies.
+/// A vehicle with inertial parameters of its own. They need not be physical.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mover {
     /// Tree, wheels, thrusters, sensors.

@@ -1,7 +1,7 @@
-//! Does the prediction depend on what the estimate leaves open?
+//! Test whether the prediction depends on undetermined numbers.
 //!
-//! The data determine combinations, and the motion should depend on these alone. It is tried: the completed
-//! numbers are moved along every open direction, and what the prediction makes of it is looked at.
+//! The data determine combinations, and the motion should depend on these alone. The completed numbers are varied along
+//! every unobservable direction, and the change of the prediction is measured.
 
 use super::Mover;
 use super::motion::{Path, compare_paths, path};
@@ -12,14 +12,14 @@ use poinsot_identify::Completion;
 use poinsot_model::Model;
 use poinsot_telemetry::Table;
 
-/// How far each open direction is moved, of the natural unit of its own parameter.
+/// Variation of each unobservable direction, in natural units of its unique parameter.
 const MOVED: f64 = 0.1;
 /// Share of the motion that is more than the round-off of large numbers that cancel.
 const MATTERS: f64 = 1.0e-6;
-/// Change of chi-square per degree of freedom that is more than nothing.
+/// Significant change of chi-square per degree of freedom.
 const MATTERS_CHI2: f64 = 1.0e-3;
 
-/// What the prediction has of the open directions.
+/// Sensitivity of the prediction to the unobservable directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenEffect {
     /// How far each was moved, natural units of its own parameter.
@@ -37,7 +37,7 @@ impl OpenEffect {
     }
 }
 
-/// Moves the vehicle along every open direction of its completion; `own` is its motion as completed.
+/// Moves the vehicle along every unobservable direction of its completion; `own` is its motion as completed.
 ///
 /// # Errors
 /// A motion cannot be computed.
@@ -55,7 +55,7 @@ pub fn motion_effect(
     let mut dependent: Vec<(f64, String)> = Vec::new();
     for direction in &completion.open {
         let moved = Mover::of_estimate(model, &completion.moved(direction, MOVED));
-        // A vehicle that cannot move any more has certainly changed.
+        // A vehicle without a motion counts as changed.
         let Ok(other) = path(case, &moved) else {
             dependent.push((f64::INFINITY, completion.name(direction).to_owned()));
             continue;
@@ -82,8 +82,8 @@ pub fn motion_effect(
     Ok(effect)
 }
 
-/// How far each quantity of a path gets from where it starts, and at least 1e-3 m or rad: what does not move
-/// cannot depend on anything.
+/// How far each quantity of a path gets from where it starts, and at least 1e-3 m or rad: a quantity at rest depends on
+/// nothing.
 fn travel(path: &Path) -> Vec<f64> {
     let still = Path {
         p_NoBo_N: path.p_NoBo_N.iter().map(|_| path.p_NoBo_N[0]).collect(),

@@ -98,7 +98,7 @@ fn groups(model: &Model) -> Vec<Group<'_>> {
     list
 }
 
-/// A channel of the sensor, or of nobody in particular.
+/// A channel of the sensor, or without a sensor.
 fn find<'t>(table: &'t Table, sensor: Option<&Sensor>, name: &str) -> Option<&'t Channel> {
     let own = sensor.and_then(|s| table.sensor_channel(&s.name, name));
     own.or_else(|| table.channel(name))
@@ -207,12 +207,12 @@ fn quaternion(rows: &[Vec<f64>], k: usize) -> UnitQuaternion {
     UnitQuaternion::new_normalize(Quaternion::new(part(3), part(0), part(1), part(2)))
 }
 
-/// Chi-square per degree of freedom of noise a tenth larger than declared: nobody knows it better.
+/// Chi-square per degree of freedom of noise a tenth larger than declared: the usual accuracy of a declaration.
 const ALLOWED: f64 = 1.21;
 /// Probability by chance from which a misfit counts.
 const BY_CHANCE: f64 = 1.0e-6;
 
-/// What the comparison with held-back telemetry says beside the numbers.
+/// Findings of the comparison with held-back telemetry.
 pub struct HeldBackFindings {
     /// One per quantity and segment.
     pub compared: Vec<Compared>,
@@ -234,9 +234,9 @@ pub struct HeldBackFindings {
 pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFindings, Error> {
     let (found, bound) = look(mover, tables, Some(POINTS))?;
     let mut warnings = found.findings.clone();
-    if !found.settled {
+    if !found.converged {
         warnings.push(
-            "the start of the record could not be fitted: nothing can be said of its end"
+            "the initial state of the record could not be fitted: its end cannot be tested"
                 .to_owned(),
         );
     }
@@ -245,7 +245,7 @@ pub fn compare_held_back(mover: &Mover, tables: &[Table]) -> Result<HeldBackFind
     Ok(HeldBackFindings {
         compared: compared(&found),
         chi2_per_dof: worst(&found),
-        beyond_noise: !found.settled || found.fit.iter().any(beyond_noise),
+        beyond_noise: !found.converged || found.fit.iter().any(beyond_noise),
         warnings,
         repairs,
     })
@@ -268,7 +268,7 @@ fn beyond_noise(fit: &SegmentFit) -> bool {
 /// Infinite where the start of a record could not be fitted.
 fn worst(found: &HeldBack) -> f64 {
     let chi2 = found.fit.iter().map(|f| f.chi2_per_dof).fold(0.0, f64::max);
-    if found.settled { chi2 } else { f64::INFINITY }
+    if found.converged { chi2 } else { f64::INFINITY }
 }
 
 /// The comparison, and what was assumed in binding.

@@ -32,7 +32,7 @@ pub fn validation_document(validation: &ValidationFile) -> Document {
     document
 }
 
-/// Whether the estimate, where there is one, may be relied on.
+/// Whether the estimate, if any, is reliable.
 fn is_reliable(validation: &ValidationFile) -> bool {
     let estimate = validation.estimate.as_ref();
     estimate.is_none_or(|e| e.covariance_trustworthy)
@@ -46,9 +46,7 @@ fn sentence(validation: &ValidationFile) -> String {
     let against = &validation.against;
     let of_models = validation.kind == "model";
     let verdict = match (validation.verdict.as_str(), of_models) {
-        ("undetermined", _) => {
-            "the motion depends on what the estimate leaves open: not determined"
-        }
+        ("undetermined", _) => "the motion depends on undetermined numbers",
         ("compared", _) => "compared, no limit given",
         ("agrees", true) => "within the limits",
         ("agrees", false) => "agree within the declared noise",
@@ -57,7 +55,7 @@ fn sentence(validation: &ValidationFile) -> String {
     };
     let verdict = match is_reliable(validation) {
         true => verdict.to_owned(),
-        false => format!("{verdict}; the estimate itself says that it is not to be relied on"),
+        false => format!("{verdict}; the estimate is not reliable"),
     };
     match (&validation.case, validation.chi2_per_dof) {
         (Some(case), _) => format!("{own} against {against} in {case}: {verdict}"),
@@ -79,13 +77,13 @@ fn differences(validation: &ValidationFile) -> Section {
     for one in &validation.compared {
         table.push(row(one, sigmas));
     }
-    let mut section = Section::table("difference, model less the other side", table);
+    let mut section = Section::table("difference, model minus the other side", table);
     let mut notes = Vec::new();
     if validation.kind == "held_back_telemetry" {
-        notes.push("nothing of the vehicle was fitted; pose, momentum and declared biases of the record were");
+        notes.push("only pose, momentum and declared biases of the record were fitted");
     }
     if sigmas {
-        notes.push("sigma is the declared noise of the sensor alone, without that of the estimate");
+        notes.push("sigma is the declared noise of the sensor alone, without the uncertainty of the estimate");
     }
     section.note = (!notes.is_empty()).then(|| notes.join("; "));
     section
@@ -112,7 +110,7 @@ fn row(one: &ComparedQuantityFile, sigmas: bool) -> Vec<String> {
 
 fn completion(completed: &CompletedFile) -> Section {
     let mut lines = vec![format!(
-        "the estimate determines {} combinations and leaves {} directions open; there the nominal numbers of the model stand, moved as little as the combinations allow ({} in natural units): these are numbers to predict with and no estimate of single bodies",
+        "the estimate determines {} combinations and has {} unobservable directions; along those the nominal numbers are used, with the smallest change that fits ({} in natural units). These numbers predict motion and are no estimate of single bodies",
         completed.determined,
         completed.open,
         significant(completed.distance_natural, 2)
@@ -128,7 +126,7 @@ fn completion(completed: &CompletedFile) -> Section {
         .collect();
     let moved = 100.0 * completed.open_moved_by_natural;
     let tried = format!(
-        "each open direction was moved by {moved:.0} % of its parameter: the prediction changes by at most {}",
+        "each unobservable direction was varied by {moved:.0} % of its parameter: the prediction changes by at most {}",
         changes.join(", ")
     );
     lines.push(tried);
@@ -146,9 +144,9 @@ fn completion(completed: &CompletedFile) -> Section {
             String::new()
         };
         lines.push(format!(
-            "the motion depends on {}{more}, which the estimate leaves open; add telemetry that shows them (thrust, other joints), or give them as known",
+            "the motion depends on {}{more}, which are undetermined; add telemetry that determines them (thrust, other joints), or give them as known",
             some.join(", ")
         ));
     }
-    Section::list("how open numbers were completed", lines)
+    Section::list("completion of undetermined numbers", lines)
 }

@@ -188,7 +188,7 @@ fn exact_a_changed_plan_is_refused_and_more_trials_are_not() {
         ] {
             let text = error.unwrap().to_string();
             assert!(
-                text.starts_with("E0602") && text.contains("a shard of the plan"),
+                text.starts_with("E0602") && text.contains("a shard of plan"),
                 "{text}"
             );
         }
@@ -348,7 +348,7 @@ fn unit_a_plan_that_cannot_be_run_says_why() {
         (
             "case = ",
             "record = ",
-            "a record needs the vehicle; give model and truth",
+            "a record needs a model and a truth file; give model and truth",
         ),
         ("every = 20", "every = 0", "1 takes all samples"),
         (

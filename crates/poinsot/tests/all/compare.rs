@@ -121,7 +121,7 @@ fn regress_records_without_dates_are_compared_by_their_counts() {
     let (first, second) = (night([0.0, 240.0]), night([180.0, 420.0]));
     let said = ask(&[&first, &second]).doubts;
     assert!(
-        said.len() == 1 && said[0].contains("has no dates and overlaps by 60.00 s"),
+        said.len() == 1 && said[0].contains("has no dates; with one clock it overlaps by 60.00 s"),
         "{said:?}"
     );
     let mut halves = [night([0.0, 240.0]), night([240.0, 480.0])];

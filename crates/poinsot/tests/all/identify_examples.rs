@@ -190,7 +190,7 @@ trait NamesAJoint {
     fn combination_names_a_joint(&self) -> bool;
 }
 
-impl NamesAJoint for poinsot_identify::OpenCombination {
+impl NamesAJoint for poinsot_identify::UnobservableCombination {
     fn combination_names_a_joint(&self) -> bool {
         self.text.contains("joint")
     }

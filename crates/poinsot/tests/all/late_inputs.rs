@@ -143,6 +143,6 @@ fn stat_thrust_that_is_read_late_is_named() {
     let model = read_model(&case.model).unwrap();
     let whole = simulate_case(&case, &model).unwrap();
     let (name, lag_s) = first_suspect(&model, late(&whole.table, "thr", 1, 1));
-    assert_eq!(name, "thrust that is read late");
+    assert_eq!(name, "delayed thrust samples");
     assert!((lag_s + 0.1).abs() < 2.0e-3, "{lag_s}");
 }

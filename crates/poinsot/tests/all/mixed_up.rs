@@ -66,5 +66,5 @@ fn stat_times_in_milliseconds_are_refused_before_the_fit() {
     let request = IdentifyRequest::new(stsat3().join("model.toml"), [path]);
     let error = refusal(identify(&request));
     assert!(error.contains("E0220"), "{error}");
-    assert!(error.contains("times in ms that are read as s"), "{error}");
+    assert!(error.contains("the times are probably in ms"), "{error}");
 }

@@ -130,7 +130,7 @@ fn walks(model: &Model, found: &Identifiability) -> Vec<Vec<Vec<f64>>> {
         answer[place(model, name)] = values[values.len() / 2];
     }
     assert!(answer.iter().all(|x| *x != 0.0), "each moves somewhere");
-    let one = |o: &poinsot_identify::OpenCombination| {
+    let one = |o: &poinsot_identify::UnobservableCombination| {
         let at = |p: usize| {
             let mut x = answer.clone();
             o.walk

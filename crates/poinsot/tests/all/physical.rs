@@ -81,7 +81,7 @@ fn tensor(second: [f64; 3]) -> Matrix3 {
 }
 
 /// Bodies whose thickness is far below what the data can tell: linear steps end beyond them in about half of the
-/// trials, physical ones never do, all settle, and those say that they are held at the edge whose free answer is
+/// trials, physical ones never do, all settle, and those say that they are at the limit of physical whose free answer is
 /// impossible, and no other. `--example physical_edge` does the same with more trials, and counts intervals.
 fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclusive<u32>) {
     let I = tensor(second);
@@ -118,7 +118,10 @@ fn stays_physical(second: [f64; 3], trials: u64, expected: std::ops::RangeInclus
                 "seed {seed}"
             );
             let beyond = linear.bodies[0].physically_consistent == Some(false);
-            let held = free.warnings.iter().any(|w| w.contains("held at the edge"));
+            let held = free
+                .warnings
+                .iter()
+                .any(|w| w.contains("at the limit of physical"));
             assert_eq!(held, beyond, "seed {seed}");
             assert_eq!(held, !free.covariance_trustworthy, "seed {seed}");
             impossible += u32::from(beyond);

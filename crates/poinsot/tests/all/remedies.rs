@@ -118,7 +118,7 @@ fn exact_a_known_force_closes_the_scale() {
         .find(|o| o.text.contains("common scale"));
     let remedy = &scale.unwrap().remedy;
     assert!(
-        remedy.contains("push the base") || remedy.contains("known force"),
+        remedy.contains("apply a force to the base") || remedy.contains("known force"),
         "{remedy}"
     );
 }

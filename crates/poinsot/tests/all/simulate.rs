@@ -547,7 +547,7 @@ fn unit_faults_name_line_key_and_remedy() {
         ),
         (
             "[[wheel_motion]]\nwheel = \"w\"\ntime_s = [0]\nspeed_rad_s = [1.0]".to_owned(),
-            vec!["E0504", ":5:", "take it out: there is none"],
+            vec!["E0504", ":5:", "remove it: it does not exist here"],
         ),
         (
             "[[firing]]\nthruster = \"thr1\"\non_s = 3.0\noff_s = 2.0\nforce_N = -1.0".to_owned(),

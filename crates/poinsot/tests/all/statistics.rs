@@ -220,7 +220,7 @@ fn linear_answer(study: &Study, trial: u64) -> Option<Estimate> {
     .ok()
 }
 
-/// Noise of measured positions adds up in `p x F dt`: the inertia errs by up to 80 of the sigmas that the rows alone
+/// Noise of measured positions accumulates in `p x F dt`: the inertia errs by up to 80 of the sigmas that the rows alone
 /// would give. Such numbers are withheld, however often the sensors read.
 #[test]
 fn stat_the_linear_method_under_thrust_withholds_what_it_cannot_judge() {
@@ -231,7 +231,7 @@ fn stat_the_linear_method_under_thrust_withholds_what_it_cannot_judge() {
             assert_eq!(answer.status, Status::Rejected, "stride {stride}");
             assert!(!answer.covariance_trustworthy);
             assert!(answer.bodies[0].mass.value.is_none());
-            assert!(answer.warnings.iter().any(|w| w.contains("adds up")));
+            assert!(answer.warnings.iter().any(|w| w.contains("accumulates")));
         }
     }
 }

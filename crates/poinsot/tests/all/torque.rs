@@ -348,7 +348,7 @@ fn unit_predict_refuses_a_joint_that_nothing_reads() {
     assert_eq!(error.kind(), poinsot::ErrorKind::Input);
     assert_eq!(
         error.to_string(),
-        "E0305 model: joint 'slosh' moves by torque or spring in this case and no sensor reads it, so no estimator could know its motion; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]"
+        "E0305 model: joint 'slosh' moves by torque or spring, but no sensor measures it; add [[sensor]] type = \"joint_position\" for it, or prescribe it with [[joint_motion]]"
     );
 }
 
@@ -359,7 +359,7 @@ fn unit_a_joint_that_nothing_resists_is_refused_by_name() {
     assert!(!error.is_environment());
     assert_eq!(
         error.to_string(),
-        "E0509 case.toml: joint \"twist\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]"
+        "E0509 case.toml: joint \"twist\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix); give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]"
     );
 }
 
@@ -415,19 +415,19 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = 1.0\n[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = 1.0",
-        "E0504 case.toml:8: joint_torque[1].joint = \"elbow\": a second motion for the same thing; keep one of the two",
+        "E0504 case.toml:8: joint_torque[1].joint = \"elbow\": a second motion for the same joint or wheel; keep one of the two",
     ),
     (
         "[[joint_motion]]\njoint = \"elbow\"\ninterpolation = \"quintic_rest\"\ntime_s = [0.0]\nposition_rad = [0.0]\n[[joint_torque]]\njoint = \"elbow\"\nconstant_N_m = 1.0",
-        "E0504 case.toml:10: joint_torque[0].joint = \"elbow\": a second motion for the same thing; keep one of the two",
+        "E0504 case.toml:10: joint_torque[0].joint = \"elbow\": a second motion for the same joint or wheel; keep one of the two",
     ),
     (
         "[[initial.joint]]\njoint = \"elbow\"\nposition_rad = 1.0",
-        "E0507 case.toml:5: initial.joint[0].joint = \"elbow\": nothing moves this joint: it is held where the model locks it; leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model",
+        "E0507 case.toml:5: initial.joint[0].joint = \"elbow\": this joint has no drive: it stays locked at the model's position; leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model",
     ),
     (
         "[[joint_motion]]\njoint = \"slide\"\ninterpolation = \"quintic_rest\"\ntime_s = [0.0]\nposition_m = [0.0]\n[[initial.joint]]\njoint = \"slide\"\nposition_m = 1.0",
-        "E0507 case.toml:10: initial.joint[0].joint = \"slide\": the joint's motion is prescribed, and with it its start; leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model",
+        "E0507 case.toml:10: initial.joint[0].joint = \"slide\": the joint's motion is prescribed, and so is its initial state; leave it out; a start belongs to a joint with [[joint_torque]] or with spring_damper in the model",
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nposition_rad = 1.0",
@@ -439,7 +439,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m_s = 1.0\n[[initial.joint]]\njoint = \"slide\"\nrate_m_s = 1.0",
-        "E0504 case.toml:8: initial.joint[1].joint = \"slide\": a second motion for the same thing; keep one of the two",
+        "E0504 case.toml:8: initial.joint[1].joint = \"slide\": a second motion for the same joint or wheel; keep one of the two",
     ),
     (
         "[[initial.joint]]\njoint = \"slide\"\nrate_m = 1.0",
@@ -496,6 +496,6 @@ fn unit_control_refuses_what_would_move_by_itself() {
     truth.bodies.push(slosh.bodies[1].clone());
     truth.joints.push(slosh.joints[0].clone());
     let text = case.bind(&truth).unwrap_err().to_string();
-    let own = "joint \"slosh\" has a spring and damper, and the simulation does not do this yet beside [control]: joints are locked; take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
+    let own = "joint \"slosh\" has a spring and damper, and the simulation does not support this with [control]: joints are locked; take spring_damper out of the model, or prescribe wheel speeds with [[wheel_motion]]";
     assert!(text.starts_with("E0508 ") && text.ends_with(own), "{text}");
 }

@@ -93,7 +93,7 @@ fn exact_without_thrust_the_motion_under_torques_is_not_determined() {
     assert!(completed.effect.matters() && completed.effect.changes[2].2 > 1e-4);
     let words = validation_document(&validation_file(&found)).to_string();
     assert!(
-        words.contains("the motion depends on what the estimate leaves open: not determined"),
+        words.contains("the motion depends on undetermined numbers"),
         "{words}"
     );
     // A given total mass closes the scale.
@@ -313,7 +313,7 @@ fn unit_refusals() {
     );
     assert_eq!(
         refused(&with("rejected.json")),
-        "E0701 rejected.json: this estimate cannot be moved: its status is rejected: it holds no numbers to predict with; give an estimate that is converged or partial"
+        "E0701 rejected.json: this estimate cannot be moved: its status is rejected: it has no numbers to predict with; give an estimate with status converged or partial"
     );
     // Usage.
     assert_eq!(
@@ -322,7 +322,7 @@ fn unit_refusals() {
             model: Some(own.clone().into()),
             ..base.clone()
         }),
-        "E0001 CASE '': no case is given; give one that says which torques both vehicles get"
+        "E0001 CASE '': no case is given; give one with the torques of both vehicles"
     );
     assert_eq!(
         refused(&ValidateRequest {
@@ -336,7 +336,7 @@ fn unit_refusals() {
             within_m: Some(f64::NAN),
             ..base.clone()
         }),
-        "E0001 --within-m 'NaN': the limit is no number from zero up; give one"
+        "E0001 --within-m 'NaN': the limit must be a number of at least zero"
     );
     let control = examples().join("cases/stsat3_three_slews.toml");
     let truth = examples()
@@ -349,7 +349,7 @@ fn unit_refusals() {
             against: truth,
             ..base.clone()
         }),
-        "E0702 cases/stsat3_three_slews.toml: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]"
+        "E0702 cases/stsat3_three_slews.toml: [control] would command different torques on the two vehicles; prescribe wheel torques with [[wheel_motion]]"
     );
     write(
         "late.csv",
@@ -360,7 +360,7 @@ fn unit_refusals() {
             against: at("late.csv").display().to_string(),
             ..base.clone()
         }),
-        "E0703 cases/xu2017_table13.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case"
+        "E0703 cases/xu2017_table13.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case; give telemetry with times from the start of the case"
     );
 }
 

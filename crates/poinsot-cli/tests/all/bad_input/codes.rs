@@ -126,7 +126,7 @@ fn xu2017() -> Vec<Row> {
     vec![
         xu("E0531", "momentum wheels", |b| b.model("estimate = [\"inertia\"]", ALL), &["E0531 wheel 'wheel1': xu2017 knows no momentum wheels; take it out of the model if it stands still, or use --method auto"]),
         xu("E0532", "the mass of one body alone", |b| robot(b, ["estimate = [\"mass\"]", "", ""], "", &with(&[("j1_rad", f64::sin)])), &["E0532 body 'bus': estimate: xu2017 takes a body as known, as unknown (estimate = true), or with known mass and mass centre (estimate = [\"inertia\"]); change it, or use --method auto"]),
-        xu("E0533", "nothing known and no thrust", |b| robot(b, [ALL; 3], "", &with(&[("j1_rad", f64::sin)])), &["E0533 no thruster fires with the joints locked, and neither the base", "; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"]),
+        xu("E0533", "nothing known and no thrust", |b| robot(b, [ALL; 3], "", &with(&[("j1_rad", f64::sin)])), &["E0533 no thruster fires with the joints locked, and no body fixes the scale", "; add a segment with thrust, take estimate out of the base or the arm, or use --method auto"]),
         xu("E0534", "no velocity", |b| robot(b, ["", ALL, ""], "", &[("j1_rad", f64::sin)]), &["E0534 segment 't.csv': no velocity channel (v_x v_y v_z): xu2017 needs it for the momentum of a moving joint; add it, or use --method auto"]),
         xu("E0535", "two joints at once", |b| robot(b, ["", ALL, ALL], "", &with(&[("j1_rad", f64::sin), ("j2_rad", f64::cos)])), &["E0535 segment 't.csv': joints j1, j2 move together: xu2017 unlocks one joint at a time unless a single body is unknown; split the motion, or use --method auto"]),
         xu("E0536", "thrust while a joint moves", |b| robot(b, ["", ALL, ""], THRUSTER, &with(&[("j1_rad", f64::sin), ("thr_N", |_| 1.0)])), &["E0536 segment 't.csv': a thruster fires while joint 'j1' moves: xu2017 takes momentum as conserved then; cut the firing out, or use --method auto"]),
@@ -156,11 +156,11 @@ fn validate() -> Vec<Row> {
             let (head, _) = CASE.split_once("[[wheel_motion]]").unwrap();
             b.write("truth.toml", truth());
             b.write("case.toml", head.to_owned() + "[control]\nnatural_frequency_rad_s = 0.04\ndamping_ratio = 0.7\n\n[output]\nrate_hz = 5\n");
-        }, 2, &["E0702 case.toml: control: the two sides would get different torques; prescribe wheel torques with [[wheel_motion]]"]).run(VALIDATE),
+        }, 2, &["E0702 case.toml: [control] would command different torques on the two vehicles; prescribe wheel torques with [[wheel_motion]]"]).run(VALIDATE),
         row("E0703", "telemetry from after the case", |b| {
             case(b, "seed = 3", "seed = 3");
             b.spoil(|s| s.map("time_s", |_, t| t + 1000.0));
-        }, 2, &["E0703 case.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint reading within the duration of the case; give telemetry whose times count from the start of the case"]).run(&["validate", "--against", "t.csv", "case.toml", "--out", "sim"]),
+        }, 2, &["E0703 case.toml: the telemetry has no attitude, rate, position, velocity, acceleration or joint sample during the case; give telemetry with times from the start of the case"]).run(&["validate", "--against", "t.csv", "case.toml", "--out", "sim"]),
     ]
 }
 
@@ -223,9 +223,9 @@ pub fn rows() -> Vec<Row> {
         row("E0001", "a code that does not exist", |_| {}, 2, &["E0001 explain 'E9999': there is no such code; run `poinsot explain` for all"]).run(&["explain", "E9999"]),
         row("E0001", "an accuracy of zero", |_| {}, 2, &["E0001 --relative-accuracy '0': must be a positive number; give for example 1.0"]).more(&["--relative-accuracy", "0"]),
         row("usage", "an option that does not exist", |_| {}, 2, &["error: unexpected argument '--nmae' found"]).more(&["--nmae"]),
-        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out: a folder is needed here: ", "; move the file that stands in the way, or name another folder"]),
-        row("E0210", "two files with the same channel", |b| { let t = std::fs::read(b.path("t.csv")).unwrap(); b.write("u.csv", t); }, 2, &["E0210 channel 'omega_x' stands in t.csv column 'omega_x' and again in u.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"]).run(TWO),
-        row("E0303", "files that do not overlap", |b| { b.spoil(|s| s.without("wheel")); let mut w = crate::bad_input::bench::sheet(); w.without("q_"); w.without("omega"); w.map("time_s", |_, t| t + 1000.0); b.write("u.csv", w.text()); }, 2, &["E0303 t.csv,u.csv: 0 samples have all needed channels at one time, and 2 are needed; give a longer record, or files whose times overlap"]).run(TWO),
+        row("E0002", "a file stands where the folder should go", |b| b.write("out", ""), 3, &["E0002 out: a folder is needed here: ", "; move the file at this path, or name another folder"]),
+        row("E0210", "two files with the same channel", |b| { let t = std::fs::read(b.path("t.csv")).unwrap(); b.write("u.csv", t); }, 2, &["E0210 channel 'omega_x' is in t.csv column 'omega_x' and again in u.csv column 'omega_x'; leave one out, or name the sensors: '<sensor>.omega_x'"]).run(TWO),
+        row("E0303", "files that do not overlap", |b| { b.spoil(|s| s.without("wheel")); let mut w = crate::bad_input::bench::sheet(); w.without("q_"); w.without("omega"); w.map("time_s", |_, t| t + 1000.0); b.write("u.csv", w.text()); }, 2, &["E0303 t.csv,u.csv: 0 samples have all required channels at one time, but 2 are required; give a longer record, or files whose times overlap"]).run(TWO),
         row("E0211", "an unknown unit", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"omega_x\", unit = \"rad/ss\" }\n"), 2, &["E0211 m.toml:", "unit 'rad/ss' is not known; did you mean 'rad/s'?"]),
         row("E0212", "a map to a column that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"wx\", unit = \"rad/s\" }\n"), 2, &["E0212 map of channel 'omega_x': no column 'wx' in t.csv; "]),
         row("E0213", "rows chosen by a text that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry]\nwhere = { omega_x = \"A\" }\n"), 2, &["E0213 where omega_x = 'A': no row of t.csv matches; choose among the values there, the first are"]),
@@ -233,13 +233,13 @@ pub fn rows() -> Vec<Row> {
         row("E0305", "a gyro on a link", |b| { arm(b, "10.0", ""); b.model("type = \"gyro\"", "type = \"gyro\"\nbody = \"link\""); }, 2, &["E0305 model: sensor 'gyro' sits on body 'link'"]),
         row("E0307", "known momentum and no attitude", |b| { b.spoil(|s| s.without("q_")); b.model("angular_N_m_s = \"estimate\"", "angular_N_m_s = [0.2, -0.3, 0.25]"); }, 2, &["E0307 t.csv: no attitude channel (q_x q_y q_z q_w), but [momentum] angular_N_m_s = [0.2, -0.3, 0.25] in the axes of N"]),
         row("E0401", "the mass centre alone, linear", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replace("estimate = true", "estimate = [\"com\"]"); b.write("m.toml", m); }, 2, &["E0401 body 'bus': estimate asks for the mass centre while the inertia about it is held"]).more(&["--method", "linear"]),
-        row("E0402", "nothing to estimate", |b| b.model("estimate = [\"inertia\"]\n", ""), 2, &["E0402 the model has nothing to estimate: every body is given as known; set estimate = true on at least one body"]),
-        row("E0403", "several bodies without velocity, linear", |b| { arm(b, "10.0", ""); b.spoil(|s| { s.header.push("j_rad".into()); s.rows.iter_mut().enumerate().for_each(|(k, r)| r.push(format!("{:?}", (0.02 * k as f64).sin()))); }); }, 2, &["E0403 no velocity: no channels v_x v_y v_z"]).more(&["--method", "linear"]),
+        row("E0402", "nothing to estimate", |b| b.model("estimate = [\"inertia\"]\n", ""), 2, &["E0402 the model has nothing to estimate: every body is known; set estimate = true on at least one body"]),
+        row("E0403", "several bodies without velocity, linear", |b| { arm(b, "10.0", ""); b.spoil(|s| { s.header.push("j_rad".into()); s.rows.iter_mut().enumerate().for_each(|(k, r)| r.push(format!("{:?}", (0.02 * k as f64).sin()))); }); }, 2, &["E0403 no velocity (channels v_x v_y v_z"]).more(&["--method", "linear"]),
         row("E0405", "a body without inertia to speak of", |b| b.model("xx = 15.0, yy = 16.0, zz = 21.0", "xx = 1e-9, yy = 1e-9, zz = 1e-9"), 2, &["E0405 the motion cannot be predicted from the nominal mass properties"]),
         row("E0601", "a report of nothing", |_| {}, 2, &["E0601 out/estimate.json: no report or export can be made of this: it is not there; write it by `poinsot identify --out DIR`"]).run(&["report", "out"]),
         row("E0601", "an export of nothing", |b| b.write("r.urdf", crate::bad_input::models::ROBOT), 2, &["E0601 out/estimate.json"]).run(&["export", "out", "--to", "urdf", "--onto", "r.urdf"]),
         kim("a body that never turns about x", |b| b.spoil(|s| { s.map("omega_x", |_, _| 0.0); s.map("q_", |_, _| 0.5); }), &["E0422 kim2010: the body never turns about its x axis"]),
-        kim("wheels at rest", |b| b.spoil(|s| s.map("wheel", |_, _| 0.0)), &["E0423 kim2010: the momentum of the wheels never changes"]),
+        kim("wheels at rest", |b| b.spoil(|s| s.map("wheel", |_, _| 0.0)), &["E0423 kim2010: the wheel momentum never changes"]),
         kim("wheels of 1e30 kg m2", |b| { let m = MODEL.replace("0.0004113", "1e30"); b.write("m.toml", m); }, &["E0424 kim2010: the telemetry holds numbers that are not finite or overflow"]),
         kim("two samples", |b| b.spoil(|s| s.rows.truncate(2)), &["E0421 kim2010: fewer than three samples; give a longer record"]),
         kim("a vehicle of two bodies", |b| arm(b, "10.0", ""), &["E0425 kim2010 is for one rigid body with wheels and no external torque"]),
@@ -334,7 +334,7 @@ fn cases() -> Vec<Row> {
             2,
             &[
                 "E0508 case.toml:",
-                "the simulation does not do this yet beside [control]",
+                "the simulation does not support this with [control]",
             ],
         ),
         simulate(
@@ -368,7 +368,7 @@ fn cases() -> Vec<Row> {
             },
             2,
             &[
-                "E0509 case.toml: joint \"j\" moves by torque or spring, but what it carries has no inertia about its axis: the mass matrix is singular; give what it carries mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
+                "E0509 case.toml: joint \"j\" moves by torque or spring, but its outboard bodies have no inertia about its axis (singular mass matrix); give them mass off the axis or inertia about it, or prescribe its motion with [[joint_motion]]",
             ],
         ),
         simulate(
@@ -399,7 +399,7 @@ fn cases() -> Vec<Row> {
             3,
             &[
                 "E0002 sim: a folder is needed here: ",
-                "; move the file that stands in the way",
+                "; move the file at this path",
             ],
         ),
     ]

@@ -54,8 +54,7 @@ pub fn bad_input(sections: &[(&str, &[Printed])]) -> String {
     out
 }
 
-const DIFFERENCES: &str = "\
-## Where it differs from the list
+const DIFFERENCES: &str = "## Where it differs from the list
 
 - Exit codes are those of the contract: the list's 1 and 2 are 2, its 3 is 1, its 4 is 3, its 5 is 4.
 - T4: a wrapped counter is refused, not repaired: a jump of the clock and a wrap look alike. Several runs in one file are
@@ -64,7 +63,7 @@ const DIFFERENCES: &str = "\
 - T6: a lag below what noise hides is found by the fit, not by the check of the telemetry; neither is applied. A drift of
   the clock is not estimated.
 - T7: no torque of a wheel or joint is used by `identify`, so its unit can do no harm. Without attitude, body rates in
-  rad/s that are mapped as deg/s contradict nothing: so slow a motion shows too little, and the answer says that.
+  rad/s mapped as deg/s contradict nothing: so slow a motion shows too little, and the answer says that.
 - T9: a zero quaternion is no sample; a norm off by up to 5 % is normalised and listed, as the list asks.
 - T12: a joint, wheel or thruster at rest is not a stuck sensor; only vector sensors of the base are checked.
 - T13: more outliers than a robust loss can bear end in a rejected answer (1) without numbers, not in a refusal.

@@ -21,7 +21,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0115",
-                "no body has these principal moments: 15, 16, 40 kg m2, the largest exceeds the sum of the other two",
+                "these principal moments are not physical: 15, 16, 40 kg m2, the largest exceeds the sum of the other two",
             ],
         ),
         row(

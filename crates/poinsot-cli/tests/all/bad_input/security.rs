@@ -196,7 +196,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0205 t.csv: column 'yyy",
-                "yyy' stands twice in the header; rename one",
+                "yyy' is twice in the header; rename one",
             ],
         ),
         row(
@@ -266,8 +266,8 @@ pub fn rows() -> Vec<Row> {
             |b| b.write("r.urdf", ROBOT),
             3,
             &[
-                "E0002 /dev/null: cannot be put in place: ",
-                "; move the file that stands in the way, or name another folder",
+                "E0002 /dev/null: cannot be written to its path: ",
+                "; move the file at this path, or name another folder",
             ],
         )
         .run(&["import", "r.urdf", "-o", "/dev/null"]),

@@ -475,7 +475,7 @@ fn regress_no_thread_is_one_line_and_exit_3() {
     });
     assert_eq!(done.status.code(), Some(3), "{}", stderr(&done));
     assert!(
-        stderr(&done).starts_with("E0005 the system starts no thread: "),
+        stderr(&done).starts_with("E0005 the system cannot start a thread: "),
         "{}",
         stderr(&done)
     );

@@ -1,6 +1,6 @@
-//! Readings as a point predicts them.
+//! Samples replaced by their predictions at an iterate.
 
-use super::{Experiment, Point};
+use super::{Experiment, Iterate};
 use crate::fit::coordinates::Coordinates;
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
@@ -8,7 +8,7 @@ use crate::problem::segment::{Segment, SensorValue};
 use crate::sensors::across;
 use poinsot_spatial::UnitQuaternion;
 
-/// Rounds in which readings become those predicted: the turn of an attitude is exact after the first.
+/// Iterations until samples equal predictions: the turn of an attitude is exact after the first.
 const ROUNDS: usize = 2;
 
 pub(crate) fn readings_alone<'b>(
@@ -25,7 +25,7 @@ pub(crate) fn readings_alone<'b>(
 /// alone, whitened as at this point.
 pub(crate) fn take_predictions(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     segments: &mut [Segment],
 ) -> Option<()> {
     for _ in 0..ROUNDS {

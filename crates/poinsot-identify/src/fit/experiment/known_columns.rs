@@ -1,16 +1,16 @@
-//! What known numbers do to the predictions: columns beside those of the unknowns.
+//! Sensitivities of the predictions to known numbers.
 //!
-//! Masses, mass centres, inertias, rotors and thrust move the motion as unknowns of those kinds do: one evaluation with its
-//! sensitivities gives all their columns. Joints, mountings and places of thrusters have no such kind: a difference each.
+//! Masses, mass centres, inertias, rotors and thrust have analytic sensitivities: one evaluation gives all their
+//! columns. Joints, mountings and thruster positions need one difference each.
 
 use super::as_predicted::take_predictions;
-use super::{Experiment, Point};
+use super::{Experiment, Iterate};
 use crate::likelihood::{ChannelResidual, Evaluated, KeptRow, KnownColumns};
 use crate::problem::Problem;
 use crate::problem::loss::Loss;
 use crate::problem::parameters::{Parameters, Unknown, UnknownKind};
 use crate::problem::segment::Segment;
-use crate::problem::shifted_vehicle::Centre;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
 use poinsot_model::{KnownNumber, Model};
 use poinsot_spatial::{InertialParameters, Vector3};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const FRESH: f64 = 0.1;
 pub(crate) type KeptColumns = Arc<Mutex<Option<(Vec<f64>, Arc<KnownColumns>)>>>;
 
 /// Columns of the known numbers at a value of all unknowns: those kept, where the numbers have hardly moved.
-pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<KnownColumns>> {
+pub(crate) fn columns_at(experiment: &Experiment, at: &Iterate) -> Option<Arc<KnownColumns>> {
     let unknowns = &experiment.parameters.unknowns;
     let places = experiment.parameters.known_places();
     let value = |p: &usize| at.x[*p] / unknowns[*p].natural;
@@ -46,16 +46,16 @@ pub(crate) fn columns_at(experiment: &Experiment, at: &Point) -> Option<Arc<Know
 }
 
 /// Slopes of all whitened predictions over the known numbers among the unknowns, at a value of all of them.
-pub(crate) fn slopes(experiment: &Experiment, at: &Point) -> Option<KnownColumns> {
-    let perfect = Perfect::new(experiment, at)?;
+pub(crate) fn slopes(experiment: &Experiment, at: &Iterate) -> Option<KnownColumns> {
+    let predicted = PredictedExperiment::new(experiment, at)?;
     let unknowns = &experiment.parameters.unknowns;
     let known = unknowns.iter().filter_map(|u| u.kind.known());
     let numbers: Vec<Shift> = known
         .map(|k| (k.number, k.component, DIFFERENCE * k.sigma))
         .collect();
-    let mut by_number = perfect.slopes(experiment, &numbers)?;
+    let mut by_number = predicted.slopes(experiment, &numbers)?;
     let mut out = KnownColumns::default();
-    for (s, segment) in perfect.segments.iter().enumerate() {
+    for (s, segment) in predicted.segments.iter().enumerate() {
         let sensors = &segment.observations.sensors;
         let names = sensors.iter().map(|r| r.name.clone());
         out.sensors.push(names.collect());
@@ -78,22 +78,22 @@ pub(crate) type PredictionSlopes = Vec<Vec<Vec<Vector3>>>;
 /// A component of a known number with a step for its difference.
 pub(crate) type Shift = (KnownNumber, usize, f64);
 
-/// The vehicle where a value of all unknowns has its known numbers, with the samples that it predicts there. Only changes of
-/// predictions are left of a residual: whitening depends on the vehicle where inputs err, and its change times a residual is
-/// no slope.
-pub(crate) struct Perfect {
-    vehicle: Centre,
+/// An experiment whose samples equal its predictions at a value of all unknowns. Differences of residuals are then
+/// differences of predictions: with noisy inputs the whitening depends on the vehicle, and its change times a residual
+/// is no derivative.
+pub(crate) struct PredictedExperiment {
+    vehicle: ShiftedVehicle,
     segments: Vec<Segment>,
     /// The other unknowns.
-    pub base: Point,
+    pub base: Iterate,
 }
 
-impl Perfect {
-    pub fn new(experiment: &Experiment, at: &Point) -> Option<Self> {
+impl PredictedExperiment {
+    pub fn new(experiment: &Experiment, at: &Iterate) -> Option<Self> {
         let (own, kept) = experiment.parameters.without_known();
-        let base = Point {
+        let base = Iterate {
             x: kept.iter().map(|k| at.x[*k]).collect(),
-            heads: at.heads.clone(),
+            initial_states: at.initial_states.clone(),
         };
         let unknowns = experiment.parameters.unknowns.iter().zip(&at.x);
         let moved = unknowns.filter_map(|(u, x)| {
@@ -101,7 +101,7 @@ impl Perfect {
             Some((known.number, known.component, x - u.nominal))
         });
         let moved: Vec<Shift> = moved.collect();
-        let vehicle = Centre::new(experiment.problem, &own, &moved)?;
+        let vehicle = ShiftedVehicle::new(experiment.problem, &own, &moved)?;
         let there = vehicle.problem(experiment.problem);
         let mut segments = there.segments.to_vec();
         let own = experiment.of_vehicle(&there, &vehicle.parameters);
@@ -227,7 +227,7 @@ impl Perfect {
         let here = own.evaluate(&self.base, false)?;
         let nominal = experiment.problem.model;
         let beside = |shift: &Shift| {
-            let vehicle = Centre::from(&there, nominal, self.parameters(), &[*shift])?;
+            let vehicle = ShiftedVehicle::from(&there, nominal, self.parameters(), &[*shift])?;
             let beside = vehicle.problem(&there);
             let other = experiment.of_vehicle(&beside, &vehicle.parameters);
             slope(&here, &other.evaluate(&self.base, false)?, shift.2)
@@ -261,7 +261,7 @@ pub(crate) fn body_slopes(
     x: &[f64],
     shift: Shift,
 ) -> Option<Vec<(usize, f64)>> {
-    let there = Centre::from(problem, nominal, parameters, &[shift])?;
+    let there = ShiftedVehicle::from(problem, nominal, parameters, &[shift])?;
     let (here, there) = (parameters.bodies(x), there.parameters.bodies(x));
     let of = |(body, (a, b)): (usize, (&InertialParameters, &InertialParameters))| {
         let pairs = a.to_array().into_iter().zip(b.to_array());

@@ -1,17 +1,17 @@
-//! What the known numbers do to an answer: its sigma without them, and how it changes with each.
+//! Effect of the known numbers on an answer: its sigma without them, and its change with each.
 
 use crate::fit::Fitted;
 use crate::fit::degrees_of_freedom::known_covariance;
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::Shared;
+use crate::fit::triangle::SharedTriangle;
 use crate::problem::parameters::Parameters;
 use nalgebra::DMatrix;
 use poinsot_solve::{BlockQr, NotFinite, Spectrum, Triangle};
 
-/// Share of its declared sigma to which the data must bring a known number for it to count as estimated.
+/// Share of its declared sigma below which a known number counts as estimated.
 const ESTIMATED: f64 = 0.7;
 
-/// How the answer depends on the known numbers.
+/// Sensitivity of the answer to the known numbers.
 pub(crate) struct Effects {
     /// What the data determine where every known number is exact.
     pub exact: Spectrum,
@@ -65,7 +65,7 @@ impl Effects {
 }
 
 /// Nuisances first, mass properties, known numbers, right-hand side.
-fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> Shared {
+fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> SharedTriangle {
     let n = parameters.len();
     let nuisance = |k: &usize| parameters.unknowns[*k].kind.is_nuisance();
     let asked = (0..n).filter(|k| !places.contains(k));
@@ -74,7 +74,7 @@ fn behind(parameters: &Parameters, stacked: &Triangle, places: &[usize]) -> Shar
     let order: Vec<usize> = blocks.copied().chain([n]).collect();
     let mut qr = BlockQr::new(n + 1);
     qr.push(stacked.r.nrows(), |i, j| stacked.r[(i, order[j])]);
-    Shared {
+    SharedTriangle {
         r: qr.finish().r,
         nuisances: front.len(),
         mass: back.len(),

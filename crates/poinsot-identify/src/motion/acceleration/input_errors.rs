@@ -1,6 +1,6 @@
-//! How the specific force at a point answers to small errors of state and inputs.
+//! Sensitivity of the specific force at a point to errors of state and inputs.
 
-use super::{Inputs, Moving, Point, RateSlopes, lower, stack, upper};
+use super::{BodyPoint, Inputs, Moving, RateSlopes, lower, stack, upper};
 use crate::motion::inputs::JOINT_STEP;
 use crate::motion::slope_weights;
 use crate::motion::{Column, Instant, Motion, State, matrix};
@@ -13,7 +13,7 @@ pub(crate) struct ForceAround<'m, 'a> {
     state: State,
     instant: Instant,
     k: usize,
-    point: Point,
+    point: BodyPoint,
     inputs: Inputs,
     slopes: RateSlopes,
     /// Acceleration of the base.
@@ -24,12 +24,12 @@ pub(crate) struct ForceAround<'m, 'a> {
 }
 
 impl<'a> Motion<'a> {
-    /// Wants the instant that [`Motion::velocity`] gave for the same time.
+    /// Requires the instant that [`Motion::velocity`] gave for the same time.
     pub fn force_around(
         &self,
         (state, k): (&State, usize),
         instant: &Instant,
-        point: &Point,
+        point: &BodyPoint,
     ) -> ForceAround<'_, 'a> {
         let tree = self.vehicle.tree;
         let inputs = self.second_order_inputs(k);
@@ -65,9 +65,9 @@ impl ForceAround<'_, '_> {
         }
         let centre = &self.instant.centre;
         let w = &self.instant.twist.w;
-        let torque = self
-            .motion
-            .surroundings_change(&self.state, centre, (w, &dw), &dphi, None);
+        let torque =
+            self.motion
+                .environment_torque_change(&self.state, centre, (w, &dw), &dphi, None);
         let own = self.slopes.balance * dw;
         let base = self.instant.inverse_inertia * (stack(&Vector3::zeros(), &torque) - own);
         let direct = self

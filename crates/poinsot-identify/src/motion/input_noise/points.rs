@@ -1,18 +1,18 @@
-//! Errors of the inputs as instruments at points feel them: at several grid times together.
+//! Input errors in accelerometer samples, at several grid times together.
 
 use super::{Filter, Input, InputNoise};
 use crate::motion::slope_weights;
-use crate::motion::{Instant, Motion, Point, State};
+use crate::motion::{BodyPoint, Instant, Motion, State};
 use crate::problem::Problem;
 use crate::problem::segment::{Observations, SensorRecord};
 use poinsot_model::SensorKind;
 use poinsot_spatial::Vector3;
 
-/// Positions that make up a derived rate, and how far the outermost stands from an acceleration that leans on it.
+/// Positions in a derived rate, and the distance of the outermost from an acceleration that uses it.
 const STENCIL: usize = 5;
 
-/// Where the noise of the inputs at instruments at points is only roughly right: what is read between two readings of a
-/// joint or wheel has errors that hang together otherwise than the filter takes them.
+/// Where the noise of the inputs at instruments at points is only roughly right: samples between two joint or wheel
+/// samples have another error correlation than the filter assumes.
 pub(crate) fn approximate(problem: &Problem) -> Option<String> {
     let noise = problem.noise;
     let inputs = [&noise.joint_position, &noise.joint_rate, &noise.wheel_speed];
@@ -20,7 +20,7 @@ pub(crate) fn approximate(problem: &Problem) -> Option<String> {
     let mut segments = problem.segments.iter().map(|s| &s.observations);
     let between = segments.any(|o| o.between_readings && o.reads_points());
     (noisy && between).then(|| {
-        "accelerometers or velocity increments are read between the readings of joints or wheels, which are interpolated: what the noise of those adds to them is roughly right only, and sigmas that rest on it are; readings at the same times are exact"
+        "accelerometer or velocity-increment samples fall between joint or wheel samples, which are interpolated; their noise contribution is approximate. Samples at equal times are exact"
             .to_owned()
     })
 }
@@ -79,7 +79,7 @@ impl InputNoise {
         for c in 0..inputs {
             rows.push(vec![(self.place(c, reach), self.memory[c].memory(last))]);
         }
-        // What began an increment stays.
+        // The errors at the beginning of an increment stay.
         rows.extend((rows.len()..size).map(|i| vec![(i, 1.0)]));
         self.filter.map(&rows);
         for c in 0..inputs {
@@ -120,7 +120,7 @@ impl InputNoise {
         motion: &mut Motion,
         (state, k): (&State, usize),
         instant: &Instant,
-        point: &Point,
+        point: &BodyPoint,
     ) -> Vec<Vector3> {
         if self.is_silent() {
             return Vec::new();
@@ -171,7 +171,7 @@ impl InputNoise {
         slopes
     }
 
-    /// What errors do to joints at once, at grid time k: place in the filter's state, joint, change of its position and
+    /// Direct effect of errors on joints at grid time k: place in the filter's state, joint, change of its position and
     /// rate.
     pub fn at_once(&self, k: usize) -> Vec<(usize, usize, f64, f64)> {
         let inputs = self.inputs.iter().enumerate();
@@ -187,7 +187,7 @@ impl InputNoise {
         all
     }
 
-    /// Keeps what a velocity errs by, until the increment that begins with it ends: in slot `which`.
+    /// Keeps the velocity error at the beginning of an increment until its end: in slot `which`.
     pub fn keep(&mut self, which: usize, slopes: &[Vector3]) {
         if !self.is_silent() {
             let at = self.kept(which);
@@ -195,7 +195,7 @@ impl InputNoise {
         }
     }
 
-    /// Takes what was kept off the slopes of the velocity at the end.
+    /// Subtracts the kept slopes from those of the velocity at the end.
     pub fn less_kept(&self, which: usize, mut slopes: Vec<Vector3>) -> Vec<Vector3> {
         if !self.is_silent() {
             let at = self.kept(which);

@@ -1,4 +1,4 @@
-//! Exact discretisation of a Gauss-Markov torque and of what it does to the momentum and its integral.
+//! Exact discretisation of a Gauss-Markov torque, the momentum and its integral.
 //!
 //! ```text
 //! g' = -g / T + w,      h' = g,      y' = h
@@ -9,7 +9,7 @@
 use nalgebra::Matrix3;
 use poinsot_model::RandomTorque;
 
-/// Correlation times after which an impulse has been forgotten, to round-off.
+/// Correlation times until an impulse decays to round-off.
 const FORGOTTEN: f64 = 36.0;
 /// Gauss-Legendre nodes and weights of five points on [-1, 1] (Abramowitz and Stegun 1972, table 25.4).
 const GAUSS: [(f64, f64); 5] = [
@@ -20,13 +20,13 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-/// One interval: what the torque at its start has become at its end, and what came anew.
+/// One interval: response to the torque at its start, and innovation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     h_s: f64,
     /// Of a torque of one at the start: torque, momentum and its integral at the end.
     pub kept: Vector3,
-    /// Lower factor of the covariance of what came anew, in the same order.
+    /// Lower factor of the covariance of the innovation, in the same order.
     pub fresh: Matrix3<f64>,
 }
 

@@ -16,7 +16,7 @@ pub enum UnknownKind {
     SpinInertia(usize),
     /// Factor of a thruster, less one.
     ThrusterScale(usize),
-    /// What may be wrong with a sensor of three axes.
+    /// An error of a sensor with three axes.
     Sensor {
         /// Index in the model's sensors.
         sensor: usize,
@@ -31,24 +31,24 @@ pub enum UnknownKind {
     DragTorque(usize),
     /// Constant error of the reading of a joint coordinate, rad or m.
     JointOffset(usize),
-    /// How late the readings of these joint coordinates are, s.
+    /// Delay of the samples of these joint coordinates, s.
     JointLag(Vec<usize>),
-    /// How late the readings of these wheels are, s.
+    /// Delay of the samples of these wheels, s.
     WheelLag(Vec<usize>),
-    /// How late these thrusters act, s.
+    /// Delay of these thrusters, s.
     ThrusterLag(Vec<usize>),
     /// Small tilt of a wheel's axis, rad, about the first or second of its tilt axes.
     WheelTilt(usize, usize),
-    /// Component in N of a constant force, N. Only tested for.
+    /// Component in N of a constant force, N. Tested only.
     InertialForce(usize),
     /// Component of the tensor of a gravity gradient in N, 1/s2: five of it, then five of how it grows with time, 1/s3.
-    /// Only tested for.
+    /// Tested only.
     GravityGradient(usize),
-    /// Component in N of the gradient of a tide, 1/s2, then of a constant acceleration, m/s2. Only tested for.
+    /// Component in N of the gradient of a tide, 1/s2, then of a constant acceleration, m/s2. Tested only.
     Tide(usize),
-    /// Something else that is changed in the question. Only tested for, by a difference.
+    /// Another change of the problem. Tested only, by a difference.
     Changed,
-    /// A number that the model takes as known, within its uncertainty.
+    /// A known number of the model within its uncertainty.
     Known(KnownUnknown),
 }
 
@@ -66,7 +66,7 @@ pub struct KnownUnknown {
 }
 
 impl UnknownKind {
-    /// Whether it belongs to a sensor or the surroundings: projected out before anything is judged.
+    /// Whether it is a nuisance of a sensor or the environment, which is projected out.
     pub fn is_nuisance(&self) -> bool {
         matches!(
             self,
@@ -96,7 +96,7 @@ impl UnknownKind {
     }
 
     /// Whether it is a force or torque from outside.
-    pub(crate) fn pushes(&self) -> bool {
+    pub(crate) fn is_external_wrench(&self) -> bool {
         matches!(
             self,
             Self::DisturbanceTorque(_)
@@ -116,12 +116,12 @@ impl UnknownKind {
         )
     }
 
-    /// Whether it shifts the readings of joints or wheels in time.
+    /// Whether it shifts the samples of joints or wheels in time.
     pub(crate) fn delays_inputs(&self) -> bool {
         matches!(self, Self::JointLag(_) | Self::WheelLag(_))
     }
 
-    /// Whether it changes what joints and wheels do.
+    /// Whether it changes joint or wheel motion.
     pub(crate) fn shifts_inputs(&self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! Unknowns of sensors, actuators and surroundings, as the model declares them.
+//! Declared unknowns of sensors, actuators and environment.
 
 use super::sensor_errors::ErrorGroup;
 use super::{AXES, Parameters, UnknownKind};
@@ -81,7 +81,7 @@ impl Parameters {
         }
     }
 
-    /// Offsets and lags of what drives the vehicle, and tilts of wheels.
+    /// Offsets and lags of the inputs, and tilts of wheels.
     fn add_input_faults(&mut self, model: &Model, tree: &Tree) {
         for sensor in &model.sensors {
             let coordinates: Vec<usize> = (0..tree.dof())

@@ -58,8 +58,8 @@ const LAG: ErrorGroup = ErrorGroup {
 };
 
 impl ErrorGroup {
-    /// What may be wrong with a sensor of three axes of this kind; nothing of one that reads joints, wheels or thrusters.
-    /// An attitude is a turn: it can be off and late. A direction has no length that could be wrong.
+    /// Possible errors of a sensor with three axes of this kind; none of joint, wheel and thrust sensors. An attitude
+    /// has a bias and a lag. A direction has no scale.
     pub fn of(kind: SensorKind) -> &'static [Self] {
         match kind {
             kind if kind.is_scalar() => &[],

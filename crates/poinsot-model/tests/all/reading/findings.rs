@@ -24,7 +24,7 @@ fn unit_remarkable_models_are_noted() {
             "line 19: body[2].estimate (body \"payload\"): the body is rigidly connected with \"base\", which is unknown too: only their sum can be identified; give one of them as known",
             "line 26: joint[0].axis (joint \"jp\"): the axis of a fixed joint has no effect",
             "line 37: wheel[0].spin_inertia_kg_m2 (wheel \"w\"): the rotor has more inertia than its body \"panel\" about this axis (0.5 kg m2), which should contain it; add it there",
-            "line 40: sensor[0].type (sensor \"s\"): the sensor has no effect: there is nothing that it could read; remove it, or add what it reads",
+            "line 40: sensor[0].type (sensor \"s\"): the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures",
         ]
     );
 }

@@ -109,7 +109,7 @@ E0111 m.toml:18:9: joint[0].child (joint "joint1") = "link1": there is no body o
     (
         r#"name = "link1""#,
         r#"name = "link1\u001b[2J""#,
-        r#"E0109 m.toml:10:8: body[1].name = "link1\u001b[2J": the name holds a character that cannot be printed; give it a plain name
+        r#"E0109 m.toml:10:8: body[1].name = "link1\u001b[2J": the name has an unprintable character; give it a plain name
 E0111 m.toml:18:9: joint[0].child (joint "joint1") = "link1": there is no body of this name; did you mean "link1\u{1b}[2J"?"#,
     ),
     (
@@ -134,15 +134,15 @@ com_m = [0.0, 0.0, 0.0]
 inertia_kg_m2 = { xx = 1.0, yy = 1.5, zz = 1.0 }
 [[joint]]
 "#,
-        r#"E0112 m.toml:15:8: body[2].name = "a": no joint carries this body: it is not connected with the base; add a [[joint]] with this child, type = "fixed" where it does not move"#,
+        r#"E0112 m.toml:15:8: body[2].name = "a": no joint has this body as its child: it is not connected to the base; add a [[joint]] with this child, type = "fixed" where it does not move"#,
     ),
     (
         r#"parent = "bus"
 child = "link1""#,
         r#"parent = "link1"
 child = "bus""#,
-        r#"E0112 m.toml:10:8: body[1].name = "link1": no joint carries this body: it is not connected with the base; add a [[joint]] with this child, type = "fixed" where it does not move
-E0112 m.toml:18:9: joint[0].child (joint "joint1") = "bus": the base hangs on nothing; the first [[body]] is the base: name another child, or move the base to the top"#,
+        r#"E0112 m.toml:10:8: body[1].name = "link1": no joint has this body as its child: it is not connected to the base; add a [[joint]] with this child, type = "fixed" where it does not move
+E0112 m.toml:18:9: joint[0].child (joint "joint1") = "bus": the base has no parent; the first [[body]] is the base: name another child, or move the base to the top"#,
     ),
     (
         r#"mass_kg = 12.0"#,
@@ -169,7 +169,7 @@ E0112 m.toml:18:9: joint[0].child (joint "joint1") = "bus": the base hangs on no
 com_m = [0.0, 0.0, 0.15]
 inertia_kg_m2 = { xx = 0.51, yy = 0.5, zz = 0.2 }"#,
         r#"mass_kg = 0.0"#,
-        r#"E0116 m.toml:11:11: body[1].mass_kg (body "link1") = 0.0: the body moves on joint "joint1", but neither it nor what it carries has mass; give it a mass, make its joint fixed, or remove it"#,
+        r#"E0116 m.toml:11:11: body[1].mass_kg (body "link1") = 0.0: the body moves on joint "joint1", but neither it nor its outboard bodies have mass; give it a mass, make its joint fixed, or remove it"#,
     ),
     (
         r#"mass_kg = 12.0
@@ -182,7 +182,7 @@ estimate = true"#,
     (
         r#"xx = 30.0, yy = 28.0, zz = 32.0, xy = 0.26, xz = 0.37, yz = -0.29"#,
         r#"xx = 0, yy = 0, zz = 0"#,
-        r#"E0117 m.toml:8:12: body[0].estimate (body "bus") = true: the body is to be estimated but its nominal inertia is zero; give a rough positive inertia_kg_m2: it sets the scale by which the answer is judged"#,
+        r#"E0117 m.toml:8:12: body[0].estimate (body "bus") = true: the body is to be estimated but its nominal inertia is zero; give a rough positive inertia_kg_m2: it sets the scale of the estimate"#,
     ),
     (
         r#"estimate = true"#,

@@ -6,12 +6,12 @@ pub const CASES: &[Case] = &[
     (
         r#"schema = "poinsot.model/1""#,
         r#"schema = "poinsot.model/2""#,
-        r#"E0103 m.toml:1:10: schema = "poinsot.model/2": this program does not read this format; write schema = "poinsot.model/1""#,
+        r#"E0103 m.toml:1:10: schema = "poinsot.model/2": this program does not support this format; write schema = "poinsot.model/1""#,
     ),
     (
         r#"schema = "poinsot.model/1""#,
         r#"schema = 1"#,
-        r#"E0103 m.toml:1:10: schema = 1: this program does not read this format; write schema = "poinsot.model/1""#,
+        r#"E0103 m.toml:1:10: schema = 1: this program does not support this format; write schema = "poinsot.model/1""#,
     ),
     (
         r#"schema = "poinsot.model/1"

@@ -44,7 +44,7 @@ name = "wheel1""#,
     (
         r#"name = "wheel1""#,
         r#"name = "joint1""#,
-        r#"E0110 m.toml:23:8: wheel[0].name = "joint1": joint[0] has the same name, and both would read the column joint1_rad_s; rename one of them"#,
+        r#"E0110 m.toml:23:8: wheel[0].name = "joint1": joint[0] has the same name, and both would have the column joint1_rad_s; rename one of them"#,
     ),
     (
         r#"parent = "bus""#,
@@ -174,7 +174,7 @@ spring_damper = { damping_N_m_s_per_rad = 0.1 }"#,
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { stiffness_N_m_per_rad = -2.0 }"#,
-        r#"E0108 m.toml:22:43: joint[0].spring_damper.stiffness_N_m_per_rad (joint "joint1") = -2.0: stiffness and damping must not be negative: they would drive the motion; give zero or a positive number"#,
+        r#"E0108 m.toml:22:43: joint[0].spring_damper.stiffness_N_m_per_rad (joint "joint1") = -2.0: stiffness and damping must not be negative: negative values add energy; give zero or a positive number"#,
     ),
     (
         r#"type = "revolute""#,
@@ -198,6 +198,6 @@ spring_damper = { stiffness_N_m_per_rad = nan }"#,
         r#"axis = [0.0, 0.0, 1.0]"#,
         r#"axis = [0.0, 0.0, 1.0]
 spring_damper = { stiffness_N_m_per_rad = 2.0, damping_N_m_s_per_rad = -0.1 }"#,
-        r#"E0108 m.toml:22:72: joint[0].spring_damper.damping_N_m_s_per_rad (joint "joint1") = -0.1: stiffness and damping must not be negative: they would drive the motion; give zero or a positive number"#,
+        r#"E0108 m.toml:22:72: joint[0].spring_damper.damping_N_m_s_per_rad (joint "joint1") = -0.1: stiffness and damping must not be negative: negative values add energy; give zero or a positive number"#,
     ),
 ];

@@ -57,7 +57,7 @@ of = ["joint1", "joint2"]"#,
     (
         r#"quantisation_rad = 2.4e-5"#,
         r#"quantisation_m = 2.4e-5"#,
-        r#"accepted, notes ["line 38: sensor[1].type (sensor \"encoders\"): the sensor has no effect: there is nothing that it could read; remove it, or add what it reads"]"#,
+        r#"accepted, notes ["line 38: sensor[1].type (sensor \"encoders\"): the sensor has no effect: the model has nothing that it could measure; remove it, or add what it measures"]"#,
     ),
     (
         r#"quantisation_rad = 2.4e-5"#,

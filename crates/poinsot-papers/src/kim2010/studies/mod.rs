@@ -29,7 +29,7 @@ pub const STUDIES: &[Study] = &[
     ),
     Study::quick(
         "orders",
-        "the sequential readings of that column in 720 orders",
+        "the sequential interpretations of that column in 720 orders",
         one_axis::orders,
     ),
     Study::quick(

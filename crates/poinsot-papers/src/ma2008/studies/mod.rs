@@ -40,7 +40,7 @@ pub const STUDIES: &[Study] = &[
     ),
     Study::quick(
         "readings",
-        "five readings of 3 % noise, both examples, both options",
+        "five interpretations of 3 % noise, both examples, both options",
         sweeps::readings,
     ),
     Study::quick(

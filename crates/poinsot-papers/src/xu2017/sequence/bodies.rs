@@ -88,7 +88,7 @@ impl Work<'_> {
         self.problem.tree.links[body].parent
     }
 
-    /// Whether body `b` hangs on body `root` or is it.
+    /// Whether body `b` is body `root` or in its subtree.
     pub(super) fn carries(&self, root: usize, mut b: usize) -> bool {
         while b != root && b != 0 {
             b = self.parent(b);

@@ -10,7 +10,7 @@ pub fn run(context: &Context) -> Result<Findings, StudyError> {
     let head = "use | linear | linear-inward | swarm";
     let mut counts = Table::new(
         "counts",
-        "Numbers or combinations found, of those asked for",
+        "Numbers or combinations found, of those requested",
         head,
     );
     let mut worst = Table::new(

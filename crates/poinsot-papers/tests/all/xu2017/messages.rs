@@ -24,7 +24,7 @@ fn unit_refusals_say_what_to_do() {
     let arm = || runs(&m, &["C2", "C3"]);
     assert_eq!(
         refusal(m.clone(), arm(), "linear"),
-        "E0533 no thruster fires with the joints locked, and neither the base nor all that a moving joint carries is known: without the equivalent single body of (35) nothing sets the scale of the momentum equations; add a segment with thrust, take estimate out of the base or of the arm, or use --method auto for the combinations that remain"
+        "E0533 no thruster fires with the joints locked, and no body fixes the scale of the momentum equations (35); add a segment with thrust, take estimate out of the base or the arm, or use --method auto"
     );
     let mut partly = m.clone();
     partly.bodies[3].estimate.com = false;
@@ -89,7 +89,7 @@ fn unit_refusals_of_motion_and_thrust_say_what_to_do() {
     assert_eq!(
         refusal(m, drifting, "swarm"),
         format!(
-            "E0538 segment '{label}': the vehicle moves at 0 rad/s and 0.05 m/s at the first sample: the objective (52) takes momentum as zero, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"
+            "E0538 segment '{label}': the vehicle moves at 0 rad/s and 0.05 m/s at the first sample: the objective (52) assumes zero momentum, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"
         )
     );
     let mut firing = runs(&model("xu2017/model.toml"), &["C1", "C2"]);
@@ -163,7 +163,7 @@ fn unit_thrust_through_the_mass_centre_shows_no_inertia() {
         message.starts_with("the thrust makes no torque about the mass centre (largest lever "),
         "{message}"
     );
-    assert!(message.ends_with("so nothing turns: the inertia tensor does not enter (30) and is undetermined; fire thrusters beside the mass centre"), "{message}");
+    assert!(message.ends_with("so the inertia tensor does not enter (30) and is undetermined; fire thrusters beside the mass centre"), "{message}");
     let e = &found.estimate;
     assert_eq!(e.status, Status::Partial);
     assert!(e.bodies[0].inertia.iter().all(|n| n.value.is_none()));
@@ -180,7 +180,7 @@ fn unit_a_joint_that_does_not_move_makes_one_body_of_two() {
     );
     assert_eq!(
         warned(&found, "does not move"),
-        "joint3 does not move in any segment: B2 and B3 are one body to these data; drive it in a segment of its own"
+        "joint3 does not move in any segment: B2 and B3 are one body to these data; drive it in a separate segment"
     );
     let e = &found.estimate;
     assert_eq!(e.identifiability.determined.len(), 45);

@@ -28,13 +28,13 @@ pub struct Regression {
 }
 
 /// Parameters, and the unit of each that the last step was taken in.
-pub struct Point {
+pub struct Iterate {
     pub b: Vec<f64>,
     unit: Vec<f64>,
 }
 
 /// Residuals with gradients; their triangle decomposed in units; the right-hand side of that.
-pub struct Local {
+pub struct Linearisation {
     residuals: Vec<Dual>,
     spectrum: Spectrum,
     rhs: Vec<f64>,
@@ -49,8 +49,8 @@ impl Regression {
         }
     }
 
-    pub fn fit(&self, start: &[f64]) -> Minimum<Point, Local> {
-        let start = Point {
+    pub fn fit(&self, start: &[f64]) -> Minimum<Iterate, Linearisation> {
+        let start = Iterate {
             b: start.to_vec(),
             unit: vec![f64::INFINITY; start.len()],
         };
@@ -59,7 +59,7 @@ impl Regression {
     }
 
     /// Standard deviations of the parameters.
-    pub fn sigma(&self, minimum: &Minimum<Point, Local>) -> Vec<f64> {
+    pub fn sigma(&self, minimum: &Minimum<Iterate, Linearisation>) -> Vec<f64> {
         let covariance = minimum.here.rows.spectrum.covariance();
         let n = minimum.at.b.len();
         let variance = minimum.here.cost / (self.rows.len() - n) as f64;
@@ -87,15 +87,15 @@ impl Regression {
 }
 
 impl LeastSquares for Regression {
-    type Point = Point;
-    type Rows = Local;
+    type Iterate = Iterate;
+    type Rows = Linearisation;
 
-    fn cost(&self, at: &Point) -> Option<f64> {
+    fn cost(&self, at: &Iterate) -> Option<f64> {
         let cost = square(&self.residuals(&at.b));
         cost.is_finite().then_some(cost)
     }
 
-    fn linearise(&self, at: &Point) -> Option<Linearised<Local>> {
+    fn linearise(&self, at: &Iterate) -> Option<Linearised<Linearisation>> {
         let n = at.b.len();
         let residuals = self.residuals(&at.b);
         let r = triangle(n, &residuals, |i| residuals[i].value);
@@ -121,9 +121,9 @@ impl LeastSquares for Regression {
             cost,
             round_off: 2.0 * ULPS * f64::EPSILON * (cost * response).sqrt(),
             slack: 2.0 * ULPS * f64::EPSILON * (cost * response).sqrt(),
-            promised: spectrum.decrease(&rhs, 0.0),
-            weakest: spectrum.weakest(),
-            rows: Local {
+            predicted_reduction: spectrum.decrease(&rhs, 0.0),
+            smallest_singular_value: spectrum.smallest_singular_value(),
+            rows: Linearisation {
                 residuals,
                 spectrum,
                 rhs,
@@ -131,16 +131,16 @@ impl LeastSquares for Regression {
         })
     }
 
-    fn settled(&self, at: &Point, here: &Linearised<Local>) -> bool {
-        let Local { spectrum, rhs, .. } = &here.rows;
+    fn converged(&self, at: &Iterate, here: &Linearised<Linearisation>) -> bool {
+        let Linearisation { spectrum, rhs, .. } = &here.rows;
         let step = in_units(&spectrum.solve(rhs), spectrum);
         let small = |(b, d): (&f64, &f64)| d.abs() <= SETTLED * b.abs();
         at.b.iter().zip(&step).all(small)
     }
 
     /// Levenberg-Marquardt with geodesic acceleration (Transtrum and Sethna 2012, equation 7).
-    fn step(&self, at: &Point, here: &Linearised<Local>, damping: f64) -> Step<Point> {
-        let Local {
+    fn step(&self, at: &Iterate, here: &Linearised<Linearisation>, damping: f64) -> Step<Iterate> {
+        let Linearisation {
             residuals,
             spectrum,
             rhs,
@@ -149,7 +149,7 @@ impl LeastSquares for Regression {
         let first = spectrum.damped(rhs, damping);
         let mut second = vec![0.0; n];
         // Where the step itself is round-off, so is its curvature.
-        if here.promised > here.round_off {
+        if here.predicted_reduction > here.round_off {
             let curvature = self.curvature(&at.b, residuals, &in_units(&first, spectrum));
             let r = triangle(n, residuals, |i| 0.5 * curvature[i]);
             let rhs: Vec<f64> = (0..n).map(|i| r[(i, n)]).collect();
@@ -157,12 +157,12 @@ impl LeastSquares for Regression {
         }
         let whole: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a + b).collect();
         Step {
-            to: Point {
+            to: Iterate {
                 b: moved(&at.b, in_units(&whole, spectrum).into_iter()),
                 unit: spectrum.natural.clone(),
             },
-            promised: spectrum.decrease(rhs, damping),
-            bend: 2.0 * length(&second) / length(&first).max(f64::MIN_POSITIVE),
+            predicted_reduction: spectrum.decrease(rhs, damping),
+            acceleration_ratio: 2.0 * length(&second) / length(&first).max(f64::MIN_POSITIVE),
         }
     }
 }

@@ -102,7 +102,7 @@ fn exact_policies_do_what_they_say() {
         assert!(
             error
                 .to_string()
-                .starts_with("E0220 t.csv: channel 'omega_x': outlier: 8 readings lie up to"),
+                .starts_with("E0220 t.csv: channel 'omega_x': outlier: 8 samples differ from their neighbours by up to"),
             "{error}"
         );
     }

@@ -270,8 +270,8 @@ fn unit_the_gyro_is_not_averaged_across_its_gaps() {
 fn exact_times_in_another_unit_are_told_by_their_factor() {
     let rows = tumble(400, 0.05, 0.2);
     for (step, says) in [
-        (50.0, "times in ms that are read as s"),
-        (5.0e-5, "times in s that are read as ms"),
+        (50.0, "times in ms used as s"),
+        (5.0e-5, "times in s used as ms"),
     ] {
         let message = check_conventions(&table(&rows, step))
             .unwrap_err()

@@ -96,7 +96,7 @@ fn unit_rows_and_headers() {
         ),
         (
             "time_s,omega_x,omega_x\n0,1,2\n",
-            "E0205 run.csv: column 'omega_x' stands twice in the header; rename one",
+            "E0205 run.csv: column 'omega_x' is twice in the header; rename one",
         ),
         (
             "time_s;omega_x\n0;1,5\n",
@@ -116,11 +116,11 @@ fn unit_rows_and_headers() {
         ),
         (
             "t_s,omega_x\n0,1\n",
-            "E0207 run.csv: no column 'time_s'; map 't_s', which may be it, by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }",
+            "E0207 run.csv: no column 'time_s'; map 't_s' by [telemetry.columns] time_s = { column = \"t_s\", unit = \"s\" }, or run `poinsot inspect FILE` for a whole map",
         ),
         (
             "omega_x,n\n0,1\n",
-            "E0207 run.csv: no column 'time_s'; map one of [omega_x, n] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }",
+            "E0207 run.csv: no column 'time_s' among [omega_x, n]; run `poinsot inspect FILE`, which proposes a map",
         ),
         (
             "time_s,omega_x\n0,1\nnone,2\n",
@@ -159,7 +159,7 @@ fn unit_times_that_cannot_be() {
         ),
         (
             "time_s,omega_x\n0,1\n1,2\n1,3\n2,1\n",
-            "E0208 run.csv:4 column 'time_s': time 1 s stands already in row 3 with another value of 'omega_x'; keep one of the rows",
+            "E0208 run.csv:4 column 'time_s': time 1 s is already in row 3 with another value of 'omega_x'; keep one of the rows",
         ),
         (
             "time_s,omega_x\n0,1\n,2\n2,3\n",
@@ -205,7 +205,7 @@ fn unit_nan_is_no_sample_and_listed_but_an_empty_cell_is_just_no_sample() {
     assert_eq!(table.channel("omega_y").unwrap().values, [2.0, 4.0]);
     assert_eq!(
         table.repairs,
-        ["run.csv:3 column 'omega_x': 1 NaN cells taken as no sample (this is the first)"]
+        ["run.csv:3 column 'omega_x': 1 NaN cells treated as missing samples (this is the first)"]
     );
     assert!(strict(text).starts_with("E0218 run.csv:3 column 'omega_x': 1 NaN"));
 }
@@ -241,7 +241,7 @@ fn unit_a_cut_file_is_refused_or_recovered() {
     assert_eq!(table.channel("omega_x").unwrap().values, [1.0, 2.0]);
     assert_eq!(
         table.repairs,
-        ["run.csv:3: the last row has no line end; taken as whole"]
+        ["run.csv:3: the last row has no line end; assumed complete"]
     );
     let table = read_text(whole, &recover).unwrap();
     assert_eq!(table.channel("omega_x").unwrap().values, [1.0]);
@@ -349,7 +349,7 @@ proptest::proptest! {
 fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
     assert_eq!(
         fault("\"tim\ne\",omega_x\n0,1\n"),
-        "E0207 run.csv: no column 'time_s'; map one of [tim\\ne, omega_x] by [telemetry.columns] time_s = { column = \"...\", unit = \"s\" }"
+        "E0207 run.csv: no column 'time_s' among [tim\\ne, omega_x]; run `poinsot inspect FILE`, which proposes a map"
     );
 }
 
@@ -358,6 +358,6 @@ fn regress_a_column_name_with_a_line_end_stays_in_one_line() {
 fn regress_a_column_name_with_a_line_end_that_stands_twice_stays_in_one_line() {
     assert_eq!(
         fault("time_s,\"a\nb\",\"a\nb\"\n0,1,2\n"),
-        "E0205 run.csv: column 'a\\nb' stands twice in the header; rename one"
+        "E0205 run.csv: column 'a\\nb' is twice in the header; rename one"
     );
 }

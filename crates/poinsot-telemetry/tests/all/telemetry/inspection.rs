@@ -34,18 +34,18 @@ fn unit_an_inspection_lists_rates_gaps_and_proposals() {
     assert_eq!(
         seen.notes,
         [
-            "wheel1_rad_s reaches 6000 rad/s (57296 rpm); if the file holds rpm, map it with unit = \"rpm\". Attitude and gyro cannot tell",
+            "wheel1_rad_s reaches 6000 rad/s (57296 rpm); if the file has rpm, map it with unit = \"rpm\". Attitude and gyro cannot decide",
         ]
     );
     let found: Vec<&str> = seen.findings.iter().map(|f| f.text.as_str()).collect();
     assert_eq!(
         found.last(),
         Some(
-            &"-9999 stands in 3 samples, far from all others: a placeholder for no sample? leave those cells empty, or --policy placeholder=exclude"
+            &"-9999 occurs in 3 samples, far from all others: probably a placeholder; leave those cells empty, or use --policy placeholder=exclude"
         )
     );
     let shown = seen.to_string();
-    assert!(shown.contains("omega_x") && shown.contains("Columns not taken:\n  wy [deg/s], Mode"));
+    assert!(shown.contains("omega_x") && shown.contains("Unused columns:\n  wy [deg/s], Mode"));
     let json = serde_json::to_value(&seen).unwrap();
     assert_eq!(json["channels"][0]["name"], "omega_x");
 }
@@ -103,7 +103,7 @@ fn exact_a_file_looked_at_in_parts_is_the_file_looked_at_whole() {
         let parts = inspect_files(&[&path], &small).unwrap();
         assert_eq!(parts.sources, whole.sources);
         assert_eq!(parts.time_s, whole.time_s);
-        assert!(parts.notes[0].contains("looked at in parts"));
+        assert!(parts.notes[0].contains("read in parts"));
         assert_eq!(parts.channels.len(), 4);
         for (a, b) in parts.channels.iter().zip(&whole.channels) {
             assert_eq!((a.samples, a.gaps), (60_000, 2));
@@ -155,7 +155,7 @@ fn regress_a_last_row_on_the_border_of_a_part_is_taken_back() {
         for cut in [*last, &last[..last.len() / 2]] {
             let path = folder.file("cut.csv", format!("{}\n{cut}", before.join("\n")));
             let seen = inspect_files(&[path], &recover).unwrap();
-            assert!(seen.notes[0].contains("looked at in parts"));
+            assert!(seen.notes[0].contains("read in parts"));
             assert_eq!(seen.sources[0].rows, rows - 1);
             assert!(seen.channels.iter().all(|c| c.samples == rows - 1));
             let t: f64 = before[rows - 1].split(',').next().unwrap().parse().unwrap();

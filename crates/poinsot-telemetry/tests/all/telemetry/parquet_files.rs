@@ -91,7 +91,7 @@ fn exact_types_nulls_and_dictionaries() {
     assert_eq!(table.channel("thr1_N").unwrap().values, [1.0, 0.0, 1.0]);
     assert_eq!(table.repairs.len(), 1);
     assert!(table.repairs[0].ends_with(
-        "run.parquet row 4 column 'wx': 1 NaN cells taken as no sample (this is the first)"
+        "run.parquet row 4 column 'wx': 1 NaN cells treated as missing samples (this is the first)"
     ));
     assert!(table.ignored.is_empty());
 }
@@ -120,7 +120,7 @@ fn unit_faults_name_file_row_and_column() {
     let error = read(&[&path], &ReadOptions::default()).unwrap_err();
     assert_eq!(
         folder.message(&error),
-        "E0216 text.parquet column 'omega_x': type Utf8 is not read; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
+        "E0216 text.parquet column 'omega_x': type Utf8 is not supported; store numbers as float64, times as seconds or timestamps; write the file again, or convert it to CSV"
     );
     let path = folder.path("inf.parquet");
     let inf: ArrayRef = Arc::new(Float64Array::from(vec![0.0, f64::NEG_INFINITY]));

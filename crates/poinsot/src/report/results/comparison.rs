@@ -17,8 +17,8 @@ pub(super) fn result(c: &ComparisonFile) -> Shown {
     let document = comparison_document(c);
     let (reliable, yes) = answer(c.doubts.is_empty());
     let found = match c.doubts.len() {
-        0 => "no doubt of any of them".to_owned(),
-        n => format!("{n} doubts"),
+        0 => "no evidence against any of them".to_owned(),
+        n => format!("{n} items of evidence against them"),
     };
     let mut lights = vec![light("Answers reliable?", reliable, yes, found)];
     if let Some(all) = c.tests.first() {
@@ -62,7 +62,7 @@ fn changes(c: &ComparisonFile) -> Option<Figure> {
         Figure::plot(
             "differences",
             Plot {
-                title: "last answer less the first".to_owned(),
+                title: "last answer minus the first".to_owned(),
                 x: Axis::new("number", ""),
                 y: Axis::new("difference", "sigma"),
                 names: numbers().map(|(name, _)| name.clone()).collect(),

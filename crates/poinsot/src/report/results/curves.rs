@@ -82,7 +82,7 @@ pub(super) fn differences(path: &Path, validation: &ValidationFile) -> Vec<Figur
             Series::new(component, Mark::Dots, k, &time, &y)
         });
         let plot = Plot {
-            title: format!("{name}: model less the other side{banded}"),
+            title: format!("{name}: model minus the other side{banded}"),
             x: Axis::new("time", "s"),
             y: Axis::new("difference", &c.unit),
             series: band.into_iter().chain(lines).collect(),

@@ -1,4 +1,4 @@
-//! A designed manoeuvre: what it reaches, which limits hold it back, how it is flown.
+//! A designed manoeuvre: result, active limits, and motion.
 
 use super::curves::commands;
 use super::{Shown, ratio_figure};
@@ -29,14 +29,14 @@ pub fn design_document(design: &DesignFile) -> Document {
             let factor = significant(r.factor, 3);
             table.push(vec![r.what.clone(), factor, significant(r.worst_ratio, 3)]);
         }
-        document.push(Section::table("what a relaxed limit would give", table));
+        document.push(Section::table("effect of relaxing a limit", table));
     }
     if let Some(v) = &design.verification {
         document.push(flights(v));
     }
     let settled = match design.search.settled {
-        true => "no further step promises more than 0.1 %",
-        false => "stopped before it settled: more evaluations or minutes may find a better one",
+        true => "the next step would gain less than 0.1 %",
+        false => "stopped before convergence: more evaluations or minutes may find a better one",
     };
     let mut lines = vec![format!(
         "{} manoeuvres evaluated, {settled}",
@@ -171,7 +171,7 @@ fn within_limits(design: &DesignFile) -> Light {
             (
                 Tone::Good,
                 "yes",
-                format!("{active} of {all} limits hold it back"),
+                format!("{active} of {all} limits are active"),
             )
         }
     };
@@ -186,7 +186,11 @@ fn within_limits(design: &DesignFile) -> Light {
 
 fn confirmed(design: &DesignFile) -> Light {
     let (tone, word, found) = match &design.verification {
-        None => (Tone::Plain, "not flown", "--verify flies it".to_owned()),
+        None => (
+            Tone::Plain,
+            "not flown",
+            "--verify simulates trial flights".to_owned(),
+        ),
         Some(v) => {
             let (tone, word) = match v.agrees {
                 true => (Tone::Good, "yes"),

@@ -140,7 +140,7 @@ fn page(shown: Shown) -> Result<Page, PageError> {
     Ok(Page {
         title: shown.title,
         subtitle: format!("Computed by poinsot {}.", shown.poinsot),
-        footer: "This file is complete and loads nothing.".to_owned(),
+        footer: "This file needs no network.".to_owned(),
         parts,
     })
 }

@@ -1,7 +1,7 @@
 //! The accuracy that a case allows.
 
 use super::{Shown, answer, light, ratio_figure};
-use crate::predict::{accuracy, told};
+use crate::predict::{accuracy, predicted_sigma};
 use crate::verdict::Standing;
 use poinsot_formats::PredictionFile;
 use poinsot_report::{Axis, Figure, Mark, Opening, Plot, Series};
@@ -74,7 +74,7 @@ fn shares(p: &PredictionFile) -> Option<Figure> {
         };
         let points = (1..).map(f64::from).zip(&numbers);
         let points = points.filter_map(|(x, (_, unit, n))| {
-            let share = 100.0 * told(n)? / size(unit);
+            let share = 100.0 * predicted_sigma(n)? / size(unit);
             Some((x, share)).filter(|p| p.1.is_finite())
         });
         let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();

@@ -34,9 +34,9 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
         "differs" => {
             Some("Identify this record too, and compare both answers with poinsot compare.")
         }
-        "undetermined" => {
-            Some("Add telemetry that shows the numbers on which the motion depends, or give them.")
-        }
+        "undetermined" => Some(
+            "Add telemetry that determines the numbers on which the motion depends, or give them as known.",
+        ),
         _ => None,
     };
     let figures = differences(&folder.join("histories.csv"), v);
@@ -49,7 +49,7 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
         opening: Opening {
             tone: document.tone,
             word: word.to_owned(),
-            sentence: told(v, largest.map(|l| l.1.rms)),
+            sentence: largest_difference_sentence(v, largest.map(|l| l.1.rms)),
             action: action.map(str::to_owned),
             lights: within.into_iter().chain(reliable).collect(),
             ..Opening::default()
@@ -63,10 +63,10 @@ pub(super) fn result(v: &ValidationFile, folder: &Path) -> Shown {
     }
 }
 
-/// The verdict without the paths of its files.
-fn told(v: &ValidationFile, largest: Option<f64>) -> String {
+/// The verdict without file paths.
+fn largest_difference_sentence(v: &ValidationFile, largest: Option<f64>) -> String {
     let moves = match v.verdict.as_str() {
-        "undetermined" => "The motion depends on numbers that the estimate leaves open".to_owned(),
+        "undetermined" => "The motion depends on undetermined numbers".to_owned(),
         "compared" => "The motions are compared; no limit is given".to_owned(),
         "agrees" => "The prediction agrees".to_owned(),
         _ => "The prediction differs".to_owned(),

@@ -109,7 +109,7 @@ pub fn rows() -> Vec<Row> {
             |b| long_arm(b, "estimate = true", "estimate = true"),
             2,
             &[
-                "E0406 the model asks for 10000 mass properties at once; at most 1000 are solved for; take estimate out of bodies that are known well enough",
+                "E0406 the model has 10000 mass properties to estimate, more than the limit of 1000; take estimate out of bodies that are known well enough",
             ],
         ),
     ]

@@ -23,7 +23,7 @@ pub fn rows() -> Vec<Row> {
                 )
             },
             0,
-            &["link \"tool\": no <inertial>: taken as without mass"],
+            &["link \"tool\": no <inertial>: assumed massless"],
         ),
         urdf(
             "M1",
@@ -37,7 +37,7 @@ pub fn rows() -> Vec<Row> {
             },
             2,
             &[
-                "E0116 r.urdf:15:1: link \"tool\": the link moves on joint \"t\", but neither it nor what it carries has mass; give it an <inertial>, or make its joint fixed",
+                "E0116 r.urdf:15:1: link \"tool\": the link moves on joint \"t\", but neither it nor its outboard bodies have mass; give it an <inertial>, or make its joint fixed",
             ],
         ),
         urdf(

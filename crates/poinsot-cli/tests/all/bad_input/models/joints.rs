@@ -35,7 +35,7 @@ pub fn rows() -> Vec<Row> {
             "no axis",
             |b| robot(b, "<axis xyz=\"0 0 1\"/>", ""),
             0,
-            &["no axis is given: x, as URDF says"],
+            &["no axis is given: x, the default of URDF"],
         ),
         urdf(
             "M4",
@@ -64,7 +64,7 @@ pub fn rows() -> Vec<Row> {
             },
             2,
             &[
-                "E0112 r.urdf:1:1: robot: no link is the base: the joints run in a circle; remove one of the joints",
+                "E0112 r.urdf:1:1: robot: no link is the base: the joints form a loop; remove one of the joints",
             ],
         ),
         urdf(
@@ -141,7 +141,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "type=\"revolute\"", "type=\"floating\""),
             2,
             &[
-                "E0122 r.urdf:11:3: joint \"elbow\" type = \"floating\": this type of joint is not read",
+                "E0122 r.urdf:11:3: joint \"elbow\" type = \"floating\": this type of joint is not supported",
             ],
         ),
         urdf(
@@ -150,7 +150,7 @@ pub fn rows() -> Vec<Row> {
             |b| robot(b, "type=\"revolute\"", "type=\"planar\""),
             2,
             &[
-                "E0122 r.urdf:11:3: joint \"elbow\" type = \"planar\": this type of joint is not read",
+                "E0122 r.urdf:11:3: joint \"elbow\" type = \"planar\": this type of joint is not supported",
             ],
         ),
         urdf(

@@ -104,7 +104,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0120 r.urdf:15:2",
-                "the file holds xacro tags and does not declare them",
+                "the file has xacro tags and does not declare them",
             ],
         ),
         urdf(
@@ -114,7 +114,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0120 r.urdf:",
-                "the file has a document type definition, which is not read; take <!DOCTYPE ...> out",
+                "the file has a document type definition, which is not supported; take <!DOCTYPE ...> out",
             ],
         ),
         urdf(

@@ -8,9 +8,9 @@ pub fn rows() -> Vec<Row> {
         row("T1", "empty cells", |b| b.spoil(|s| (10..20).for_each(|k| s.set(k, "omega_y", ""))), 0,
             &[": Determined. "]),
         row("T1", "NaN in 3 cells", |b| b.spoil(|s| (10..13).for_each(|k| s.set(k, "omega_y", "NaN"))), 0,
-            &["3 NaN cells taken as no sample (this is the first)"]),
+            &["3 NaN cells treated as missing samples (this is the first)"]),
         row("T1", "the same, strict", |b| b.spoil(|s| (10..13).for_each(|k| s.set(k, "omega_y", "NaN"))), 2,
-            &["E0218 t.csv:12 column 'omega_y': 3 NaN cells taken as no sample: --strict allows no repair; correct the file or leave out --strict"])
+            &["E0218 t.csv:12 column 'omega_y': 3 NaN cells treated as missing samples: --strict allows no repair; correct the file or leave out --strict"])
             .more(&["--strict"]),
         row("T1", "NaN everywhere in the gyro", |b| b.spoil(|s| s.map("omega", |_, _| f64::NAN)), 2,
             &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),

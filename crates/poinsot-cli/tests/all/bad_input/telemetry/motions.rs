@@ -113,7 +113,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.rows.truncate(1)),
             2,
             &[
-                "E0303 t.csv: 1 samples have all needed channels at one time, and 2 are needed; give a longer record",
+                "E0303 t.csv: 1 samples have all required channels at one time, but 2 are required; give a longer record",
             ],
         ),
         row(
@@ -147,7 +147,7 @@ pub fn rows() -> Vec<Row> {
         ),
         row(
             "T20",
-            "a constant torque of the surroundings",
+            "a constant external torque",
             |b| {
                 b.spoil(|s| s.map("wheel3", |n, w| w + 8.0 * n as f64 / 5.0));
             },

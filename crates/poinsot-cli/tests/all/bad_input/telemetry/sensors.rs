@@ -17,7 +17,7 @@ pub fn rows() -> Vec<Row> {
             0,
             &[
                 "stuck: 99 of 501 samples of omega_x..z left out",
-                "a sensor that hangs",
+                "the sensor is stuck",
             ],
         ),
         row(
@@ -41,7 +41,7 @@ pub fn rows() -> Vec<Row> {
             "the gyro is cut at 0.02 rad/s",
             |b| b.spoil(|s| s.map("omega", |_, w| w.clamp(-0.02, 0.02))),
             1,
-            &["saturation: ", "the sensor is saturated there"],
+            &["saturation: ", "the sensor is saturated"],
         ),
         row(
             "T12",
@@ -57,7 +57,7 @@ pub fn rows() -> Vec<Row> {
                 })
             },
             0,
-            &["held: 400 of 501 samples of q_x..w left out: each reading stands 5 times in a row"],
+            &["held: 400 of 501 samples of q_x..w left out: each value is repeated 5 times"],
         ),
         row(
             "T12",
@@ -72,7 +72,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.set(77, "omega_x", 0.5)),
             0,
             &[
-                "outlier (exclude): omega_x: 1 readings lie up to",
+                "outlier (exclude): omega_x: 1 samples differ from their neighbours by up to",
                 "outlier: 1 of 501 samples of omega_x left out",
             ],
         ),
@@ -82,7 +82,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.set(77, "omega_x", 0.5)),
             1,
             &[
-                "outlier (report): omega_x: 1 readings lie up to",
+                "outlier (report): omega_x: 1 samples differ from their neighbours by up to",
                 ": Contradicted. ",
             ],
         )
@@ -93,7 +93,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.set(77, "omega_x", 0.5)),
             2,
             &[
-                "E0220 t.csv: channel 'omega_x': outlier: 1 readings lie up to",
+                "E0220 t.csv: channel 'omega_x': outlier: 1 samples differ from their neighbours by up to",
                 "accept it by --policy outlier=exclude (without --strict)",
             ],
         )

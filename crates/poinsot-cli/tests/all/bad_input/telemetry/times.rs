@@ -59,7 +59,7 @@ pub fn rows() -> Vec<Row> {
             },
             2,
             &[
-                "E0208 t.csv:8 column 'time_s': time 1 s stands already in row 7 with another value of 'omega_x'; keep one of the rows",
+                "E0208 t.csv:8 column 'time_s': time 1 s is already in row 7 with another value of 'omega_x'; keep one of the rows",
             ],
         ),
         row(
@@ -102,7 +102,7 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t + 86400.0 } else { t })),
             2,
             &[
-                "E0208 t.csv:252 column 'time_s': time jumps from 49.8 s (row 251) to 86450 s, and the record covers 99.8",
+                "E0208 t.csv:252 column 'time_s': time jumps from 49.8 s (row 251) to 86450 s in a record of 99.8",
                 "these are several runs; choose one by --time-s or [telemetry] where, or give each as a segment",
             ],
         ),
@@ -111,7 +111,7 @@ pub fn rows() -> Vec<Row> {
             "one of them taken",
             |b| b.spoil(|s| s.map("time_s", |n, t| if n >= 250 { t + 86400.0 } else { t })),
             0,
-            &["251 of 501 rows taken, as --time-s and --every ask"],
+            &["251 of 501 rows selected by --time-s and --every"],
         )
         .more(&["--time-s", "86000,90000"]),
         row(
@@ -128,7 +128,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0215 attitude 'q_x..q_w' and gyro 'omega_x..z' contradict",
-                "times in ms that are read as s",
+                "times in ms used as s",
             ],
         ),
         row(

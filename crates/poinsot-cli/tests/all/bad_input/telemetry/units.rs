@@ -56,7 +56,7 @@ pub fn rows() -> Vec<Row> {
             |b| gyro_alone(b, angle),
             2,
             &[
-                "E0220 t.csv: channel 'omega': units: the data contradict the model, and fit it as body rates in deg/s that are read as rad/s; correct it, or accept it by --policy units=report (without --strict)",
+                "E0220 t.csv: channel 'omega': units: the data contradict the model, and fit it as body rates in deg/s used as rad/s; correct it, or accept it by --policy units=report (without --strict)",
             ],
         ),
         row(
@@ -64,7 +64,7 @@ pub fn rows() -> Vec<Row> {
             "the same, accepted",
             |b| gyro_alone(b, angle),
             1,
-            &["units: the data contradict the model, and fit it as body rates in deg/s that are read as rad/s"],
+            &["units: the data contradict the model, and fit it as body rates in deg/s used as rad/s"],
         )
         .more(&["--policy", "units=report"])
         .never(&[": Determined. "]),
@@ -73,7 +73,7 @@ pub fn rows() -> Vec<Row> {
             "gyro in rpm, no attitude",
             |b| gyro_alone(b, rpm),
             2,
-            &["E0220", "fit it as body rates in rpm that are read as rad/s"],
+            &["E0220", "fit it as body rates in rpm used as rad/s"],
         ),
         row(
             "T7",
@@ -97,7 +97,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0220 t.csv: channel 'bus': units: the data ask for",
-                "as wheel speeds in rpm that are read as rad/s would; correct it, or accept it by --policy units=report (without --strict)",
+                "as wheel speeds in rpm used as rad/s would; correct it, or accept it by --policy units=report (without --strict)",
             ],
         ),
         row(
@@ -117,7 +117,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0220",
-                "as wheel speeds in rad/s that are mapped as rpm would",
+                "as wheel speeds in rad/s mapped as rpm would",
             ],
         ),
         row(
@@ -127,7 +127,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0220",
-                "as wheel speeds in turns per second that are read as rad/s would",
+                "as wheel speeds in turns per second used as rad/s would",
             ],
         ),
         row(
@@ -203,7 +203,7 @@ pub fn rows() -> Vec<Row> {
             "a zero quaternion",
             |b| b.spoil(|s| s.map("q_", |n, q| if n == 9 { 0.0 } else { q })),
             0,
-            &["1 zero quaternions taken as no sample"],
+            &["1 zero quaternions treated as missing samples"],
         ),
         row(
             "T10",

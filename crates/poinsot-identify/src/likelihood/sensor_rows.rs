@@ -1,40 +1,40 @@
-//! One sensor along a segment: its samples against what a perfect one reads, its errors and the colour of its noise.
+//! Residuals of one sensor along a segment, with its errors and correlated noise.
 
-use super::colour::Colour;
 use super::rate_noise::RateNoise;
-use super::{ChannelResidual, Compare};
+use super::whitener::NoiseWhitener;
+use super::{ChannelResidual, SegmentComparison};
 use crate::motion::{Instant, Motion, State};
 use crate::problem::parameters::{Parameters, UnknownKind};
 use crate::problem::segment::{SensorRecord, SensorSample, SensorValue};
-use crate::sensors::{Predicted, across, predict};
+use crate::sensors::{PredictedMeasurement, across, predict};
 use poinsot_dynamics::{SensorError, SensorErrors};
 use poinsot_model::{SensorKind, printed_unit};
 use poinsot_spatial::{Matrix3, Vector3};
 
-/// A sensor of the segment in the course of an evaluation.
-pub(super) struct Follower {
+/// State of one sensor during an evaluation.
+pub(super) struct SensorCursor {
     pub errors: SensorErrors,
     /// Whether its lag is unknown.
     pub late: bool,
     /// Index of the next sample.
     next: usize,
     /// Grid time and prediction where the increment in hand began.
-    began: Option<(usize, Predicted)>,
+    began: Option<(usize, PredictedMeasurement)>,
     /// Place of an increment among those of the segment.
     increment: usize,
-    colour: Colour,
+    whitener: NoiseWhitener,
     pub channel: ChannelResidual,
     /// The errors that are unknown: column, error.
     unknown: Vec<(usize, SensorError)>,
 }
 
-impl Follower {
-    /// One for each sensor of a segment; `head` columns stand before those of the unknowns.
+impl SensorCursor {
+    /// One for each sensor of a segment; `initial_columns` columns stand before those of the unknowns.
     pub fn all(
         records: &[SensorRecord],
         parameters: &Parameters,
         x: &[f64],
-        head: usize,
+        initial_columns: usize,
     ) -> Vec<Self> {
         let mut increments = 0;
         let one = |record: &SensorRecord| {
@@ -42,7 +42,7 @@ impl Follower {
             let unknown: Vec<(usize, SensorError)> = columns
                 .filter_map(|(u, unknown)| match unknown.kind {
                     UnknownKind::Sensor { sensor, error } if Some(sensor) == record.sensor => {
-                        Some((head + u, error))
+                        Some((initial_columns + u, error))
                     }
                     _ => None,
                 })
@@ -55,7 +55,7 @@ impl Follower {
                 next: 0,
                 began: None,
                 increment,
-                colour: Colour::new(record.correlation_s),
+                whitener: NoiseWhitener::new(record.correlation_s),
                 channel: ChannelResidual {
                     name: record.name.clone(),
                     unit: printed_unit(record.kind.unit(false)),
@@ -75,7 +75,7 @@ impl Follower {
     }
 }
 
-/// A prediction beside its sample: what is new in it.
+/// Residual of a sample with its sensitivities.
 struct Difference {
     residual: Vector3,
     /// Sensitivities.
@@ -96,9 +96,9 @@ impl Difference {
     }
 }
 
-impl Compare<'_> {
+impl SegmentComparison<'_> {
     /// Rows of one sensor at grid time k, where it is due.
-    pub(super) fn follow(
+    pub(super) fn add_sensor_rows(
         &mut self,
         i: usize,
         motion: &mut Motion,
@@ -107,12 +107,12 @@ impl Compare<'_> {
         joint_rates: &mut RateNoise,
     ) {
         let record = &self.segment.observations.sensors[i];
-        if !self.followers[i].is_due(record, k) {
+        if !self.cursors[i].is_due(record, k) {
             return;
         }
-        let next = record.samples.get(self.followers[i].next);
+        let next = record.samples.get(self.cursors[i].next);
         let here = next.filter(|s| s.to == k).copied();
-        self.followers[i].next += usize::from(here.is_some());
+        self.cursors[i].next += usize::from(here.is_some());
         let Some(mut now) = predict(record, motion, (state, k), instant, &self.inputs) else {
             return;
         };
@@ -124,8 +124,8 @@ impl Compare<'_> {
             }
             return;
         }
-        let which = self.followers[i].increment;
-        let began = self.followers[i].began.take();
+        let which = self.cursors[i].increment;
+        let began = self.cursors[i].began.take();
         let errors = std::mem::take(&mut now.errors);
         if let (Some(sample), Some((from, before))) = (here, &began)
             && sample.from == *from
@@ -133,7 +133,7 @@ impl Compare<'_> {
             let t = &self.segment.observations.time_s;
             let rate = self.ideal.rate(i, t, k) - self.ideal.rate(i, t, *from);
             let columns = now.columns.iter().zip(&before.columns);
-            let increment = Predicted {
+            let increment = PredictedMeasurement {
                 value: SensorValue::Vector(now.vector() - before.vector()),
                 rate: None,
                 columns: columns.map(|(b, a)| b - a).collect(),
@@ -143,7 +143,7 @@ impl Compare<'_> {
             self.compare(i, &sample, increment, &rate, joint_rates);
         }
         self.inputs.keep(which, &errors);
-        self.followers[i].began = Some((k, now));
+        self.cursors[i].began = Some((k, now));
     }
 
     /// Three rows: measured against predicted.
@@ -151,13 +151,13 @@ impl Compare<'_> {
         &mut self,
         i: usize,
         sample: &SensorSample,
-        predicted: Predicted,
+        predicted: PredictedMeasurement,
         rate: &Vector3,
         joint_rates: &mut RateNoise,
     ) {
         let record = &self.segment.observations.sensors[i];
-        let follower = &self.followers[i];
-        let mut new = difference(follower, sample, predicted, rate);
+        let cursor = &self.cursors[i];
+        let mut new = difference(cursor, sample, predicted, rate);
         let residual = new.residual;
         let mut rows = match self.qr {
             Some(_) => std::mem::take(&mut new.columns),
@@ -172,17 +172,17 @@ impl Compare<'_> {
         }
     }
 
-    /// Takes off what the sample before says of coloured noise. The white noise that joint rates add is taken as new at
+    /// Subtracts the correlation with the previous sample. The white noise that joint rates add is taken as new at
     /// every sample.
     fn coloured(&mut self, i: usize, k: usize, rows: &mut [Vector3], slopes: &mut [Vector3]) {
-        let follower = &mut self.followers[i];
-        if follower.colour.is_white() {
+        let cursor = &mut self.cursors[i];
+        if cursor.whitener.is_white() {
             return;
         }
         let t = self.segment.observations.time_s[k];
         let mut block: Vec<Vector3> = rows.iter().chain(slopes.iter()).copied().collect();
-        let log_det = follower.colour.take(t, &mut block);
-        follower.channel.log_det += follower.channel.numbers as f64 * log_det;
+        let log_det = cursor.whitener.take(t, &mut block);
+        cursor.channel.log_det += cursor.channel.numbers as f64 * log_det;
         for (row, new) in rows.iter_mut().chain(slopes).zip(block) {
             *row = new;
         }
@@ -190,12 +190,12 @@ impl Compare<'_> {
 }
 
 fn difference(
-    follower: &Follower,
+    cursor: &SensorCursor,
     sample: &SensorSample,
-    predicted: Predicted,
+    predicted: PredictedMeasurement,
     rate: &Vector3,
 ) -> Difference {
-    let errors = &follower.errors;
+    let errors = &cursor.errors;
     let (x, residual) = (
         predicted.vector(),
         predicted.residual(&sample.value, errors, rate),
@@ -204,7 +204,7 @@ fn difference(
         |all: &[Vector3]| -> Vec<Vector3> { all.iter().map(|d| errors.change(d)).collect() };
     let mut columns: Vec<Vector3> = changed(&predicted.columns);
     if !columns.is_empty() {
-        for (column, error) in &follower.unknown {
+        for (column, error) in &cursor.unknown {
             columns[*column] += errors.slope(*error, &x, rate);
         }
     }

@@ -4,7 +4,7 @@ use super::Setting;
 use crate::problem::segment::Segment;
 use poinsot_spatial::Vector3;
 
-/// How the whitened predictions of every reading move with each known number.
+/// How the whitened predictions of every sample move with each known number.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct KnownColumns {
     /// By segment: names of the sensors compared there.
@@ -14,7 +14,7 @@ pub(crate) struct KnownColumns {
 }
 
 /// The columns of one segment in the course of an evaluation.
-pub(super) struct Carried<'a> {
+pub(super) struct CarriedColumns<'a> {
     /// By sensor of the segment: slopes of each number.
     sensors: Vec<Option<&'a [Vec<Vector3>]>>,
     /// Places of the other unknowns in the whole list.
@@ -23,7 +23,7 @@ pub(super) struct Carried<'a> {
     places: Vec<usize>,
 }
 
-impl<'a> Carried<'a> {
+impl<'a> CarriedColumns<'a> {
     pub fn new(
         setting: &Setting<'a>,
         (index, segment): (usize, &Segment),
@@ -69,17 +69,17 @@ impl<'a> Carried<'a> {
         &self,
         rows: &[Vector3],
         at: (usize, usize),
-        (head, weight): (usize, f64),
+        (initial_columns, weight): (usize, f64),
     ) -> Vec<Vector3> {
         let mut out = vec![Vector3::zeros(); rows.len() + self.places.len()];
         let last = out.len() - 1;
         out[last] = rows.last().copied().unwrap_or_default();
-        out[..head].copy_from_slice(&rows[..head]);
+        out[..initial_columns].copy_from_slice(&rows[..initial_columns]);
         for (from, to) in self.kept.iter().enumerate() {
-            out[head + to] = rows[head + from];
+            out[initial_columns + to] = rows[initial_columns + from];
         }
         for (k, to) in self.places.iter().enumerate() {
-            out[head + to] = self.slope(k, at) * weight;
+            out[initial_columns + to] = self.slope(k, at) * weight;
         }
         out
     }

@@ -1,7 +1,7 @@
-//! Faults of the scatter: noise larger than declared, single bad samples, times that scatter, rounding.
+//! Faults of the noise: larger than declared, outliers, jitter of times, rounding.
 //!
-//! Each is a law of the variance of one sensor's whitened residual. The fall of `-2 ln L` is that of its best value, on the
-//! same scale as the fall of chi-square that a fault of the mean brings.
+//! Each is a model of the variance of one sensor's whitened residual. The fall of `-2 ln L` is that of its best value,
+//! on the same scale as the decrease of chi-square by a fault of the mean.
 
 use super::EXCESS;
 use super::candidate::Candidate;
@@ -17,19 +17,19 @@ use crate::problem::segment::{SensorRecord, SensorValue};
 use poinsot_dynamics::SensorError;
 use poinsot_spatial::Vector3;
 
-/// Shares of outliers worth a word: where most samples are off, it is not the samples that are wrong.
+/// Shares of outliers that are reported: if most samples are outliers, the model is wrong.
 const OUTLIERS: [f64; 2] = [1.0e-3, 0.2];
-/// A median scatters so many times as much as a mean.
+/// Standard deviation of a median over that of a mean.
 const MEDIAN_SCATTER: f64 = 1.5;
-/// Share of the excess of a sensor's variance that rounding must make up to be its cause.
+/// Share of the excess variance from which rounding is the cause.
 const ROUNDING: f64 = 0.5;
 /// Part of a step by which a rounded value may lie off its multiple.
 const OFF_STEP: f64 = 1.0e-3;
 /// Values of the variance that are tried, per decade, and decades about the one that doubles the noise.
 const TRIED: (i32, i32) = (8, 4);
 
-/// Every law of the scatter of every sensor.
-pub(super) fn spreads(
+/// Every noise model of every sensor.
+pub(super) fn noise_models(
     experiment: &Experiment,
     fitted: &Fitted,
     channels: &[ChannelDiagnosis],
@@ -82,7 +82,7 @@ fn outliers(fitted: &Fitted, channel: &ChannelDiagnosis) -> Option<Scored> {
     let residuals = fitted.evaluated.iter().flat_map(|e| &e.channels);
     let own = residuals.filter(|c| c.name == channel.name);
     let each = channel.numbers / channel.readings.max(1);
-    let limit = super::channels::outlier(each) * channel.typical_chi2_per_number.max(1.0);
+    let limit = super::channels::outlier_threshold(each) * channel.typical_chi2_per_number.max(1.0);
     let squares = own.flat_map(|c| &c.white).map(|w| w.norm_squared());
     let bad: f64 = squares.filter(|s| *s > limit).sum();
     let (count, all) = (channel.outliers as f64, channel.readings as f64);
@@ -158,7 +158,7 @@ fn step(record: &SensorRecord) -> Option<f64> {
         .try_fold(0.0_f64, |most, step| Some(most.max(step?)))
 }
 
-/// Times that scatter, by sensor: the residual is larger where the reading changes fast.
+/// Jitter of sample times, by sensor: the residual is larger where the signal changes fast.
 fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> Vec<Scored> {
     let own = candidates.iter().flat_map(|c| &c.unknowns);
     let unknowns: Vec<&Unknown> = experiment.parameters.unknowns.iter().chain(own).collect();
@@ -182,12 +182,15 @@ fn jitters(experiment: &Experiment, candidates: &[Candidate], table: &Table) -> 
             pairs.extend(measured.map(|(m, _)| {
                 let three = |k: usize| Vector3::from_fn(|i, _| rows.rows[3 * m + i][k]);
                 let residual = three(rows.rows[3 * m].len() - 1);
-                (residual, three(rows.head + place))
+                (residual, three(rows.initial_columns + place))
             }));
         }
         let numbers = model.sensors[sensor].kind.numbers();
         if let Some((decrease, sigma)) = scatter(&pairs, numbers) {
-            let what = format!("scatter of the times of the {}", name.replace('_', " "));
+            let what = format!(
+                "jitter of the sample times of the {}",
+                name.replace('_', " ")
+            );
             let values = vec![(format!("{name}.jitter"), sigma, "s")];
             list.push(scored(what, FaultKind::TimeJitter, (decrease, 1), values));
         }

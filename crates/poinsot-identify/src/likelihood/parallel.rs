@@ -1,9 +1,9 @@
-//! One segment on two threads: one follows the motion, the other compares it with the readings, some times behind.
+//! One segment on two threads: one propagates the motion, the other computes residuals some grid times later.
 //!
 //! What each computes, and in what order, does not depend on the other: the result is that of one thread, bit by bit.
 
-use super::Compare;
-use crate::motion::{Column, Known, Motion, State};
+use super::SegmentComparison;
+use crate::motion::{Column, Motion, PropagatedState, State};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, scope};
 
@@ -16,15 +16,15 @@ const WAITING: usize = 4;
 
 /// Pose, momentum and their sensitivities at some grid times in a row.
 #[derive(Default)]
-struct Stretch {
-    known: Vec<Known>,
+struct GridBlock {
+    known: Vec<PropagatedState>,
     columns: Vec<Column>,
 }
 
 /// Compares every grid time of a segment with what `motion`, a propagation from the first one, gives there; on two
 /// threads where `split` and the segment is long. `None` where the vehicle cannot move so, or no reading can be compared.
 pub(super) fn compare_all<'m>(
-    compare: &mut Compare,
+    compare: &mut SegmentComparison,
     motion: impl Fn() -> Motion<'m> + Sync,
     start: &State,
     (samples, split): (usize, bool),
@@ -37,7 +37,12 @@ pub(super) fn compare_all<'m>(
     in_turn(compare, motion(), start, samples)
 }
 
-fn in_turn(compare: &mut Compare, mut motion: Motion, start: &State, samples: usize) -> Option<()> {
+fn in_turn(
+    compare: &mut SegmentComparison,
+    mut motion: Motion,
+    start: &State,
+    samples: usize,
+) -> Option<()> {
     let mut state = *start;
     for k in 0..samples {
         compare.sample(&mut motion, &state, k)?;
@@ -50,7 +55,7 @@ fn in_turn(compare: &mut Compare, mut motion: Motion, start: &State, samples: us
 
 /// `None` where the system starts no thread.
 fn on_two_threads<'m>(
-    compare: &mut Compare,
+    compare: &mut SegmentComparison,
     motion: &(impl Fn() -> Motion<'m> + Sync),
     start: &State,
     samples: usize,
@@ -64,18 +69,18 @@ fn on_two_threads<'m>(
     })
 }
 
-/// Follows the motion and hands it on, until the end, a motion that cannot be, or nobody listens any more.
+/// Propagates the motion and sends it until the end, an invalid motion, or a closed channel.
 fn follow(
     mut motion: Motion,
     start: &State,
     samples: usize,
-    ahead: &SyncSender<Stretch>,
+    ahead: &SyncSender<GridBlock>,
 ) -> Option<()> {
     let mut state = *start;
     for first in (0..samples).step_by(BATCH) {
-        let mut stretch = Stretch::default();
+        let mut stretch = GridBlock::default();
         for k in first..(first + BATCH).min(samples) {
-            stretch.known.push(motion.known(&state, k)?);
+            stretch.known.push(motion.propagated_state(&state, k)?);
             stretch.columns.extend_from_slice(&motion.columns);
             if k + 1 < samples {
                 state = motion.advance(&state, k)?;
@@ -88,16 +93,16 @@ fn follow(
 
 /// Compares what comes; `None` where it ends too early.
 fn compare_behind(
-    compare: &mut Compare,
+    compare: &mut SegmentComparison,
     mut motion: Motion,
-    behind: &Receiver<Stretch>,
+    behind: &Receiver<GridBlock>,
     samples: usize,
 ) -> Option<()> {
     let width = motion.columns.len();
     let mut k = 0;
     for stretch in behind {
         for (i, known) in stretch.known.iter().enumerate() {
-            motion.look_from(known, &stretch.columns[i * width..(i + 1) * width], k);
+            motion.resume_from(known, &stretch.columns[i * width..(i + 1) * width], k);
             compare.sample(&mut motion, &known.state, k)?;
             k += 1;
         }

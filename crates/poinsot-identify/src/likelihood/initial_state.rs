@@ -7,32 +7,36 @@ use poinsot_spatial::{UnitQuaternion, Vector3};
 
 /// Pose and momentum at the first grid time; angular momentum about the system's mass centre, all in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Head {
+pub(crate) struct InitialState {
     pub R_NB: UnitQuaternion,
     pub p_NoBo_N: Vector3,
     pub P: Vector3,
     pub h_SScm_N: Vector3,
 }
 
-/// Which parts of the head are unknown: a column for each component.
+/// Unknown parts of the initial state: a column for each component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct HeadColumns {
+pub(crate) struct InitialStateColumns {
     pub attitude: bool,
     pub position: bool,
     pub linear: bool,
     pub angular: bool,
 }
 
-impl HeadColumns {
-    /// What a segment leaves unknown: a pose that no sensor measures is the choice of the frame.
+impl InitialStateColumns {
+    /// Unknown initial state of a segment: an unmeasured pose is the choice of the frame.
     ///
     /// One that is taken as exact is known, at its first sample.
-    pub fn of(segment: &Segment, momentum: &poinsot_model::Momentum, sight: Sight) -> Self {
+    pub fn of(
+        segment: &Segment,
+        momentum: &poinsot_model::Momentum,
+        measured_motion: MeasuredMotion,
+    ) -> Self {
         let o = &segment.observations;
-        let seen = sight == Sight::Translation;
+        let seen = measured_motion == MeasuredMotion::Translation;
         let noisy = |kind| !o.of_kind(kind).any(SensorRecord::is_exact);
         Self {
-            // Without any attitude, directions or motion in N still say how the base stands in N.
+            // Without an attitude sensor, directions or motion in N still determine the attitude in N.
             attitude: match o.reads(SensorKind::Attitude) {
                 true => noisy(SensorKind::Attitude),
                 false => o.reads(SensorKind::Direction) || seen && o.reads_translation(),
@@ -62,9 +66,9 @@ impl HeadColumns {
     }
 }
 
-/// Whether any translation is measured.
+/// The kind of motion that is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sight {
+pub(crate) enum MeasuredMotion {
     /// Position or velocity.
     Translation,
     /// Attitude and rates only.
@@ -72,12 +76,16 @@ pub(crate) enum Sight {
 }
 
 /// State at the first grid time and its change with every unknown.
-pub(crate) fn start(head: &Head, unknown: HeadColumns, unknowns: usize) -> (State, Vec<Column>) {
+pub(crate) fn start(
+    initial_state: &InitialState,
+    unknown: InitialStateColumns,
+    unknowns: usize,
+) -> (State, Vec<Column>) {
     let state = State {
-        R_NB: head.R_NB,
-        p_NoBo_N: head.p_NoBo_N,
-        P: head.P,
-        h_SScm_N: head.h_SScm_N,
+        R_NB: initial_state.R_NB,
+        p_NoBo_N: initial_state.p_NoBo_N,
+        P: initial_state.P,
+        h_SScm_N: initial_state.h_SScm_N,
     };
     let mut columns = Vec::with_capacity(unknown.count() + unknowns);
     let parts = [

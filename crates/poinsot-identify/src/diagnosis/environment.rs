@@ -1,4 +1,4 @@
-//! Hypotheses of what acts on the vehicle from outside.
+//! Hypotheses of external forces and torques.
 
 use super::candidate::{Candidate, Columns, triple, unknown};
 use super::types::FaultKind;
@@ -6,12 +6,12 @@ use crate::fit::experiment::Experiment;
 use crate::motion::GRADIENT;
 use crate::problem::parameters::UnknownKind;
 
-/// Duration, s, over which a vehicle in low orbit goes round by a tenth of a radian.
+/// Duration, s, of a tenth of a radian in low orbit.
 const ORBITING: f64 = 100.0;
 
-/// What acts from outside. Of a gravity gradient neither size nor direction is known: it is any constant tensor in N, or
-/// one that grows with time as the vehicle goes round.
-pub(super) fn of_surroundings(experiment: &Experiment) -> Vec<Candidate> {
+/// External forces and torques. A gravity gradient has unknown size and direction: a constant tensor in N, or one that
+/// grows with time along the orbit.
+pub(super) fn environment_candidates(experiment: &Experiment) -> Vec<Candidate> {
     let candidate = |name: &str, fault, unknowns| Candidate {
         name: name.to_owned(),
         fault,
@@ -23,8 +23,8 @@ pub(super) fn of_surroundings(experiment: &Experiment) -> Vec<Candidate> {
             let one = |k: usize| unknown(kind(k), format!("{prefix}_{}", k + 1), unit);
             of.map(one).collect::<Vec<_>>()
         };
-    let mut tide = tensor(UnknownKind::Tide, "tide.gradient", 0..GRADIENT, "1/s2");
-    tide.extend(tensor(
+    let mut tidal_force = tensor(UnknownKind::Tide, "tide.gradient", 0..GRADIENT, "1/s2");
+    tidal_force.extend(tensor(
         UnknownKind::Tide,
         "tide.acceleration",
         GRADIENT..GRADIENT + 3,
@@ -32,7 +32,7 @@ pub(super) fn of_surroundings(experiment: &Experiment) -> Vec<Candidate> {
     ));
     let mut list = vec![
         candidate(
-            "a constant torque of the surroundings",
+            "a constant external torque",
             FaultKind::Torque,
             triple(UnknownKind::DisturbanceTorque, "environment.torque", "N m"),
         ),
@@ -51,7 +51,7 @@ pub(super) fn of_surroundings(experiment: &Experiment) -> Vec<Candidate> {
             FaultKind::ForceDrift,
             triple(UnknownKind::InertialForce, "drift.force", "N"),
         ),
-        candidate("a tide", FaultKind::Tide, tide),
+        candidate("a tide", FaultKind::Tide, tidal_force),
     ];
     if experiment.parameters.gm.is_none() {
         let segments = experiment.problem.segments.iter();

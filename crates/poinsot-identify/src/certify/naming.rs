@@ -1,18 +1,18 @@
-//! What the data leave open, said in words: known symmetries of trees first, then numbers.
+//! Names of unobservable directions: known symmetries of trees first, then numbers.
 
 use crate::certify::combination::{Combination, split};
 use crate::problem::Problem;
 use crate::problem::parameters::{Equations, Parameters, TENSOR, Unknown, UnknownKind, axis_name};
 use crate::problem::quantity::parameters_in_base;
-use crate::solution::estimate::OpenCombination;
-use crate::solution::open_set::{POINTS, REACH, Walk};
-use crate::solution::solved::Solved;
+use crate::solution::estimate::UnobservableCombination;
+use crate::solution::solved::Solution;
+use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH};
 use faer::Mat;
 use poinsot_dynamics::{Link, Motion, Tree};
 use poinsot_model::{EstimateSet, Model, rounded};
 use poinsot_spatial::{InertialParameters, Matrix3, PARAMETER_NAMES, Vector3};
 
-/// A move of the parameters that known theory says no motion can show, if it lies in the open space.
+/// A change of the parameters that is unobservable by theory, if it is in the null space.
 struct Symmetry {
     /// Move in the unknowns' own units.
     step: Vec<f64>,
@@ -21,21 +21,24 @@ struct Symmetry {
     remedy: String,
 }
 
-/// A candidate belongs to the open space if less than this share of it lies outside.
+/// A candidate belongs to the null space if less than this share of it is outside.
 const INSIDE: f64 = 1.0e-4;
 /// A part of a direction smaller than this share adds nothing new.
 const NEW_DIRECTION: f64 = 1.0e-3;
 /// Coefficients below this share of the largest are left out of sentences.
 const SAID: f64 = 1.0e-3;
 
-/// Names every open direction.
-pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCombination> {
-    let spectrum = solved.of_data();
+/// Names every unobservable direction.
+pub(crate) fn unobservable_directions(
+    problem: &Problem,
+    solution: &Solution,
+) -> Vec<UnobservableCombination> {
+    let spectrum = solution.of_data();
     let natural = &spectrum.natural;
-    let open = spectrum.open_directions();
-    let mut found: Vec<OpenCombination> = Vec::new();
+    let open = spectrum.unobservable_directions();
+    let mut found: Vec<UnobservableCombination> = Vec::new();
     let mut spanned: Vec<Vec<f64>> = Vec::new();
-    for symmetry in symmetries(problem, solved) {
+    for symmetry in symmetries(problem, solution) {
         if spanned.len() == open.ncols() {
             break;
         }
@@ -51,8 +54,8 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
         }
         if let Some(unit) = independent(&inside, &spanned) {
             spanned.push(unit);
-            found.push(OpenCombination {
-                coefficients: named(solved, &symmetry.step),
+            found.push(UnobservableCombination {
+                coefficients: named(solution, &symmetry.step),
                 text: symmetry.text,
                 reason: symmetry.reason,
                 remedy: symmetry.remedy,
@@ -62,16 +65,16 @@ pub(crate) fn open_directions(problem: &Problem, solved: &Solved) -> Vec<OpenCom
     }
     let rest = complement(&open, &spanned);
     if rest.ncols() > 0 {
-        let weight = weights(solved);
+        let weight = weights(solution);
         for combination in split(&rest, natural, &weight).open {
-            found.push(in_numbers(problem, solved, &combination));
+            found.push(in_numbers(problem, solution, &combination));
         }
     }
     found
 }
 
-/// Numbers that are asked for and do not enter the equations of a rotation: mass, and without thrust the mass centre.
-pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
+/// Requested numbers that do not enter the equations of rotation: mass, and without thrust the mass centre.
+pub(crate) fn absent(parameters: &Parameters) -> Vec<UnobservableCombination> {
     if parameters.equations != Equations::Rotation {
         return Vec::new();
     }
@@ -83,7 +86,7 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
     };
     for (asked, body) in asked {
         let mut open = |number: String, what: &str, reason: &str, remedy: &str| {
-            all.push(OpenCombination {
+            all.push(UnobservableCombination {
                 text: format!("{number} cannot be determined"),
                 coefficients: vec![(format!("{body}.{what}"), 1.0)],
                 reason: reason.to_owned(),
@@ -95,7 +98,7 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
             open(
                 format!("mass of {body}"),
                 "m",
-                "only rotation is measured, and it does not depend on the mass",
+                "only rotation is measured, which does not depend on the mass",
                 "measure velocity or position while a known force acts",
             );
         }
@@ -112,10 +115,10 @@ pub(crate) fn absent(parameters: &Parameters) -> Vec<OpenCombination> {
     all
 }
 
-/// A preference for which unknowns stand as the open ones: products before moments.
-pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
+/// Weights of the unknowns as leading parameters of unobservable directions: products before moments.
+pub(crate) fn weights(solution: &Solution) -> Vec<f64> {
     let product = |k: usize| TENSOR[k].0 != TENSOR[k].1;
-    solved.parameters.unknowns[..solved.of_data().natural.len()]
+    solution.parameters.unknowns[..solution.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::CentralInertia(k) if product(*k) => 4.0,
@@ -129,9 +132,9 @@ pub(crate) fn weights(solved: &Solved) -> Vec<f64> {
 }
 
 /// A combination as a sentence of numbers, largest share first.
-pub(crate) fn sentence(solved: &Solved, combination: &Combination) -> String {
-    let unknowns = &solved.parameters.unknowns;
-    let natural = &solved.of_data().natural;
+pub(crate) fn sentence(solution: &Solution, combination: &Combination) -> String {
+    let unknowns = &solution.parameters.unknowns;
+    let natural = &solution.of_data().natural;
     let lead = combination
         .terms
         .first()
@@ -167,8 +170,8 @@ fn four_digits(x: f64) -> String {
 }
 
 /// Names and coefficients of a move.
-pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
-    solved
+pub(crate) fn named(solution: &Solution, step: &[f64]) -> Vec<(String, f64)> {
+    solution
         .parameters
         .unknowns
         .iter()
@@ -178,37 +181,42 @@ pub(crate) fn named(solved: &Solved, step: &[f64]) -> Vec<(String, f64)> {
         .collect()
 }
 
-fn symmetries(problem: &Problem, solved: &Solved) -> Vec<Symmetry> {
-    if solved.parameters.equations == Equations::Rotation {
+fn symmetries(problem: &Problem, solution: &Solution) -> Vec<Symmetry> {
+    if solution.parameters.equations == Equations::Rotation {
         return Vec::new();
     }
     let mut list = Vec::new();
     for child in 1..problem.tree.bodies() {
-        joint_symmetries(problem, solved, child, &mut list);
+        joint_symmetries(problem, solution, child, &mut list);
     }
-    if solved.explained.is_none() {
-        let m = solved.of_data().natural.len();
+    if solution.explained.is_none() {
+        let m = solution.of_data().natural.len();
         let scale = |x: Vec<f64>| {
             Symmetry {
             step: x[..m].to_vec(),
             text: "the common scale of all masses, first moments and inertias".to_owned(),
-            reason: "every force and momentum in the data is proportional to the unknowns themselves: nothing of known size takes part".to_owned(),
-            remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or give one body as known".to_owned(),
+            reason: "every force and momentum in the data is proportional to the unknowns: no known quantity sets their scale".to_owned(),
+            remedy: "fire a thruster of known force, turn a wheel of known spin inertia, or fix one body".to_owned(),
         }
         };
-        list.push(scale(solved.x.clone()));
-        list.push(scale(solved.parameters.nominal_vector()));
+        list.push(scale(solution.x.clone()));
+        list.push(scale(solution.parameters.nominal_vector()));
     }
     list
 }
 
-/// What can move between a body and its parent unseen: with a turning joint the mass on its axis, with
-/// a sliding one the inertia tensor, with a stopped one everything.
-fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut Vec<Symmetry>) {
+/// Unobservable exchanges between a body and its parent: revolute joint, mass on its axis; prismatic joint, the inertia
+/// tensor; fixed joint, all parameters.
+fn joint_symmetries(
+    problem: &Problem,
+    solution: &Solution,
+    child: usize,
+    list: &mut Vec<Symmetry>,
+) {
     let (model, tree) = (problem.model, problem.tree);
     let link = &tree.links[child];
     let parent = link.parent;
-    let all = |b: usize| solved.parameters.estimate[b] == EstimateSet::ALL;
+    let all = |b: usize| solution.parameters.estimate[b] == EstimateSet::ALL;
     if !all(child) || !all(parent) {
         return;
     }
@@ -219,13 +227,13 @@ fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut
     let (reason, remedy) = match (link.motion, still.is_some()) {
         (Motion::Revolute(_) | Motion::Prismatic(_), false) => (
             format!(
-                "mass on the axis of {joint} moves the same with {c} as with {p}: no motion, momentum, thrust or joint torque can tell"
+                "mass on the axis of {joint} cannot be attributed to {c} or to {p} by any motion, thrust or joint torque"
             ),
-            format!("give one number of {c} or {p} as known, or declare a prior"),
+            format!("fix one parameter of {c} or {p}, or declare a prior"),
         ),
         (Motion::Fixed | Motion::Free, _) => (
             format!("{joint} is fixed"),
-            format!("give {c} or {p} as known, or declare a prior"),
+            format!("fix {c} or {p}, or declare a prior"),
         ),
         (_, true) => (format!("{joint} did not move"), format!("move {joint}")),
     };
@@ -241,7 +249,7 @@ fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut
             }
         }
         list.push(Symmetry {
-            step: as_unknowns(solved, &pi),
+            step: as_unknowns(solution, &pi),
             text,
             reason: reason.clone(),
             remedy: remedy.clone(),
@@ -249,22 +257,22 @@ fn joint_symmetries(problem: &Problem, solved: &Solved, child: usize, list: &mut
     }
 }
 
-/// What moves between a body and its parent, with words for it: `names` are those of the body, its parent and the joint.
+/// An exchange between a body and its parent, with its text: `names` are those of the body, its parent and the joint.
 fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, InertialParameters)> {
     let u = link.axis_C;
     let line = Matrix3::identity() - u * u.transpose();
     match (link.motion, stands) {
         (Motion::Revolute(_), false) => vec![
             (
-                format!("mass of {c} moves against mass of {p} (a point mass on the axis of {joint})"),
+                format!("mass of {c} can be exchanged with mass of {p} (a point mass on the axis of {joint})"),
                 ten(1.0, Vector3::zeros(), Matrix3::zeros()),
             ),
             (
-                format!("first moment of {c} along the axis of {joint} moves against that of {p}"),
+                format!("first moment of {c} along the axis of {joint} can be exchanged with that of {p}"),
                 ten(0.0, u, Matrix3::zeros()),
             ),
             (
-                format!("a line inertia on the axis of {joint} moves between {c} and {p}"),
+                format!("a line inertia on the axis of {joint} can be exchanged between {c} and {p}"),
                 ten(0.0, Vector3::zeros(), line),
             ),
         ],
@@ -274,7 +282,7 @@ fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, In
                 pi[4 + k] = 1.0;
                 (
                     format!(
-                        "inertia element {} of {c} moves against the inertia of {p} ({joint} slides without turning)",
+                        "inertia element {} of {c} can be exchanged with the inertia of {p} ({joint} slides without rotation)",
                         PARAMETER_NAMES[4 + k]
                     ),
                     InertialParameters::from_array(&pi),
@@ -286,7 +294,7 @@ fn moves(link: &Link, stands: bool, [c, p, joint]: [&str; 3]) -> Vec<(String, In
                 let mut pi = [0.0; 10];
                 pi[k] = 1.0;
                 (
-                    format!("{} of {c} moves against {p}: the two moved as one body", PARAMETER_NAMES[k]),
+                    format!("{} of {c} can be exchanged with {p}: the two moved as one body", PARAMETER_NAMES[k]),
                     InertialParameters::from_array(&pi),
                 )
             })
@@ -338,8 +346,8 @@ fn joint_name(model: &Model, child: usize) -> String {
 }
 
 /// A change of all barycentric parameters as a change of the unknowns (bodies wholly unknown).
-fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
-    solved.parameters.unknowns[..solved.of_data().natural.len()]
+fn as_unknowns(solution: &Solution, pi: &[[f64; 10]]) -> Vec<f64> {
+    solution.parameters.unknowns[..solution.of_data().natural.len()]
         .iter()
         .map(|u| match &u.kind {
             UnknownKind::Barycentric(parts) => {
@@ -350,31 +358,38 @@ fn as_unknowns(solved: &Solved, pi: &[[f64; 10]]) -> Vec<f64> {
         .collect()
 }
 
-fn in_numbers(problem: &Problem, solved: &Solved, combination: &Combination) -> OpenCombination {
-    let m = solved.of_data().natural.len();
-    let (reason, remedy) = poor_motion(problem, solved);
-    OpenCombination {
+fn in_numbers(
+    problem: &Problem,
+    solution: &Solution,
+    combination: &Combination,
+) -> UnobservableCombination {
+    let m = solution.of_data().natural.len();
+    let (reason, remedy) = poor_motion(problem, solution);
+    UnobservableCombination {
         text: format!(
             "{} is an unobservable direction",
-            sentence(solved, combination)
+            sentence(solution, combination)
         ),
-        coefficients: named(solved, &combination.gradient(m)),
+        coefficients: named(solution, &combination.gradient(m)),
         reason,
         remedy,
         walk: Vec::new(),
     }
 }
 
-/// Values along a walk of every unknown of each body of which one moves; none where the walk ended early.
-pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
-    let m = solved.of_data().natural.len();
+/// Values along a path of all unknowns of each changed body; none if the path ended early.
+pub(crate) fn values_along_path(
+    solution: &Solution,
+    walk: &ContinuationPath,
+) -> Vec<(String, Vec<f64>)> {
+    let m = solution.of_data().natural.len();
     if walk.points.len() != 2 * POINTS + 1 {
         return Vec::new();
     }
-    let unknowns = || solved.parameters.unknowns[..m].iter().enumerate();
+    let unknowns = || solution.parameters.unknowns[..m].iter().enumerate();
     let owner = |u: &Unknown| u.name.split('.').next().map(str::to_owned);
     let moves = |i: usize, u: &Unknown| {
-        let mut far = walk.points.iter().map(|x| (x[i] - solved.x[i]).abs());
+        let mut far = walk.points.iter().map(|x| (x[i] - solution.x[i]).abs());
         far.any(|d| d > SAID * u.natural * REACH)
     };
     let moved = unknowns().filter(|(i, u)| moves(*i, u));
@@ -385,8 +400,8 @@ pub(crate) fn walked(solved: &Solved, walk: &Walk) -> Vec<(String, Vec<f64>)> {
         .collect()
 }
 
-/// Why a direction without a closed form is open: how the base turned.
-fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
+/// Why a direction without a closed form is unobservable: the rotation of the base.
+fn poor_motion(problem: &Problem, solution: &Solution) -> (String, String) {
     let mut spread = Matrix3::zeros();
     let mut count = 0.0;
     for segment in problem.segments {
@@ -404,44 +419,44 @@ fn poor_motion(problem: &Problem, solved: &Solved) -> (String, String) {
     if axis.max() < -axis.min() {
         axis = -axis;
     }
-    let weak = solved
+    let weak = solution
         .of_data()
         .certificate
-        .get(solved.of_data().rank)
+        .get(solution.of_data().rank)
         .copied()
         .unwrap_or(f64::INFINITY);
     if rms[0] <= 3.0 * noise {
         return (
             format!(
-                "the base hardly turned: {:.1e} rad/s rms against gyro noise {noise:.1e} rad/s",
+                "the base hardly rotated: {:.1e} rad/s rms, with gyro noise {noise:.1e} rad/s",
                 rms[0]
             ),
-            "turn the base about two axes, by wheels, joints or thrusters".to_owned(),
+            "rotate the base about two axes with wheels, joints or thrusters".to_owned(),
         );
     }
     if rms[1] < 0.05 * rms[0] {
         return (
             format!(
-                "the base turned about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes: the rate across it was {:.1e} of the rate along it, so the data determine only I n of the inertia tensor ({})",
+                "the base rotated about one axis only, n = ({:.3}, {:.3}, {:.3}) in body axes (transverse rate {:.1e} of the axial rate); the data determine only I n of the inertia tensor ({})",
                 axis.x,
                 axis.y,
                 axis.z,
                 rms[1] / rms[0],
                 best_open(weak)
             ),
-            "turn about a second axis, square to n as far as can be".to_owned(),
+            "rotate about a second axis, as perpendicular to n as possible".to_owned(),
         );
     }
     (
         format!(
-            "the motion excites it too little for the declared noise ({})",
+            "the excitation is too small for the declared noise ({})",
             best_open(weak)
         ),
-        "move more joints at once, turn about more axes, or record longer".to_owned(),
+        "move more joints at once, rotate about more axes, or record longer".to_owned(),
     )
 }
 
-/// How well the best of the directions is known that count as undetermined.
+/// Sigma of the best undetermined direction.
 fn best_open(sigma: f64) -> String {
     format!(
         "the best unobservable direction has a sigma of {} times the nominal",
@@ -476,7 +491,7 @@ fn independent(z: &[f64], spanned: &[Vec<f64>]) -> Option<Vec<f64>> {
     (rest > NEW_DIRECTION * length && rest > 0.0).then(|| left.iter().map(|x| x / rest).collect())
 }
 
-/// Basis of what `open` holds beyond `spanned`.
+/// Basis of the part of `open` outside `spanned`.
 fn complement(open: &Mat<f64>, spanned: &[Vec<f64>]) -> Mat<f64> {
     let mut all = spanned.to_vec();
     let mut fresh: Vec<Vec<f64>> = Vec::new();

@@ -1,88 +1,88 @@
-//! Whether an answer may be relied on, and by how much its sigmas are widened: the one judge of status, exit code and verdict.
+//! Evidence against an answer, and the factor on its sigmas; status, exit code and verdict follow from it.
 //!
-//! A pooled chi-square hides a sensor with few readings, and a misfit that is small and slow. So every sensor is judged by
-//! itself, in every segment and in all together, as a whole and octave by octave (see [`crate::octaves`]). Every test has
-//! a chance of its own, so that an honest record is doubted less than once in 10,000 answers, however many tests it takes.
+//! A pooled chi-square hides a sensor with few readings, and a misfit that is small and slow. So every sensor is tested
+//! separately, in every segment and in all together, as a whole and by octaves (see [`crate::octaves`]). The
+//! false-alarm probability is split among the tests: a correct record fails less than once in 10,000 answers.
 
 use crate::diagnosis::octaves::Octave;
 use crate::fit::degrees_of_freedom::MISFIT;
 use crate::solution::estimate::SegmentFit;
-use crate::solution::solved::Solved;
+use crate::solution::solved::Solution;
 
-/// Probability that any of the tests of one answer doubts an honest record.
+/// Probability that any test of one answer rejects a correct record.
 const FALSE_ALARM: f64 = 2.0e-5;
 /// Excess of a mean square that is too small to matter: sigmas are 1 % too small.
 const NEGLIGIBLE_EXCESS: f64 = 0.02;
-/// Excess of a mean square that is white all over, up to which widened sigmas make up for it: noise of a tenth more than
-/// declared. Nobody knows the noise of a sensor better.
+/// Excess of a mean square that is white all over, up to which widened sigmas suffice: noise 10 % above the declared
+/// one, the usual accuracy of a declaration.
 const WHITE: f64 = 0.21;
-/// Share of the misfit from which a suspect is named beside the sensors that show it.
+/// Share of the misfit from which a suspect is reported with the sensors.
 const MOST_OF_MISFIT: f64 = 0.5;
 /// Chi-square per degree of freedom of a file without noise, round-off and rounded digits aside.
 pub(crate) const NOISE_FREE: f64 = 1.0e-3;
 
-/// What the residuals, the priors and the way of the fit say against the answer.
+/// Evidence against the answer from residuals, priors and convergence.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Trust {
-    /// Why it is not to be relied on, the most important first; empty where nothing speaks against it.
+pub(crate) struct Reliability {
+    /// Reasons against the answer, the most important first; empty if every check passed.
     pub doubts: Vec<String>,
-    /// Factor on every sigma: by what the noise of the worst sensor, or of the priors, would have to be larger.
-    pub widening: f64,
-    /// Whether residuals are too large and correlated in time: then they speak against the model, not the noise.
+    /// Factor on every sigma: the noise of the worst sensor, or of the priors, over the declared one.
+    pub sigma_factor: f64,
+    /// Whether residuals are too large and correlated in time: then the model is wrong, not the noise.
     pub coloured: bool,
 }
 
-impl Trust {
-    pub fn of(solved: &Solved) -> Self {
-        let chi2 = solved.chi2_per_dof();
-        let sensors = sensors(&solved.fit);
+impl Reliability {
+    pub fn of(solution: &Solution) -> Self {
+        let chi2 = solution.chi2_per_dof();
+        let sensors = sensors(&solution.fit);
         let mut doubts = Vec::new();
         let mut worst = chi2.max(1.0);
-        if let Some(conflict) = &solved.conflict {
+        if let Some(conflict) = &solution.conflict {
             worst = worst.max(conflict.ratio);
             doubts.push("a prior contradicts the data".to_owned());
         }
-        if !solved.settled {
-            doubts.push("the iteration did not settle".to_owned());
+        if !solution.converged {
+            doubts.push("the iteration did not converge".to_owned());
         }
         for sensor in &sensors {
-            worst = worst.max(sensor.worst.per_number());
+            worst = worst.max(sensor.worst.mean_square());
         }
         let bad = || sensors.iter().filter(|s| !s.is_made_up_for());
-        doubts.extend(suspect(solved, bad().next().is_some()));
-        doubts.extend(bad().map(Sensor::words));
+        doubts.extend(suspect(solution, bad().next().is_some()));
+        doubts.extend(bad().map(Sensor::message));
         if bad().next().is_none() && chi2 > MISFIT {
             doubts.push(format!(
                 "residuals are {:.1} times the declared noise",
                 chi2.sqrt()
             ));
         }
-        let sensitive = solved.sensitive_to.iter();
-        doubts.extend(sensitive.map(|what| format!("it is sensitive to {what}")));
-        if solved.not_rigid {
-            doubts.push("a line in the residual says that the vehicle is not rigid".to_owned());
+        let sensitive = solution.sensitive_to.iter();
+        doubts.extend(sensitive.map(|what| format!("the estimate is sensitive to {what}")));
+        if solution.not_rigid {
+            doubts.push("a spectral line in the residual: the vehicle is not rigid".to_owned());
         }
-        if solved.adds_up && chi2 > NOISE_FREE {
-            doubts.push("noise adds up from sample to sample under thrust".to_owned());
+        if solution.noise_accumulates && chi2 > NOISE_FREE {
+            doubts.push("noise accumulates from sample to sample under thrust".to_owned());
         }
-        if let Some(held) = &solved.held {
+        if let Some(held) = &solution.held {
             doubts.push(format!(
-                "{} is held at the edge of what positive mass can have",
+                "{} is at the limit of physical mass properties",
                 held.bodies.join(", ")
             ));
         }
         Self {
             doubts,
-            widening: worst.sqrt(),
+            sigma_factor: worst.sqrt(),
             coloured: sensors.iter().any(|s| s.coloured),
         }
     }
 }
 
-/// The first suspect of the diagnosis: every one where no sensor shows more, the cause of most of it otherwise.
-fn suspect(solved: &Solved, shown: bool) -> Option<String> {
-    let suspects = &solved.diagnostics.as_ref()?.suspects;
-    let first = suspects.first().filter(|s| !s.fault.is_spread())?;
+/// The first suspect of the diagnosis; if a sensor fails too, only a suspect that explains most of the misfit.
+fn suspect(solution: &Solution, shown: bool) -> Option<String> {
+    let suspects = &solution.diagnostics.as_ref()?.suspects;
+    let first = suspects.first().filter(|s| !s.fault.is_noise_fault())?;
     if shown && first.explains < MOST_OF_MISFIT {
         return None;
     }
@@ -93,7 +93,7 @@ fn suspect(solved: &Solved, shown: bool) -> Option<String> {
             100.0 * first.explains
         ),
         false => format!(
-            "{} would lower chi-square by {:.0}",
+            "{} would reduce chi-square by {:.0}",
             first.name, first.decrease
         ),
     })
@@ -103,26 +103,28 @@ fn suspect(solved: &Solved, shown: bool) -> Option<String> {
 #[derive(Debug, Clone, PartialEq)]
 struct Sensor {
     name: String,
-    /// Segment, where it shows in that one alone.
+    /// Segment, if only that one fails.
     segment: Option<String>,
-    /// All levels together.
+    /// All levels.
     whole: Octave,
-    /// The largest mean square of those that are too large: the whole, or one level.
+    /// The largest significant mean square, of all levels or of one.
     worst: Octave,
-    /// Whether the levels differ by more than chance.
+    /// Whether the levels differ significantly.
     coloured: bool,
 }
 
 impl Sensor {
-    /// The levels of one sensor, judged; `None` where none is too large.
+    /// Tests the levels of one sensor; `None` if none is too large.
     fn judged(name: &str, levels: &[Octave], chance: f64) -> Option<Self> {
         let whole = levels.iter().fold(Octave::default(), |a, b| a.plus(b));
         let too_large =
-            |o: &&Octave| o.per_number() > 1.0 + NEGLIGIBLE_EXCESS && o.chance(1.0) < chance;
-        let coloured = levels.iter().any(|o| o.chance(whole.per_number()) < chance);
-        // Levels of white noise scatter about the whole, those of few readings widely.
+            |o: &&Octave| o.mean_square() > 1.0 + NEGLIGIBLE_EXCESS && o.p_value(1.0) < chance;
+        let coloured = levels
+            .iter()
+            .any(|o| o.p_value(whole.mean_square()) < chance);
+        // The levels of white noise scatter, most with few samples.
         let all = std::iter::once(&whole).chain(levels.iter().filter(|_| coloured));
-        let larger = |a: &&Octave, b: &&Octave| a.per_number().total_cmp(&b.per_number());
+        let larger = |a: &&Octave, b: &&Octave| a.mean_square().total_cmp(&b.mean_square());
         let worst = all.filter(too_large).max_by(larger);
         let worst = worst.or_else(|| levels.iter().filter(too_large).max_by(larger))?;
         Some(Self {
@@ -134,21 +136,21 @@ impl Sensor {
         })
     }
 
-    /// Whether widened sigmas are all that is needed.
+    /// Whether widened sigmas suffice.
     fn is_made_up_for(&self) -> bool {
-        !self.coloured && self.worst.per_number() <= 1.0 + WHITE
+        !self.coloured && self.worst.mean_square() <= 1.0 + WHITE
     }
 
-    fn words(&self) -> String {
+    fn message(&self) -> String {
         let place = match &self.segment {
             Some(segment) => format!(" in {segment}"),
             None => String::new(),
         };
-        let (whole, worst) = (self.whole.per_number(), self.worst.per_number());
+        let (whole, worst) = (self.whole.mean_square(), self.worst.mean_square());
         let name = &self.name;
         match self.coloured && worst > whole {
             true => format!(
-                "the residual of the {name}{place} is correlated in time, {:.1} times as large over {} readings as its declared noise allows",
+                "the residual of the {name}{place} is correlated in time: {:.1} times its declared noise over {} samples",
                 worst.sqrt(),
                 self.worst.readings
             ),
@@ -186,7 +188,7 @@ fn sensors(fit: &[SegmentFit]) -> Vec<Sensor> {
                     continue;
                 };
                 alone.segment = Some(label.clone());
-                let larger = |f: &Sensor| alone.worst.per_number() > f.worst.per_number();
+                let larger = |f: &Sensor| alone.worst.mean_square() > f.worst.mean_square();
                 if found.as_ref().is_none_or(larger) {
                     alone.coloured |= found.as_ref().is_some_and(|f| f.coloured);
                     found = Some(alone);
@@ -242,8 +244,8 @@ mod tests {
         }
     }
 
-    /// Of 3,000 honest records, short and long, none is doubted: the rate is below one in 1,000 (95 %), and by
-    /// construction below 2e-5.
+    /// Of 3,000 correct records, short and long, none fails: the rate is below one in 1,000 (95 %), and by construction
+    /// below 2e-5.
     #[test]
     fn stat_no_honest_record_is_doubted() {
         for seed in 0..3000 {
@@ -262,7 +264,7 @@ mod tests {
         let found = sensors(&[fit(&[("gyro", white(5000, 2)), ("attitude", bad)])]);
         assert_eq!(found.len(), 1);
         assert_eq!((&*found[0].name, found[0].coloured), ("attitude", false));
-        let factor = found[0].worst.per_number().sqrt();
+        let factor = found[0].worst.mean_square().sqrt();
         assert!((7.0..13.0).contains(&factor), "{factor}");
     }
 
@@ -281,7 +283,7 @@ mod tests {
             found[0].coloured && found[0].worst.readings > 100,
             "{found:?}"
         );
-        assert!(found[0].words().contains("correlated in time"));
+        assert!(found[0].message().contains("correlated in time"));
     }
 
     #[test]
@@ -292,7 +294,7 @@ mod tests {
         for (factor, made_up_for) in [(1.02, true), (1.09, true), (1.12, false)] {
             let far = white(n, 4).iter().map(|w| factor * w).collect();
             let found = sensors(&[fit(&[("gyro", far)])]);
-            let widened = found[0].worst.per_number().sqrt();
+            let widened = found[0].worst.mean_square().sqrt();
             assert_eq!((found.len(), found[0].is_made_up_for()), (1, made_up_for));
             assert!((widened / factor - 1.0).abs() < 0.01, "{widened}");
         }

@@ -1,9 +1,9 @@
-//! From far off to close by on a few of the readings.
+//! A first fit to a few samples.
 //!
-//! Where nominal numbers are off by many sigmas, the first steps need not be exact: a share of the readings leads as near
-//! as the whole record would, for a share of the time. The fit itself then sees every reading.
+//! If nominal numbers are wrong by many sigmas, the first steps need not be exact: a subset of the samples leads as
+//! close, in a fraction of the time. The fit itself uses all samples.
 
-use crate::fit::experiment::{Experiment, Point};
+use crate::fit::experiment::{Experiment, Iterate};
 use crate::fit::step::{ITERATIONS, is_close};
 use crate::problem::Problem;
 use crate::problem::segment::{
@@ -11,16 +11,16 @@ use crate::problem::segment::{
 };
 use poinsot_solve::{LeastSquares, levenberg_marquardt};
 
-/// Readings of each sensor in a segment of which none is left out.
+/// Samples per sensor in a segment up to which none is omitted.
 const START_SAMPLES: usize = 128;
 /// Largest step over readings: beyond it the motion between them may be lost.
 const STRIDE: usize = 16;
-/// How much shorter the grid must become to be worth it.
+/// Smallest reduction of the grid for a coarse fit.
 const WORTH: usize = 4;
 
-/// Where a fit of a few readings from a far point ends; `None` where the point is close, or the record too short or of a
+/// End of a fit to a few samples from a far point; `None` where the point is close, or the record too short or of a
 /// kind that cannot be thinned.
-pub(crate) fn approach(experiment: &Experiment, from: &Point) -> Option<Point> {
+pub(crate) fn coarse_fit(experiment: &Experiment, from: &Iterate) -> Option<Iterate> {
     let whole = experiment.problem.segments;
     let segments = whole
         .iter()
@@ -55,7 +55,7 @@ pub(crate) fn beginning(segment: &Segment, share: f64) -> Segment {
     let first = ((times as f64 * share).ceil() as usize).clamp(2.min(times), times);
     let kept: Vec<usize> = (0..first).collect();
     Segment {
-        // Where a fit starts from.
+        // Start of a fit.
         samples: segment.samples.clone(),
         ..at_times(segment, &kept)
     }
@@ -93,7 +93,7 @@ fn at_times(segment: &Segment, kept: &[usize]) -> Segment {
     }
 }
 
-/// Grid times that stay: some readings of each sensor, both ends, and where a thruster starts or stops.
+/// Kept grid times: some samples of each sensor, both ends, and the edges of firings.
 fn kept(segment: &Segment, few: usize) -> Vec<usize> {
     let o = &segment.observations;
     let n = o.time_s.len();

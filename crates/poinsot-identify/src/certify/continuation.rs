@@ -1,60 +1,64 @@
-//! Walks along the set of unknowns that predict the same readings.
+//! Numerical continuation along the set of unknowns with equal prediction.
 //!
-//! A direction in which the sensitivities vanish says only where such a set begins. So each is followed: a step along the
-//! null space of the sensitivities there (with the bend of the steps before), then Gauss-Newton steps across it back onto
-//! equal prediction. What has a straight set is recognised by its far ends. The readings are those that the answer
-//! predicts, at a few times of the record: their residual at the answer is zero, and so is the noise in the walk.
+//! The null space of the sensitivities is only the tangent of this set. So each direction is continued: a step along
+//! the null space (with the curvature of the previous steps), then Gauss-Newton steps back onto equal prediction. A
+//! linear set is recognised by its far ends. The samples are those that the answer predicts, at a few times of the
+//! record, so their residual has no noise.
 
-use crate::certify::words;
+use crate::certify::naming;
+use crate::fit::coarse_fit::thinned;
 use crate::fit::experiment::as_predicted::{readings_alone, take_predictions};
-use crate::fit::experiment::{Experiment, Point};
-use crate::fit::far_start::thinned;
-use crate::fit::step::{Local, moved, promised_decrease};
+use crate::fit::experiment::{Experiment, Iterate};
+use crate::fit::step::{Linearisation, moved, predicted_decrease};
 use crate::problem::Problem;
 use crate::problem::parameters::Parameters;
 use crate::problem::segment::Segment;
-use crate::problem::shifted_vehicle::Centre;
-use crate::solution::estimate::OpenCombination;
-use crate::solution::open_set::{OpenSet, POINTS, REACH, Walk};
-use crate::solution::solved::Solved;
+use crate::problem::shifted_vehicle::ShiftedVehicle;
+use crate::solution::estimate::UnobservableCombination;
+use crate::solution::solved::Solution;
+use crate::solution::unobservable_set::{ContinuationPath, POINTS, REACH, UnobservableSet};
 use poinsot_solve::{LeastSquares, Spectrum};
 use rayon::prelude::*;
 
-/// Readings of each sensor in a segment along which a walk goes: far more than the numbers that they determine.
+/// Samples of each sensor in a segment for the continuation: far more than the determined numbers.
 const WALK_SAMPLES: usize = 32;
-/// Change of all predictions along a walk that counts as none, in their noise.
+/// Largest change of all predictions along a path of equal prediction, in their noise.
 const EQUAL: f64 = 1.0e-2;
-/// Factor on what directions that are hardly excited change by themselves.
+/// Factor on the change that weakly excited directions cause.
 const OWN: f64 = 1.02;
 /// The same before the last step back onto the set.
 const NEARLY_EQUAL: f64 = 3.0e-2;
-/// Most Gauss-Newton steps back onto equal prediction.
+/// Largest number of Gauss-Newton steps back onto equal prediction.
 const CORRECTIONS: usize = 8;
 
-/// The walks from an answer along every direction that is open.
-pub(crate) fn open_set(experiment: &Experiment, at: &Point, solved: &Solved) -> OpenSet {
-    let spectrum = &solved.spectrum;
-    if !solved.settled || spectrum.rank == spectrum.natural.len() {
-        return OpenSet::default();
+/// The continuation paths from an answer along every unobservable direction.
+pub(crate) fn unobservable_set(
+    experiment: &Experiment,
+    at: &Iterate,
+    solution: &Solution,
+) -> UnobservableSet {
+    let spectrum = &solution.spectrum;
+    if !solution.converged || spectrum.rank == spectrum.natural.len() {
+        return UnobservableSet::default();
     }
-    if solved.data_alone.is_some() {
-        return straight_set(experiment.problem, solved);
+    if solution.data_alone.is_some() {
+        return linear_set(experiment.problem, solution);
     }
-    let directions = directions(experiment.problem, solved);
+    let directions = directions(experiment.problem, solution);
     if !experiment.parameters.has_known() {
-        return walked(experiment, at, &directions, spectrum.rank).unwrap_or_default();
+        return values_along_path(experiment, at, &directions, spectrum.rank).unwrap_or_default();
     }
-    // The vehicle with its known numbers where the fit has put them.
+    // The vehicle with the fitted values of its known numbers.
     let of_known = || {
-        let centre = Centre::at(experiment.problem, experiment.parameters, &at.x)?;
-        let problem = centre.problem(experiment.problem);
-        let (parameters, kept) = centre.parameters.without_known();
+        let shifted = ShiftedVehicle::at(experiment.problem, experiment.parameters, &at.x)?;
+        let problem = shifted.problem(experiment.problem);
+        let (parameters, kept) = shifted.parameters.without_known();
         let exact = experiment.of_vehicle(&problem, &parameters);
-        let own = Point {
+        let own = Iterate {
             x: kept.iter().map(|k| at.x[*k]).collect(),
-            heads: at.heads.clone(),
+            initial_states: at.initial_states.clone(),
         };
-        let mut set = walked(&exact, &own, &directions, spectrum.rank)?;
+        let mut set = values_along_path(&exact, &own, &directions, spectrum.rank)?;
         for walk in &mut set.walks {
             for x in walk
                 .points
@@ -71,43 +75,43 @@ pub(crate) fn open_set(experiment: &Experiment, at: &Point, solved: &Solved) -> 
     of_known().unwrap_or_default()
 }
 
-/// The set of a linear problem; of any where priors hold what the data leave open.
-pub(crate) fn straight_set(problem: &Problem, solved: &Solved) -> OpenSet {
-    let directions = directions(problem, solved);
+/// The set of a linear problem, or of a problem whose priors determine the unobservable directions.
+pub(crate) fn linear_set(problem: &Problem, solution: &Solution) -> UnobservableSet {
+    let directions = directions(problem, solution);
     let both = mixed(&directions);
     let all = directions.iter().chain(&both).cloned();
-    OpenSet::straight(
-        &solved.x,
+    UnobservableSet::straight(
+        &solution.x,
         &all.collect::<Vec<_>>(),
-        &solved.spectrum.natural,
+        &solution.spectrum.natural,
     )
 }
 
-/// The open directions as they are named, in the unknowns' own units; where priors hold what the data leave open, those
-/// that priors leave open too.
-fn directions(problem: &Problem, solved: &Solved) -> Vec<Vec<f64>> {
-    let spectrum = &solved.spectrum;
-    if solved.data_alone.is_some() {
-        let open = spectrum.open_directions();
+/// The named unobservable directions, in the unknowns' units; with priors, those that the priors do not determine
+/// either.
+fn directions(problem: &Problem, solution: &Solution) -> Vec<Vec<f64>> {
+    let spectrum = &solution.spectrum;
+    if solution.data_alone.is_some() {
+        let open = spectrum.unobservable_directions();
         let one = |k: usize| {
             let natural = spectrum.natural.iter().enumerate();
             natural.map(|(i, unit)| open[(i, k)] * unit).collect()
         };
         return (0..open.ncols()).map(one).collect();
     }
-    // Names agree with the open space within a tolerance; walks begin in it.
+    // Named directions agree with the null space within a tolerance; paths start in the null space.
     let natural = &spectrum.natural;
-    let inside = |c: &OpenCombination| -> Vec<f64> {
-        let step = step_of(&solved.parameters, c, natural.len());
+    let inside = |c: &UnobservableCombination| -> Vec<f64> {
+        let step = step_of(&solution.parameters, c, natural.len());
         let z: Vec<f64> = step.iter().zip(natural).map(|(s, u)| s / u).collect();
         let z = along(spectrum, spectrum.rank, &z);
         z.iter().zip(natural).map(|(z, u)| z * u).collect()
     };
-    let named = words::open_directions(problem, solved);
+    let named = naming::unobservable_directions(problem, solution);
     named.iter().map(inside).collect()
 }
 
-fn step_of(parameters: &Parameters, named: &OpenCombination, unknowns: usize) -> Vec<f64> {
+fn step_of(parameters: &Parameters, named: &UnobservableCombination, unknowns: usize) -> Vec<f64> {
     let mut step = vec![0.0; unknowns];
     for (unknown, s) in parameters.unknowns.iter().zip(&mut step) {
         let of_it = named
@@ -119,7 +123,7 @@ fn step_of(parameters: &Parameters, named: &OpenCombination, unknowns: usize) ->
     step
 }
 
-/// All directions at once, in two ways: what moves along none of them may move along these.
+/// All directions together, in two ways: a quantity constant along each may change along these.
 fn mixed(directions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let with = |sign: f64| {
         let mut sum = vec![0.0; directions.first().map_or(0, Vec::len)];
@@ -138,18 +142,18 @@ fn mixed(directions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     }
 }
 
-fn walked(
+fn values_along_path(
     experiment: &Experiment,
-    at: &Point,
+    at: &Iterate,
     directions: &[Vec<f64>],
     rank: usize,
-) -> Option<OpenSet> {
+) -> Option<UnobservableSet> {
     let segments = predicted(experiment, at)?;
     let problem = Problem {
         segments: &segments,
         ..*experiment.problem
     };
-    // Declared calibrations agree with the answer, as the readings do.
+    // Declared calibrations agree with the answer, as the samples do.
     let mut parameters = experiment.parameters.clone();
     let unknowns = parameters.unknowns.iter_mut().zip(&at.x);
     unknowns.for_each(|(u, x)| u.nominal = *x);
@@ -164,25 +168,25 @@ fn walked(
             .collect::<Vec<_>>()
     };
     let single: Vec<Vec<f64>> = directions.iter().map(in_natural).collect();
-    let walker = Walker {
+    let walker = Continuation {
         experiment: &few,
         at,
         here: &here,
         rank,
     };
     let walk = |d: &Vec<f64>| walker.both_ways(d);
-    let mut walks: Vec<Walk> = single.par_iter().map(walk).collect();
-    let all: Vec<Walk> = mixed(&single).par_iter().map(walk).collect();
+    let mut walks: Vec<ContinuationPath> = single.par_iter().map(walk).collect();
+    let all: Vec<ContinuationPath> = mixed(&single).par_iter().map(walk).collect();
     walks.extend(all);
     let curved = walks.iter().any(|w| !w.ends.is_empty());
-    Some(OpenSet {
+    Some(UnobservableSet {
         walks,
         here: curved.then(|| here.spectrum.clone()),
     })
 }
 
-/// A few readings of every segment with the values that a point predicts, weighted for all of them.
-fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
+/// A few samples of every segment with predicted values, weighted for all samples.
+fn predicted(experiment: &Experiment, at: &Iterate) -> Option<Vec<Segment>> {
     let few = |s: &Segment| {
         let mut few = thinned(s, WALK_SAMPLES).unwrap_or_else(|| s.clone());
         let pairs = few
@@ -200,38 +204,38 @@ fn predicted(experiment: &Experiment, at: &Point) -> Option<Vec<Segment>> {
     Some(segments)
 }
 
-/// Where a walk ends: the unknowns, and the spectrum there.
+/// The end of a path: the unknowns and the spectrum there.
 type End = (Vec<f64>, Spectrum);
 
-/// One who walks from an answer.
-struct Walker<'a> {
+/// Continuation from an answer.
+struct Continuation<'a> {
     experiment: &'a Experiment<'a>,
-    at: &'a Point,
-    here: &'a Local,
+    at: &'a Iterate,
+    here: &'a Linearisation,
     rank: usize,
 }
 
 /// A point close to the set, the problem there, and the step onto the set in natural units.
-struct Stand {
-    at: Point,
-    local: Local,
+struct ContinuationPoint {
+    at: Iterate,
+    local: Linearisation,
     back: Vec<f64>,
-    /// Whether directions that are hardly excited at the answer predict the same here too.
+    /// Whether weakly excited directions of the answer also have equal prediction here.
     equal: bool,
 }
 
-/// A walk one way.
+/// One branch of a path.
 #[derive(Default)]
 struct Path {
     points: Vec<Vec<f64>>,
-    /// How many of them predict the same in every direction that is identified there.
+    /// Number of points with equal prediction in every direction identified there.
     tested: usize,
     /// The last of those.
     end: Option<End>,
 }
 
-impl Walker<'_> {
-    fn both_ways(&self, direction: &[f64]) -> Walk {
+impl Continuation<'_> {
+    fn both_ways(&self, direction: &[f64]) -> ContinuationPath {
         let tangent = along(&self.here.spectrum, self.rank, direction);
         if let Some(walk) = self.straight(&tangent) {
             return walk;
@@ -245,15 +249,15 @@ impl Walker<'_> {
         points.push(self.at.x.clone());
         points.extend(last.points);
         let ends = [first.end, last.end].into_iter().flatten().collect();
-        Walk {
+        ContinuationPath {
             points,
             tested,
             ends,
         }
     }
 
-    /// The walk where both far ends of a straight step predict the same.
-    fn straight(&self, tangent: &[f64]) -> Option<Walk> {
+    /// The path if both far ends of a straight step have equal prediction.
+    fn straight(&self, tangent: &[f64]) -> Option<ContinuationPath> {
         let spectrum = &self.here.spectrum;
         let excited = (self.rank..tangent.len()).map(|k| {
             let along = tangent.iter().enumerate();
@@ -271,14 +275,14 @@ impl Walker<'_> {
         let (end, start) = (far(REACH)?, far(-REACH)?);
         let x = &self.at.x;
         let middle = |i: usize| 0.5 * (end.x[i] - start.x[i]);
-        Some(Walk::straight(x, middle))
+        Some(ContinuationPath::straight(x, middle))
     }
 
-    /// Points one way.
+    /// Points of one branch.
     fn path(&self, direction: &[f64]) -> Path {
         let length = REACH / POINTS as f64;
         let mut path = Path::default();
-        let mut stand: Option<Stand> = None;
+        let mut stand: Option<ContinuationPoint> = None;
         let (mut tangent, mut before) = (direction.to_vec(), direction.to_vec());
         for _ in 0..POINTS {
             let bend = tangent.iter().zip(&before).map(|(t, b)| 0.5 * (t - b));
@@ -308,24 +312,24 @@ impl Walker<'_> {
     }
 
     /// How far the predictions are from equal, in their noise, as far as the identified directions can move them.
-    fn off(&self, local: &Local) -> f64 {
+    fn off(&self, local: &Linearisation) -> f64 {
         let rhs = local.shared.rhs();
         let identified = (0..self.rank).map(|k| local.spectrum.left_along(&rhs, k).powi(2));
-        promised_decrease(self.experiment, local, identified.sum()).sqrt()
+        predicted_decrease(self.experiment, local, identified.sum()).sqrt()
     }
 
-    fn back_onto_the_set(&self, mut at: Point) -> Option<Stand> {
+    fn back_onto_the_set(&self, mut at: Iterate) -> Option<ContinuationPoint> {
         for _ in 0..CORRECTIONS {
             let here = self.experiment.linearise(&at)?;
-            let (all, local) = (here.promised.sqrt(), here.rows);
+            let (all, local) = (here.predicted_reduction.sqrt(), here.rows);
             let (off, back) = (self.off(&local), across(&local, self.rank));
             if off.is_nan() || largest(&back) > REACH {
                 return None;
             }
-            // The step back is still taken: what it leaves is of second order.
+            // The correction step is still taken: its remainder is of second order.
             if off < NEARLY_EQUAL {
                 let equal = all < NEARLY_EQUAL;
-                return Some(Stand {
+                return Some(ContinuationPoint {
                     at,
                     local,
                     back,
@@ -355,7 +359,7 @@ fn along(spectrum: &Spectrum, rank: usize, direction: &[f64]) -> Vec<f64> {
 }
 
 /// The Gauss-Newton step across the null space.
-fn across(local: &Local, rank: usize) -> Vec<f64> {
+fn across(local: &Linearisation, rank: usize) -> Vec<f64> {
     let (spectrum, rhs) = (&local.spectrum, local.shared.rhs());
     let n = spectrum.natural.len();
     let mut z = vec![0.0; n];

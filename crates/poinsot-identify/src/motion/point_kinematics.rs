@@ -1,11 +1,11 @@
-//! A point of a body at an instant: where it is, how it moves, and what the joints before it do to that.
+//! Position and velocity of a point of a body, with their derivatives over the joints.
 
 use super::{Column, Motion};
 use poinsot_dynamics::{Motion as Joint, Twist};
 use poinsot_spatial::{Matrix3, Vector3, Vector6};
 
 /// A point P fixed in body i, seen from the base; all in base axes.
-pub(crate) struct Place {
+pub(crate) struct PointKinematics {
     /// `R_BBi`.
     pub R: Matrix3,
     /// `p_BoP_B`, m.
@@ -32,9 +32,9 @@ pub(crate) struct JointEffect {
 
 impl Motion<'_> {
     /// A point of a body at the instant of the last [`Motion::velocity`].
-    pub fn place(&mut self, twist: &Twist, (body, p): (usize, &Vector3)) -> Place {
+    pub fn place(&mut self, twist: &Twist, (body, p): (usize, &Vector3)) -> PointKinematics {
         if body == 0 {
-            return Place {
+            return PointKinematics {
                 R: Matrix3::identity(),
                 r: *p,
                 v: twist.v + twist.w.cross(p),
@@ -42,11 +42,11 @@ impl Motion<'_> {
                 joints: Vec::new(),
             };
         }
-        let (tree, site) = (self.vehicle.tree, &mut self.site);
-        let placed = &mut site.kinematics;
-        placed.set_velocities(tree, &twist.v, &twist.w, &site.rates);
+        let (tree, input_state) = (self.vehicle.tree, &mut self.input_state);
+        let placed = &mut input_state.kinematics;
+        placed.set_velocities(tree, &twist.v, &twist.w, &input_state.rates);
         let arm = placed.R[body] * p;
-        let mut place = Place {
+        let mut place = PointKinematics {
             R: placed.R[body],
             r: placed.p[body] + arm,
             v: placed.v[body] + placed.w[body].cross(&arm),
@@ -89,11 +89,11 @@ impl Motion<'_> {
         self.columns.iter().zip(&self.twist_columns)
     }
 
-    /// What unknowns do to joints at the instant in hand: sensitivity column, joint, change of its position and rate.
+    /// Effect of unknowns on joints at the current instant: sensitivity column, joint, change of its position and rate.
     pub fn joint_changes(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> {
-        self.site.changes.iter().filter_map(|change| {
+        self.input_state.changes.iter().filter_map(|change| {
             let (joint, dq, drate) = change.joint?;
-            Some((self.head + change.unknown, joint, dq, drate))
+            Some((self.initial_columns + change.unknown, joint, dq, drate))
         })
     }
 }

@@ -1,47 +1,47 @@
-//! The set of unknowns that predict the same readings, as far as it was walked, and what stays the same along it.
+//! The set of unknowns with equal prediction, and tests of quantities along it.
 
 use crate::problem::quantity::Quantity;
 use poinsot_solve::Spectrum;
 use std::ops::Range;
 
-/// How far a walk leads, natural units: as far as nominal numbers are usually off.
+/// Length of a path, natural units: the usual error of nominal numbers.
 pub(crate) const REACH: f64 = 0.2;
-/// Points of a walk on each side of the answer.
+/// Points of a path on each side of the answer.
 pub(crate) const POINTS: usize = 10;
-/// Largest change of a quantity along a walk, sigmas: it adds half a percent to the variance.
+/// Largest change of a constant quantity along a path, sigmas: it adds half a percent to the variance.
 const CHANGE: f64 = 0.1;
-/// Largest factor by which sigma may change along a walk: what is a function of the identifiable numbers has one sigma on
-/// the whole set, and a combination whose coefficients are themselves estimated does not.
+/// Largest factor of sigma along a path: a function of identifiable numbers has one sigma on the whole set, unlike a
+/// combination with estimated coefficients.
 const SPREAD: f64 = 1.5;
 
-/// One walk along an open direction, both ways.
+/// A path along an unobservable direction, in both senses.
 #[derive(Clone)]
-pub(crate) struct Walk {
+pub(crate) struct ContinuationPath {
     /// Values of all unknowns, evenly spaced; the answer is in the middle.
     pub points: Vec<Vec<f64>>,
     /// Points at which quantities are compared with their value at the answer.
     pub tested: Range<usize>,
-    /// Spectra at the ends of these; none where the walk is straight.
+    /// Spectra at the ends of these; none if the path is linear.
     pub ends: Vec<(Vec<f64>, Spectrum)>,
 }
 
-/// All walks from an answer.
+/// All paths from an answer.
 #[derive(Clone, Default)]
-pub(crate) struct OpenSet {
-    /// One per open direction in the order of their names, then two along all of them at once.
-    pub walks: Vec<Walk>,
-    /// Spectrum at the answer, of the readings that were walked along; `None` where every walk is straight.
+pub(crate) struct UnobservableSet {
+    /// One per unobservable direction in the order of their names, then two along all of them together.
+    pub walks: Vec<ContinuationPath>,
+    /// Spectrum at the answer, of the predicted samples; `None` if every path is linear.
     pub here: Option<Spectrum>,
 }
 
-impl OpenSet {
-    /// Straight walks along directions in the unknowns' own units: the set of a linear problem.
+impl UnobservableSet {
+    /// Linear paths along directions in the unknowns' units: the set of a linear problem.
     pub fn straight(x: &[f64], directions: &[Vec<f64>], natural: &[f64]) -> Self {
         let walk = |step: &Vec<f64>| {
             let largest = step.iter().zip(natural).map(|(s, unit)| (s / unit).abs());
             let largest = largest.fold(0.0, f64::max);
             let ends = if largest > 0.0 { REACH / largest } else { 0.0 };
-            Walk::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
+            ContinuationPath::straight(x, |i| step.get(i).map_or(0.0, |s| s * ends))
         };
         Self {
             walks: directions.iter().map(walk).collect(),
@@ -49,9 +49,9 @@ impl OpenSet {
         }
     }
 
-    /// The points at which quantities are compared: of a straight walk a few, of others all.
+    /// The points at which quantities are compared: a few of a linear path, all of others.
     pub fn points(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let stride = |w: &Walk| if w.ends.is_empty() { POINTS / 2 } else { 1 };
+        let stride = |w: &ContinuationPath| if w.ends.is_empty() { POINTS / 2 } else { 1 };
         let walks = self.walks.iter();
         walks.flat_map(move |w| w.points[w.tested.clone()].iter().step_by(stride(w)))
     }
@@ -62,7 +62,7 @@ impl OpenSet {
         points.all(|x| (x[at] - value).abs() <= CHANGE * sigma)
     }
 
-    /// Whether a quantity is the same all along, value and sigma.
+    /// Whether value and sigma of a quantity are constant along all paths.
     pub fn holds(&self, here: &Quantity, sigma: f64, at: impl Fn(&[f64]) -> Quantity) -> bool {
         let mut values = self.points().map(|x| at(x).value);
         if !values.all(|v| (v - here.value).abs() <= CHANGE * sigma) {
@@ -80,7 +80,7 @@ impl OpenSet {
         ends.all(|(x, s)| of(s, &at(x)).is_some_and(|there| there <= SPREAD * own))
     }
 
-    /// Ranks at the answer and at both ends of the walks along all directions at once.
+    /// Ranks at the answer and at both ends of the paths along all directions together.
     pub fn ranks(&self) -> Vec<usize> {
         let ends = self.walks.last().into_iter().flat_map(|w| &w.ends);
         let spectra = self.here.iter().chain(ends.map(|(_, s)| s));
@@ -88,7 +88,7 @@ impl OpenSet {
     }
 }
 
-impl Walk {
+impl ContinuationPath {
     /// Evenly spaced on a line; `end` is the step to its far end.
     pub fn straight(x: &[f64], end: impl Fn(usize) -> f64) -> Self {
         let count = POINTS as i32;

@@ -1,5 +1,4 @@
-//! Torques of the surroundings about the system's mass centre, and thrusters that act late, with their
-//! sensitivities.
+//! External torques about the system's mass centre, and delayed thrusters, with their sensitivities.
 //!
 //! In base axes with `u` the unit vector from the attracting body:
 //!
@@ -7,7 +6,7 @@
 //! T = T_B - c |w| w + R^T T_N + (3 gm / r^3) u x (I u)
 //! ```
 
-use super::{Centre, Motion, State};
+use super::{MassCentre, Motion, State};
 use crate::problem::parameters::UnknownKind;
 use poinsot_dynamics::gravity_gradient_torque;
 use poinsot_spatial::{InertialParameters, Matrix3, Vector3, parallel_axis};
@@ -39,8 +38,13 @@ fn axial(a: &Matrix3) -> Vector3 {
 }
 
 impl Motion<'_> {
-    /// Force of a tide or of a constant acceleration on the vehicle per unit of one component, in N.
-    pub(super) fn tide(&self, component: usize, state: &State, centre: &Centre) -> Vector3 {
+    /// Tidal force, or force of a constant acceleration, per unit of one component, in N.
+    pub(super) fn tidal_force(
+        &self,
+        component: usize,
+        state: &State,
+        centre: &MassCentre,
+    ) -> Vector3 {
         let acceleration = match component.checked_sub(GRADIENT) {
             Some(axis) => Vector3::from_fn(|i, _| f64::from(u8::from(i == axis))),
             None => symmetric(component) * (state.p_NoBo_N + state.R_NB * centre.c),
@@ -48,40 +52,45 @@ impl Motion<'_> {
         acceleration * centre.mass
     }
 
-    /// Whether anything acts from outside in the interval after grid time k.
-    pub(super) fn pushed(&self, k: usize) -> bool {
-        self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.surrounded()
+    /// Whether an external force or torque acts in the interval after grid time k.
+    pub(super) fn has_external_wrench(&self, k: usize) -> bool {
+        self.thrust.get(k).is_some_and(|t| !t.is_empty()) || self.in_environment()
     }
 
-    /// Whether a torque of the surroundings acts.
-    fn surrounded(&self) -> bool {
+    /// Whether an external torque acts.
+    fn in_environment(&self) -> bool {
         let v = self.vehicle;
-        v.has_surroundings() || v.torque_N != Vector3::zeros()
+        v.has_environment_torque() || v.torque_N != Vector3::zeros()
     }
 
-    /// Torque of the surroundings about the system's mass centre, in B, N m.
-    pub(super) fn surroundings(&self, state: &State, w: &Vector3, centre: &Centre) -> Vector3 {
+    /// External torque about the system's mass centre, in B, N m.
+    pub(super) fn environment_torque(
+        &self,
+        state: &State,
+        w: &Vector3,
+        centre: &MassCentre,
+    ) -> Vector3 {
         let to_base = state.R_NB.inverse();
         let mut torque = self.vehicle.torque(w) + to_base * self.vehicle.torque_N;
         if let Some(gm) = self.vehicle.gm {
-            let r_B = to_base * self.site.orbit_N;
+            let r_B = to_base * self.input_state.orbit_N;
             torque += gravity_gradient_torque(gm, &r_B, &centre.I_SScm_B);
         }
         torque
     }
 
     /// Its change with a turn `dphi` of the base, its rate `(w, dw)`, and one unknown.
-    pub(super) fn surroundings_change(
+    pub(super) fn environment_torque_change(
         &self,
         state: &State,
-        centre: &Centre,
+        centre: &MassCentre,
         (w, dw): (&Vector3, &Vector3),
         dphi: &Vector3,
         unknown: Option<usize>,
     ) -> Vector3 {
         let v = self.vehicle;
         let kind = unknown.map(|u| &v.kinds[u]);
-        if !v.pushes && !self.surrounded() {
+        if !v.has_unknown_wrench && !self.in_environment() {
             return Vector3::zeros();
         }
         let to_base = state.R_NB.inverse();
@@ -94,14 +103,18 @@ impl Motion<'_> {
             change += to_base * e;
         }
         if let Some(UnknownKind::GravityGradient(k)) = kind {
-            let growth = if *k < GRADIENT { 1.0 } else { self.site.time_s };
+            let growth = if *k < GRADIENT {
+                1.0
+            } else {
+                self.input_state.time_s
+            };
             let R = super::matrix(&state.R_NB);
             let gradient = R.transpose() * symmetric(*k % GRADIENT) * R * growth;
             change += axial(&(gradient * centre.I_SScm_B));
         }
         if let Some(gm) = v.gm {
-            let distance = self.site.orbit_N.norm();
-            let u = to_base * self.site.orbit_N / distance;
+            let distance = self.input_state.orbit_N.norm();
+            let u = to_base * self.input_state.orbit_N / distance;
             let du = u.cross(dphi);
             let mut d = du.cross(&(centre.I_SScm_B * u)) + u.cross(&(centre.I_SScm_B * du));
             if let Some(at) = unknown.filter(|at| !v.slopes[*at].is_empty()) {
@@ -112,24 +125,27 @@ impl Motion<'_> {
         change
     }
 
-    /// What a change of the inertia does to the torque of the gravity gradient.
+    /// Change of the gravity-gradient torque with the inertia.
     pub(super) fn gradient_change(&self, state: &State, dI: &Matrix3) -> Vector3 {
         let Some(gm) = self.vehicle.gm else {
             return Vector3::zeros();
         };
-        let distance = self.site.orbit_N.norm();
-        let u = state.R_NB.inverse() * self.site.orbit_N / distance;
+        let distance = self.input_state.orbit_N.norm();
+        let u = state.R_NB.inverse() * self.input_state.orbit_N / distance;
         u.cross(&(dI * u)) * (3.0 * gm / distance.powi(3))
     }
 
     /// Change of the inertia about the system's mass centre with one unknown:
     /// `dI_Bo - d(m (c.c 1 - c c^T))`, in B.
-    fn inertia_change(&self, unknown: usize, centre: &Centre) -> Matrix3 {
+    fn inertia_change(&self, unknown: usize, centre: &MassCentre) -> Matrix3 {
         let mut sum = Matrix3::zeros();
         let c = &centre.c;
         for (at, slope) in &self.vehicle.slopes[unknown] {
             let (body, k) = (at / 10, at % 10);
-            let (R, p) = (&self.site.kinematics.R[body], &self.site.kinematics.p[body]);
+            let (R, p) = (
+                &self.input_state.kinematics.R[body],
+                &self.input_state.kinematics.p[body],
+            );
             let mut unit = [0.0; 10];
             unit[k] = 1.0;
             let part = InertialParameters::from_array(&unit);
@@ -151,31 +167,31 @@ impl Motion<'_> {
         let Some((p0, v0)) = o.orbit.get(k) else {
             return;
         };
-        self.site.orbit_N = *p0;
+        self.input_state.orbit_N = *p0;
         if at == 1.0
             && let Some((p1, _)) = o.orbit.get(k + 1)
         {
             // Both intervals that share a grid time see one orbit there, to the last bit.
-            self.site.orbit_N = *p1;
+            self.input_state.orbit_N = *p1;
         } else if at > 0.0
             && let Some((p1, v1)) = o.orbit.get(k + 1)
         {
             let h = o.time_s[k + 1] - o.time_s[k];
             let (d0, d1, dp) = (v0 * h, v1 * h, p1 - p0);
             let (c2, c3) = (dp * 3.0 - d0 * 2.0 - d1, d0 + d1 - dp * 2.0);
-            self.site.orbit_N = p0 + (d0 + (c2 + c3 * at) * at) * at;
+            self.input_state.orbit_N = p0 + (d0 + (c2 + c3 * at) * at) * at;
         }
     }
 
-    /// The state after what a late thruster changes at an edge of its firing: it acts `lag` longer as before,
-    /// `P += (F_before - F_after) lag`. Grid times hold all edges; the placement is that of grid time k.
+    /// The state after the edge of a delayed firing, which lasts `lag` longer: `P += (F_before - F_after) lag`. Grid
+    /// times hold all edges; the placement is that of grid time k.
     pub(super) fn late_thrust(&mut self, state: &State, k: usize) -> State {
         let mut now = *state;
         let late = &self.vehicle.late_thrusters;
         let Some(before) = k.checked_sub(1).filter(|_| !late.is_empty()) else {
             return now;
         };
-        let whole = poinsot_dynamics::composite(&self.vehicle.bodies, &self.site.kinematics);
+        let whole = poinsot_dynamics::composite(&self.vehicle.bodies, &self.input_state.kinematics);
         let c = whole.p_BoScm_B();
         let R = super::matrix(&state.R_NB);
         for (unknown, thrusters, lag) in late {
@@ -185,7 +201,7 @@ impl Motion<'_> {
                     if thrusters.contains(at) {
                         let (F, arm) = super::inputs::thruster_at(
                             self.vehicle,
-                            &self.site.kinematics,
+                            &self.input_state.kinematics,
                             *at,
                             *declared,
                             &c,
@@ -197,7 +213,7 @@ impl Motion<'_> {
             }
             now.P += jump.0 * *lag;
             now.h_SScm_N += jump.1 * *lag;
-            if let Some(column) = self.columns.get_mut(self.head + unknown) {
+            if let Some(column) = self.columns.get_mut(self.initial_columns + unknown) {
                 let dP = column.fixed_rows::<3>(6) + jump.0;
                 let dh = column.fixed_rows::<3>(9) + jump.1;
                 column.fixed_rows_mut::<3>(6).copy_from(&dP);

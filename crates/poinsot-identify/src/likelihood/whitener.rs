@@ -1,4 +1,4 @@
-//! Coloured noise: what an axis erred a moment ago says of how it errs now.
+//! Whitening of correlated (Gauss-Markov) noise.
 //!
 //! A Gauss-Markov error with correlation time T is whitened exactly by `(e_k - a e_{k-1}) / sqrt(1 - a^2)`,
 //! `a = exp(-dt/T)` (Bryson and Henrikson 1968 for measurements); sensitivities pass through the same.
@@ -7,13 +7,13 @@ use poinsot_spatial::Vector3;
 
 /// The whitening of one channel.
 #[derive(Debug, Default)]
-pub(super) struct Colour {
+pub(super) struct NoiseWhitener {
     correlation_s: f64,
     /// Time and block (sensitivities, residual, slopes over the inputs' errors) of the reading before.
     before: Option<(f64, Vec<Vector3>)>,
 }
 
-impl Colour {
+impl NoiseWhitener {
     pub fn new(correlation_s: f64) -> Self {
         Self {
             correlation_s,
@@ -21,12 +21,12 @@ impl Colour {
         }
     }
 
-    /// Whether there is nothing to do.
+    /// Whether it has no effect.
     pub fn is_white(&self) -> bool {
         self.correlation_s <= 0.0
     }
 
-    /// Takes off what the reading before tells. Gives the logarithm of the determinant of what is new, per axis.
+    /// Subtracts the correlation with the previous sample. Returns the log-determinant of the innovation, per axis.
     pub fn take(&mut self, t: f64, block: &mut [Vector3]) -> f64 {
         if self.is_white() {
             return 0.0;
@@ -59,11 +59,11 @@ mod tests {
         let full = DMatrix::from_fn(5, 5, |i, j| (-f64::abs(t[i] - t[j]) / 0.2).exp());
         let right = nalgebra::DVector::from_column_slice(&e);
         let wanted = right.dot(&full.clone().lu().solve(&right).unwrap_or_default());
-        let mut colour = Colour::new(0.2);
+        let mut whitener = NoiseWhitener::new(0.2);
         let (mut sum, mut log_det) = (0.0, 0.0);
         for (t, e) in t.iter().zip(e) {
             let mut block = [Vector3::new(e, 0.0, 0.0)];
-            log_det += colour.take(*t, &mut block);
+            log_det += whitener.take(*t, &mut block);
             sum += block[0].norm_squared();
         }
         assert!((sum - wanted).abs() < 1.0e-12);

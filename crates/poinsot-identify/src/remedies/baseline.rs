@@ -1,16 +1,16 @@
-//! What the experiment determines already, and what one more record or number adds to it.
+//! What the experiment determines already, and the information of one more record or number.
 
 use super::{Change, Effort, Row, percent};
 use crate::fit::experiment::Experiment;
-use crate::fit::triangle::Shared;
-use crate::likelihood::{Head, Sight};
+use crate::fit::triangle::SharedTriangle;
+use crate::likelihood::{InitialState, MeasuredMotion};
 use crate::problem::Problem;
 use crate::problem::parameters::{
     Equations, Parameters, TENSOR, UnknownKind, axis_name, tensor_name,
 };
 use crate::problem::quantity::TenParameters;
-use crate::solution::estimate::OpenCombination;
-use crate::solution::solved::Solved;
+use crate::solution::estimate::UnobservableCombination;
+use crate::solution::solved::Solution;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use poinsot_model::EstimateSet;
@@ -19,22 +19,22 @@ use poinsot_solve::{BlockQr, Spectrum};
 /// Accuracy of a number that is given, natural units.
 const GIVEN: f64 = 1.0e-3;
 
-/// What the experiment tells already, in barycentric unknowns.
-pub(super) struct Ground<'a> {
+/// Information of the experiment, in barycentric unknowns.
+pub(super) struct Baseline<'a> {
     pub problem: &'a Problem<'a>,
     pub parameters: Parameters,
     pub x: Vec<f64>,
     rows: Vec<Row>,
     coordinates: Coordinates,
-    pub head: Head,
-    pub sight: Sight,
+    pub initial_state: InitialState,
+    pub measured_motion: MeasuredMotion,
     pub wheels_smooth: bool,
     pub spin: Vec<f64>,
 }
 
-impl<'a> Ground<'a> {
-    pub fn new(problem: &'a Problem<'a>, solved: &Solved) -> Option<Self> {
-        let own = &solved.parameters;
+impl<'a> Baseline<'a> {
+    pub fn new(problem: &'a Problem<'a>, solution: &Solution) -> Option<Self> {
+        let own = &solution.parameters;
         let rotation = own.equations == Equations::Rotation;
         let parameters = if rotation {
             Parameters::new(problem.model, problem.tree, Equations::Momentum, true).ok()?
@@ -42,30 +42,34 @@ impl<'a> Ground<'a> {
             own.clone()
         };
         let x = match rotation {
-            true => crate::problem::parameters::lifted_vector(own, &solved.x, &parameters),
-            false => solved.x.clone(),
+            true => crate::problem::parameters::lifted_vector(own, &solution.x, &parameters),
+            false => solution.x.clone(),
         };
         let coordinates = match rotation {
             true => Coordinates::central(&parameters, &x)?,
             false => Coordinates::own(&parameters),
         };
         let experiment = Experiment::new(problem, own);
-        let head = solved.point(&experiment).heads.first().copied()?;
+        let initial_state = solution
+            .point(&experiment)
+            .initial_states
+            .first()
+            .copied()?;
         Some(Self {
-            rows: known_rows(solved, &parameters, &x),
+            rows: known_rows(solution, &parameters, &x),
             spin: experiment.nominal_spin.clone(),
-            sight: experiment.sight,
-            wheels_smooth: solved.wheels_smooth,
+            measured_motion: experiment.measured_motion,
+            wheels_smooth: solution.wheels_smooth,
             problem,
             parameters,
             x,
             coordinates,
-            head,
+            initial_state,
         })
     }
 
-    /// An open direction as a unit vector in natural units.
-    pub fn direction(&self, open: &OpenCombination) -> Vec<f64> {
+    /// An unobservable direction as a unit vector in natural units.
+    pub fn direction(&self, open: &UnobservableCombination) -> Vec<f64> {
         let own = &self.coordinates;
         let mut z = vec![0.0; own.names.len()];
         for (name, coefficient) in &open.coefficients {
@@ -95,7 +99,7 @@ impl<'a> Ground<'a> {
                 square.sqrt() * unit
             })
             .fold(0.0, f64::max);
-        let shared = Shared::new(&self.parameters, &triangle);
+        let shared = SharedTriangle::new(&self.parameters, &triangle);
         Spectrum::new(
             &shared.block(),
             natural,
@@ -125,10 +129,7 @@ impl<'a> Ground<'a> {
         let mut list = Vec::new();
         let mut add = |what: &str, rows: Vec<Row>| {
             list.push(Change {
-                text: format!(
-                    "give {what} of {name} with a sigma of {} of nominal",
-                    percent(GIVEN)
-                ),
+                text: format!("fix {what} of {name} (sigma {} of nominal)", percent(GIVEN)),
                 effort: Effort::Number,
                 rows,
             });
@@ -148,7 +149,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// In which numbers a direction is open: the others are held while one of them changes.
+/// Coordinates of a direction: the others are constant while one of them changes.
 struct Coordinates {
     names: Vec<String>,
     natural: Vec<f64>,
@@ -210,8 +211,8 @@ impl Coordinates {
 }
 
 /// The rows of a solved problem over the unknowns given, barycentric for those of a rotation alone.
-fn known_rows(solved: &Solved, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
-    let own = &solved.parameters;
+fn known_rows(solution: &Solution, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
+    let own = &solution.parameters;
     let n = own.len();
     let (front, back): (Vec<usize>, Vec<usize>) =
         (0..n).partition(|k| own.unknowns[*k].kind.is_nuisance());
@@ -235,7 +236,7 @@ fn known_rows(solved: &Solved, parameters: &Parameters, x: &[f64]) -> Vec<Row> {
             }
         })
         .collect();
-    let r = &solved.shared.r;
+    let r = &solution.shared.r;
     (0..n)
         .map(|i| {
             let mut row = vec![0.0; width];
