@@ -17,7 +17,7 @@ pub struct Problem<'a> {
     pub segments: &'a [Segment],
     /// Declared noise.
     pub noise: &'a Noise,
-    /// One-sigma accuracy in natural units that counts as identified (CONTRACT: 1.0).
+    /// One-sigma accuracy in natural units that counts as identified (docs/reference/interface.md: 1.0).
     pub relative_accuracy: f64,
 }
 
