@@ -105,7 +105,7 @@ MOMENTUM = '[momentum]\nlinear_N_s = "estimate"\nangular_N_m_s = "estimate"\n'
 
 def head(name, *comments):
     lines = [f"# {comment}" for comment in comments]
-    return "\n".join(lines + ['schema = "poinsot.model/1"', f'name = "{name}"']) + "\n\n"
+    return "\n".join(lines + ['schema = "poinsot.model/1"', f'name = "{name}"', 'exact = true']) + "\n\n"
 
 
 def stsat3(truth):

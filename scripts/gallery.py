@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from program import add_option, program as built
+
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "target/gallery"
 STSAT3 = "examples/stsat3/model.toml"
@@ -118,17 +120,13 @@ def build(program, name):
 
 def gallery(program=None, names=None):
     """Paths of the reports by name."""
-    if program is None:
-        # With the tests selected the features are those of the tests of the workspace, so that nothing is compiled twice.
-        subprocess.run(["cargo", "build", "--quiet", "--locked", "--release", "--workspace", "--bins", "--tests"], cwd=ROOT, check=True)
-        program = ROOT / "target/release/poinsot"
-    program = str(Path(program).resolve())
+    program = built(program)
     return {name: build(program, name) for name in names or REPORTS}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--poinsot", help="program to use; default: build it with cargo")
+    add_option(parser)
     parser.add_argument("names", nargs="*", help="reports to build; default: all")
     arguments = parser.parse_args()
     unknown = [name for name in arguments.names if name not in REPORTS]

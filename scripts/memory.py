@@ -27,6 +27,7 @@ spin_inertia_kg_m2 = 0.0004113
 """
 MODEL = """schema = "poinsot.model/1"
 name = "sat"
+exact = true
 [[body]]
 name = "bus"
 mass_kg = 150.0

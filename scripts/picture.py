@@ -15,9 +15,9 @@ import math
 import subprocess
 import sys
 from html import escape
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from program import ROOT, add_option, program
+
 EXAMPLE = ROOT / "examples" / "stsat3"
 PICTURE = ROOT / "docs" / "picture.svg"
 ENTRIES = ["xx", "yy", "zz", "xy", "xz", "yz"]
@@ -32,11 +32,11 @@ LANE, SIGMA, HIT, START = "#eef1f4", "#9ec5e8", "#0b4f8a", "#b3541e"
 ANSWERED = (0, 1)  # exit codes of identify: all, or part, of what was asked for
 
 
-def identify(program, run):
+def identify(poinsot, run):
     """The answer to one run as JSON."""
     arguments = ["identify", "--model", EXAMPLE / "model.toml"]
     arguments += ["--telemetry", EXAMPLE / run / "telemetry_noisy.csv", "--json"]
-    done = subprocess.run([*program, *map(str, arguments)], stdout=subprocess.PIPE, cwd=ROOT)
+    done = subprocess.run([poinsot, *map(str, arguments)], stdout=subprocess.PIPE, cwd=ROOT)
     if done.returncode not in ANSWERED:
         sys.exit(f"picture.py: identify failed with exit code {done.returncode}")
     return json.loads(done.stdout)
@@ -213,12 +213,11 @@ def bottom_of(rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--poinsot", help="program to use; default: build it with cargo")
+    add_option(parser)
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
     arguments = parser.parse_args()
-    cargo = ["cargo", "run", "--quiet", "--locked", "--release", "-p", "poinsot-cli", "--"]
-    program = [arguments.poinsot] if arguments.poinsot else cargo
-    answers = [identify(program, run) for run, _ in RUNS]
+    poinsot = program(arguments.poinsot)
+    answers = [identify(poinsot, run) for run, _ in RUNS]
     truths = [json.loads((EXAMPLE / run / "truth.json").read_text()) for run, _ in RUNS]
     bodies = [truth["bodies"]["spacecraft"]["inertia_kg_m2"]["value"] for truth in truths]
     if bodies[0] != bodies[1]:

@@ -4,7 +4,7 @@ use clap::{Arg, Command, CommandFactory};
 use poinsot_cli::arguments::Arguments;
 use std::fmt::Write;
 
-/// The page `commands.md`.
+/// The page `reference/commands.md`.
 pub fn page() -> String {
     let mut command = Arguments::command().color(clap::ColorChoice::Never);
     command.build();

@@ -4,7 +4,7 @@ use crate::commands::{GENERATED, cell};
 use serde_json::{Map, Value};
 use std::fmt::Write;
 
-/// The page `formats.md`.
+/// The page `reference/formats.md`.
 pub fn page() -> String {
     let mut out = "# Formats\n\n".to_owned();
     out.push_str(GENERATED);
@@ -16,7 +16,7 @@ pub fn page() -> String {
     out
 }
 
-/// The page `case.md`.
+/// The page `reference/case.md`.
 pub fn case_page() -> String {
     let mut out = "# Case files\n\n".to_owned();
     out.push_str(GENERATED);
@@ -28,7 +28,7 @@ pub fn case_page() -> String {
 const CASES: &str = "\
 A case file (TOML, `poinsot.case/2`) says what a vehicle does: `simulate` makes telemetry of it, `predict` its accuracy, \
 `design` a better manoeuvre, `validate` and `campaign` compare with it. An unknown key is an error, with the nearest known \
-key. Files of `poinsot.case/1` are read alike. [The cases](../examples/cases/README.md) are examples.
+key. Files of `poinsot.case/1` are read alike. [The cases](../../examples/cases/README.md) are examples.
 
 1. Write the case beside its model:
 
@@ -57,7 +57,7 @@ springs without `control` and without gravity. Motions of wheels and torques of 
 files. `poinsot schema case` prints the JSON Schema from which the tables below are made.
 ";
 
-/// The page `results.md`.
+/// The page `reference/results.md`.
 pub fn results_page() -> String {
     let mut out = "# Result formats\n\n".to_owned();
     out.push_str(GENERATED);

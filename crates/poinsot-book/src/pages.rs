@@ -12,15 +12,16 @@ use std::path::PathBuf;
 pub fn generated() -> Result<Vec<(PathBuf, String)>, BookError> {
     let docs = root().join("docs");
     let mut pages = vec![
-        (docs.join("commands.md"), commands::page()),
-        (docs.join("formats.md"), formats::page()),
-        (docs.join("case.md"), formats::case_page()),
-        (docs.join("results.md"), formats::results_page()),
+        (docs.join("reference/commands.md"), commands::page()),
+        (docs.join("reference/formats.md"), formats::page()),
+        (docs.join("reference/case.md"), formats::case_page()),
+        (docs.join("reference/results.md"), formats::results_page()),
+        (docs.join("reference/verdicts.md"), verdicts::page()),
         (docs.join("validation.md"), validation::page()?),
-        (docs.join("verdicts.md"), verdicts::page()),
     ];
     for (file, page) in ROOT_PAGES {
-        pages.push((docs.join(page), format!("{{{{#include ../{file}}}}}\n")));
+        let up = "../".repeat(page.split('/').count());
+        pages.push((docs.join(page), format!("{{{{#include {up}{file}}}}}\n")));
     }
     Ok(pages)
 }

@@ -10,8 +10,8 @@ pub fn root() -> PathBuf {
 
 /// Pages of the book whose text is a file at the root of the repository: file, page.
 pub const ROOT_PAGES: [(&str, &str); 5] = [
-    ("NOTATION.md", "notation.md"),
-    ("DESIGN.md", "design.md"),
+    ("NOTATION.md", "reference/notation.md"),
+    ("DESIGN.md", "explanation/design.md"),
     ("ARCHITECTURE.md", "architecture.md"),
     ("CONTRIBUTING.md", "contributing.md"),
     ("CHANGELOG.md", "changelog.md"),

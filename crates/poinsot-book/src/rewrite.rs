@@ -155,11 +155,11 @@ mod tests {
     fn unit_links_lead_to_pages_or_name_files() {
         assert_eq!(
             on("methods/a.md", "[n](../../NOTATION.md#units)"),
-            "[n](../notation.md#units)"
+            "[n](../reference/notation.md#units)"
         );
         assert_eq!(
-            on("design.md", "[one](docs/methods/ma2008.md)"),
-            "[one](methods/ma2008.md)"
+            on("explanation/design.md", "[one](docs/methods/ma2008.md)"),
+            "[one](../methods/ma2008.md)"
         );
         assert_eq!(
             on("start.md", "[model](../examples/stsat3/model.toml)"),

@@ -5,11 +5,7 @@ use crate::repository::root;
 use std::path::Path;
 
 /// Chapters that hold all pages of a folder: page, folder.
-const FOLDERS: [(&str, &str); 3] = [
-    ("methods.md", "methods"),
-    ("commands.md", "commands"),
-    ("validation.md", "validation"),
-];
+const FOLDERS: [(&str, &str); 2] = [("methods.md", "methods"), ("validation.md", "validation")];
 
 /// `SUMMARY.md` with the pages of the folders added, so that a new method needs no line there.
 ///

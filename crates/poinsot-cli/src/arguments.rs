@@ -329,8 +329,15 @@ pub struct Simulate {
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
 pub struct Predict {
-    /// Case (TOML, poinsot.case/2); its model is the truth.
-    pub case: PathBuf,
+    /// Cases (TOML, poinsot.case/2); their models are the truth. Several are compared.
+    #[arg(required = true, value_name = "CASE")]
+    pub cases: Vec<PathBuf>,
+    /// Folder for prediction.json, of several cases in a folder with the name of each; created if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Give the sigmas also for the record ended after each twelfth of its time.
+    #[arg(long)]
+    pub durations: bool,
     /// Largest one-sigma uncertainty, relative to nominal, of an identifiable direction.
     #[arg(long, default_value_t = 1.0)]
     pub relative_accuracy: f64,
@@ -347,7 +354,7 @@ pub struct Predict {
 pub struct Design {
     /// Case (TOML, poinsot.case/2) with the tables want, limits and design.
     pub case: PathBuf,
-    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv and design.json; created if missing.
+    /// Folder for case.toml (the manoeuvre), model.toml, commands.csv, firings.csv and design.json; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Stop the search after N minutes with the best manoeuvre so far.
@@ -356,6 +363,10 @@ pub struct Design {
     /// Simulate and identify N trial flights with vehicles drawn from the prior, and compare with the prediction.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub verify: u64,
+    /// Also the largest ratio with one kind of limit tighter and looser: duration, joint-rates, wheel-speeds, body-rate,
+    /// propellant, ...
+    #[arg(long, value_name = "LIMIT")]
+    pub front: Option<String>,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,

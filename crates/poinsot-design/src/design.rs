@@ -1,31 +1,24 @@
 //! A design from case to manoeuvre.
 
 use crate::interrupt::Listening;
-use crate::result::{Designed, LimitUse, Reach};
+use crate::mover::Target;
+use crate::result::{Designed, Reach};
 use crate::search::{Found, refine, search};
-use crate::shape::{Order, Space, Target, Use};
+use crate::shape::Space;
 use crate::trial::Question;
-use crate::vehicles::{drawn, has_prior};
 use crate::verify::verify;
-use crate::watch::{Watch, fine_times};
+use crate::watch::Watch;
 use crate::written::manoeuvre_text;
 use poinsot::Error;
 use poinsot::case::{Case, Design, Limits, Objective, Want, parse_case, read_case};
-use poinsot::predict::{predict_case, wanted_sigma};
+use poinsot::predict::{against_duration, predict_case, wanted_sigma};
 use poinsot::simulate::SimulateError;
 use poinsot_dynamics::{Plan, Tree};
 use poinsot_model::{Model, read_model};
-use poinsot_solve::Reached;
-use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Vehicles of the prior that must hold the limits that depend on them: where all do, 99 % of the prior does with a
-/// probability of 95 % (`0.99^300 = 0.05`).
-const VEHICLES: u64 = 300;
-/// Rounds in which margins for these vehicles are found.
-const MARGIN_ROUNDS: usize = 3;
 /// Steps of a search that goes on after a small change.
 pub(crate) const FEW_STEPS: usize = 8;
 /// Times that are tried for the shortest one.
@@ -39,12 +32,6 @@ const TIME_LEFT: f64 = 0.01;
 const FALL: f64 = 1.5;
 /// By how much a shortest time reaches what is wanted: thinned rows and limits that are left to the end cost as much.
 const SURE: f64 = 0.01;
-/// Shares of a manoeuvre that are tried where a limit is broken by what the search does not resolve.
-const SHARES: [f64; 7] = [1.0, 0.9995, 0.998, 0.995, 0.99, 0.98, 0.95];
-/// By what part of itself a limit may be exceeded: the error of the integration.
-const HELD: f64 = 1.0e-6;
-/// Streams of random numbers of the vehicles that check margins; those below belong to robust designs.
-const MARGIN_STREAM: u64 = 1 << 32;
 /// Part of the evaluations of a robust design, each of which flies all its vehicles.
 const ROBUST_PART: usize = 16;
 
@@ -57,6 +44,8 @@ pub struct DesignRequest {
     pub minutes: Option<f64>,
     /// Trial flights of the manoeuvre; none with 0.
     pub verify: u64,
+    /// Kind of limit, tighter and looser, that a front of the largest ratio is wanted of.
+    pub front: Option<String>,
 }
 
 /// Designs the manoeuvre of a case file.
@@ -71,8 +60,8 @@ pub fn design(request: &DesignRequest) -> Result<Designed, Error> {
 
 /// What stays the same over all searches.
 pub(crate) struct Asked<'c> {
-    case: &'c Case,
-    model: &'c Model,
+    pub case: &'c Case,
+    pub model: &'c Model,
     pub design: Design,
     wants: Vec<Want>,
     pub limits: Limits,
@@ -86,6 +75,7 @@ pub(crate) struct Asked<'c> {
 /// As [`design`].
 pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result<Designed, Error> {
     let asked = Asked::new(case, &model, request.minutes)?;
+    let front = request.front.as_deref().map(Asked::group).transpose()?;
     let listening = Listening::begin();
     let question = asked.question(asked.design.clone(), &asked.limits)?;
     let space = asked.space(&asked.limits, case.duration_s)?;
@@ -117,6 +107,9 @@ pub fn design_case(case: &Case, model: Model, request: &DesignRequest) -> Result
     if !designed.is_reached() && !crate::interrupt::is_requested() {
         designed.relaxed = asked.relaxed(&space, &x, &designed.limits);
     }
+    if let Some(group) = front.filter(|_| !crate::interrupt::is_requested()) {
+        designed.front = asked.front(group, &space, &x, designed.worst_ratio());
+    }
     designed.evaluations = evaluations.max(question.evaluations.load(Ordering::Relaxed));
     drop(listening);
     if request.verify > 0 {
@@ -143,7 +136,7 @@ impl<'c> Asked<'c> {
         let refused = SimulateError::from;
         let design = case.design(model).map_err(refused)?;
         let design = design.ok_or_else(|| {
-            usage("it has no [design]; add it with [[design.joint]] or [[design.wheel]]")
+            usage("it has no [design]; add it with [[design.joint]], [[design.wheel]] or [[design.thruster]]")
         })?;
         let wants = case.wants(model).map_err(refused)?;
         if wants.is_empty() {
@@ -166,8 +159,17 @@ impl<'c> Asked<'c> {
             .coordinates
             .iter()
             .map(|k| model.joints[*k].name.clone());
+        let mut limits = case.limits(model).map_err(refused)?;
+        let open: Vec<usize> = design.wheels.iter().map(|w| w.index).collect();
+        let scenario = case.bind_open(model, &open).map_err(refused)?;
+        let designed = |k: usize| design.thrusters.iter().any(|f| f.index == k);
+        for limit in &mut limits.impulses {
+            let fired = scenario.plan.firings.iter();
+            let others = fired.filter(|f| limit.holds(f.thruster) && !designed(f.thruster));
+            limit.spent = others.map(|f| f.force * (f.off - f.on)).sum();
+        }
         Ok(Self {
-            limits: case.limits(model).map_err(refused)?,
+            limits,
             design,
             wants,
             joint_names: names.collect(),
@@ -177,10 +179,11 @@ impl<'c> Asked<'c> {
         })
     }
 
-    fn name(&self, target: Target) -> &str {
+    pub fn name(&self, target: Target) -> &str {
         match target {
             Target::Joint(k) => &self.joint_names[k],
             Target::Wheel(k) => &self.model.wheels[k].name,
+            Target::Thruster(k) => &self.model.thrusters[k].name,
         }
     }
 
@@ -188,10 +191,7 @@ impl<'c> Asked<'c> {
         Space::new(&self.design, limits, duration).map_err(|(target, why)| Error::Usage {
             option: "CASE",
             value: self.case.path().display().to_string(),
-            why: format!(
-                "{}: {why}; give [[limits.joint]] or [[limits.wheel]] that include its initial position",
-                self.name(target)
-            ),
+            why: format!("{}: {why}", self.name(target)),
         })
     }
 
@@ -208,7 +208,12 @@ impl<'c> Asked<'c> {
         let joints = self.design.joints.iter().map(|m| m.index);
         let wheels = self.design.wheels.iter().map(|m| m.index);
         let moves = joints.into_iter().any(|k| plan.joints[k] != hold.joints[k])
-            || wheels.into_iter().any(|k| plan.wheels[k] != hold.wheels[k]);
+            || wheels.into_iter().any(|k| plan.wheels[k] != hold.wheels[k])
+            || self
+                .design
+                .thrusters
+                .iter()
+                .any(|t| plan.firings.iter().any(|f| f.thruster == t.index));
         if !moves {
             return None;
         }
@@ -309,96 +314,6 @@ impl<'c> Asked<'c> {
         (best, found)
     }
 
-    /// Searches on with margins until the vehicles of the prior hold the limits that depend on them.
-    fn leave_margins(&self, question: &mut Question, space: &Space, reached: &mut Reached) {
-        for _ in 0..MARGIN_ROUNDS {
-            let Some(excess) = self.excess(question, space, &reached.x) else {
-                return;
-            };
-            let (between, prior): (Vec<f64>, Vec<f64>) = excess.into_iter().unzip();
-            question.prior_margins = prior;
-            let all: Vec<f64> = between
-                .iter()
-                .zip(&question.prior_margins)
-                .map(|(a, b)| a + b)
-                .collect();
-            let enough = all
-                .iter()
-                .zip(&question.margins)
-                .all(|(e, m)| *e <= *m + HELD);
-            if enough {
-                return;
-            }
-            for (margin, e) in question.margins.iter_mut().zip(all) {
-                *margin = margin.max(e);
-            }
-            let budget = FEW_STEPS * (space.len() + 2);
-            if let Some(better) = refine(question, space, &reached.x, budget) {
-                *reached = better;
-            }
-        }
-    }
-
-    /// The manoeuvre, or the nearest one on the way from it to rest that holds every limit on the fine grid.
-    fn held(&self, question: &Question, space: &Space, x: Vec<f64>) -> Result<Vec<f64>, Error> {
-        for share in SHARES {
-            let nearer: Vec<f64> = x.iter().map(|x| share * x).collect();
-            let uses = self.uses(question, space, &nearer)?;
-            if uses.iter().all(|u| u.margin >= -HELD) {
-                return Ok(nearer);
-            }
-        }
-        Ok(x)
-    }
-
-    /// By how much the motion goes further, for each watched limit, between the rows of a candidate and with the
-    /// vehicles of the prior.
-    fn excess(&self, question: &Question, space: &Space, x: &[f64]) -> Option<Vec<(f64, f64)>> {
-        let scenario = question.scenario(space, x)?;
-        let worst = |model: &Model| -> Option<Vec<f64>> {
-            let course = question.course(model, &scenario).ok()?;
-            Some(course.worst(&question.watch).iter().map(|w| w.1).collect())
-        };
-        let nominal = worst(self.model)?;
-        let fine = self.fine(question, space, x).ok()??;
-        let mut between = vec![0.0_f64; nominal.len()];
-        for ((b, fine), nominal) in between.iter_mut().zip(&fine).zip(&nominal) {
-            *b = (fine.1 - nominal).max(0.0);
-        }
-        if !has_prior(self.model) {
-            return Some(between.into_iter().map(|b| (b, 0.0)).collect());
-        }
-        let seed = self.design.seed;
-        let all: Vec<Option<Vec<f64>>> = (0..VEHICLES)
-            .into_par_iter()
-            .map(|k| worst(&drawn(self.model, seed, MARGIN_STREAM + k)))
-            .collect();
-        let mut most = vec![0.0_f64; nominal.len()];
-        for one in all.into_iter().flatten() {
-            for ((most, x), nominal) in most.iter_mut().zip(one).zip(&nominal) {
-                *most = most.max(x - nominal);
-            }
-        }
-        Some(between.into_iter().zip(most).collect())
-    }
-
-    /// Value that comes closest to each watched limit, and how far it is beyond, on a grid finer than the case's rows.
-    fn fine(
-        &self,
-        question: &Question,
-        space: &Space,
-        x: &[f64],
-    ) -> Result<Option<Vec<(f64, f64)>>, Error> {
-        let mut case = self.case.clone();
-        case.duration_s = space.duration;
-        let Some(mut scenario) = question.scenario(space, x) else {
-            return Ok(None);
-        };
-        scenario.times = fine_times(&case);
-        let course = question.course(self.model, &scenario)?;
-        Ok(Some(course.worst(&question.watch)))
-    }
-
     fn told(
         &self,
         question: &Question,
@@ -410,17 +325,24 @@ impl<'c> Asked<'c> {
         let commands: Vec<_> = commands
             .map(|(m, c)| (self.name(m.target).to_owned(), c))
             .collect();
-        let manoeuvre = manoeuvre_text(self.case, space, &commands)?;
+        let firings = space.valves.firings(x).into_iter();
+        let firings: Vec<_> = firings
+            .map(|f| (self.name(Target::Thruster(f.thruster)).to_owned(), f))
+            .collect();
+        let manoeuvre = manoeuvre_text(self.case, space, &commands, &firings)?;
         let mut designed = Designed {
             model: self.model.clone(),
             case: self.case.path().display().to_string(),
             manoeuvre,
             commands,
+            firings,
             duration_s: space.duration,
             objective: word(self.design.objective),
             wants: Vec::new(),
             limits: self.uses(question, space, x)?,
             relaxed: Vec::new(),
+            front: Vec::new(),
+            against_duration: Vec::new(),
             evaluations: 0,
             starts: found.starts.clone(),
             settled: found.reached.settled,
@@ -432,6 +354,7 @@ impl<'c> Asked<'c> {
         if !self.design.priors {
             vehicle.bodies.iter_mut().for_each(|b| b.prior = None);
         }
+        designed.against_duration = against_duration(&case, &vehicle, &self.wants, 1.0)?;
         let prediction = predict_case(&case, vehicle, 1.0)?;
         let reaches = self.wants.iter().enumerate().map(|(i, want)| Reach {
             want: want.clone(),
@@ -441,61 +364,6 @@ impl<'c> Asked<'c> {
         designed.wants = reaches.collect();
         Ok(designed)
     }
-
-    /// How far every limit is used, on a finer grid than the search's.
-    fn uses(&self, question: &Question, space: &Space, x: &[f64]) -> Result<Vec<LimitUse>, Error> {
-        let mut all: Vec<LimitUse> = Vec::new();
-        for u in space.uses(x) {
-            all.push(self.linear_use(space, &u));
-        }
-        if question.watch.watched.is_empty() {
-            return Ok(all);
-        }
-        if let Some(worst) = self.fine(question, space, x)? {
-            let margins = question.watch.watched.iter().zip(&question.prior_margins);
-            for ((w, margin), (value, beyond)) in margins.zip(worst) {
-                all.push(LimitUse {
-                    what: w.what.clone(),
-                    unit: w.unit,
-                    value,
-                    limit: w.limit,
-                    margin: -(beyond + margin),
-                });
-            }
-        }
-        Ok(all)
-    }
-
-    fn linear_use(&self, space: &Space, u: &Use) -> LimitUse {
-        let mover = &space.movers[u.mover];
-        let (low, high) = mover.bounds[u.order as usize];
-        let half = match low.is_finite() && high.is_finite() {
-            true => 0.5 * (high - low),
-            false => u.limit.abs(),
-        };
-        let (word, unit) = match (mover.target, u.order, mover.slides) {
-            (Target::Wheel(_), ..) => ("speed", "rad/s"),
-            (_, Order::Value, false) => ("position", "rad"),
-            (_, Order::Value, true) => ("position", "m"),
-            (_, Order::Rate, false) => ("rate", "rad/s"),
-            (_, Order::Rate, true) => ("rate", "m/s"),
-            (_, Order::Acceleration, false) => ("acceleration", "rad/s2"),
-            (_, Order::Acceleration, true) => ("acceleration", "m/s2"),
-        };
-        LimitUse {
-            what: format!("{word} of {}", self.name(mover.target)),
-            unit,
-            value: u.value,
-            limit: u.limit,
-            margin: (u.limit - u.value).abs() / half
-                * if inside(u, low, high) { 1.0 } else { -1.0 },
-        }
-    }
-}
-
-fn inside(u: &Use, low: f64, high: f64) -> bool {
-    let slack = 1.0e-9 * u.limit.abs();
-    (low - slack..=high + slack).contains(&u.value)
 }
 
 fn word(objective: Objective) -> &'static str {

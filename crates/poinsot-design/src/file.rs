@@ -1,7 +1,8 @@
 //! A design as `design.json` (`poinsot.design/1`), and as a document made of it.
 
-use crate::result::Designed;
+use crate::result::{Designed, Relaxed};
 use crate::text::sentence;
+use poinsot::predict::against_duration_file;
 use poinsot_formats::{
     DESIGN, DesignFile, DesignVerificationFile, DesignedNumberFile, LimitUseFile, RelaxedFile,
     SearchFile, VerifiedNumberFile, finite,
@@ -25,11 +26,14 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         margin: l.margin,
         active: l.is_active(),
     });
-    let relaxed = designed.relaxed.iter().map(|r| RelaxedFile {
-        what: r.what.clone(),
-        factor: r.factor,
-        worst_ratio: r.ratio,
-    });
+    let points = |all: &[Relaxed]| {
+        let point = |r: &Relaxed| RelaxedFile {
+            what: r.what.clone(),
+            factor: r.factor,
+            worst_ratio: r.ratio,
+        };
+        all.iter().map(point).collect()
+    };
     let verification = designed.verification.as_ref();
     let verdict = match designed.is_reached() {
         true => "reached",
@@ -48,7 +52,12 @@ pub fn design_file(designed: &Designed) -> DesignFile {
         robust_log_ratio: designed.robust,
         wants: wants.collect(),
         limits: limits.collect(),
-        relaxed: relaxed.collect(),
+        relaxed: points(&designed.relaxed),
+        front: points(&designed.front),
+        against_duration: Some(against_duration_file(
+            &designed.against_duration,
+            designed.wants.iter().map(|r| &r.want),
+        )),
         search: SearchFile {
             evaluations: designed.evaluations,
             starts: designed.starts.clone(),

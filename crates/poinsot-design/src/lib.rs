@@ -11,12 +11,15 @@
 mod design;
 mod file;
 pub mod interrupt;
+mod margins;
+mod mover;
 mod relaxed;
 mod result;
 mod search;
 mod shape;
 mod text;
 mod trial;
+mod valves;
 mod vehicles;
 mod verify;
 mod watch;

@@ -1,101 +1,181 @@
-//! What a limit would give if it were relaxed: where something wanted is not reached, the reader learns what to change.
+//! What another limit or time would give: one step where something wanted is not reached, and a front on request.
 
 use crate::design::{Asked, FEW_STEPS};
 use crate::result::{LimitUse, Relaxed};
 use crate::search::refine;
 use crate::shape::Space;
+use poinsot::Error;
 use poinsot::case::{Design, Limits, Objective};
 
 /// Factor on a limit that is relaxed.
 const RELAXED: f64 = 1.25;
+/// Factors on the limit of a front, outwards from the limit of the case on both sides.
+const FRONT: [&[f64]; 2] = [&[0.8, 0.65, 0.5], &[1.25, 1.5, 2.0]];
 
 impl Asked<'_> {
     /// What each kind of active limit would give if it were relaxed, and a longer time.
     pub fn relaxed(&self, space: &Space, x: &[f64], uses: &[LimitUse]) -> Vec<Relaxed> {
-        let mut out = Vec::new();
-        for group in GROUPS {
-            let active = |u: &LimitUse| u.is_active() && u.what.starts_with(group.starts);
-            let names_time = group.starts.is_empty();
-            if !names_time && !uses.iter().any(active) {
-                continue;
-            }
-            let mut limits = self.limits.clone();
-            (group.relax)(&mut limits);
-            let factor = if names_time { RELAXED } else { 1.0 };
-            let ratio = self.ratio_with(&limits, factor * space.duration, x);
-            if let Some(ratio) = ratio {
-                out.push(Relaxed {
-                    what: group.words.to_owned(),
-                    factor: RELAXED,
-                    ratio,
-                });
-            }
-        }
-        out
+        let is_active = |group: &&Group| {
+            let own = |u: &LimitUse| group.starts.iter().any(|start| u.what.starts_with(start));
+            group.starts.is_empty() || uses.iter().any(|u| u.is_active() && own(u))
+        };
+        let of = |group: &Group| Some(self.with(group, RELAXED, space.duration, x)?.0);
+        GROUPS.iter().filter(is_active).filter_map(of).collect()
     }
 
-    fn ratio_with(&self, limits: &Limits, duration: f64, x: &[f64]) -> Option<f64> {
-        let space = Space::new(&self.design, limits, duration).ok()?;
+    /// The group of limits of a front.
+    ///
+    /// # Errors
+    /// There is none of this name.
+    pub fn group(what: &str) -> Result<&'static Group, Error> {
+        let found = GROUPS.iter().find(|g| g.words.replace(' ', "-") == what);
+        found.ok_or_else(|| {
+            let known: Vec<String> = GROUPS.iter().map(|g| g.words.replace(' ', "-")).collect();
+            Error::Usage {
+                option: "--front",
+                value: what.to_owned(),
+                why: format!("no such limit; use one of {}", known.join(", ")),
+            }
+        })
+    }
+
+    /// The largest ratio with one kind of limit tighter and looser than in the case: each point is searched from its
+    /// neighbour.
+    pub fn front(&self, group: &Group, space: &Space, x: &[f64], ratio: f64) -> Vec<Relaxed> {
+        let mut all = vec![Relaxed {
+            what: group.words.to_owned(),
+            factor: 1.0,
+            ratio,
+        }];
+        for factors in FRONT {
+            let mut from = x.to_vec();
+            for factor in factors {
+                let Some((point, next)) = self.with(group, *factor, space.duration, &from) else {
+                    break;
+                };
+                all.push(point);
+                from = next;
+            }
+        }
+        all.sort_by(|a, b| a.factor.total_cmp(&b.factor));
+        all
+    }
+
+    /// What a limit gives with a factor, and the free numbers of the manoeuvre; `None` where no manoeuvre holds it.
+    fn with(
+        &self,
+        group: &Group,
+        factor: f64,
+        duration: f64,
+        from: &[f64],
+    ) -> Option<(Relaxed, Vec<f64>)> {
+        let mut limits = self.limits.clone();
+        (group.relax)(&mut limits, factor);
+        let of_time = if group.starts.is_empty() { factor } else { 1.0 };
+        let space = Space::new(&self.design, &limits, of_time * duration).ok()?;
         let design = Design {
             robust: false,
             objective: Objective::WorstRatio,
             ..self.design.clone()
         };
-        let question = self.question(design, limits).ok()?;
+        let question = self.question(design, &limits).ok()?;
         let budget = FEW_STEPS * (space.len() + 2);
-        let reached = refine(&question, &space, x, budget)?;
-        Some(reached.values.worst().exp())
+        let reached = refine(&question, &space, from, budget)?;
+        (reached.values.broken() <= BROKEN).then(|| {
+            let point = Relaxed {
+                what: group.words.to_owned(),
+                factor,
+                ratio: reached.values.worst().exp(),
+            };
+            (point, reached.x)
+        })
     }
 }
 
-/// Limits that are relaxed together; the duration has no name among the uses.
-struct Group {
+/// How far a limit may be broken by a manoeuvre that is only compared: the search is ended early.
+const BROKEN: f64 = 0.01;
+
+/// Limits that are relaxed together.
+pub(crate) struct Group {
     words: &'static str,
-    starts: &'static str,
-    relax: fn(&mut Limits),
+    /// How the names of their uses start; the duration has none.
+    starts: &'static [&'static str],
+    relax: fn(&mut Limits, f64),
 }
 
-const GROUPS: [Group; 7] = [
+static GROUPS: [Group; 11] = [
     Group {
         words: "joint positions",
-        starts: "position of",
-        relax: |l| {
+        starts: &["position of"],
+        relax: |l, f| {
             for j in &mut l.joints {
-                j.position = (RELAXED * j.position.0, RELAXED * j.position.1);
+                j.position = (f * j.position.0, f * j.position.1);
             }
         },
     },
     Group {
         words: "joint rates",
-        starts: "rate of",
-        relax: |l| l.joints.iter_mut().for_each(|j| j.rate *= RELAXED),
+        starts: &["rate of"],
+        relax: |l, f| l.joints.iter_mut().for_each(|j| j.rate *= f),
     },
     Group {
         words: "joint accelerations",
-        starts: "acceleration of",
-        relax: |l| l.joints.iter_mut().for_each(|j| j.acceleration *= RELAXED),
+        starts: &["acceleration of"],
+        relax: |l, f| l.joints.iter_mut().for_each(|j| j.acceleration *= f),
     },
     Group {
         words: "wheel speeds",
-        starts: "speed of",
-        relax: |l| l.wheels.iter_mut().for_each(|w| w.speed *= RELAXED),
+        starts: &["speed of"],
+        relax: |l, f| l.wheels.iter_mut().for_each(|w| w.speed *= f),
     },
     Group {
         words: "torques",
-        starts: "torque of",
-        relax: |l| {
-            l.joints.iter_mut().for_each(|j| j.effort *= RELAXED);
-            l.wheels.iter_mut().for_each(|w| w.torque *= RELAXED);
+        starts: &["torque of"],
+        relax: |l, f| {
+            l.joints.iter_mut().for_each(|j| j.effort *= f);
+            l.wheels.iter_mut().for_each(|w| w.torque *= f);
         },
     },
     Group {
         words: "body rate",
-        starts: "body rate",
-        relax: |l| l.body_rate *= RELAXED,
+        starts: &["body rate"],
+        relax: |l, f| l.body_rate *= f,
+    },
+    Group {
+        words: "cones",
+        starts: &["angle of cone"],
+        relax: |l, f| {
+            for c in &mut l.cones {
+                c.half_angle = match c.keep_in {
+                    true => (f * c.half_angle).min(std::f64::consts::PI),
+                    false => c.half_angle / f,
+                };
+            }
+        },
+    },
+    Group {
+        words: "clearance",
+        starts: &["distance of", "plume of"],
+        relax: |l, f| l.clearance /= f,
+    },
+    Group {
+        words: "shortest firing",
+        starts: &["firing of", "pause of"],
+        relax: |l, f| {
+            for t in &mut l.thrusters {
+                t.minimum_on /= f;
+                t.minimum_off /= f;
+            }
+        },
+    },
+    Group {
+        words: "propellant",
+        starts: &["impulse of", "propellant of"],
+        relax: |l, f| l.impulses.iter_mut().for_each(|i| i.impulse *= f),
     },
     Group {
         words: "duration",
-        starts: "",
-        relax: |_| {},
+        starts: &[],
+        relax: |_, _| {},
     },
 ];

@@ -1,8 +1,10 @@
 //! What a design gives.
 
-use crate::shape::Command;
+use crate::mover::Command;
 use poinsot::case::Want;
+use poinsot::predict::Ended;
 use poinsot::trials::Band;
+use poinsot_dynamics::Firing;
 use poinsot_model::Model;
 
 /// One wanted number and what the manoeuvre gives of it.
@@ -105,6 +107,8 @@ pub struct Designed {
     pub manoeuvre: String,
     /// Name of every mover with its command.
     pub commands: Vec<(String, Command)>,
+    /// Name of the thruster of every designed firing, with the firing.
+    pub firings: Vec<(String, Firing)>,
     /// Duration of the manoeuvre, s.
     pub duration_s: f64,
     /// Word for what was minimised.
@@ -115,6 +119,10 @@ pub struct Designed {
     pub limits: Vec<LimitUse>,
     /// What relaxed limits would give, where something is not reached.
     pub relaxed: Vec<Relaxed>,
+    /// What one kind of limit, tighter and looser, would give; empty where nobody asked.
+    pub front: Vec<Relaxed>,
+    /// Sigmas of what is wanted with the record ended earlier.
+    pub against_duration: Vec<Ended>,
     /// Evaluations of manoeuvres.
     pub evaluations: usize,
     /// Logarithm of the largest ratio at the end of every start.
@@ -128,6 +136,14 @@ pub struct Designed {
 }
 
 impl Designed {
+    /// The thrusters whose firings were designed.
+    pub fn thrusters(&self) -> Vec<usize> {
+        let mut all: Vec<usize> = self.firings.iter().map(|f| f.1.thruster).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
     /// Largest ratio of sigma to wanted sigma.
     pub fn worst_ratio(&self) -> f64 {
         self.wants.iter().map(Reach::ratio).fold(0.0, f64::max)

@@ -2,10 +2,11 @@
 
 use crate::shape::Space;
 use crate::trial::{Program, Question};
-use poinsot_solve::{Minimax, MinimaxOptions, Reached, Values, minimax};
+use poinsot_solve::{Minimax, MinimaxOptions, MinimaxSearch, Reached, Values, minimax};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
 /// Random manoeuvres for each start of the search.
 const RANDOM: usize = 24;
@@ -68,6 +69,42 @@ fn round(
     given: Vec<Vec<f64>>,
     left: &mut usize,
 ) -> Option<Found> {
+    let mut ends = begun(program, rng, given, left);
+    let merit = |s: &MinimaxSearch| s.reached.values.merit();
+    let mut starts = Vec::new();
+    while !ends.is_empty() {
+        let is_last = ends.len() == 1;
+        let steps = if is_last { LAST_STEPS } else { FIRST_STEPS };
+        let share = options(*left / ends.len(), steps);
+        let spent: usize = ends
+            .par_iter_mut()
+            .map(|search| {
+                let before = search.reached.evaluations;
+                search.advance(program, &program.space.polytope, share);
+                search.reached.evaluations - before
+            })
+            .sum();
+        *left = left.saturating_sub(spent);
+        ends.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
+        if starts.is_empty() {
+            starts = ends.iter().map(|e| e.reached.values.worst()).collect();
+        }
+        if is_last {
+            break;
+        }
+        ends.truncate(ends.len().div_ceil(2));
+    }
+    let reached = ends.into_iter().next()?.reached;
+    Some(Found { reached, starts })
+}
+
+/// Searches from the best of many random manoeuvres; what the case itself holds is always among them.
+fn begun(
+    program: &Program,
+    rng: &mut ChaCha8Rng,
+    given: Vec<Vec<f64>>,
+    left: &mut usize,
+) -> Vec<MinimaxSearch> {
     let space = program.space;
     let wanted = program.question.design.starts;
     let mut pool = given;
@@ -80,37 +117,12 @@ fn round(
     *left = left.saturating_sub(pool.len());
     let values = in_parts(program, &pool);
     let evaluated = pool.into_iter().zip(values).enumerate();
-    let mut all: Vec<(bool, Reached)> = evaluated
-        .filter_map(|(i, (x, values))| Some((i >= of_case, unmoved(x, values?))))
+    let mut all: Vec<(bool, MinimaxSearch)> = evaluated
+        .filter_map(|(i, (x, values))| Some((i >= of_case, MinimaxSearch::begin(x, values?))))
         .collect();
-    // What the case itself holds is always tried.
-    let merit = |r: &Reached| r.values.merit();
+    let merit = |s: &MinimaxSearch| s.reached.values.merit();
     all.sort_by(|a, b| a.0.cmp(&b.0).then(merit(&a.1).total_cmp(&merit(&b.1))));
-    let mut ends: Vec<Reached> = all.into_iter().map(|(_, r)| r).take(wanted).collect();
-    let mut starts = Vec::new();
-    while !ends.is_empty() {
-        let is_last = ends.len() == 1;
-        let steps = if is_last { LAST_STEPS } else { FIRST_STEPS };
-        for end in &mut ends {
-            let from = end.x.clone();
-            if let Some(next) = minimax(program, &space.polytope, from, options(*left, steps)) {
-                *left = left.saturating_sub(next.evaluations);
-                if merit(&next) <= merit(end) {
-                    *end = next;
-                }
-            }
-        }
-        ends.sort_by(|a, b| merit(a).total_cmp(&merit(b)));
-        if starts.is_empty() {
-            starts = ends.iter().map(|e| e.values.worst()).collect();
-        }
-        if is_last {
-            break;
-        }
-        ends.truncate(ends.len().div_ceil(2));
-    }
-    let reached = ends.into_iter().next()?;
-    Some(Found { reached, starts })
+    all.into_iter().map(|(_, s)| s).take(wanted).collect()
 }
 
 /// Goes on from one manoeuvre in a space that is a little different.
@@ -136,16 +148,6 @@ fn options(evaluations: usize, steps: usize) -> MinimaxOptions {
         steps,
         delta: DELTA,
         tolerance: TOLERANCE,
-    }
-}
-
-/// A manoeuvre before any step.
-fn unmoved(x: Vec<f64>, values: Values) -> Reached {
-    Reached {
-        x,
-        values,
-        evaluations: 1,
-        settled: false,
     }
 }
 

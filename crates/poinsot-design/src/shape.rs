@@ -5,67 +5,11 @@
 //! peaks at known times, and a trigonometric polynomial of degree K is at most `1 / cos(pi K / N)` times its largest
 //! value at N equidistant points (Ehlich and Zeller 1964).
 
-use poinsot::case::{Design, Form, Limits, Moved, Scenario};
-use poinsot_dynamics::{Fourier, Jet, JointMotion, PiecewisePolynomial, WheelMotion};
+use crate::mover::{Command, Mover, Order, Target, middle};
+use crate::valves::Valves;
+use poinsot::case::{Design, Limits, Scenario};
+use poinsot_dynamics::{JointDrive, JointMotion, WheelMotion};
 use poinsot_solve::{Polytope, Side};
-use std::f64::consts::{PI, TAU};
-
-/// Points of a Fourier series for each of its harmonics: its limits lose 0.12 %.
-const POINTS: usize = 64;
-/// Parts of a cubic piece whose hulls are taken.
-const PARTS: usize = 2;
-/// Where a rest-to-rest quintic has its largest acceleration: `s = (3 - sqrt 3) / 6`.
-const QUINTIC_PEAK: f64 = 0.211_324_865_405_187_1;
-
-/// What a mover moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Target {
-    /// Joint coordinate.
-    Joint(usize),
-    /// Wheel.
-    Wheel(usize),
-}
-
-/// What a linear limit is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// Joint position or wheel speed.
-    Value,
-    /// Joint rate.
-    Rate,
-    /// Joint acceleration.
-    Acceleration,
-}
-
-/// One joint or wheel with its free numbers.
-#[derive(Debug, Clone)]
-pub struct Mover {
-    /// What it moves.
-    pub target: Target,
-    /// How.
-    pub form: Form,
-    /// Whether it is a prismatic joint.
-    pub slides: bool,
-    /// Value at the start.
-    pub start: f64,
-    /// Index of its first free number.
-    pub first: usize,
-    /// What one of each free number is worth, rad, m or rad/s.
-    pub units: Vec<f64>,
-    /// Lowest and highest value, largest rate and acceleration; infinite without a limit.
-    pub bounds: [(f64, f64); 3],
-}
-
-/// A commanded motion.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Command {
-    /// Harmonics.
-    Fourier(Fourier),
-    /// Nodes of a clamped cubic spline.
-    Spline(Vec<f64>, Vec<f64>),
-    /// Nodes of rest-to-rest quintics.
-    Slews(Vec<f64>, Vec<f64>),
-}
 
 /// Largest share of a linear limit that a manoeuvre uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,9 +31,11 @@ pub struct Space {
     pub duration: f64,
     /// Joints, then wheels.
     pub movers: Vec<Mover>,
+    /// Thrusters; their free numbers follow those of the movers.
+    pub valves: Valves,
     /// Limits on the free numbers.
     pub polytope: Polytope,
-    /// What each side is of.
+    /// What each of the first sides is of; those of the valves follow.
     of_side: Vec<SideOf>,
 }
 
@@ -127,18 +73,20 @@ impl Space {
         let mut space = Self {
             duration,
             movers,
+            valves: Valves::new(design, limits, first, duration)?,
             polytope: Polytope::default(),
             of_side: Vec::new(),
         };
         for k in 0..space.movers.len() {
             space.add_sides(k);
         }
+        space.polytope.sides.extend(space.valves.sides(duration));
         Ok(space)
     }
 
     /// How many numbers are free.
     pub fn len(&self) -> usize {
-        self.movers.iter().map(|m| m.units.len()).sum()
+        self.movers.iter().map(|m| m.units.len()).sum::<usize>() + self.valves.len()
     }
 
     /// The commanded motion of every mover.
@@ -149,13 +97,28 @@ impl Space {
 
     /// Puts the motions into a scenario.
     pub fn place(&self, x: &[f64], scenario: &mut Scenario) -> Option<()> {
+        let plan = &mut scenario.plan;
         for (mover, command) in self.movers.iter().zip(self.commands(x)) {
             match mover.target {
-                Target::Joint(k) => *scenario.plan.joints.get_mut(k)? = command.joint()?,
-                Target::Wheel(k) => {
-                    *scenario.plan.wheels.get_mut(k)? = WheelMotion::Speed(command.profile()?);
+                Target::Joint(k) => {
+                    let motion = command.joint()?;
+                    // Where torques move other joints, the driven plan is what is flown.
+                    if let Some(driven) = &mut scenario.driven {
+                        *driven.joints.get_mut(k)? = JointDrive::Motion(motion.clone());
+                    }
+                    *plan.joints.get_mut(k)? = motion;
                 }
+                Target::Wheel(k) => {
+                    *plan.wheels.get_mut(k)? = WheelMotion::Speed(command.profile()?);
+                }
+                Target::Thruster(_) => {}
             }
+        }
+        plan.firings.retain(|f| !self.valves.times(f.thruster));
+        plan.firings.extend(self.valves.firings(x));
+        if let Some(driven) = &mut scenario.driven {
+            driven.wheels.clone_from(&plan.wheels);
+            driven.firings.clone_from(&plan.firings);
         }
         Some(())
     }
@@ -199,37 +162,44 @@ impl Space {
                     Some(WheelMotion::Speed(p)) => Some(JointMotion::Nodes(p.clone())),
                     _ => None,
                 },
+                Target::Thruster(_) => None,
             };
             if let Some(fitted) = own.and_then(|motion| mover.fitted(&motion, self.duration)) {
                 x[mover.first..mover.first + fitted.len()].copy_from_slice(&fitted);
             }
         }
+        self.valves.take(&scenario.plan.firings, &mut x);
         self.drawn_inside(x)
     }
 
-    /// The point itself, or the part of the way from rest to it that lies within the limits; each mover for itself.
-    pub fn drawn_inside(&self, mut x: Vec<f64>) -> Vec<f64> {
-        let rest = vec![0.0; x.len()];
-        for mover in &self.movers {
-            let range = mover.first..mover.first + mover.units.len();
-            let mut own = rest.clone();
-            own[range.clone()].copy_from_slice(&x[range.clone()]);
-            let reach = self.polytope.reach(&rest, &own).min(1.0);
-            x[range].iter_mut().for_each(|x| *x *= reach);
-        }
-        x
+    /// Free numbers that are stretched together: those of each mover, lengths and begins of the firings of each thruster.
+    fn blocks(&self) -> Vec<Vec<usize>> {
+        let of = |m: &Mover| (m.first..m.first + m.units.len()).collect();
+        let movers = self.movers.iter().map(of);
+        movers.chain(self.valves.blocks()).collect()
     }
 
-    /// The direction stretched until each mover, by itself, uses `share` of its limits.
+    /// The point itself, or the part of the way from rest to it that lies within the limits; each block for itself.
+    pub fn drawn_inside(&self, x: Vec<f64>) -> Vec<f64> {
+        self.scaled(&x, |reach| reach.min(1.0))
+    }
+
+    /// The direction stretched until each block, by itself, uses `share` of its limits.
     pub fn stretched(&self, direction: &[f64], share: f64) -> Vec<f64> {
-        let rest = vec![0.0; direction.len()];
-        let mut x = direction.to_vec();
-        for mover in &self.movers {
-            let range = mover.first..mover.first + mover.units.len();
-            let mut own = rest.clone();
-            own[range.clone()].copy_from_slice(&direction[range.clone()]);
-            let reach = self.polytope.reach(&rest, &own);
-            x[range].iter_mut().for_each(|x| *x *= share * reach);
+        self.scaled(direction, |reach| share * reach)
+    }
+
+    /// The direction with each block scaled by what `factor` makes of how far it may go beside the blocks before it.
+    fn scaled(&self, direction: &[f64], factor: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut x = vec![0.0; direction.len()];
+        let mut own = x.clone();
+        for block in self.blocks() {
+            block.iter().for_each(|j| own[*j] = direction[*j]);
+            let by = factor(self.polytope.reach(&x, &own));
+            for j in block {
+                x[j] = by * direction[j];
+                own[j] = 0.0;
+            }
         }
         x
     }
@@ -280,248 +250,10 @@ impl Space {
         }
     }
 }
-
-/// Centre of a range; the start where it has only one end.
-fn middle((low, high): (f64, f64), start: f64) -> f64 {
-    match low.is_finite() && high.is_finite() {
-        true => 0.5 * (low + high),
-        false => start,
-    }
-}
-
-impl Mover {
-    fn new(
-        target: Target,
-        moved: &Moved,
-        bounds: [(f64, f64); 3],
-        first: usize,
-        duration: f64,
-    ) -> Result<Self, (Target, String)> {
-        let (low, high) = bounds[0];
-        if !(low < moved.start && moved.start < high) {
-            let why = format!(
-                "it starts at {}, outside its limits {low} to {high}",
-                moved.start
-            );
-            return Err((target, why));
-        }
-        let room = f64::min(high - moved.start, moved.start - low);
-        let bound = |w: f64| room.min(bounds[1].1 / w).min(bounds[2].1 / (w * w));
-        // Free numbers of nodes are worth what a slow swing over the duration may reach.
-        let swing = bound(4.0 / duration);
-        let form = moved.form;
-        let units = match form {
-            Form::Fourier {
-                harmonics, at_rest, ..
-            } => {
-                let f = base_frequency(&form, duration);
-                let from = if at_rest { 2 } else { 1 };
-                let one: Vec<f64> = (from..=harmonics)
-                    .map(|k| bound(TAU * f * k as f64))
-                    .collect();
-                one.iter().chain(&one).copied().collect()
-            }
-            Form::Spline { nodes, returns } => vec![swing; nodes - 1 - usize::from(returns)],
-            Form::Slews { slews, returns } => vec![swing; slews - usize::from(returns)],
-        };
-        if units.iter().any(|u| !u.is_finite()) {
-            let why = "no limit bounds it: the amplitude is unlimited".to_owned();
-            return Err((target, why));
-        }
-        Ok(Self {
-            target,
-            form,
-            slides: moved.slides,
-            start: moved.start,
-            first,
-            units,
-            bounds,
-        })
-    }
-
-    /// The motion of free numbers of this mover.
-    fn command(&self, x: &[f64], duration: f64) -> Command {
-        let value: Vec<f64> = x.iter().zip(&self.units).map(|(x, u)| x * u).collect();
-        let nodes = |count: usize, returns: bool| {
-            let step = duration / (count - 1) as f64;
-            let time = (0..count).map(|k| k as f64 * step).collect();
-            let inner = value.iter().map(|v| self.start + v);
-            let last = returns.then_some(self.start);
-            let values = std::iter::once(self.start)
-                .chain(inner)
-                .chain(last)
-                .collect();
-            (time, values)
-        };
-        match self.form {
-            Form::Fourier { at_rest, .. } => {
-                let (sine, cosine) = value.split_at(value.len() / 2);
-                let (mut sine, mut cosine) = (sine.to_vec(), cosine.to_vec());
-                let mut offset = self.start;
-                if at_rest {
-                    let order = |k: usize| (k + 2) as f64;
-                    let a: f64 = sine.iter().enumerate().map(|(k, a)| order(k) * a).sum();
-                    let b: f64 = cosine
-                        .iter()
-                        .enumerate()
-                        .map(|(k, b)| order(k).powi(2) * b)
-                        .sum();
-                    sine.insert(0, -a);
-                    cosine.insert(0, -b);
-                    offset -= cosine.iter().sum::<f64>();
-                }
-                Command::Fourier(Fourier {
-                    offset,
-                    base_frequency_hz: base_frequency(&self.form, duration),
-                    sine,
-                    cosine,
-                })
-            }
-            Form::Spline { nodes: n, returns } => {
-                let (time, values) = nodes(n, returns);
-                Command::Spline(time, values)
-            }
-            Form::Slews { slews, returns } => {
-                let (time, values) = nodes(slews + 1, returns);
-                Command::Slews(time, values)
-            }
-        }
-    }
-
-    /// Values whose limits bound the whole motion.
-    fn points(&self, command: &Command) -> Vec<(Order, f64)> {
-        let mut out = Vec::new();
-        match command {
-            Command::Fourier(f) => {
-                let n = self.grid();
-                for i in 0..n {
-                    let jet = f.at(i as f64 / (n as f64 * f.base_frequency_hz));
-                    push_jet(&mut out, &jet);
-                }
-            }
-            Command::Spline(time, _) => {
-                let Some(p) = command.profile() else {
-                    return out;
-                };
-                for pair in time.windows(2) {
-                    let h = (pair[1] - pair[0]) / PARTS as f64;
-                    for part in 0..PARTS {
-                        let t = pair[0] + h * part as f64;
-                        hull(
-                            &mut out,
-                            &p.at(t, t + 0.5 * h),
-                            &p.at(t + h, t + 0.5 * h),
-                            h,
-                        );
-                    }
-                }
-            }
-            Command::Slews(time, values) => {
-                let Some(p) = command.profile() else {
-                    return out;
-                };
-                out.extend(values.iter().map(|v| (Order::Value, *v)));
-                for pair in time.windows(2) {
-                    let (t, h) = (pair[0], pair[1] - pair[0]);
-                    let at = |s: f64| p.at(t + s * h, t + 0.5 * h);
-                    out.push((Order::Rate, at(0.5).rate));
-                    out.push((Order::Acceleration, at(QUINTIC_PEAK).acceleration));
-                }
-            }
-        }
-        out
-    }
-
-    fn grid(&self) -> usize {
-        match self.form {
-            Form::Fourier { harmonics, .. } => POINTS * harmonics,
-            _ => 1,
-        }
-    }
-
-    /// Share of a limit that the points may use so that the motion between them holds it.
-    fn shrink(&self) -> f64 {
-        match self.form {
-            Form::Fourier { harmonics, .. } => (PI * harmonics as f64 / self.grid() as f64).cos(),
-            _ => 1.0,
-        }
-    }
-
-    /// Free numbers nearest to a motion, by least squares at many times.
-    fn fitted(&self, motion: &JointMotion, duration: f64) -> Option<Vec<f64>> {
-        const TIMES: usize = 400;
-        let n = self.units.len();
-        let sampled = |x: &[f64]| -> Option<nalgebra::DVector<f64>> {
-            let own = self.command(x, duration).joint()?;
-            Some(values_of(&own, duration, TIMES))
-        };
-        let rest = sampled(&vec![0.0; n])?;
-        let mut A = nalgebra::DMatrix::zeros(TIMES, n);
-        for j in 0..n {
-            let mut unit = vec![0.0; n];
-            unit[j] = 1.0;
-            A.set_column(j, &(sampled(&unit)? - &rest));
-        }
-        let y = values_of(motion, duration, TIMES) - rest;
-        let x = (A.transpose() * &A).cholesky()?.solve(&(A.transpose() * y));
-        Some(x.iter().copied().collect())
-    }
-}
-
-fn values_of(motion: &JointMotion, duration: f64, count: usize) -> nalgebra::DVector<f64> {
-    nalgebra::DVector::from_fn(count, |i, _| {
-        let t = duration * (i as f64 + 0.5) / count as f64;
-        motion.at(t, t).value
-    })
-}
-
-fn base_frequency(form: &Form, duration: f64) -> f64 {
-    match form {
-        Form::Fourier {
-            base_frequency_hz: Some(f),
-            ..
-        } => *f,
-        _ => 1.0 / duration,
-    }
-}
-
-fn push_jet(out: &mut Vec<(Order, f64)>, jet: &Jet) {
-    out.push((Order::Value, jet.value));
-    out.push((Order::Rate, jet.rate));
-    out.push((Order::Acceleration, jet.acceleration));
-}
-
-/// Bezier points of a cubic with these ends, of its rate and of its acceleration.
-fn hull(out: &mut Vec<(Order, f64)>, from: &Jet, to: &Jet, h: f64) {
-    push_jet(out, from);
-    push_jet(out, to);
-    out.push((Order::Value, from.value + h / 3.0 * from.rate));
-    out.push((Order::Value, to.value - h / 3.0 * to.rate));
-    out.push((Order::Rate, from.rate + 0.5 * h * from.acceleration));
-}
-
-impl Command {
-    /// As motion of a joint.
-    pub fn joint(&self) -> Option<JointMotion> {
-        match self {
-            Self::Fourier(f) => Some(JointMotion::Fourier(f.clone())),
-            _ => self.profile().map(JointMotion::Nodes),
-        }
-    }
-
-    /// As polynomials; `None` for a Fourier series.
-    pub fn profile(&self) -> Option<PiecewisePolynomial> {
-        match self {
-            Self::Fourier(_) => None,
-            Self::Spline(t, v) => PiecewisePolynomial::cubic_clamped(t, v).ok(),
-            Self::Slews(t, v) => PiecewisePolynomial::quintic_rest(t, v).ok(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use poinsot::case::{Form, Moved};
     use rand::RngExt;
     use rand::SeedableRng;
 
@@ -536,6 +268,7 @@ mod tests {
         let mut space = Space {
             duration: 40.0,
             movers: vec![mover],
+            valves: Valves::default(),
             polytope: Polytope::default(),
             of_side: Vec::new(),
         };

@@ -19,8 +19,8 @@ use std::time::Instant;
 /// Integration error of candidates: far below what moves a sigma.
 const TOLERANCE: f64 = 1.0e-8;
 /// Rows of a candidate for each cycle of its fastest free motion, and at least: the others repeat what these say.
-const ROWS_A_CYCLE: f64 = 40.0;
-const LEAST_ROWS: f64 = 150.0;
+const ROWS_A_CYCLE: f64 = 20.0;
+const LEAST_ROWS: f64 = 75.0;
 /// Vehicles of the prior that a robust design looks at.
 const SCENARIOS: u64 = 64;
 /// Share of the worst scenarios whose mean a robust design minimises.
@@ -219,7 +219,8 @@ fn thinned(case: &Case, model: &Model, design: &Design) -> f64 {
         Form::Spline { nodes, .. } => 0.5 * nodes as f64,
         Form::Slews { slews, .. } => slews as f64,
     });
-    let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.fold(0.0, f64::max));
+    let firings = design.thrusters.iter().map(|t| t.firings as f64);
+    let rows = LEAST_ROWS.max(ROWS_A_CYCLE * cycles.chain(firings).fold(0.0, f64::max));
     (case.duration_s * case.rate_hz / rows).floor().max(1.0)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Between two samples a value may rise above both by an eighth of its second difference; that much is added.
 
-use poinsot::case::{Capsule, Case, Limits};
+use poinsot::case::{Capsule, Case, Limits, ThrusterLimit};
 use poinsot_dynamics::MotionSample;
 use poinsot_model::Model;
 use poinsot_spatial::Vector3;
@@ -41,6 +41,18 @@ enum Kind {
     Cone(usize, bool),
     /// Two capsules.
     Distance(usize, usize),
+    /// Plume of a thruster and capsule.
+    Plume(usize, usize),
+}
+
+/// A thruster whose plume must not meet the capsules of other bodies.
+#[derive(Debug, Clone)]
+struct Plume {
+    body: usize,
+    p_BoT_B: Vector3,
+    /// Unit direction of the exhaust, in the body.
+    axis_B: Vector3,
+    half_angle: f64,
 }
 
 /// All limits on the motion of a vehicle.
@@ -49,6 +61,8 @@ pub struct Watch {
     /// In the order of the values.
     pub watched: Vec<Watched>,
     limits: Limits,
+    /// One per thruster.
+    plumes: Vec<Option<Plume>>,
 }
 
 impl Watch {
@@ -96,9 +110,27 @@ impl Watch {
                 }
             }
         }
+        let plumes: Vec<Option<Plume>> = model
+            .thrusters
+            .iter()
+            .zip(&limits.thrusters)
+            .map(plume)
+            .collect();
+        for (k, thruster) in model.thrusters.iter().enumerate() {
+            let others = limits.capsules.iter().enumerate();
+            let others = others.filter(|(_, c)| plumes[k].is_some() && c.body != thruster.body);
+            for (c, capsule) in others {
+                let what = format!(
+                    "plume of {} and {}",
+                    thruster.name, model.bodies[capsule.body].name
+                );
+                push(what, "m", limits.clearance, Kind::Plume(k, c));
+            }
+        }
         Self {
             watched,
             limits: limits.clone(),
+            plumes,
         }
     }
 
@@ -123,6 +155,7 @@ impl Watch {
                     .atan2(axis_N.dot(&cone.direction_N))
             }
             Kind::Distance(a, b) => self.distance(sample, a, b),
+            Kind::Plume(k, c) => self.outside_plume(sample, k, c),
         };
         self.watched.iter().map(of).collect()
     }
@@ -134,6 +167,20 @@ impl Watch {
         between_segments(&in_base(a), &in_base(b)) - a.radius - b.radius
     }
 
+    /// How far a capsule lies outside the plume of a thruster, m; infinite while the thruster does not fire.
+    fn outside_plume(&self, sample: &MotionSample, k: usize, c: usize) -> f64 {
+        let fires = sample.thrust.get(k).is_some_and(|f| *f != 0.0);
+        let (Some(plume), true) = (&self.plumes[k], fires) else {
+            return f64::INFINITY;
+        };
+        let (capsule, frame) = (&self.limits.capsules[c], &sample.kinematics);
+        let in_base = |body: usize, p: Vector3| frame.p[body] + frame.R[body] * p;
+        let nozzle = in_base(plume.body, plume.p_BoT_B);
+        let axis = frame.R[plume.body] * plume.axis_B;
+        let ends = capsule.ends.map(|p| in_base(capsule.body, p) - nozzle);
+        outside_cone(&axis, plume.half_angle, &ends) - capsule.radius
+    }
+
     /// How far a value is beyond its limit, as a share of the limit: at most zero where it holds.
     pub fn beyond(&self, k: usize, value: f64) -> f64 {
         let w = &self.watched[k];
@@ -141,7 +188,7 @@ impl Watch {
             Kind::Cone(_, false) => w.limit - value,
             Kind::Cone(_, true) => value - w.limit,
             // In metres: a clearance may be zero.
-            Kind::Distance(..) => w.limit - value,
+            Kind::Distance(..) | Kind::Plume(..) => w.limit - value,
             _ => value / w.limit - 1.0,
         }
     }
@@ -170,7 +217,8 @@ impl Course {
             let beyond: Vec<f64> = list.iter().map(|x| watch.beyond(k, *x)).collect();
             let peaks = with_bends(&beyond);
             let size = peaks.len().div_ceil(WINDOWS).max(1);
-            let largest = |part: &[f64]| part.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+            // Finite, also of a thruster that never fires.
+            let largest = |part: &[f64]| part.iter().fold(-1.0, |a: f64, b| a.max(*b));
             out.extend((0..WINDOWS).map(|w| match peaks.get(w * size..) {
                 Some(rest) if !rest.is_empty() => largest(&rest[..size.min(rest.len())]),
                 _ => -1.0,
@@ -185,7 +233,7 @@ impl Course {
             let beyond: Vec<f64> = list.iter().map(|x| watch.beyond(k, *x)).collect();
             let peaks = with_bends(&beyond);
             let worst = (0..list.len()).max_by(|a, b| peaks[*a].total_cmp(&peaks[*b]));
-            worst.map_or((0.0, -1.0), |i| (list[i], peaks[i]))
+            worst.map_or((0.0, -1.0), |i| (list[i], peaks[i].max(-1.0)))
         };
         self.values.iter().enumerate().map(of).collect()
     }
@@ -197,7 +245,8 @@ pub const WINDOWS_EACH: usize = WINDOWS;
 /// Values with what they may rise by between two samples.
 fn with_bends(y: &[f64]) -> Vec<f64> {
     let bend = |i: usize| match (i.checked_sub(1).and_then(|j| y.get(j)), y.get(i + 1)) {
-        (Some(a), Some(b)) => (a - 2.0 * y[i] + b).abs() / 8.0,
+        // A firing begins or ends between two samples: no bend.
+        (Some(a), Some(b)) if a.is_finite() && b.is_finite() => (a - 2.0 * y[i] + b).abs() / 8.0,
         _ => 0.0,
     };
     (0..y.len()).map(|i| y[i] + bend(i)).collect()
@@ -209,6 +258,37 @@ fn are_apart(model: &Model, a: usize, b: usize) -> bool {
         (j.parent == a && j.child == b) || (j.parent == b && j.child == a)
     };
     a != b && !model.joints.iter().any(joined)
+}
+
+fn plume((thruster, limit): (&poinsot_model::Thruster, &ThrusterLimit)) -> Option<Plume> {
+    Some(Plume {
+        body: thruster.body,
+        p_BoT_B: thruster.p_BoT_B,
+        axis_B: -thruster.direction_B,
+        half_angle: limit.plume?,
+    })
+}
+
+/// Steps of the search along a segment: its length is divided by `1.5` in each.
+const THIRDS: usize = 60;
+
+/// Least of `r cos(a) - z sin(a)` over a segment, `z` along the axis of a cone with its tip at the origin and `r` across:
+/// the distance from the cone of half angle `a` beside it, and less than it behind its tip. Convex along the segment.
+fn outside_cone(axis: &Vector3, half_angle: f64, ends: &[Vector3; 2]) -> f64 {
+    let at = |s: f64| {
+        let p = ends[0] + (ends[1] - ends[0]) * s;
+        let along = p.dot(axis);
+        (p - axis * along).norm() * half_angle.cos() - along * half_angle.sin()
+    };
+    let (mut from, mut to) = (0.0, 1.0);
+    for _ in 0..THIRDS {
+        let (a, b) = (from + (to - from) / 3.0, to - (to - from) / 3.0);
+        match at(a) < at(b) {
+            true => to = b,
+            false => from = a,
+        }
+    }
+    at(0.5 * (from + to)).min(at(0.0)).min(at(1.0))
 }
 
 /// Least distance of two segments (Ericson 2005, 5.1.9).
@@ -239,6 +319,34 @@ fn between_segments(a: &[Vector3; 2], b: &[Vector3; 2]) -> f64 {
 mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
+
+    /// Against points of the cone and of the segment on fine grids; where the tip is nearest the value is less.
+    #[test]
+    fn prop_a_segment_is_outside_a_cone_by_its_distance_from_the_surface() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(4);
+        for _ in 0..50 {
+            let mut point = || Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+            let (axis, ends) = (point().normalize(), [point(), point()]);
+            let half = 0.4_f64;
+            let found = outside_cone(&axis, half, &ends);
+            let mut least = f64::INFINITY;
+            for i in 0..=400 {
+                let p = ends[0] + (ends[1] - ends[0]) * (f64::from(i) / 400.0);
+                let along = p.dot(&axis);
+                let across = (p - axis * along).norm();
+                let (mut inside, mut near) = (false, f64::INFINITY);
+                for j in 0..=2000 {
+                    let z = 3.0 * f64::from(j) / 2000.0;
+                    near = near.min((along - z * half.cos()).hypot(across - z * half.sin()));
+                    inside |= across < along * half.tan();
+                }
+                least = least.min(if inside { -near } else { near });
+            }
+            let behind = found < least;
+            assert!(found <= least + 1.0e-3, "{found} {least}");
+            assert!(behind || found > least - 0.01, "{found} {least}");
+        }
+    }
 
     /// Against the least of a fine grid over both segments, parallel and degenerate ones included.
     #[test]

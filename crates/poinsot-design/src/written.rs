@@ -1,12 +1,14 @@
 //! The files of a design: a case that flies the manoeuvre, its model, and tables of commands.
 
+use crate::mover::{Command, Target};
 use crate::result::Designed;
-use crate::shape::{Command, Space, Target};
+use crate::shape::Space;
 use poinsot::case::{Case, parse_case};
 use poinsot::simulate::SimulateError;
 use poinsot::{Error, write_files};
+use poinsot_dynamics::{Firing, thrust_levels};
 use poinsot_files::read_text;
-use poinsot_formats::case::{CaseFile, JointMotionFile, LimitsFile, WheelMotionFile};
+use poinsot_formats::case::{CaseFile, FiringFile, JointMotionFile, LimitsFile, WheelMotionFile};
 use poinsot_model::{JointKind, Model};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ pub(crate) fn manoeuvre_text(
     case: &Case,
     space: &Space,
     commands: &[(String, Command)],
+    firings: &[(String, Firing)],
 ) -> Result<String, Error> {
     let mut file = case.file().clone();
     file.design = None;
@@ -37,8 +40,18 @@ pub(crate) fn manoeuvre_text(
                 file.wheel_motion.retain(|m| m.wheel.get_ref() != name);
                 file.wheel_motion.push(wheel_motion(name, command));
             }
+            Target::Thruster(_) => {}
         }
     }
+    let is_timed = |f: &FiringFile| firings.iter().any(|(name, _)| name == f.thruster.get_ref());
+    file.firing.retain(|f| !is_timed(f));
+    file.firing
+        .extend(firings.iter().map(|(name, f)| FiringFile {
+            thruster: name.clone().into(),
+            on_s: f.on.into(),
+            off_s: f.off.into(),
+            force_N: f.force.into(),
+        }));
     let text = file.text().map_err(|e| Error::Report {
         path: case.path().to_owned(),
         why: format!("{e}; report this bug in poinsot with the case"),
@@ -122,6 +135,14 @@ fn commands_csv(designed: &Designed, times: &[f64]) -> String {
             Some(unit) => header.extend(["", "_s", "_s2"].map(|end| format!("{name}_{unit}{end}"))),
         }
     }
+    let thrusters = designed.thrusters();
+    header.extend(
+        thrusters
+            .iter()
+            .map(|k| format!("{}_N", designed.model.thrusters[*k].name)),
+    );
+    let firings: Vec<Firing> = designed.firings.iter().map(|f| f.1).collect();
+    let mut levels = vec![0.0; designed.model.thrusters.len()];
     let mut text = header.join(",") + "\n";
     for &t in times {
         let _ = write!(text, "{t}");
@@ -132,7 +153,20 @@ fn commands_csv(designed: &Designed, times: &[f64]) -> String {
                 Some(_) => write!(text, ",{},{},{}", jet.value, jet.rate, jet.acceleration),
             };
         }
+        thrust_levels(&firings, t, &mut levels);
+        for k in &thrusters {
+            let _ = write!(text, ",{}", levels[*k]);
+        }
         text.push('\n');
+    }
+    text
+}
+
+/// When every designed thruster switches on and off.
+fn firings_csv(designed: &Designed) -> String {
+    let mut text = "thruster,on_s,off_s,force_N\n".to_owned();
+    for (name, f) in &designed.firings {
+        let _ = writeln!(text, "{name},{},{},{}", f.on, f.off, f.force);
     }
     text
 }
@@ -155,7 +189,8 @@ pub fn manoeuvre_case(designed: &Designed, folder: &Path) -> Result<Case, Error>
     Ok(parse_case(&path, designed.manoeuvre.clone()).map_err(SimulateError::from)?)
 }
 
-/// Writes `case.toml`, `model.toml`, `commands.csv` and `design.json` into a folder, all or none. Gives their paths.
+/// Writes `case.toml`, `model.toml`, `commands.csv`, `firings.csv` of a design that fires, and `design.json` into a folder,
+/// all or none. Gives their paths.
 ///
 /// # Errors
 /// The model cannot be read any more, or the disk refuses; earlier files stay then.
@@ -171,15 +206,18 @@ pub fn write_design(
     let case = manoeuvre_case(designed, folder)?;
     let mut json = serde_json::to_string_pretty(&crate::design_file(designed)).unwrap_or_default();
     json.push('\n');
-    let files: [(PathBuf, Vec<u8>); 4] = [
+    let mut files: Vec<(PathBuf, Vec<u8>)> = vec![
         ("model.toml".into(), text.into_bytes()),
         (
             "commands.csv".into(),
             commands_csv(designed, &case.times()).into_bytes(),
         ),
         ("case.toml".into(), designed.manoeuvre.clone().into_bytes()),
-        // The answer last: where it stands, the others do.
-        ("design.json".into(), json.into_bytes()),
     ];
+    if !designed.firings.is_empty() {
+        files.push(("firings.csv".into(), firings_csv(designed).into_bytes()));
+    }
+    // The answer last: where it stands, the others do.
+    files.push(("design.json".into(), json.into_bytes()));
     write_files(folder, &files)
 }

@@ -232,6 +232,200 @@ fn prop_what_cannot_be_reached_says_which_limit_holds_it_back_and_what_more_woul
     );
 }
 
+/// The firings of the written case, per thruster in order.
+fn fired(found: &Designed, model: &Model) -> Vec<Vec<(f64, f64)>> {
+    let case = poinsot_design::manoeuvre_case(found, Path::new("")).unwrap();
+    let firings = case.bind(model).unwrap().plan.firings;
+    let mut each = vec![Vec::new(); model.thrusters.len()];
+    for f in firings {
+        each[f.thruster].push((f.on, f.off));
+    }
+    for own in &mut each {
+        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    each
+}
+
+#[test]
+fn prop_designed_firings_hold_their_limits_and_tell_more_than_those_of_the_case() {
+    let (case, model) = changed(
+        "tug_design.toml",
+        "seed = 1\n",
+        "seed = 1\nstarts = 2\nevaluations = 1200\n",
+    );
+    let found = designed(&case, &model);
+    let ratio = |s: Option<f64>, want: f64| s.unwrap() / want;
+    let largest =
+        |of: &dyn Fn(&poinsot_design::Reach) -> f64| found.wants.iter().map(of).fold(0.0, f64::max);
+    let own = largest(&|r| ratio(r.sigma, r.want.sigma));
+    let reference = largest(&|r| ratio(r.reference, r.want.sigma));
+    assert!(own < 0.9 * reference, "{own} {reference}");
+    let mut impulse = 0.0;
+    for (k, firings) in fired(&found, &model).iter().enumerate() {
+        let name = &model.thrusters[k].name;
+        let force = found.firings.iter().find(|f| f.0 == *name).unwrap().1.force;
+        for (on, off) in firings {
+            assert!(*on >= -1e-9 && *off <= 120.0 + 1e-9 && off - on >= 0.5 - 1e-9);
+            impulse += force * (off - on);
+        }
+        for pair in firings.windows(2) {
+            assert!(pair[1].0 - pair[0].1 >= 1.0 - 1e-9);
+        }
+    }
+    assert!(impulse <= 680.0 * (1.0 + 1e-9), "{impulse}");
+    assert!(found.limits.iter().all(|l| l.margin > -1e-6));
+    // The record of the manoeuvre holds the switching times: an identification is told what was flown.
+    let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
+    let prediction = predict_case(&flown, model.clone(), 1.0).unwrap();
+    for reach in &found.wants {
+        assert_eq!(wanted_sigma(&prediction.bound, &reach.want), reach.sigma);
+    }
+}
+
+/// A link that hangs into the plume of a thruster at the start.
+const PLUME: &str = r#"
+schema = "poinsot.model/1"
+exact = true
+name = "base with a link in a plume"
+[[body]]
+name = "base"
+mass_kg = 60.0
+com_m = [0.0, 0.0, 0.0]
+inertia_kg_m2 = { xx = 4.0, yy = 5.0, zz = 6.0, xy = 0.0, xz = 0.0, yz = 0.0 }
+estimate = ["mass"]
+[[body]]
+name = "link"
+mass_kg = 3.0
+com_m = [0.0, -0.3, 0.0]
+inertia_kg_m2 = { xx = 0.1, yy = 0.01, zz = 0.1, xy = 0.0, xz = 0.0, yz = 0.0 }
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "base"
+child = "link"
+origin_m = [-0.7, 0.3, 0.0]
+axis = [0.0, 0.0, 1.0]
+[[thruster]]
+name = "main"
+body = "base"
+position_m = [-0.5, 0.0, 0.0]
+force_direction = [1.0, 0.0, 0.0]
+[[sensor]]
+name = "gyro"
+type = "gyro"
+noise_rad_s = 2.0e-5
+[[sensor]]
+name = "tracker"
+type = "attitude"
+noise_rad = 5.0e-5
+[[sensor]]
+name = "velocity"
+type = "velocity"
+noise_m_s = 1.0e-3
+"#;
+
+#[test]
+fn prop_no_body_lies_in_a_plume_while_the_thruster_fires() {
+    let text = r#"
+schema = "poinsot.case/2"
+model = "plume.toml"
+duration_s = 40.0
+[output]
+rate_hz = 4
+[[want]]
+number = "base.mass_kg"
+relative = 1.0e-3
+[limits]
+clearance_m = 0.05
+[[limits.joint]]
+position_rad = [-2.0, 2.0]
+rate_rad_s = 0.3
+[[limits.thruster]]
+minimum_on_s = 1.0
+impulse_N_s = 40.0
+plume_rad = 0.3
+[[limits.capsule]]
+body = "link"
+from_m = [0.0, 0.0, 0.0]
+to_m = [0.0, -0.6, 0.0]
+radius_m = 0.05
+[design]
+starts = 2
+evaluations = 600
+[[design.joint]]
+form = "spline"
+nodes = 7
+[[design.thruster]]
+firings = 2
+force_N = 4.0
+"#;
+    let case = parse_case(Path::new("plume_case.toml"), text.to_owned()).unwrap();
+    let model = parse_model(PLUME, "plume.toml").unwrap();
+    let found = designed(&case, &model);
+    let plume = found
+        .limits
+        .iter()
+        .find(|l| l.what == "plume of main and link");
+    let plume = plume.unwrap();
+    assert!(
+        plume.value >= 0.05 - 1e-6 && plume.margin >= -1e-6,
+        "{plume:?}"
+    );
+    // Where it starts the link crosses the axis of the plume 0.2 m behind the nozzle.
+    let own = fired(&found, &model);
+    let flown = poinsot_design::manoeuvre_case(&found, Path::new("")).unwrap();
+    let mut scenario = flown.bind(&model).unwrap();
+    scenario.times = (0..4000).map(|k| f64::from(k) * 0.01).collect();
+    run(&flown, &model, None, &scenario, |sample, _| {
+        let fires = own[0]
+            .iter()
+            .any(|f| f.0 <= sample.time && sample.time < f.1);
+        for k in 0..=20 {
+            let along = -0.6 * f64::from(k) / 20.0;
+            // The point of the link in base axes, from the nozzle.
+            let (s, c) = sample.q[0].sin_cos();
+            let (x, y) = (-0.7 - along * s + 0.5, 0.3 + along * c);
+            let inside = -x > 0.0 && y.abs() < -x * 0.3_f64.tan();
+            assert!(!(fires && inside), "{} {x} {y}", sample.time);
+        }
+    })
+    .unwrap();
+}
+
+#[test]
+fn prop_a_front_falls_with_a_looser_limit_and_a_longer_record_tells_more() {
+    let (case, model) = boxed("", 1.0e-3);
+    let request = DesignRequest {
+        front: Some("wheel-speeds".to_owned()),
+        ..DesignRequest::default()
+    };
+    let found = design_case(&case, model.clone(), &request).unwrap();
+    let factors: Vec<f64> = found.front.iter().map(|p| p.factor).collect();
+    assert_eq!(factors, [0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 2.0]);
+    assert!(
+        found
+            .front
+            .windows(2)
+            .all(|p| p[1].ratio < 1.01 * p[0].ratio),
+        "{:?}",
+        found.front
+    );
+    assert!(found.front[6].ratio < 0.7 * found.front[0].ratio);
+    let last = found.against_duration.last().unwrap();
+    assert_eq!(last.end_s, found.duration_s);
+    let sigma = |k: usize, i: usize| found.against_duration[k].sigmas[i].unwrap();
+    for (i, reach) in found.wants.iter().enumerate() {
+        assert!((sigma(11, i) / reach.sigma.unwrap() - 1.0).abs() < 1e-9);
+        assert!(sigma(5, i) > sigma(8, i) && sigma(8, i) > sigma(11, i));
+    }
+    let request = DesignRequest {
+        front: Some("wheel-colour".to_owned()),
+        ..DesignRequest::default()
+    };
+    let error = design_case(&case, model, &request).unwrap_err().to_string();
+    assert!(error.contains("use one of joint-positions"), "{error}");
+}
+
 #[test]
 fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
     let (_, model) = boxed("", 1.0e-3);
@@ -245,7 +439,17 @@ fn cli_what_is_wrong_with_a_design_is_said_with_its_line() {
         (format!("{want}[design]\n{wheel}"), "no limit bounds it"),
         (
             format!("{want}{speed}[design]\n"),
-            "no joint or wheel is free to move",
+            "no joint, wheel or thruster is free to move",
+        ),
+        (
+            format!(
+                "{want}[design]\n[[design.thruster]]\nthrusters = [\"x\"]\nfirings = 1\nforce_N = 1.0\n"
+            ),
+            "the model has no thruster of this name",
+        ),
+        (
+            format!("{want}[[limits.thruster]]\npropellant_kg = 1.0\n[design]\n{wheel}"),
+            "together with specific_impulse_s",
         ),
         (
             format!("[[want]]\nnumber = \"box.inertia_kg_m2.xz2\"\nsigma = 1.0\n[design]\n{wheel}"),

@@ -501,6 +501,9 @@ pub struct LimitsFile {
     /// Limits of wheels.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel: Vec<Placed<WheelLimitFile>>,
+    /// Limits of thrusters.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub thruster: Vec<Placed<ThrusterLimitFile>>,
     /// Cones of directions.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub cone: Vec<Placed<ConeFile>>,
@@ -558,6 +561,33 @@ pub struct WheelLimitFile {
     /// Largest momentum of each, N m s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum_N_m_s: Option<Placed<f64>>,
+}
+
+/// Limits of some thrusters; of all without `thrusters`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThrusterLimitFile {
+    /// Names. Default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thrusters: Option<Vec<Placed<String>>>,
+    /// Shortest firing, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minimum_on_s: Option<Placed<f64>>,
+    /// Shortest pause between two firings of one thruster, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minimum_off_s: Option<Placed<f64>>,
+    /// Largest impulse of these thrusters together, N s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub impulse_N_s: Option<Placed<f64>>,
+    /// The same as propellant, kg; needs `specific_impulse_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub propellant_kg: Option<Placed<f64>>,
+    /// Specific impulse, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specific_impulse_s: Option<Placed<f64>>,
+    /// Half angle of the plume, rad: no capsule of another body lies in it while the thruster fires.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plume_rad: Option<Placed<f64>>,
 }
 
 /// A cone about a direction in N that an axis of the base must avoid or stay in.
@@ -622,6 +652,9 @@ pub struct DesignFile {
     /// Wheels that may turn.
     #[serde(default, skip_serializing_if = "is_usual")]
     pub wheel: Vec<Placed<DesignWheelFile>>,
+    /// Thrusters that may fire.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub thruster: Vec<Placed<DesignThrusterFile>>,
 }
 
 /// What a design minimises.
@@ -681,4 +714,17 @@ pub struct DesignWheelFile {
     /// Whether the final speed equals the initial one. Default true.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub returns: Option<Placed<bool>>,
+}
+
+/// How some thrusters may fire; the times are free.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignThrusterFile {
+    /// Names. Default: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thrusters: Option<Vec<Placed<String>>>,
+    /// Firings of each.
+    pub firings: Placed<usize>,
+    /// Force of each while it fires, N.
+    pub force_N: Placed<f64>,
 }

@@ -1,5 +1,6 @@
 //! `DIR/design.json`: a designed manoeuvre and what it gives.
 
+use crate::prediction::AgainstDurationFile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,12 @@ pub struct DesignFile {
     pub limits: Vec<LimitUseFile>,
     /// Effect of relaxed limits, if a wanted sigma is not reached.
     pub relaxed: Vec<RelaxedFile>,
+    /// What one kind of limit, tighter and looser, would give, where it was asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub front: Vec<RelaxedFile>,
+    /// Sigmas of what is wanted with the record ended earlier.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against_duration: Option<AgainstDurationFile>,
     /// The search.
     pub search: SearchFile,
     /// Trial flights, if requested.

@@ -69,7 +69,9 @@ pub use plan::{
     ChangeFile, DrawFile, ExperimentFile, MethodFile, NumbersFile, OfFile, PLAN, PlanFile,
     REPLICATES, SamplingFile, SamplingKind, ScaleFile, SettingFile, VaryFile,
 };
-pub use prediction::{PREDICTION, PredictionFile, WantedFile};
+pub use prediction::{
+    AgainstDurationFile, PREDICTION, PeakFile, PredictionFile, SigmasFile, WantedFile,
+};
 pub use read::{FormatError, LARGEST_RESULT, parse_estimate, read_estimate, read_truth};
 pub use toml_file::ShapeFault;
 pub use truth::{

@@ -44,6 +44,45 @@ pub struct PredictionFile {
     pub identifiability: IdentifiabilityFile,
     /// What was assumed.
     pub assumptions: Vec<String>,
+    /// Largest values of the motion.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub peaks: Vec<PeakFile>,
+    /// Sigmas with the record ended earlier, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against_duration: Option<AgainstDurationFile>,
+}
+
+/// The largest value of something over the motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PeakFile {
+    /// For example "rate of joint1".
+    pub what: String,
+    /// Unit.
+    pub unit: String,
+    /// Largest magnitude.
+    pub value: f64,
+}
+
+/// Sigmas of some numbers with the record ended at some times.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AgainstDurationFile {
+    /// Ends of the record, s.
+    pub end_s: Vec<f64>,
+    /// One per number.
+    pub numbers: Vec<SigmasFile>,
+}
+
+/// Sigmas of one number.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SigmasFile {
+    /// Address of the number, or the combination.
+    pub name: String,
+    /// Unit of the sigmas.
+    pub unit: String,
+    /// Wanted sigma; null of a number that is not wanted.
+    pub wanted_sigma: Option<f64>,
+    /// One per end; null where the number is not identifiable.
+    pub sigma: Vec<Option<f64>>,
 }
 
 /// One wanted number.

@@ -33,6 +33,7 @@ pub fn design(
             case: case.clone(),
             minutes,
             verify,
+            front: None,
         })?;
         if let Some(folder) = &out {
             let model = read_case(&case).map_err(SimulateError::from)?.model;

@@ -7,15 +7,14 @@
 //!
 //! with differences for the slopes and damped BFGS for B. The linear limits hold at every point that is tried.
 
+mod quadratic;
+
 use crate::polytope::Polytope;
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use nalgebra::{DMatrix, DVector};
+use quadratic::{Jacobian, Step, quadratic};
 
 /// Step of the differences, in units of the unknowns.
 const DIFFERENCE: f64 = 1.0e-5;
-/// Limits further below zero than this do not enter a step.
-const FAR: f64 = -0.7;
 /// Penalty of a violated limit: more than any multiplier of a sensible limit.
 const PRICE: f64 = 20.0;
 /// Share of the predicted fall from which a step is taken.
@@ -24,8 +23,6 @@ const TAKEN: f64 = 0.05;
 const GOOD: f64 = 0.7;
 /// Curvature of B before anything is known of it.
 const CURVATURE: f64 = 1.0e-3;
-/// Part of the room to a side that a step may not use up, for the round-off of the solver.
-const INSIDE: f64 = 1.0e-9;
 
 /// Values of all functions at one point.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,21 +91,6 @@ pub struct Reached {
     pub settled: bool,
 }
 
-/// Slopes of all functions at one point, one row per function.
-struct Jacobian {
-    objectives: DMatrix<f64>,
-    limits: DMatrix<f64>,
-}
-
-/// What a quadratic program gives.
-struct Step {
-    d: DVector<f64>,
-    /// Merit that the linearised functions have after the step.
-    merit: f64,
-    /// Multipliers of objectives and limits.
-    multipliers: (DVector<f64>, DVector<f64>),
-}
-
 /// Searches from a point inside the polytope; `None` where the functions do not exist there.
 pub fn minimax(
     program: &impl Minimax,
@@ -116,59 +98,99 @@ pub fn minimax(
     start: Vec<f64>,
     options: MinimaxOptions,
 ) -> Option<Reached> {
-    let n = start.len();
     let first = program.values(std::slice::from_ref(&start)).pop()??;
-    let mut reached = Reached {
-        x: start,
-        values: first,
-        evaluations: 1,
-        settled: false,
-    };
-    let mut slopes = slopes(program, &mut reached)?;
-    let mut B = DMatrix::identity(n, n) * CURVATURE;
-    let (mut delta, mut known) = (options.delta, false);
-    for _ in 0..options.steps {
-        if program.stop() || reached.evaluations + n + 1 > options.evaluations {
-            break;
+    let mut search = MinimaxSearch::begin(start, first);
+    search.advance(program, polytope, options);
+    Some(search.reached)
+}
+
+/// A search that can be continued where it stopped, with what it knows of slopes and curvature.
+pub struct MinimaxSearch {
+    /// Where it is.
+    pub reached: Reached,
+    slopes: Option<Jacobian>,
+    B: DMatrix<f64>,
+    /// Whether B holds more than a guess.
+    is_known: bool,
+    /// Size of the trust region; `None` before the first step.
+    delta: Option<f64>,
+}
+
+impl MinimaxSearch {
+    /// At a point inside the polytope with its values.
+    pub fn begin(x: Vec<f64>, values: Values) -> Self {
+        let n = x.len();
+        Self {
+            reached: Reached {
+                x,
+                values,
+                evaluations: 1,
+                settled: false,
+            },
+            slopes: None,
+            B: DMatrix::identity(n, n) * CURVATURE,
+            is_known: false,
+            delta: None,
         }
-        let Some(step) = quadratic(&reached, &slopes, &B, polytope, delta) else {
-            break;
-        };
-        let promised = reached.values.merit() - step.merit;
-        if promised < options.tolerance {
-            reached.settled = true;
-            break;
-        }
-        let Some((x, values)) = tried(program, polytope, &reached.x, &step.d) else {
-            delta *= 0.25;
-            reached.evaluations += 1;
-            continue;
-        };
-        reached.evaluations += 1;
-        let fall = reached.values.merit() - values.merit();
-        let length = step.d.amax();
-        if fall < TAKEN * promised {
-            delta = 0.4 * length.min(delta);
-            if delta < DIFFERENCE {
+    }
+
+    /// Goes on until a limit of the options is met or no step promises more than the tolerance. Evaluations and steps
+    /// count from here.
+    pub fn advance(
+        &mut self,
+        program: &impl Minimax,
+        polytope: &Polytope,
+        options: MinimaxOptions,
+    ) {
+        let n = self.reached.x.len();
+        let before = self.reached.evaluations;
+        let mut delta = self.delta.unwrap_or(options.delta);
+        for _ in 0..options.steps {
+            let used = self.reached.evaluations - before;
+            if self.reached.settled || program.stop() || used + n + 1 > options.evaluations {
+                break;
+            }
+            if self.slopes.is_none() {
+                self.slopes = slopes(program, &mut self.reached);
+            }
+            let reached = &mut self.reached;
+            let Some(slopes) = &self.slopes else {
+                break;
+            };
+            let Some(step) = quadratic(reached, slopes, &self.B, polytope, delta) else {
+                break;
+            };
+            let promised = reached.values.merit() - step.merit;
+            if promised < options.tolerance {
                 reached.settled = true;
                 break;
             }
-            continue;
+            reached.evaluations += 1;
+            let Some((x, values)) = tried(program, polytope, &reached.x, &step.d) else {
+                delta *= 0.25;
+                continue;
+            };
+            let fall = reached.values.merit() - values.merit();
+            let length = step.d.amax();
+            if fall < TAKEN * promised {
+                delta = 0.4 * length.min(delta);
+                reached.settled = delta < DIFFERENCE;
+                continue;
+            }
+            let moved = DVector::from_vec(x.clone()) - DVector::from_vec(reached.x.clone());
+            (reached.x, reached.values) = (x, values);
+            if fall > GOOD * promised && length > 0.9 * delta {
+                delta = (2.0 * delta).min(1.0);
+            }
+            let next = self::slopes(program, reached);
+            if let Some(next) = &next {
+                let bend = bent(&step, slopes, next);
+                update(&mut self.B, &moved, &bend, &mut self.is_known);
+            }
+            self.slopes = next;
         }
-        let moved = DVector::from_vec(x.clone()) - DVector::from_vec(reached.x.clone());
-        reached.x = x;
-        reached.values = values;
-        if fall > GOOD * promised && length > 0.9 * delta {
-            delta = (2.0 * delta).min(1.0);
-        }
-        let Some(next) = self::slopes(program, &mut reached) else {
-            break;
-        };
-        let bend = bent(&step, &slopes, &next);
-        update(&mut B, &moved, &bend, &mut known);
-        slopes = next;
+        self.delta = Some(delta);
     }
-    Some(reached)
 }
 
 /// The point after a step, drawn back inside where the solver's round-off left the polytope.
@@ -240,103 +262,6 @@ fn update(B: &mut DMatrix<f64>, s: &DVector<f64>, y: &DVector<f64>, known: &mut 
     if sr > 1.0e-14 * sBs {
         *B += &r * r.transpose() / sr - &Bs * Bs.transpose() / sBs;
     }
-}
-
-/// Rows `a^T (d, t, s) <= b` of the quadratic program.
-#[derive(Default)]
-struct Rows {
-    entries: Vec<(usize, usize, f64)>,
-    bounds: Vec<f64>,
-}
-
-impl Rows {
-    fn push(&mut self, a: impl IntoIterator<Item = (usize, f64)>, bound: f64) {
-        let row = self.bounds.len();
-        let entries = a.into_iter().filter(|(_, x)| *x != 0.0);
-        self.entries.extend(entries.map(|(j, x)| (row, j, x)));
-        self.bounds.push(bound);
-    }
-
-    fn matrix(&self, columns: usize) -> CscMatrix<f64> {
-        let rows = self.entries.iter().map(|e| e.0).collect();
-        let cols = self.entries.iter().map(|e| e.1).collect();
-        let values = self.entries.iter().map(|e| e.2).collect();
-        CscMatrix::new_from_triplets(self.bounds.len(), columns, rows, cols, values)
-    }
-}
-
-fn quadratic(
-    at: &Reached,
-    slopes: &Jacobian,
-    B: &DMatrix<f64>,
-    polytope: &Polytope,
-    delta: f64,
-) -> Option<Step> {
-    let n = at.x.len();
-    let (t, s) = (n, n + 1);
-    let mut rows = Rows::default();
-    for (i, f) in at.values.objectives.iter().enumerate() {
-        let slope = slopes.objectives.row(i);
-        rows.push(slope.iter().copied().enumerate().chain([(t, -1.0)]), -f);
-    }
-    let near: Vec<usize> = (0..at.values.limits.len())
-        .filter(|j| at.values.limits[*j] > FAR)
-        .collect();
-    for &j in &near {
-        let slope = slopes.limits.row(j);
-        let row = slope.iter().copied().enumerate().chain([(s, -1.0)]);
-        rows.push(row, -at.values.limits[j]);
-    }
-    rows.push([(s, -1.0)], 0.0);
-    for j in 0..n {
-        rows.push([(j, 1.0)], delta);
-        rows.push([(j, -1.0)], delta);
-    }
-    for side in &polytope.sides {
-        let value = side.at(&at.x);
-        let most: f64 = side.a.iter().map(|(_, a)| a.abs() * delta).sum();
-        if side.high - value < most {
-            let bound = (side.high - value) * (1.0 - INSIDE);
-            rows.push(side.a.iter().copied(), bound.max(0.0));
-        }
-        if value - side.low < most {
-            let bound = (value - side.low) * (1.0 - INSIDE);
-            rows.push(side.a.iter().map(|(j, a)| (*j, -a)), bound.max(0.0));
-        }
-    }
-    let mut upper = Rows::default();
-    for j in 0..n {
-        upper.push((j..n).map(|i| (i, B[(j, i)])), 0.0);
-    }
-    upper.bounds.resize(n + 2, 0.0);
-    let mut q = vec![0.0; n + 2];
-    (q[t], q[s]) = (1.0, PRICE);
-    let settings = DefaultSettings {
-        verbose: false,
-        ..DefaultSettings::default()
-    };
-    let cones = [SupportedConeT::NonnegativeConeT(rows.bounds.len())];
-    let (P, A) = (upper.matrix(n + 2), rows.matrix(n + 2));
-    let mut solver = DefaultSolver::new(&P, &q, &A, &rows.bounds, &cones, settings).ok()?;
-    solver.solve();
-    let solved = matches!(
-        solver.solution.status,
-        SolverStatus::Solved | SolverStatus::AlmostSolved
-    );
-    if !solved {
-        return None;
-    }
-    let (x, z) = (&solver.solution.x, &solver.solution.z);
-    let objectives = at.values.objectives.len();
-    let mut limits = DVector::zeros(at.values.limits.len());
-    for (row, &j) in near.iter().enumerate() {
-        limits[j] = z[objectives + row];
-    }
-    Some(Step {
-        d: DVector::from_column_slice(&x[..n]),
-        merit: x[t] + PRICE * x[s].max(0.0),
-        multipliers: (DVector::from_column_slice(&z[..objectives]), limits),
-    })
 }
 
 #[cfg(test)]

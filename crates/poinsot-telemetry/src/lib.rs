@@ -83,5 +83,5 @@ pub use read::{read, read_parts};
 pub use resample::{hold, resample, resample_attitude, resample_hermite};
 pub use rows::{ROWS_EXTENSION, RowCells, RowColumn, write_rows};
 pub use suggest::{Suggestion, suggest};
-pub use unit::{Dimension, Unit, parse_unit, units};
+pub use unit::{Dimension, STANDARD_GRAVITY, Unit, parse_unit, units};
 pub use writer::{write, write_staged};

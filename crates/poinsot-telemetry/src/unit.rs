@@ -105,7 +105,7 @@ impl Unit {
 
 const DEG: f64 = PI / 180.0;
 /// Standard gravity, m/s2 (CGPM 1901).
-const G0: f64 = 9.806_65;
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Symbol, dimension, factor, divisor, and other spellings (compared after [`plain`]).
 type Row = (&'static str, Dimension, f64, f64, &'static [&'static str]);
@@ -150,9 +150,9 @@ const TABLE: &[Row] = &[
     ("m/s2", Dimension::Acceleration, 1.0, 1.0, &["ms-2", "m/s/s", "m/sec2"]),
     ("mm/s2", Dimension::Acceleration, 1.0, 1e3, &[]),
     ("km/s2", Dimension::Acceleration, 1e3, 1.0, &[]),
-    ("g", Dimension::Acceleration, G0, 1.0, &["g0", "gee"]),
-    ("mg", Dimension::Acceleration, G0, 1e3, &[]),
-    ("ug", Dimension::Acceleration, G0, 1e6, &[]),
+    ("g", Dimension::Acceleration, STANDARD_GRAVITY, 1.0, &["g0", "gee"]),
+    ("mg", Dimension::Acceleration, STANDARD_GRAVITY, 1e3, &[]),
+    ("ug", Dimension::Acceleration, STANDARD_GRAVITY, 1e6, &[]),
     ("N", Dimension::Force, 1.0, 1.0, &["newton", "newtons"]),
     ("mN", Dimension::Force, 1.0, 1e3, &[]),
     ("uN", Dimension::Force, 1.0, 1e6, &[]),

@@ -18,7 +18,7 @@ use poinsot_telemetry::checks::{self, Check, Finding, Policies, Policy};
 use poinsot_telemetry::{Encoding, Origin, Part, ReadOptions, Source, Table, read_parts};
 use std::path::{Path, PathBuf};
 
-/// One-sigma accuracy in natural units that counts as identified unless told otherwise (CONTRACT).
+/// One-sigma accuracy in natural units that counts as identified by default (docs/reference/interface.md).
 const RELATIVE_ACCURACY: f64 = 1.0;
 
 /// Share of samples that may be left out before the answer counts as not acceptable.

@@ -4,22 +4,29 @@
 //! declared noise turns them into the Cramer-Rao bound. No telemetry, no estimator.
 
 mod file;
+mod lengths;
+mod peaks;
+mod several;
 mod text;
 mod wanted;
 
 pub use file::prediction_file;
+pub use lengths::{Ended, against_duration, against_duration_file};
+pub use peaks::{Peak, Peaks};
+pub use several::several_document;
 pub use text::prediction_document;
-pub(crate) use text::{accuracy, predicted_sigma};
+pub(crate) use text::{accuracy, durations, peaks, predicted_sigma};
 pub use wanted::{Met, covariance_name, wanted_sigma};
 
 use crate::bind::{BindError, bind};
-use crate::case::{Case, Want, read_case};
+use crate::case::{Case, Scenario, Want, estimated_numbers, read_case};
 use crate::error::Error;
-use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact};
+use crate::simulate::{SimulateError, free_joints, is_read, simulate_exact_watched};
 use poinsot_dynamics::Tree;
 use poinsot_identify::{Estimate, Problem, cramer_rao};
 use poinsot_model::{Model, read_model};
-use std::path::Path;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
 
 /// Predicted accuracy of a case.
 pub struct Prediction {
@@ -35,6 +42,12 @@ pub struct Prediction {
     pub wants: Vec<Met>,
     /// What was assumed.
     pub assumptions: Vec<String>,
+    /// Largest values of the motion at its samples.
+    pub peaks: Vec<Peak>,
+    /// Numbers whose sigmas were followed over the duration.
+    pub followed: Vec<Want>,
+    /// Their sigmas with the record ended earlier; empty where nobody asked.
+    pub against_duration: Vec<Ended>,
 }
 
 impl Prediction {
@@ -46,6 +59,22 @@ impl Prediction {
             false => self.wants.iter().all(Met::is_met),
         }
     }
+
+    /// Adds the sigmas with the record ended earlier: of what the case wants, or of every number that is estimated.
+    ///
+    /// # Errors
+    /// The case cannot be read or simulated any more.
+    pub fn follow_durations(&mut self, relative_accuracy: f64) -> Result<(), Error> {
+        let case = read_case(Path::new(&self.case)).map_err(SimulateError::from)?;
+        let wants = self.wants.iter().map(|m| m.want.clone());
+        self.followed = match self.wants.is_empty() {
+            true => estimated_numbers(&self.model),
+            false => wants.collect(),
+        };
+        self.against_duration =
+            against_duration(&case, &self.model, &self.followed, relative_accuracy)?;
+        Ok(())
+    }
 }
 
 /// Predicts the accuracy that a case will give.
@@ -56,6 +85,26 @@ pub fn predict(case: &Path, relative_accuracy: f64) -> Result<Prediction, Error>
     let case = read_case(case).map_err(SimulateError::from)?;
     let model = read_model(&case.model)?;
     predict_case(&case, model, relative_accuracy)
+}
+
+/// Predicts several cases side by side, in their order; with the sigmas of shorter records where `durations` is set.
+///
+/// # Errors
+/// As [`predict`], of the first case that fails.
+pub fn predict_all(
+    cases: &[PathBuf],
+    relative_accuracy: f64,
+    durations: bool,
+) -> Result<Vec<Prediction>, Error> {
+    let one = |case: &PathBuf| {
+        let mut prediction = predict(case, relative_accuracy)?;
+        if durations {
+            prediction.follow_durations(relative_accuracy)?;
+        }
+        Ok(prediction)
+    };
+    let all: Vec<Result<Prediction, Error>> = cases.par_iter().map(one).collect();
+    all.into_iter().collect()
 }
 
 /// The same in memory.
@@ -74,9 +123,11 @@ pub fn predict_case(
             why: "must be a positive number; give for example 1.0".to_owned(),
         });
     }
-    refuse_unread(case, &model)?;
+    let scenario = case.bind(&model).map_err(SimulateError::from)?;
+    refuse_unread(&scenario, &model)?;
     let wants = case.wants(&model).map_err(SimulateError::from)?;
-    let exact = simulate_exact(case, &model)?;
+    let mut peaks = Peaks::default();
+    let exact = simulate_exact_watched(case, &model, scenario.clone(), |s| peaks.take(s))?;
     let tree = Tree::new(&model);
     let bound = bind(&model, &tree, &[exact.table])?;
     let estimate = cramer_rao(&Problem {
@@ -92,6 +143,9 @@ pub fn predict_case(
     };
     Ok(Prediction {
         wants: wants.into_iter().map(met).collect(),
+        peaks: peaks.named(&model, &scenario),
+        followed: Vec::new(),
+        against_duration: Vec::new(),
         case: case.path().display().to_string(),
         duration_s: case.duration_s,
         bound: estimate,
@@ -105,9 +159,8 @@ pub fn predict_case(
 }
 
 /// A joint that nothing commands is known only where a sensor reads it.
-fn refuse_unread(case: &Case, model: &Model) -> Result<(), Error> {
-    let scenario = case.bind(model).map_err(SimulateError::from)?;
-    let free = free_joints(model, &scenario);
+fn refuse_unread(scenario: &Scenario, model: &Model) -> Result<(), Error> {
+    let free = free_joints(model, scenario);
     match free.into_iter().find(|joint| !is_read(model, joint)) {
         None => Ok(()),
         Some(joint) => Err(BindError::Unsupported {

@@ -132,9 +132,19 @@ pub struct Exact {
 /// # Errors
 /// As [`simulate_case`].
 pub fn simulate_exact(case: &Case, model: &Model) -> Result<Exact, SimulateError> {
-    let scenario = case.bind(model)?;
+    simulate_exact_watched(case, model, case.bind(model)?, |_| {})
+}
+
+/// The same of a bound case with a report of progress; `watch` sees every sample.
+pub(crate) fn simulate_exact_watched(
+    case: &Case,
+    model: &Model,
+    scenario: Scenario,
+    mut watch: impl FnMut(&MotionSample),
+) -> Result<Exact, SimulateError> {
     let (mut taken, total) = (0_usize, scenario.times.len());
-    simulate_exact_of(case, model, scenario, |_, _| {
+    simulate_exact_of(case, model, scenario, |sample, _| {
+        watch(sample);
         taken += 1;
         if taken.is_multiple_of(REPORTED) {
             step("simulating samples", taken, total);

@@ -8,7 +8,13 @@ use poinsot::simulate::SimulateError;
 use poinsot_design::{DesignRequest, design, design_document, design_file, write_design};
 use std::path::Path;
 
-const FILES: [&str; 4] = ["case.toml", "model.toml", "commands.csv", "design.json"];
+const FILES: [&str; 5] = [
+    "case.toml",
+    "model.toml",
+    "commands.csv",
+    "firings.csv",
+    "design.json",
+];
 
 pub fn run(arguments: &Design) -> Outcome {
     poinsot::start_threads()?;
@@ -22,6 +28,7 @@ pub fn run(arguments: &Design) -> Outcome {
         case: arguments.case.clone(),
         minutes: arguments.minutes,
         verify: arguments.verify,
+        front: arguments.front.clone(),
     })?;
     let written = match &arguments.out {
         Some(folder) => write_design(folder, &designed, &case.model)?,

@@ -53,7 +53,7 @@ impl Failure {
 /// Exit code of an answer.
 pub type Outcome = Result<u8, Failure>;
 
-/// Exit code of an answer (CONTRACT): 0 where it passes, 1 where it does not.
+/// Exit code of an answer (docs/reference/interface.md): 0 where it passes, 1 where it does not.
 pub fn exit_of(passes: bool) -> u8 {
     u8::from(!passes)
 }

@@ -132,7 +132,7 @@ fn cli_exit_0_and_the_file_where_all_is_determined() {
     assert_eq!(file["bodies"]["link1"]["mass_kg"]["source"], "known");
 }
 
-/// Every key of the result that scripts rely on (CONTRACT, poinsot.estimate/2).
+/// Every key of the result that scripts rely on (docs/reference/interface.md).
 fn check_layout(file: &Value) {
     let keys = |at: &Value, wanted: &[&str]| {
         for key in wanted {

@@ -23,6 +23,9 @@ use std::sync::{Arc, Mutex};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
 const SILENT: f64 = 1.0e-3;
+/// Share of a misfit that known numbers must explain, to first order, before a fit moves them: of another vehicle or another
+/// unit they explain little.
+const EXPLAINED: f64 = 0.5;
 /// Most iterations with known numbers among the unknowns.
 const TRIED: usize = 30;
 /// Fall of chi-square that a full step may still promise where the columns are differences.
@@ -62,15 +65,21 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
     let nominal = all.iter().map(|u| u.nominal / u.natural).collect();
     wide.kept = Arc::new(Mutex::new(Some((nominal, Arc::new(columns)))));
     let first = behind(&fitted.at, &all);
-    let found = fit_from(&wide, first.clone(), TRIED)?;
+    let start = fit_from(&wide, first.clone(), 0)?;
+    let (chi2, dof) = chi2_and_dof(&wide, &start);
+    let hopeless = chi2 > MISFIT * dof && predicted_reduction(&start) < EXPLAINED * (chi2 - dof);
+    let found = match hopeless {
+        true => start.clone(),
+        false => fit_from(&wide, first, TRIED)?,
+    };
     let done = found.converged || predicted_reduction(&found) < CONVERGED_BELOW_BY_DIFFERENCES;
     let (worst, per_number) = contradicted(&wide, &found);
     // A misfit beyond the uncertainty of known numbers needs another cause.
-    let left = per_number > MISFIT && (worst.is_some() || !done);
+    let left = hopeless || per_number > MISFIT && (worst.is_some() || !done);
     let fitted = match left {
         true => Fitted {
             converged: true,
-            ..fit_from(&wide, first, 0)?
+            ..start
         },
         false => Fitted {
             converged: done,
@@ -85,6 +94,14 @@ pub(crate) fn fit_known(experiment: &Experiment, fitted: &Fitted) -> Option<Know
         contradiction: worst.filter(|_| !left && done),
         parameters,
     })
+}
+
+/// Chi-square, and its degrees of freedom.
+fn chi2_and_dof(experiment: &Experiment, fitted: &Fitted) -> (f64, f64) {
+    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
+    let chi2 = fitted.evaluated.iter().map(|e| e.chi2).sum();
+    let numbers = fitted_numbers(experiment, fitted);
+    (chi2, rows.saturating_sub(numbers).max(1) as f64)
 }
 
 /// Predicted reduction of chi-square by a full step.
@@ -181,10 +198,8 @@ fn shown(
 /// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.
 fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, f64) {
     let parameters = experiment.parameters;
-    let rows: usize = fitted.evaluated.iter().map(|e| e.rows).sum();
-    let chi2: f64 = fitted.evaluated.iter().map(|e| e.chi2).sum();
-    let numbers = fitted_numbers(experiment, fitted);
-    let per_number = chi2 / rows.saturating_sub(numbers).max(1) as f64;
+    let (chi2, dof) = chi2_and_dof(experiment, fitted);
+    let per_number = chi2 / dof;
     let posterior = known_covariance(parameters, fitted);
     let places = parameters.known_places();
     let apart = places.iter().enumerate().filter_map(|(k, place)| {

@@ -101,10 +101,18 @@ pub enum ParametersError {
         /// Numbers asked for.
         numbers: usize,
     },
+    /// Each is a column of the fit.
+    #[error(
+        "E0406 the model has {numbers} uncertain known numbers, more than the limit of {MOST_NUMBERS}; write exact = true into tables that are known well enough"
+    )]
+    TooManyKnown {
+        /// Components of uncertain known numbers.
+        numbers: usize,
+    },
 }
 
-/// Largest number of mass properties in one fit: the cost of their spectrum is cubic.
-const MOST_NUMBERS: usize = 1000;
+/// Most mass properties, or uncertain known numbers, that are solved for together: their spectrum costs the cube of it.
+pub(crate) const MOST_NUMBERS: usize = 1000;
 
 impl Parameters {
     /// The unknowns of a model under the equations that the data allow.

@@ -1,6 +1,6 @@
 //! The problem of an estimator.
 
-use crate::problem::parameters::{Equations, Parameters, ParametersError};
+use crate::problem::parameters::{Equations, MOST_NUMBERS, Parameters, ParametersError};
 use crate::problem::segment::{Noise, Segment};
 use poinsot_dynamics::Tree;
 use poinsot_model::Model;
@@ -17,7 +17,7 @@ pub struct Problem<'a> {
     pub segments: &'a [Segment],
     /// Declared noise.
     pub noise: &'a Noise,
-    /// One-sigma accuracy in natural units that counts as identified (CONTRACT: 1.0).
+    /// One-sigma accuracy in natural units that counts as identified (docs/reference/interface.md: 1.0).
     pub relative_accuracy: f64,
 }
 
@@ -114,6 +114,16 @@ impl Problem<'_> {
                 samples: s.samples.time_s.len(),
             }),
             None => Ok(()),
+        }
+    }
+
+    /// # Errors
+    /// More known numbers are uncertain than a fit takes in.
+    pub(crate) fn check_known_numbers(&self) -> Result<(), ProblemError> {
+        let numbers = self.model.uncertain().map(|u| u.number.components()).sum();
+        match numbers > MOST_NUMBERS {
+            true => Err(ParametersError::TooManyKnown { numbers }.into()),
+            false => Ok(()),
         }
     }
 }

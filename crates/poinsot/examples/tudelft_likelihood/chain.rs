@@ -90,12 +90,8 @@ pub fn prepare(folder: &Path, as_segments: bool) -> Result<Throws, Fault> {
     };
     let truth = read_truth(folder)?;
     let mut objects = Vec::new();
-    for name in ["config_empty", "config_a"] {
-        let known = read_truth(folder)?
-            .objects
-            .into_iter()
-            .find(|o| o.name == name);
-        objects.push((known.ok_or("an object is missing")?, group(name)?));
+    for known in &truth.objects {
+        objects.push((known.clone(), group(&known.name)?));
     }
     let (alone, proof) = (group("device_only")?, group("proof_body")?);
     Ok(Throws {
@@ -188,6 +184,8 @@ pub struct Object {
     pub name: String,
     pub throws: Vec<Answer>,
     pub together: Answer,
+    /// Factor on every sigma of a fit: the throws scatter by so much more than their fits say.
+    pub scatter: f64,
 }
 
 impl Object {
@@ -237,8 +235,10 @@ struct Body {
 /// Calibrates on box and block, identifies the objects. The known inertia of the objects is used for the errors
 /// alone.
 pub fn identify(throws: &Throws) -> Result<Found, Fault> {
-    let (box_fits, the_box) = bodies(throws, "device_only", &throws.alone)?;
-    let (proof_fits, block) = bodies(throws, "proof_body", &throws.proof)?;
+    let boxes = bodies(throws, "device_only", &throws.alone)?;
+    let (box_fits, the_box) = (boxes.each, boxes.together);
+    let proofs = bodies(throws, "proof_body", &throws.proof)?;
+    let (proof_fits, block) = (proofs.each, proofs.together);
     let chain = Chain {
         box_mass: throws.truth.box_mass,
         the_box: &the_box,
@@ -261,7 +261,7 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     let found = chain.object(&block, known.mass, J);
     let mut objects = Vec::new();
     for (known, own) in &throws.objects {
-        let (fits, together) = bodies(throws, &known.name, own)?;
+        let found = bodies(throws, &known.name, own)?;
         let answer = |name: &str, body: &Body| {
             let moments = principal(&chain.object(body, known.mass, J));
             Answer {
@@ -275,10 +275,11 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
             name: known.name.clone(),
             throws: own
                 .iter()
-                .zip(&fits)
+                .zip(&found.each)
                 .map(|(t, b)| answer(&t.name, b))
                 .collect(),
-            together: answer("all", &together),
+            together: answer("all", &found.together),
+            scatter: found.scatter,
         });
     }
     Ok(Found {
@@ -289,14 +290,20 @@ pub fn identify(throws: &Throws) -> Result<Found, Fault> {
     })
 }
 
+/// What the throws of one body give.
+struct Bodies {
+    each: Vec<Body>,
+    together: Body,
+    /// By what the throws scatter more than their fits say, at least one.
+    scatter: f64,
+}
+
 /// Throw by throw, and all together: as segments of one problem where that is asked for, else the mean of the throws
 /// weighed with their covariances.
-fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>, Body), Fault> {
+fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<Bodies, Fault> {
     let declared = declared(group, &throws.device);
-    let fits: Vec<Fitted> = own
-        .iter()
-        .map(|t| fit(&throws.model, &[t], &declared))
-        .collect::<Result<_, _>>()?;
+    let one = |t: &Recording| fit(&throws.model, &[t], &declared);
+    let fits: Vec<Fitted> = own.iter().map(one).collect::<Result<_, _>>()?;
     let n = fits.len() as f64;
     let device = &throws.device;
     let centres: Vec<Vector3<f64>> = fits
@@ -318,17 +325,19 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>,
         .map(|p| (p - centre) * (p - centre).transpose())
         .sum::<Matrix3<f64>>()
         / (n - 1.0);
+    let mean = weighted_mean(&fits).ok_or("a covariance is singular")?;
     let all = match throws.as_segments {
         true => {
             let one = fit(&throws.model, &own.iter().collect::<Vec<_>>(), &declared)?;
             (one.I_over_J, one.covariance)
         }
-        false => weighted_mean(&fits).ok_or("a covariance is singular")?,
+        false => (mean.I, mean.covariance),
     };
+    // Throws that scatter more than they say have larger sigmas, each of them.
     let body = |(f, p): (&Fitted, &Vector3<f64>)| Body {
         I: f.I_over_J,
         p: *p,
-        I_cov: f.covariance,
+        I_cov: f.covariance * mean.birge,
         p_cov: spread + biased,
     };
     let together = Body {
@@ -337,13 +346,23 @@ fn bodies(throws: &Throws, group: &str, own: &[Recording]) -> Result<(Vec<Body>,
         I_cov: all.1,
         p_cov: spread / n + biased,
     };
-    let each = fits.iter().zip(&centres).map(body).collect();
-    Ok((each, together))
+    Ok(Bodies {
+        each: fits.iter().zip(&centres).map(body).collect(),
+        together,
+        scatter: mean.birge.sqrt(),
+    })
 }
 
-/// Mean of the tensors weighed with their covariances; its covariance is widened where the throws scatter more than
-/// they say (Birge 1932).
-fn weighted_mean(fits: &[Fitted]) -> Option<(Matrix3<f64>, Covariance)> {
+/// Mean of the tensors weighed with their covariances.
+struct Mean {
+    I: Matrix3<f64>,
+    /// Widened by `birge`.
+    covariance: Covariance,
+    /// By what the throws scatter more than they say (Birge 1932), at least one.
+    birge: f64,
+}
+
+fn weighted_mean(fits: &[Fitted]) -> Option<Mean> {
     let six = |I: &Matrix3<f64>| SVector::<f64, 6>::from_fn(|k, _| I[TENSOR[k]]);
     let (mut information, mut sum) = (Covariance::zeros(), SVector::<f64, 6>::zeros());
     for f in fits {
@@ -358,13 +377,17 @@ fn weighted_mean(fits: &[Fitted]) -> Option<(Matrix3<f64>, Covariance)> {
         let d = six(&f.I_over_J) - mean;
         square += d.dot(&f.covariance.cholesky()?.solve(&d));
     }
-    let birge = square / (6.0 * (fits.len() as f64 - 1.0));
+    let birge = (square / (6.0 * (fits.len() as f64 - 1.0))).max(1.0);
     let mut I = Matrix3::zeros();
     for (k, (i, j)) in TENSOR.into_iter().enumerate() {
         I[(i, j)] = mean[k];
         I[(j, i)] = mean[k];
     }
-    Some((I, covariance * birge.max(1.0)))
+    Some(Mean {
+        I,
+        covariance: covariance * birge,
+        birge,
+    })
 }
 
 fn variance_of_mean(x: &[f64]) -> f64 {

@@ -78,8 +78,8 @@ fn print_box(throws: &Throws) {
 
 fn print_object(object: &Object) {
     println!(
-        "\n{}: errors of the principal moments, %, with one sigma, %",
-        object.name
+        "\n{}: errors of the principal moments, %, with one sigma, %; the throws scatter {:.2} times as their fits say",
+        object.name, object.scatter
     );
     for a in object.throws.iter().chain([&object.together]) {
         print_answer(a);

@@ -79,6 +79,9 @@ fn print_object(object: &Object) {
         "  throw       moments                       errors, %               mass centre from the accelerometer, mm"
     );
     object.throws.iter().for_each(print_answer);
+    for (name, why) in &object.undetermined {
+        println!("  {name:8} not determined: {why}");
+    }
     print_answer(&object.together);
 }
 

@@ -81,6 +81,11 @@ fn merged(mut gaps: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     all
 }
 
+/// The samples of a table up to a time.
+pub(crate) fn cut_at(table: &Table, end_s: f64) -> Table {
+    piece(table, f64::NEG_INFINITY, end_s)
+}
+
 /// The samples of a table between two times, both included.
 fn piece(table: &Table, from: f64, to: f64) -> Table {
     // Times of the channel before: whole, and cut.

@@ -20,6 +20,7 @@ mod thrust;
 
 pub use acceleration::acceleration_channels;
 pub use channels::wanted_channels;
+pub(crate) use cut::cut_at;
 pub use mounting::mountings;
 
 pub use crate::error::BindError;

@@ -1,6 +1,7 @@
 //! `[design]`: free motions and objective.
 
 use super::planner::Planner;
+use super::thrusters::Fired;
 use super::{Case, CaseError, refuse};
 use poinsot_dynamics::Tree;
 use poinsot_formats::case::{DesignFile, DesignJointFile, DesignWheelFile, Objective, Placed};
@@ -74,6 +75,8 @@ pub struct Design {
     pub joints: Vec<Moved>,
     /// Wheels that it turns.
     pub wheels: Vec<Moved>,
+    /// Thrusters whose firings it times.
+    pub thrusters: Vec<Fired>,
 }
 
 impl Case {
@@ -142,9 +145,11 @@ impl Planner<'_> {
                 self.add(&mut wheels, one, table.span(), &key);
             }
         }
-        if joints.is_empty() && wheels.is_empty() && self.faults.is_empty() {
-            let problem = "no joint or wheel is free to move";
-            let remedy = "add [[design.joint]] or [[design.wheel]]";
+        let thrusters = self.fired(&file.thruster);
+        let nothing = joints.is_empty() && wheels.is_empty() && thrusters.is_empty();
+        if nothing && self.faults.is_empty() {
+            let problem = "no joint, wheel or thruster is free to move";
+            let remedy = "add [[design.joint]], [[design.wheel]] or [[design.thruster]]";
             self.refuse("E0507", "design", span, problem, remedy);
         }
         Design {
@@ -156,6 +161,7 @@ impl Planner<'_> {
             seed: file.seed,
             joints,
             wheels,
+            thrusters,
         }
     }
 
@@ -262,7 +268,7 @@ impl Planner<'_> {
         Some(form)
     }
 
-    fn needed(
+    pub(super) fn needed(
         &mut self,
         given: Option<&Placed<usize>>,
         name: &str,

@@ -2,6 +2,7 @@
 
 use super::fault::did_you_mean;
 use super::planner::Planner;
+use super::thrusters::{ImpulseLimit, ThrusterLimit};
 use super::{Case, CaseError, refuse};
 use poinsot_dynamics::Tree;
 use poinsot_formats::case::{CapsuleFile, ConeFile, JointLimitFile, Placed, WheelLimitFile};
@@ -64,6 +65,10 @@ pub struct Limits {
     pub joints: Vec<JointLimit>,
     /// One per wheel.
     pub wheels: Vec<WheelLimit>,
+    /// One per thruster.
+    pub thrusters: Vec<ThrusterLimit>,
+    /// What thrusters may spend together.
+    pub impulses: Vec<ImpulseLimit>,
     /// Largest angular rate of the base, rad/s; infinite without.
     pub body_rate: f64,
     /// Pointing.
@@ -124,6 +129,7 @@ impl Planner<'_> {
                 wheels[k].torque = wheels[k].torque.min(given.torque);
             }
         }
+        let (thrusters, impulses) = self.thruster_limits(&file.thruster);
         let cones = file.cone.iter().enumerate();
         let cones = cones.filter_map(|(i, c)| self.cone(c.get_ref(), &format!("limits.cone[{i}]")));
         let cones = cones.collect();
@@ -133,6 +139,8 @@ impl Planner<'_> {
         Limits {
             joints,
             wheels,
+            thrusters,
+            impulses,
             cones,
             capsules: capsules.collect(),
             body_rate: self.limit("limits.body_rate_rad_s", file.body_rate_rad_s.as_ref()),
@@ -144,7 +152,7 @@ impl Planner<'_> {
     }
 
     /// A positive limit; infinite where none is given.
-    fn limit(&mut self, key: &str, given: Option<&Placed<f64>>) -> f64 {
+    pub(super) fn limit(&mut self, key: &str, given: Option<&Placed<f64>>) -> f64 {
         let Some(x) = given else {
             return f64::INFINITY;
         };

@@ -13,6 +13,7 @@ mod joints;
 mod limits;
 mod planner;
 mod sensor_output;
+mod thrusters;
 mod torques;
 mod wanted;
 
@@ -22,7 +23,8 @@ pub use designed::{Design, Form, Moved};
 pub use limits::{Capsule, Cone, JointLimit, Limits, WheelLimit};
 pub use poinsot_formats::case::{Format, Objective};
 pub use sensor_output::SensorOutput;
-pub use wanted::Want;
+pub use thrusters::{Fired, ImpulseLimit, ThrusterLimit};
+pub use wanted::{Want, estimated_numbers};
 
 pub use crate::error::{CaseError, CaseFault};
 pub(crate) use describe::{counted, describe_case};

@@ -193,15 +193,9 @@ impl Planner<'_> {
             self.refuse("E0504", key, span, problem, remedy);
             return Vec::new();
         }
-        let body = wanted.iter().find_map(|(_, _, term)| {
-            let asked = self.model.bodies[term.body].estimate;
-            let is_unknown = match term.number {
-                WantedNumber::Mass => asked.mass,
-                WantedNumber::MassCentre(_) => asked.com,
-                WantedNumber::Inertia(_) => asked.inertia,
-            };
-            (!is_unknown).then_some(term.body)
-        });
+        let mut terms = wanted.iter().map(|(_, _, term)| term);
+        let known = terms.find(|term| !is_estimated(self.model, term));
+        let body = known.map(|term| term.body);
         if let Some(body) = body {
             let name = &self.model.bodies[body].name;
             let problem = format!("\"{address}\" is known: body \"{name}\" does not estimate it");
@@ -211,6 +205,28 @@ impl Planner<'_> {
         }
         let one = |(name, unit, term)| (name, unit, vec![term]);
         wanted.into_iter().map(one).collect()
+    }
+}
+
+/// Every number that the model estimates; none is wanted to any accuracy.
+pub fn estimated_numbers(model: &Model) -> Vec<Want> {
+    let known = known_addresses(model).into_iter();
+    let estimated = known.filter(|(_, _, term)| is_estimated(model, term));
+    let want = |(name, unit, term)| Want {
+        name,
+        unit,
+        terms: vec![term],
+        sigma: f64::NAN,
+    };
+    estimated.map(want).collect()
+}
+
+fn is_estimated(model: &Model, term: &WantedTerm) -> bool {
+    let asked = model.bodies[term.body].estimate;
+    match term.number {
+        WantedNumber::Mass => asked.mass,
+        WantedNumber::MassCentre(_) => asked.com,
+        WantedNumber::Inertia(_) => asked.inertia,
     }
 }
 

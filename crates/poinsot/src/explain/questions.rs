@@ -77,9 +77,9 @@ pub(super) const CODES: &[Entry] = &[
     ),
     (
         "E0406",
-        "Too many mass properties are to be estimated together.",
-        "estimate = true on every link of a long chain.",
-        "Take estimate out of bodies that are known well enough.",
+        "Too many numbers are unknown or uncertain together.",
+        "A long chain with estimate = true on every link, or without exact = true.",
+        "Take estimate out of bodies that are known well enough, or write exact = true for them.",
     ),
     (
         "E0410",

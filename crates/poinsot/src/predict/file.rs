@@ -1,11 +1,11 @@
 //! The machine-readable prediction, `poinsot.prediction/2`.
 
-use super::Prediction;
 use super::text::sentence;
+use super::{Prediction, against_duration_file};
 use crate::estimate_file::{covariance, identifiability, reference};
 use poinsot_formats::{
-    Axes, Elements, MassFile, PREDICTION, PredictedNumberFile, PredictionFile, WantedFile, address,
-    finite,
+    Axes, Elements, MassFile, PREDICTION, PeakFile, PredictedNumberFile, PredictionFile,
+    WantedFile, address, finite,
 };
 use poinsot_identify::{BodyEstimate, Number, tensor_index};
 
@@ -20,6 +20,11 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         wanted_sigma: m.want.sigma,
         sigma: m.sigma,
         met: m.is_met(),
+    });
+    let peaks = prediction.peaks.iter().map(|p| PeakFile {
+        what: p.what.clone(),
+        unit: p.unit.to_owned(),
+        value: p.value,
     });
     PredictionFile {
         schema: PREDICTION.to_owned(),
@@ -43,6 +48,10 @@ pub fn prediction_file(prediction: &Prediction) -> PredictionFile {
         covariance: covariance(bound),
         identifiability: identifiability(&bound.identifiability),
         assumptions: prediction.assumptions.clone(),
+        peaks: peaks.collect(),
+        against_duration: (!prediction.against_duration.is_empty()).then(|| {
+            against_duration_file(&prediction.against_duration, prediction.followed.iter())
+        }),
     }
 }
 

@@ -5,7 +5,8 @@ use crate::estimate_file::{component, inertia_entries};
 use crate::estimate_text::open_sentences;
 use crate::trials::numbers_of;
 use poinsot_formats::{
-    IdentifiabilityFile, MassFile, PredictedNumberFile, PredictionFile, WantedFile,
+    AgainstDurationFile, IdentifiabilityFile, MassFile, PredictedNumberFile, PredictionFile,
+    WantedFile,
 };
 use poinsot_identify::{BodyEstimate, Number, Source, Status};
 use poinsot_report::{Document, Section, Table, Tone, significant};
@@ -13,7 +14,7 @@ use poinsot_report::{Document, Section, Table, Tone, significant};
 /// Combinations listed in the terminal; the file has all.
 const LISTED: usize = 12;
 /// Figures of a predicted sigma.
-const FIGURES: i32 = 2;
+pub(super) const FIGURES: i32 = 2;
 
 /// The prediction as a document.
 pub fn prediction_document(prediction: &PredictionFile) -> Document {
@@ -56,10 +57,54 @@ pub(crate) fn accuracy(prediction: &PredictionFile) -> Document {
         }
         document.push(Section::table("also found", table));
     }
+    if let Some(found) = &prediction.against_duration {
+        document.push(durations(found));
+    }
     if !prediction.assumptions.is_empty() {
         document.push(Section::list("assumed", prediction.assumptions.clone()));
     }
     document
+}
+
+/// The largest values of the motion.
+pub(crate) fn peaks(prediction: &PredictionFile) -> Section {
+    let mut table = Table::new(&["", "largest", "unit"]);
+    for p in &prediction.peaks {
+        table.push(vec![
+            p.what.clone(),
+            significant(p.value, 3),
+            p.unit.clone(),
+        ]);
+    }
+    Section::table("largest values at the samples", table)
+}
+
+/// Quarters of the time that a table shows; the page has every end.
+const QUARTERS: usize = 4;
+
+/// Sigmas with the record ended earlier, one row a number.
+pub(crate) fn durations(found: &AgainstDurationFile) -> Section {
+    let ends = found.end_s.len();
+    let shown: Vec<usize> = (1..=QUARTERS)
+        .filter_map(|q| (q * ends / QUARTERS).checked_sub(1))
+        .collect();
+    let names: Vec<String> = shown
+        .iter()
+        .map(|k| format!("{} s", significant(found.end_s[*k], 4)))
+        .collect();
+    let mut header = vec![""];
+    header.extend(names.iter().map(String::as_str));
+    header.push("unit");
+    let mut table = Table::new(&header);
+    for n in &found.numbers {
+        let sigma =
+            |k: &usize| n.sigma[*k].map_or_else(|| "-".to_owned(), |s| significant(s, FIGURES));
+        let mut row = vec![n.name.clone()];
+        row.extend(shown.iter().map(sigma));
+        row.push(n.unit.clone());
+        table.push(row);
+    }
+    Section::table("1 sigma with the record ended earlier", table)
 }
 
 fn wanted(wants: &[WantedFile]) -> Section {

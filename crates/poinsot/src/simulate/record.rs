@@ -4,8 +4,8 @@ use super::{every, stream};
 use crate::case::Scenario;
 use crate::channel_names::{XYZ, names, wheels};
 use poinsot_dynamics::{
-    ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, WheelDrive, WheelMotion,
-    vector_reading,
+    Firing, ForceProfile, Instrument, JointDrive, MotionSample, SensorError, Tree, WheelDrive,
+    WheelMotion, thrust_levels, vector_reading,
 };
 use poinsot_model::{Joint, JointKind, Model, SensorKind};
 use poinsot_spatial::Vector3;
@@ -40,6 +40,8 @@ pub(super) struct Recorder {
     groups: Vec<Group>,
     /// Exact channels that are written; `None`: all.
     commanded: Option<HashSet<String>>,
+    /// Names of the channels of thrust, one per thruster.
+    thrust: Vec<String>,
     row: usize,
     reading: Vec<f64>,
 }
@@ -77,14 +79,16 @@ impl Recorder {
                 groups.push(Group::new(None, names, 1, Reader::Exact(read)));
             }
         }
-        let (motors, names) = motor_channels(model, scenario, tree);
-        if names.iter().any(written) {
-            groups.push(Group::new(None, names, 1, Reader::Motor(motors)));
+        let (motors, efforts) = motor_channels(model, scenario, tree);
+        if efforts.iter().any(written) {
+            groups.push(Group::new(None, efforts, 1, Reader::Motor(motors)));
         }
+        let thrusters: Vec<usize> = (0..model.thrusters.len()).collect();
         // A scalar that some sensor reads is dropped from its exact group afterwards.
         Self {
             groups,
             commanded,
+            thrust: names(model, SensorKind::Thrust, &thrusters),
             row: 0,
             reading: Vec::new(),
         }
@@ -168,6 +172,12 @@ impl Recorder {
                 if (exact && (count > 0 || !wanted)) || values.is_empty() {
                     continue;
                 }
+                let thruster = self.thrust.iter().position(|n| exact && *n == name);
+                if let Some(k) = thruster {
+                    let (time_s, values) = with_switches(scenario, k, base, values);
+                    channels.push(channel(name, String::new(), time_s, values));
+                    continue;
+                }
                 let sensor = group.sensor.as_ref().filter(|_| count > 1);
                 let sensor = sensor.map_or(String::new(), |(_, sensor)| sensor.clone());
                 channels.push(channel(name, sensor, base.clone(), values));
@@ -178,6 +188,43 @@ impl Recorder {
             ..Table::default()
         }
     }
+}
+
+/// How far a switch may lie beside a row, s, and count as on it: round-off of the times.
+const ON_ROW: f64 = 1.0e-9;
+
+/// The rows of a thruster with the instants between them at which it switches: a value holds until the next.
+fn with_switches(
+    scenario: &Scenario,
+    thruster: usize,
+    rows: &Arc<[f64]>,
+    values: Vec<f64>,
+) -> (Arc<[f64]>, Vec<f64>) {
+    let firings: &[Firing] = match &scenario.driven {
+        Some(plan) => &plan.firings,
+        None => &scenario.plan.firings,
+    };
+    let own = firings.iter().filter(|f| f.thruster == thruster);
+    let is_between = |t: &f64| {
+        let next = rows.partition_point(|row| row < t);
+        let apart = |row: Option<&f64>| row.is_some_and(|row| (row - t).abs() > ON_ROW);
+        apart(rows.get(next)) && apart(next.checked_sub(1).and_then(|k| rows.get(k)))
+    };
+    let between = own.flat_map(|f| [f.on, f.off]).filter(is_between);
+    let mut times: Vec<f64> = between.collect();
+    if times.is_empty() {
+        return (rows.clone(), values);
+    }
+    times.extend(rows.iter());
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let mut levels = vec![0.0; thruster + 1];
+    let mut level = |t: &f64| {
+        thrust_levels(firings, *t, &mut levels);
+        levels[thruster]
+    };
+    let values = times.iter().map(&mut level).collect();
+    (times.into(), values)
 }
 
 impl Group {

@@ -688,6 +688,30 @@ fn regress_commands_are_written_beside_sensors() {
     }
 }
 
+/// A firing that begins and ends between two rows is written with its own times: the impulse of the record is exact.
+#[test]
+fn exact_a_firing_between_rows_keeps_its_times() {
+    let (on, off) = (2.031, 7.987);
+    let case = altered(
+        "tug_thrusters.toml",
+        "on_s = 2.0\noff_s = 8.0",
+        &format!("on_s = {on}\noff_s = {off}"),
+    );
+    let model = read_model(&case.model).unwrap();
+    let table = simulate_case(&case, &model).unwrap().table;
+    let thrust = table.channel("thr1_N").unwrap();
+    let held = thrust.time_s.windows(2).zip(&thrust.values);
+    let impulse: f64 = held.map(|(t, force)| force * (t[1] - t[0])).sum();
+    // The second firing of the thruster lasts 6 s.
+    assert!(
+        (impulse - 10.0 * (off - on + 6.0)).abs() < 1e-9,
+        "{impulse}"
+    );
+    assert_eq!(thrust.time_s.len(), case.times().len() + 2);
+    let others = table.channel("thr2_N").unwrap();
+    assert_eq!(others.time_s.len(), case.times().len());
+}
+
 /// Speeds and torques of wheels from a file move the vehicle as the same table in the case does.
 #[test]
 fn exact_wheel_profiles_from_a_file() {

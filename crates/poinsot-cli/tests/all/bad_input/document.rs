@@ -90,7 +90,7 @@ const DIFFERENCES: &str = "## Where it differs from the list
 - S3: no CSV with text cells is written.
 ";
 
-/// `docs/errors.md`.
+/// `docs/reference/errors.md`.
 pub fn errors(
     codes: &[ErrorCode],
     messages: &BTreeMap<String, (String, Option<&'static str>)>,

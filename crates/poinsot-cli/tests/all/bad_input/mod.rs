@@ -1,6 +1,6 @@
 //! Every fault of the list: what the program prints, its exit code, what it leaves behind.
 //!
-//! `POINSOT_BLESS=1` writes `docs/validation/bad_input.md` and `docs/errors.md` anew from what is printed.
+//! `POINSOT_BLESS=1` writes `docs/validation/bad_input.md` and `docs/reference/errors.md` anew from what is printed.
 
 mod advice;
 mod bench;
@@ -85,7 +85,10 @@ fn cli_every_fault_of_the_list_and_every_code() {
         .filter(|c| !messages.contains_key(*c))
         .collect();
     assert!(without.is_empty(), "no row prints {without:?}");
-    document::compare("docs/errors.md", &document::errors(&codes, &messages));
+    document::compare(
+        "docs/reference/errors.md",
+        &document::errors(&codes, &messages),
+    );
 }
 
 /// The first whole message of each code, and why no input makes the command print it where that is so.

@@ -83,7 +83,9 @@ pub struct Object {
     pub known: [f64; 3],
     /// Throw by throw.
     pub throws: Vec<Answer>,
-    /// All throws as segments of one problem.
+    /// Throws that do not determine it, with the reason.
+    pub undetermined: Vec<(String, String)>,
+    /// All other throws as segments of one problem.
     pub together: Answer,
 }
 
@@ -220,14 +222,22 @@ impl Bench<'_> {
                 p_Sc_B: both.p_S_B,
             })
         };
+        let (mut found, mut undetermined, mut used) = (Vec::new(), Vec::new(), Vec::new());
+        for throw in throws {
+            match answer(&throw.name, &[throw]) {
+                Ok(one) => {
+                    found.push(one);
+                    used.push(throw);
+                }
+                Err(why) => undetermined.push((throw.name.clone(), why.to_string())),
+            }
+        }
         Ok(Object {
             name: known.name.clone(),
             known: principal(&known.I_cm),
-            throws: throws
-                .iter()
-                .map(|t| answer(&t.name, &[t]))
-                .collect::<Result<_, _>>()?,
-            together: answer("all", &throws.iter().collect::<Vec<_>>())?,
+            throws: found,
+            undetermined,
+            together: answer("all", &used)?,
         })
     }
 

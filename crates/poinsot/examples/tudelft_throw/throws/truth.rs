@@ -6,6 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// A body whose mass and inertia are known.
+#[derive(Debug, Clone)]
 pub struct Known {
     /// Name, as that of its group of throws.
     pub name: String,
@@ -28,14 +29,17 @@ pub struct Truth {
 /// Reads the file.
 pub fn read_truth(folder: &Path) -> Result<Truth, Fault> {
     let file: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
-    let objects = ["config_empty", "config_a"];
+    let objects = file["objects"].as_object();
+    let objects = objects.ok_or("truth.json: objects are missing")?;
+    let mut objects: Vec<Known> = objects
+        .iter()
+        .map(|(name, value)| known(name, value))
+        .collect::<Result<_, _>>()?;
+    objects.sort_by(|a, b| a.mass.total_cmp(&b.mass));
     Ok(Truth {
         box_mass: number(&file["device_mass_kg"])?,
         proof_body: known("proof_body", &file["proof_body"])?,
-        objects: objects
-            .iter()
-            .map(|name| known(name, &file["objects"][*name]))
-            .collect::<Result<_, _>>()?,
+        objects,
     })
 }
 

@@ -4,20 +4,21 @@ use crate::report::data::{Channel, ReportData, Segment};
 use crate::report::envelope::Envelope;
 use crate::report::trust::BAND;
 use indexmap::IndexMap;
-use poinsot_formats::{LARGEST_RESULT, ValidationFile};
+use poinsot_formats::{AgainstDurationFile, LARGEST_RESULT, ValidationFile};
 use poinsot_report::{Axis, Figure, Mark, Plot, Series};
 use std::path::Path;
 
 /// Plots of one page share cursor and zoom.
 const GROUP: &str = "record1";
 /// Endings of the columns of commands with quantity and unit, the longest first.
-const COMMANDS: [(&str, &str, &str); 6] = [
+const COMMANDS: [(&str, &str, &str); 7] = [
     ("_rad_s2", "joint acceleration", "rad/s²"),
     ("_m_s2", "joint acceleration", "m/s²"),
     ("_rad_s", "speed", "rad/s"),
     ("_m_s", "joint speed", "m/s"),
     ("_rad", "joint angle", "rad"),
     ("_m", "joint position", "m"),
+    ("_N", "thrust", "N"),
 ];
 
 /// Rows of a table; none where the file is not there or no table.
@@ -126,4 +127,36 @@ pub(super) fn commands(path: &Path) -> Vec<Figure> {
     plots
         .map(|((label, _), plot)| Figure::plot(label, plot))
         .collect()
+}
+
+/// Sigmas with the record ended earlier, over the wanted ones or those of the whole record; `None` without two points.
+pub(super) fn against_duration(found: &AgainstDurationFile) -> Option<Figure> {
+    let wanted = found.numbers.iter().any(|n| n.wanted_sigma.is_some());
+    let mut series = Vec::new();
+    for (k, n) in found.numbers.iter().enumerate() {
+        let scale = n.wanted_sigma.or_else(|| n.sigma.last().copied().flatten());
+        let points = found.end_s.iter().zip(&n.sigma);
+        let points = points.filter_map(|(t, s)| Some((*t, (*s)? / scale?)));
+        let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
+        if x.len() > 1 {
+            series.push(Series::new(&n.name, Mark::Line, k, &x, &y));
+        }
+    }
+    let over = match wanted {
+        true => "wanted sigma",
+        false => "sigma of the whole record",
+    };
+    (!series.is_empty()).then(|| {
+        let plot = Plot {
+            title: format!("sigma over {over}, with the record ended earlier"),
+            x: Axis::new("end of the record", "s"),
+            y: Axis::new("ratio", ""),
+            log: true,
+            series,
+            levels: vec![(1.0, over.to_owned())],
+            height: 210.0,
+            ..Plot::default()
+        };
+        Figure::plot("against_duration", plot)
+    })
 }

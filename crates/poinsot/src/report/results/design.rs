@@ -1,9 +1,12 @@
 //! A designed manoeuvre: result, active limits, and motion.
 
-use super::curves::commands;
+use super::curves::{against_duration, commands};
 use super::{Shown, ratio_figure};
-use poinsot_formats::{DesignFile, DesignVerificationFile};
-use poinsot_report::{Document, Light, Opening, Section, Table, Tone, significant};
+use crate::predict::durations;
+use poinsot_formats::{DesignFile, DesignVerificationFile, RelaxedFile};
+use poinsot_report::{
+    Axis, Document, Figure, Light, Mark, Opening, Plot, Section, Series, Table, Tone, significant,
+};
 use std::path::Path;
 
 /// Figures of a sigma.
@@ -24,12 +27,13 @@ pub fn design_document(design: &DesignFile) -> Document {
         document.push(limits(design));
     }
     if !design.relaxed.is_empty() {
-        let mut table = Table::new(&["limit", "times", "largest sigma over wanted"]);
-        for r in &design.relaxed {
-            let factor = significant(r.factor, 3);
-            table.push(vec![r.what.clone(), factor, significant(r.worst_ratio, 3)]);
-        }
-        document.push(Section::table("effect of relaxing a limit", table));
+        document.push(points("effect of relaxing a limit", &design.relaxed));
+    }
+    if !design.front.is_empty() {
+        document.push(points("with one limit tighter and looser", &design.front));
+    }
+    if let Some(found) = &design.against_duration {
+        document.push(durations(found));
     }
     if let Some(v) = &design.verification {
         document.push(flights(v));
@@ -50,6 +54,15 @@ pub fn design_document(design: &DesignFile) -> Document {
     }
     document.push(Section::list("search", lines));
     document
+}
+
+fn points(title: &str, all: &[RelaxedFile]) -> Section {
+    let mut table = Table::new(&["limit", "times", "largest sigma over wanted"]);
+    for r in all {
+        let factor = significant(r.factor, 3);
+        table.push(vec![r.what.clone(), factor, significant(r.worst_ratio, 3)]);
+    }
+    Section::table(title, table)
 }
 
 fn wanted(design: &DesignFile) -> Section {
@@ -152,13 +165,34 @@ pub(super) fn result(design: &DesignFile, folder: &Path) -> Shown {
         title: format!("Manoeuvre for {}", design.model),
         poinsot: design.poinsot.clone(),
         beside: ratio_figure(&["designed manoeuvre", "manoeuvre of the case"], rows),
-        curves: ("Manoeuvre", commands(&folder.join("commands.csv"))),
+        curves: ("Manoeuvre", figures(design, folder)),
         open: None,
         several: false,
         inputs: vec![("case", design.case.clone())],
         opening,
         document,
     }
+}
+
+/// The commands, the sigmas against the duration, and the front.
+fn figures(design: &DesignFile, folder: &Path) -> Vec<Figure> {
+    let mut all = commands(&folder.join("commands.csv"));
+    all.extend(design.against_duration.iter().filter_map(against_duration));
+    if let Some(first) = design.front.first() {
+        let point = |r: &RelaxedFile| (r.factor, r.worst_ratio);
+        let (x, y): (Vec<f64>, Vec<f64>) = design.front.iter().map(point).unzip();
+        let plot = Plot {
+            title: format!("largest sigma against the limit: {}", first.what),
+            x: Axis::new("limit over that of the case", ""),
+            y: Axis::new("sigma over wanted sigma", ""),
+            series: vec![Series::new("designed manoeuvre", Mark::Line, 0, &x, &y)],
+            levels: vec![(1.0, "wanted".to_owned())],
+            height: 210.0,
+            ..Plot::default()
+        };
+        all.push(Figure::plot("front", plot));
+    }
+    all
 }
 
 fn within_limits(design: &DesignFile) -> Light {

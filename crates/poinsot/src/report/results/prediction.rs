@@ -1,13 +1,17 @@
 //! The accuracy that a case allows.
 
+use super::curves::against_duration;
 use super::{Shown, answer, light, ratio_figure};
-use crate::predict::{accuracy, predicted_sigma};
+use crate::predict::{accuracy, peaks, predicted_sigma};
 use crate::verdict::Standing;
 use poinsot_formats::PredictionFile;
 use poinsot_report::{Axis, Figure, Mark, Opening, Plot, Series};
 
 pub(super) fn result(p: &PredictionFile) -> Shown {
-    let document = accuracy(p);
+    let mut document = accuracy(p);
+    if !p.peaks.is_empty() {
+        document.push(peaks(p));
+    }
     let (_, determined) = Standing {
         status: &p.status,
         covariance_trustworthy: true,
@@ -56,7 +60,13 @@ pub(super) fn result(p: &PredictionFile) -> Shown {
         },
         beside,
         document,
-        curves: ("", Vec::new()),
+        curves: (
+            "Duration",
+            p.against_duration
+                .iter()
+                .filter_map(against_duration)
+                .collect(),
+        ),
         open: Some(found.clone()),
         several: p.bodies.len() > 1,
         inputs: vec![("case", p.case.clone()), ("vehicle", p.model.clone())],

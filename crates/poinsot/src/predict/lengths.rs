@@ -1,0 +1,76 @@
+//! What a shorter record of the same motion tells.
+
+use super::wanted_sigma;
+use crate::bind::{bind, cut_at};
+use crate::case::{Case, Want};
+use crate::error::Error;
+use crate::simulate::simulate_exact;
+use poinsot_dynamics::Tree;
+use poinsot_formats::{AgainstDurationFile, SigmasFile, finite};
+use poinsot_identify::{Problem, cramer_rao};
+use poinsot_model::Model;
+use rayon::prelude::*;
+
+/// Parts of the duration after which the record is ended.
+const PARTS: u32 = 12;
+
+/// Sigmas of some numbers with the record ended at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ended {
+    /// End of the record, s.
+    pub end_s: f64,
+    /// One per number; `None` where it is not identifiable.
+    pub sigmas: Vec<Option<f64>>,
+}
+
+/// Sigmas of what is wanted with the record of a case ended after each twelfth of its time.
+///
+/// # Errors
+/// The case cannot be simulated.
+pub fn against_duration(
+    case: &Case,
+    model: &Model,
+    wants: &[Want],
+    relative_accuracy: f64,
+) -> Result<Vec<Ended>, Error> {
+    let exact = simulate_exact(case, model)?.table;
+    let tree = Tree::new(model);
+    let of = |part: u32| {
+        let end_s = case.duration_s * f64::from(part) / f64::from(PARTS);
+        let bound = bind(model, &tree, &[cut_at(&exact, end_s)]).ok();
+        // A record of too few samples tells nothing.
+        let estimate = bound.and_then(|bound| {
+            cramer_rao(&Problem {
+                model,
+                tree: &tree,
+                segments: &bound.segments,
+                noise: &bound.noise,
+                relative_accuracy,
+            })
+            .ok()
+        });
+        let sigma = |want: &Want| wanted_sigma(estimate.as_ref()?, want);
+        Ended {
+            end_s,
+            sigmas: wants.iter().map(sigma).collect(),
+        }
+    };
+    Ok((1..=PARTS).into_par_iter().map(of).collect())
+}
+
+/// The same as a file.
+pub fn against_duration_file<'w>(
+    ended: &[Ended],
+    wants: impl Iterator<Item = &'w Want>,
+) -> AgainstDurationFile {
+    let numbers = wants.enumerate().map(|(k, want)| SigmasFile {
+        name: want.name.clone(),
+        unit: want.unit.to_owned(),
+        wanted_sigma: finite(want.sigma),
+        sigma: ended.iter().map(|e| e.sigmas[k]).collect(),
+    });
+    AgainstDurationFile {
+        end_s: ended.iter().map(|e| e.end_s).collect(),
+        numbers: numbers.collect(),
+    }
+}

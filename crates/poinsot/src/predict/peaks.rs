@@ -1,0 +1,98 @@
+//! The largest values of a motion: what a manoeuvre asks of the vehicle.
+
+use crate::case::Scenario;
+use poinsot_dynamics::{MotionSample, Tree};
+use poinsot_model::{JointKind, Model};
+use poinsot_spatial::UnitQuaternion;
+
+/// The largest magnitude of something over the samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Peak {
+    /// For example "rate of joint1".
+    pub what: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Largest magnitude.
+    pub value: f64,
+}
+
+/// Collects peaks sample by sample, in one order.
+#[derive(Debug, Clone, Default)]
+pub struct Peaks {
+    first: Option<UnitQuaternion>,
+    values: Vec<f64>,
+}
+
+impl Peaks {
+    /// One more sample.
+    pub fn take(&mut self, sample: &MotionSample) {
+        let first = self.first.get_or_insert(sample.R_NB);
+        let base = [sample.w_NB_B.norm(), first.angle_to(&sample.R_NB)];
+        let joints = sample
+            .q
+            .iter()
+            .zip(&sample.rates)
+            .zip(&sample.accelerations);
+        let joints = joints.flat_map(|((q, rate), acceleration)| [*q, *rate, *acceleration]);
+        let wheels = sample.wheel_speed.iter().zip(&sample.wheel_torque);
+        let wheels = wheels.flat_map(|(speed, torque)| [*speed, *torque]);
+        let now: Vec<f64> = base
+            .into_iter()
+            .chain(joints)
+            .chain(wheels)
+            .map(f64::abs)
+            .collect();
+        self.values.resize(now.len(), 0.0);
+        for (largest, x) in self.values.iter_mut().zip(now) {
+            *largest = largest.max(x);
+        }
+    }
+
+    /// The peaks with their names, and the impulse of every thruster that fires.
+    pub fn named(&self, model: &Model, scenario: &Scenario) -> Vec<Peak> {
+        let mut names: Vec<(String, &'static str)> = vec![
+            ("body rate".to_owned(), "rad/s"),
+            ("turn from the first attitude".to_owned(), "rad"),
+        ];
+        for k in Tree::new(model).coordinates {
+            let joint = &model.joints[k];
+            let units = match joint.kind {
+                JointKind::Prismatic => ["m", "m/s", "m/s2"],
+                _ => ["rad", "rad/s", "rad/s2"],
+            };
+            let words = ["position", "rate", "acceleration"];
+            let own = words.into_iter().zip(units);
+            names.extend(own.map(|(word, unit)| (format!("{word} of {}", joint.name), unit)));
+        }
+        for wheel in &model.wheels {
+            names.push((format!("speed of {}", wheel.name), "rad/s"));
+            names.push((format!("torque of {}", wheel.name), "N m"));
+        }
+        let named = names.into_iter().zip(&self.values);
+        let mut all: Vec<Peak> = named
+            .map(|((what, unit), value)| Peak {
+                what,
+                unit,
+                value: *value,
+            })
+            .collect();
+        let firings = match &scenario.driven {
+            Some(plan) => &plan.firings,
+            None => &scenario.plan.firings,
+        };
+        let end = scenario.times.last().copied().unwrap_or(0.0);
+        for (k, thruster) in model.thrusters.iter().enumerate() {
+            let own = firings.iter().filter(|f| f.thruster == k);
+            let lengths = own.map(|f| f.force * (f.off.min(end) - f.on.max(0.0)).max(0.0));
+            let impulse: f64 = lengths.sum();
+            if impulse > 0.0 {
+                all.push(Peak {
+                    what: format!("impulse of {}", thruster.name),
+                    unit: "N s",
+                    value: impulse,
+                });
+            }
+        }
+        all
+    }
+}
