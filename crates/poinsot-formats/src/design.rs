@@ -37,7 +37,7 @@ pub struct DesignFile {
     pub limits: Vec<LimitUseFile>,
     /// Effect of relaxed limits, if a wanted sigma is not reached.
     pub relaxed: Vec<RelaxedFile>,
-    /// What one kind of limit, tighter and looser, would give, where it was asked for.
+    /// What one kind of limit, tighter and looser, would give, where it was requested.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub front: Vec<RelaxedFile>,
     /// Sigmas of what is wanted with the record ended earlier.

@@ -47,7 +47,7 @@ pub struct PredictionFile {
     /// Largest values of the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peaks: Vec<PeakFile>,
-    /// Sigmas with the record ended earlier, where they were asked for.
+    /// Sigmas with the record ended earlier, where they were requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against_duration: Option<AgainstDurationFile>,
 }
