@@ -76,3 +76,17 @@ fn exact_columns_of_known_numbers_are_differences_of_predictions() {
         );
     }
 }
+
+/// Across an axis of the vehicle two directions are as good as each other: a small turn must not exchange them.
+#[test]
+fn regress_tilts_of_a_turned_wheel_stay_about_the_nominal_directions() {
+    let mut model = parse_model(MODEL, "test").unwrap();
+    model.wheels[0].axis_B = Vector3::x();
+    let tree = Tree::new(&model);
+    let parameters = Parameters::new(&model, &tree, Equations::Momentum, true).unwrap();
+    let mut turned = model.clone();
+    turned.wheels[0].axis_B = Vector3::new(1.0, 3.0e-4, 1.0e-4).normalize();
+    let there = parameters.of_vehicle(&turned, &tree).unwrap();
+    assert_eq!(there.wheel_axes[0].0, turned.wheels[0].axis_B);
+    assert_eq!(there.wheel_axes[0].1, parameters.wheel_axes[0].1);
+}

@@ -190,7 +190,9 @@ impl Parameters {
         let mut out = self.clone();
         (out.known, out.nominal) = (other.known, other.nominal);
         out.nominal_properties = other.nominal_properties;
-        out.wheel_axes = other.wheel_axes;
+        // Tilts stay about the directions of the nominal vehicle.
+        let axes = out.wheel_axes.iter_mut().zip(other.wheel_axes);
+        axes.for_each(|(own, new)| own.0 = new.0);
         let own = out.unknowns.iter_mut().zip(other.unknowns);
         for (unknown, new) in own.take(self.mass_unknowns) {
             unknown.kind = new.kind;
