@@ -302,28 +302,26 @@ fn determined(e: &Estimate) -> Option<Section> {
 /// Known numbers and the number of the answer whose variance each has most of.
 fn sensitivities(e: &Estimate) -> Option<Section> {
     let known = &e.known_numbers;
-    if known.effects.is_empty() {
+    let stated = known.effects.iter().filter_map(|n| Some((n, n.largest()?)));
+    let stated: Vec<_> = stated.collect();
+    if stated.is_empty() {
         return None;
     }
     let mut table = Table::new(&[
         "known number",
         "1 sigma",
         "with the data",
-        "unit",
         "most sensitive",
         "step",
         "change",
         "share of variance",
     ]);
-    for n in known.effects.iter().take(LISTED) {
-        let Some((at, share)) = n.largest() else {
-            continue;
-        };
+    for (n, (at, share)) in stated.iter().copied().take(LISTED) {
         let change = n.changes.get(at).copied().flatten().unwrap_or(0.0);
         let unit = e.covariance_units.get(at).copied().unwrap_or("");
         table.push(vec![
             n.name.clone(),
-            format!("{:.1e}", n.sigma),
+            format!("{:.1e} {}", n.sigma, n.unit),
             n.estimated.map_or_else(
                 || "as declared".to_owned(),
                 |(value, sigma)| {
@@ -331,7 +329,6 @@ fn sensitivities(e: &Estimate) -> Option<Section> {
                     format!("{value} ± {sigma}")
                 },
             ),
-            n.unit.to_owned(),
             e.covariance_names.get(at).cloned().unwrap_or_default(),
             n.step_words.to_owned(),
             format!("{change:+.2e} {unit}"),
@@ -339,10 +336,10 @@ fn sensitivities(e: &Estimate) -> Option<Section> {
         ]);
     }
     let mut section = Section::table("sensitivity to known numbers", table);
-    if known.effects.len() > LISTED {
+    if stated.len() > LISTED {
         section.note = Some(format!(
             "and {} more known numbers in the result file",
-            known.effects.len() - LISTED
+            stated.len() - LISTED
         ));
     }
     Some(section)

@@ -87,6 +87,7 @@ pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFi
         }
         Err(other) => return Err(other),
     };
+    problem.check_known_numbers()?;
     let linear = linear.map(|solution| padded(solution, &parameters));
     let mut experiment = Experiment::new(problem, &parameters);
     experiment.loss = options.loss;
