@@ -134,7 +134,7 @@ fn xu2017() -> Vec<Row> {
             robot(b, ["", ALL, ALL], "", &with(&[("j1_rad", f64::sin), ("j2_rad", |_| 0.0)]));
             b.write("u.csv", moving(&with(&[("j1_rad", f64::sin), ("j2_rad", |_| 0.5)])));
         }, &["E0537 segment 'u.csv': joint 'j2' is locked at 0.5, elsewhere at 0 (rad or m): (43)-(46) need one normal configuration in all segments; bring the joint back, or use --method auto"]).run(&["identify", "--model", "m.toml", "--telemetry", "t.csv", "--telemetry", "u.csv", "--out", "out"]),
-        row("E0538", "the swarm on a drifting robot", |b| robot(b, ["", ALL, ""], "", &with(&[("j1_rad", f64::sin)])), 2, &["E0538 segment 't.csv': the vehicle moves at", "the objective (52) takes momentum as zero, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"]).more(&["--method", "xu2017"]),
+        row("E0538", "the swarm on a drifting robot", |b| robot(b, ["", ALL, ""], "", &with(&[("j1_rad", f64::sin)])), 2, &["E0538 segment 't.csv': the vehicle moves at", "the objective (52) assumes zero momentum, so variant swarm must start at rest; use --variant linear, which takes the momentum as unknown"]).more(&["--method", "xu2017"]),
         xu("E0539", "nothing moves and nothing fires", |b| robot(b, ["", ALL, ""], "", &DRIFT), &["E0539 no segment has thrust with the joints locked, and in none does a joint move: xu2017 has nothing to work on; fire thrusters or drive a joint, or use --method auto"]),
         xu("E0306", "an angular acceleration of 1e300 rad/s2", |b| robot(b, [ALL; 3], THRUSTER, &with(&[("domega_x", |_| 1.0e300), ("domega_y", |_| 0.0), ("domega_z", |_| 0.0), ("thr_N", |_| 1.0)])), &["E0306 t.csv: channel 'domega_x': 1e300 at t = 0 s: beyond 1e6 rad/s2"]),
     ]
@@ -203,7 +203,7 @@ fn campaigns() -> Vec<Row> {
                 std::fs::create_dir_all(b.path("c/shards/000000")).unwrap();
                 b.write("c/shards/000000/0123456789ab_000000000.json", "{}");
             },
-            &["E0602 c/shards/000000/0123456789ab_000000000.json: this is a shard of the plan 0123456789ab"],
+            &["E0602 c/shards/000000/0123456789ab_000000000.json: this is a shard of plan 0123456789ab"],
         ),
         of(
             "E0603",
@@ -230,9 +230,9 @@ pub fn rows() -> Vec<Row> {
         row("E0212", "a map to a column that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry.columns]\nomega_x = { column = \"wx\", unit = \"rad/s\" }\n"), 2, &["E0212 map of channel 'omega_x': no column 'wx' in t.csv; "]),
         row("E0213", "rows chosen by a text that is not there", |b| b.write("m.toml", MODEL.to_owned() + "\n[telemetry]\nwhere = { omega_x = \"A\" }\n"), 2, &["E0213 where omega_x = 'A': no row of t.csv matches; choose among the values there, the first are"]),
         row("E0304", "absolute orbital positions", |b| { b.model("[momentum]", "[[sensor]]\nname = \"gps\"\ntype = \"position\"\nnoise_m = 1.0\n\n[momentum]"); b.spoil(|s| { s.header.extend(["r_x", "r_y", "r_z"].map(str::to_owned)); s.rows.iter_mut().for_each(|r| r.extend(["7000000.0", "0.0", "0.0"].map(str::to_owned))); }); }, 2, &["E0304 t.csv: channel 'r': |r| = 7e6 m at t = 0 s"]),
-        row("E0305", "a gyro on a link", |b| { arm(b, "10.0", ""); b.model("type = \"gyro\"", "type = \"gyro\"\nbody = \"link\""); }, 2, &["E0305 model: sensor 'gyro' sits on body 'link'"]),
+        row("E0305", "a gyro on a link", |b| { arm(b, "10.0", ""); b.model("type = \"gyro\"", "type = \"gyro\"\nbody = \"link\""); }, 2, &["E0305 model: sensor 'gyro' is on body 'link'"]),
         row("E0307", "known momentum and no attitude", |b| { b.spoil(|s| s.without("q_")); b.model("angular_N_m_s = \"estimate\"", "angular_N_m_s = [0.2, -0.3, 0.25]"); }, 2, &["E0307 t.csv: no attitude channel (q_x q_y q_z q_w), but [momentum] angular_N_m_s = [0.2, -0.3, 0.25] in the axes of N"]),
-        row("E0401", "the mass centre alone, linear", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replace("estimate = true", "estimate = [\"com\"]"); b.write("m.toml", m); }, 2, &["E0401 body 'bus': estimate asks for the mass centre while the inertia about it is held"]).more(&["--method", "linear"]),
+        row("E0401", "the mass centre alone, linear", |b| { arm(b, "10.0", ""); let m = std::fs::read_to_string(b.path("m.toml")).unwrap().replace("estimate = true", "estimate = [\"com\"]"); b.write("m.toml", m); }, 2, &["E0401 body 'bus': estimate has the mass centre but not the inertia"]).more(&["--method", "linear"]),
         row("E0402", "nothing to estimate", |b| b.model("estimate = [\"inertia\"]\n", ""), 2, &["E0402 the model has nothing to estimate: every body is known; set estimate = true on at least one body"]),
         row("E0403", "several bodies without velocity, linear", |b| { arm(b, "10.0", ""); b.spoil(|s| { s.header.push("j_rad".into()); s.rows.iter_mut().enumerate().for_each(|(k, r)| r.push(format!("{:?}", (0.02 * k as f64).sin()))); }); }, 2, &["E0403 no velocity (channels v_x v_y v_z"]).more(&["--method", "linear"]),
         row("E0405", "a body without inertia to speak of", |b| b.model("xx = 15.0, yy = 16.0, zz = 21.0", "xx = 1e-9, yy = 1e-9, zz = 1e-9"), 2, &["E0405 the motion cannot be predicted from the nominal mass properties"]),

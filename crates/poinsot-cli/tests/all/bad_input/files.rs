@@ -111,7 +111,7 @@ fn csv() -> Vec<Row> {
         row("F2", "no header", |b| header(b, |_| "0,0,0,0,0,0,0,1,0,0,0".replace("0,0,0,0,0,0,0,1,0,0,0", "0,1,2,3,4,5,6,7,8,9,10")), 2, &["E0207 t.csv: no column 'time_s'"]),
         row("F2", "names with blanks and units", |b| header(b, |h| h.replace("omega_x", "Gyro X [rad/s]")), 2, &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),
         row("F2", "names in capitals", |b| header(b, |h| h.replace("omega", "OMEGA")), 2, &["E0301 t.csv: no channel 'omega_x omega_y omega_z'"]),
-        row("F2", "a wheel's column is missing", |b| b.spoil(|s| s.without("wheel2")), 2, &["E0301 t.csv: no channel 'wheel2_rad_s': the momentum of a wheel cannot be guessed"]),
+        row("F2", "a wheel's column is missing", |b| b.spoil(|s| s.without("wheel2")), 2, &["E0301 t.csv: no channel 'wheel2_rad_s': the momentum of a wheel has no default"]),
         row("F3", "UTF-8 byte order mark and CRLF", |b| { let t = sheet().text().replace('\n', "\r\n"); b.write("t.csv", format!("\u{feff}{t}")); }, 0, &[": Determined. "]),
         row("F3", "lone CR", |b| b.write("t.csv", sheet().text().replace('\n', "\r")), 0, &[": Determined. "]),
         row("F3", "UTF-16", |b| { let t: Vec<u8> = [0xfeff].into_iter().chain(sheet().text().encode_utf16()).flat_map(u16::to_le_bytes).collect(); b.write("t.csv", t); }, 2, &["E0202 t.csv: the file is UTF-16; save it as UTF-8"]),

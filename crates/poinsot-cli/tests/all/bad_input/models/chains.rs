@@ -109,7 +109,7 @@ pub fn rows() -> Vec<Row> {
             |b| long_arm(b, "", "estimate = true", ""),
             2,
             &[
-                "E0406 the model has 14985 uncertain known numbers, more than the limit of 1000; write exact = true into tables that are known well enough",
+                "E0406 the model has 14988 uncertain known numbers, more than the limit of 1000; write exact = true into tables that are known well enough",
             ],
         ),
         row(

@@ -25,7 +25,7 @@ pub fn rows() -> Vec<Row> {
         row("T1", "sentinel -9999 in the gyro", |b| b.spoil(|s| (0..500).step_by(50).for_each(|k| s.set(k, "omega_x", -9999.0))), 2,
             &["E0306 t.csv: channel 'omega_x': -9999 at t = 0 s", "correct the unit, or leave the cell empty where there is no sample"]),
         row("T1", "sentinel 0.5 in 2 % of the gyro", |b| b.spoil(|s| (0..500).step_by(50).for_each(|k| s.set(k, "omega_x", 0.5))), 1,
-            &["placeholder (report): omega_x: 0.5 stands in 10 samples"]),
+            &["placeholder (report): omega_x: 0.5 occurs in 10 samples"]),
         row("T1", "the same, left out by policy", |b| b.spoil(|s| (0..500).step_by(50).for_each(|k| s.set(k, "omega_x", 0.5))), 0,
             &["placeholder: 10 of 501 samples of omega_x left out", ": Determined. "])
             .more(&["--policy", "placeholder=exclude"]),

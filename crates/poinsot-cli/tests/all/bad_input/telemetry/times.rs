@@ -32,7 +32,7 @@ pub fn rows() -> Vec<Row> {
             "half of the record lost",
             |b| b.spoil(|s| (100..400).for_each(|k| s.set(k, "wheel2_rad_s", ""))),
             1,
-            &["samples of a segment were left out (see repairs)"],
+            &["samples of a segment were left out; check the repairs"],
         ),
         row(
             "T3",

@@ -73,7 +73,7 @@ pub fn rows() -> Vec<Row> {
             "gyro in rpm, no attitude",
             |b| gyro_alone(b, rpm),
             2,
-            &["E0220", "fit it as body rates in rpm used as rad/s"],
+            &["E0220", "they fit with body rates in rpm used as rad/s"],
         ),
         row(
             "T7",
@@ -96,8 +96,8 @@ pub fn rows() -> Vec<Row> {
             |b| b.spoil(|s| s.map("wheel", |_, w| rpm(w))),
             2,
             &[
-                "E0220 t.csv: channel 'bus': units: the data ask for",
-                "as wheel speeds in rpm used as rad/s would; correct it, or accept it by --policy units=report (without --strict)",
+                "E0220 t.csv: channel 'bus': units: the data fit",
+                "possible cause: wheel speeds in rpm used as rad/s; correct it, or accept it by --policy units=report (without --strict)",
             ],
         ),
         row(
@@ -105,7 +105,7 @@ pub fn rows() -> Vec<Row> {
             "the same, accepted",
             |b| b.spoil(|s| s.map("wheel", |_, w| rpm(w))),
             1,
-            &["units: the data ask for"],
+            &["units: the data fit"],
         )
         .more(&["--policy", "units=report"]),
         row(
@@ -117,7 +117,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0220",
-                "as wheel speeds in rad/s mapped as rpm would",
+                "possible cause: wheel speeds in rad/s mapped as rpm",
             ],
         ),
         row(
@@ -127,7 +127,7 @@ pub fn rows() -> Vec<Row> {
             2,
             &[
                 "E0220",
-                "as wheel speeds in turns per second used as rad/s would",
+                "possible cause: wheel speeds in turns per second used as rad/s",
             ],
         ),
         row(
@@ -165,7 +165,7 @@ pub fn rows() -> Vec<Row> {
             0,
             &[": Determined. "],
         ),
-        row("T7", "an accelerometer in g", accelerometer_in_g, 1, &[": Contradicted. ", "residual of the accelerometer is"]),
+        row("T7", "an accelerometer in g", accelerometer_in_g, 1, &["the data contradict the known number bus.com_x", "a scale error of the accelerometer"]),
         row(
             "T8",
             "signs of the quaternion flip",
