@@ -329,8 +329,13 @@ mod tests {
             assert!(x.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1.0e-12));
         }
         assert!(
-            least.iter().all(|l| (-1.0e-9..0.5).contains(l)),
-            "{least:?}"
+            least.iter().all(|l| *l > -1.0e-9),
+            "a limit is broken: {least:?}"
+        );
+        // Random firings come close to every limit of a valve; all of the impulse is spent by long ones alone.
+        assert!(
+            least[..3].iter().all(|l| *l < 0.5) && least[3] < 5.0,
+            "no firing comes near a limit: {least:?}"
         );
     }
 }

@@ -71,7 +71,6 @@ pub(crate) struct FinishedFit {
 pub(crate) fn solve(problem: &Problem, options: FitOptions) -> Result<FinishedFit, ProblemError> {
     problem.check_samples()?;
     problem.check_observations()?;
-    problem.check_known_numbers()?;
     let (parameters, linear) = match solve_linear(problem) {
         Ok(solution)
             if solution.parameters.equations == Equations::Rotation && problem.sees_points() =>

@@ -342,7 +342,7 @@ fn regress_a_sensor_without_data_and_data_without_sensor_are_said() {
     );
     let found = said(&model(&[FINE, STAR]), &table).unwrap().join("\n");
     assert!(
-        found.contains("'coarse.omega_x' and its companions belong to no gyro"),
+        found.contains("'coarse.omega_x' and its companions match no gyro"),
         "{found}"
     );
     let found = said(&both, &table).unwrap().join("\n");

@@ -290,7 +290,10 @@ fn exact_a_hidden_oscillator_is_rejected_by_its_line() {
             .iter()
             .any(|w| w.starts_with("rigid model rejected"));
         assert!(rejected, "{name}: {:?}", e.warnings);
-        let line = e.warnings.iter().find_map(|w| w.split("a line at ").nth(1));
+        let line = e
+            .warnings
+            .iter()
+            .find_map(|w| w.split("a spectral line at ").nth(1));
         let found: f64 = line.unwrap().split(' ').next().unwrap().parse().unwrap();
         println!("{name}: {found} Hz, closed form {expected:.4} Hz");
         // 200 s resolve 0.005 Hz.

@@ -221,7 +221,7 @@ fn unit_a_flipped_wheel_is_named() {
     assert_eq!(code, 1);
     let said = warnings(&json);
     assert!(
-        said.contains("sign of wheel 'wheel2' is probably flipped"),
+        said.contains("the sign of wheel 'wheel2' is probably wrong"),
         "{said}"
     );
     assert_eq!(json["status"], "rejected");
