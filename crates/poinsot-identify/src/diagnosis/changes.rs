@@ -6,6 +6,7 @@ use super::types::FaultKind;
 use crate::fit::experiment::{
     Experiment, Iterate, PredictedExperiment, PredictionSlopes, Shift, slope,
 };
+use crate::fit::known_numbers::SILENT;
 use crate::problem::Problem;
 use crate::problem::parameters::UnknownKind;
 use crate::problem::segment::{InputErrors, Segment};
@@ -162,10 +163,19 @@ pub(super) fn differences(
         .collect();
     let pairs = changes.iter().zip(others);
     let own = pairs.map(|(change, other)| match shift(experiment, *change) {
-        Some(_) => of_numbers.next(),
+        Some(number) => of_numbers
+            .next()
+            .filter(|s| shows(s, number.2 / CHANGE_STEP)),
         None => other,
     });
     Some(own.map(Option::unwrap_or_default).collect())
+}
+
+/// Whether one sigma of a number shows in the predictions: a column of round-off explains any residual with a huge number.
+fn shows(slopes: &PredictionSlopes, sigma: f64) -> bool {
+    let all = slopes.iter().flatten().flatten();
+    let square: f64 = all.map(|v| v.norm_squared()).sum();
+    square.sqrt() * sigma.abs() > SILENT
 }
 
 /// A known number with the step of its difference; `None` for other changes, and for a share of nothing.

@@ -22,7 +22,7 @@ use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
 
 /// Effect of one sigma of a number on all predictions together, in their noise, below which it is left out.
-const SILENT: f64 = 1.0e-3;
+pub(crate) const SILENT: f64 = 1.0e-3;
 /// Share of a misfit that known numbers must explain, to first order, before a fit moves them: of another vehicle or another
 /// unit they explain little.
 const EXPLAINED: f64 = 0.5;
