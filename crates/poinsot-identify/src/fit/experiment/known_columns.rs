@@ -261,12 +261,20 @@ pub(crate) fn body_slopes(
     x: &[f64],
     shift: Shift,
 ) -> Option<Vec<(usize, f64)>> {
+    // Both ways: the parallel-axis part is quadratic in the mass centre.
     let there = ShiftedVehicle::from(problem, nominal, parameters, &[shift])?;
-    let (here, there) = (parameters.bodies(x), there.parameters.bodies(x));
+    let here = ShiftedVehicle::from(
+        problem,
+        nominal,
+        parameters,
+        &[(shift.0, shift.1, -shift.2)],
+    )?;
+    let (here, there) = (here.parameters.bodies(x), there.parameters.bodies(x));
     let of = |(body, (a, b)): (usize, (&InertialParameters, &InertialParameters))| {
         let pairs = a.to_array().into_iter().zip(b.to_array());
         let moved = pairs.enumerate().filter(|(_, (a, b))| a != b);
-        let slope = move |(k, (a, b)): (usize, (f64, f64))| (10 * body + k, (b - a) / shift.2);
+        let slope =
+            move |(k, (a, b)): (usize, (f64, f64))| (10 * body + k, (b - a) / (2.0 * shift.2));
         moved.map(slope).collect::<Vec<_>>()
     };
     Some(here.iter().zip(&there).enumerate().flat_map(of).collect())
