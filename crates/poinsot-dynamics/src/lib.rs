@@ -12,8 +12,11 @@
 extern crate alloc;
 
 mod acceleration;
+mod algebra;
 #[cfg(feature = "std")]
 mod attitude_control;
+#[cfg(feature = "std")]
+pub mod batch;
 #[cfg(feature = "std")]
 mod dop853;
 #[cfg(feature = "std")]
@@ -24,6 +27,8 @@ mod driven;
 mod driven_stage;
 mod energy;
 mod forward_dynamics;
+#[cfg(feature = "std")]
+mod free_motion;
 mod gravity_gradient;
 #[cfg(feature = "std")]
 mod integrate;
@@ -35,6 +40,8 @@ mod joint_drive;
 mod joint_motion;
 mod joint_slopes;
 mod kinematics;
+#[cfg(feature = "std")]
+mod lanes;
 mod mass_matrix;
 mod momentum;
 mod orbit;
@@ -64,6 +71,7 @@ mod vehicle;
 mod wheel_motion;
 
 pub use acceleration::Accelerations;
+pub use algebra::Real;
 #[cfg(feature = "std")]
 pub use attitude_control::{
     AttitudeControl, ControlError, ControlledVehicle, Target, WheelDrive, WheelUse,

@@ -1,8 +1,8 @@
 //! The momentum regressor: the 6 x 10(n+1) matrix of linear identification.
 
+use crate::algebra::{M3, Real, V3};
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
-use poinsot_spatial::{Matrix3, Vector3};
 
 /// Fills `Y` with `[l; h] = Y pi`: column `10 i + k` holds the momentum about `Bo` in B (linear first)
 /// of one unit of parameter k of body i, parameters in the order of `poinsot_spatial::PARAMETER_NAMES`.
@@ -12,36 +12,41 @@ use poinsot_spatial::{Matrix3, Vector3};
 /// per body (extra columns are left alone).
 #[inline]
 pub fn momentum_regressor(kinematics: &Kinematics, Y: &mut [[f64; 6]]) {
-    let bodies = kinematics
-        .R
-        .iter()
-        .zip(&kinematics.p)
-        .zip(kinematics.v.iter().zip(&kinematics.w));
-    for (((R, p), (v, w)), columns) in bodies.zip(Y.as_chunks_mut::<10>().0) {
-        body_columns(R, p, v, w, columns);
+    for (i, columns) in Y.as_chunks_mut::<10>().0.iter_mut().enumerate() {
+        if i < kinematics.R.len() {
+            *columns = body_columns(kinematics, i);
+        }
     }
 }
 
-/// The ten columns of one body.
-#[inline]
-fn body_columns(R: &Matrix3, p: &Vector3, v: &Vector3, w: &Vector3, columns: &mut [[f64; 6]; 10]) {
-    // Mass: a point at the body's origin.
-    columns[0] = stack(v, &p.cross(v));
-    let axes = [0, 1, 2].map(|k| Vector3::new(R[(0, k)], R[(1, k)], R[(2, k)]));
-    // First moments: l = w x e, h = e x v + p x l for each body axis e.
-    for (k, e) in axes.iter().enumerate() {
-        let l = w.cross(e);
-        columns[1 + k] = stack(&l, &(e.cross(v) + p.cross(&l)));
-    }
+/// The ten columns of body i.
+#[inline(always)]
+pub(crate) fn body_columns<T: Real>(kinematics: &Kinematics<T>, i: usize) -> [[T; 6]; 10] {
+    let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
+    let (v, w) = (V3::of(&kinematics.v[i]), V3::of(&kinematics.w[i]));
+    let [x, y, z] = R.0;
     // Tensor elements: h = e_a (e_b . w) + e_b (e_a . w).
-    let [x, y, z] = axes;
-    let [wx, wy, wz] = [x.dot(w), y.dot(w), z.dot(w)];
-    columns[4] = angular(&(x * wx));
-    columns[5] = angular(&(x * wy + y * wx));
-    columns[6] = angular(&(y * wy));
-    columns[7] = angular(&(x * wz + z * wx));
-    columns[8] = angular(&(y * wz + z * wy));
-    columns[9] = angular(&(z * wz));
+    let [wx, wy, wz] = [x.dot(&w), y.dot(&w), z.dot(&w)];
+    [
+        // Mass: a point at the body's origin.
+        stack(&v, &p.cross(&v)),
+        first_moment(&x, &p, &v, &w),
+        first_moment(&y, &p, &v, &w),
+        first_moment(&z, &p, &v, &w),
+        angular(&(x * wx)),
+        angular(&(x * wy + y * wx)),
+        angular(&(y * wy)),
+        angular(&(x * wz + z * wx)),
+        angular(&(y * wz + z * wy)),
+        angular(&(z * wz)),
+    ]
+}
+
+/// First moment about a body axis e: `l = w x e`, `h = e x v + p x l`.
+#[inline(always)]
+fn first_moment<T: Real>(e: &V3<T>, p: &V3<T>, v: &V3<T>, w: &V3<T>) -> [T; 6] {
+    let l = w.cross(e);
+    stack(&l, &(e.cross(v) + p.cross(&l)))
 }
 
 /// Fills one column per wheel: the momentum `[0; Omega a]` in B of one unit of spin inertia at the
@@ -50,16 +55,16 @@ fn body_columns(R: &Matrix3, p: &Vector3, v: &Vector3, w: &Vector3, columns: &mu
 pub fn wheel_regressor(tree: &Tree, kinematics: &Kinematics, speed: &[f64], Y: &mut [[f64; 6]]) {
     for ((rotor, omega), column) in tree.rotors.iter().zip(speed).zip(Y.iter_mut()) {
         let h = kinematics.R[rotor.body] * rotor.axis_B * *omega;
-        *column = angular(&h);
+        *column = angular(&V3::of(&h));
     }
 }
 
-#[inline]
-fn stack(l: &Vector3, h: &Vector3) -> [f64; 6] {
+#[inline(always)]
+fn stack<T: Real>(l: &V3<T>, h: &V3<T>) -> [T; 6] {
     [l.x, l.y, l.z, h.x, h.y, h.z]
 }
 
-#[inline]
-fn angular(h: &Vector3) -> [f64; 6] {
-    [0.0, 0.0, 0.0, h.x, h.y, h.z]
+#[inline(always)]
+fn angular<T: Real>(h: &V3<T>) -> [T; 6] {
+    stack(&V3::all(h.x.all(0.0)), h)
 }
