@@ -25,6 +25,7 @@ use crate::joint_drive::JointDrive;
 use crate::momentum::Twist;
 use crate::orbit::{Orbit, orbit_state};
 use crate::plan::{Start, StartVelocity};
+use crate::rates_momentum::RatesMomentum;
 use crate::stage::{ANGULAR, LINEAR, MotionSample, POSITION, WHEELS, attitude, vector};
 use crate::symmetric::Symmetric;
 use crate::thrust::{Firing, Nozzle, thrust_levels};
@@ -102,6 +103,7 @@ pub(crate) struct DrivenStage<'s> {
     /// Axial momentum not included in the host, N m s.
     wheel_momentum: Vec<f64>,
     dynamics: ForwardDynamics,
+    carried: RatesMomentum,
     inverse: InverseDynamics,
     /// On each body about its origin, in base axes.
     outside: Vec<Wrench>,
@@ -126,6 +128,7 @@ impl<'s> DrivenStage<'s> {
             wheel_input: vec![0.0; wheels],
             wheel_momentum: vec![0.0; wheels],
             dynamics: ForwardDynamics::new(tree),
+            carried: RatesMomentum::new(tree),
             inverse: InverseDynamics::new(tree),
             outside: vec![Wrench::ZERO; tree.bodies()],
             total: Wrench::ZERO,
@@ -225,8 +228,8 @@ impl<'s> DrivenStage<'s> {
         let vehicle = self.vehicle;
         let motion = &mut self.sample.motion;
         let (whole, l_c, h_c) = self
-            .dynamics
-            .momentum_of_rates(&vehicle.tree, &motion.rates);
+            .carried
+            .of(&vehicle.tree, &self.dynamics, &motion.rates);
         let c = whole.centre();
         self.c = c.stored();
         self.inertia = whole.about_centre(&c);

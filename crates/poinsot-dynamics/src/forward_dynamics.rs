@@ -16,7 +16,9 @@
 //! base does not appear at all. No wheel, no spring, no gravity in here: they are forces
 //! ([`ForwardDynamics::add_wrench`]).
 
-use crate::algebra::{Inertial, M3, Real, V3};
+use crate::algebra::{M3, Real, V3};
+use crate::articulated::{Articulated, round_off};
+use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::symmetric::Symmetric;
 use crate::tree::{Link, Motion, Tree};
@@ -47,9 +49,6 @@ pub enum Singular {
     Base,
 }
 
-/// Smallest articulated inertia about a joint, relative to that about the other axes: below it, round-off.
-const ROUND_OFF: f64 = 1e-13;
-
 /// Scratch of one body.
 #[derive(Debug, Clone, Copy)]
 struct Node<T> {
@@ -72,29 +71,10 @@ struct Node<T> {
     dalpha: V3<T>,
 }
 
-/// A body with all it carries, about its origin, and their momentum while the base is at rest.
-#[derive(Debug, Clone, Copy)]
-struct Subtree<T> {
-    inertia: Inertial<T>,
-    l: V3<T>,
-    h: V3<T>,
-}
-
-/// Articulated inertia `[[M, C], [C^T, J]]` and bias `[F; N]` about the body's origin.
-#[derive(Debug, Clone, Copy)]
-struct Articulated<T> {
-    M: Symmetric<T>,
-    C: M3<T>,
-    J: Symmetric<T>,
-    F: V3<T>,
-    N: V3<T>,
-}
-
 /// Workspace of the articulated-body algorithm. No call allocates.
 #[derive(Debug, Clone)]
 pub struct ForwardDynamics<T = f64> {
     nodes: Vec<Node<T>>,
-    subtrees: Vec<Subtree<T>>,
 }
 
 impl ForwardDynamics {
@@ -141,7 +121,6 @@ impl<T: Real> ForwardDynamics<T> {
         };
         Self {
             nodes: vec![node; tree.bodies()],
-            subtrees: Vec::with_capacity(tree.bodies()),
         }
     }
 
@@ -176,43 +155,12 @@ impl<T: Real> ForwardDynamics<T> {
         }
     }
 
-    /// The vehicle as one rigid body, and the momentum `l`, `h` about `Bo` in B (N s, N m s) of the joint rates
-    /// (rad/s or m/s) while the base is at rest. The same numbers as [`crate::composite`] and
-    /// [`crate::momentum`], from one recursion over the bodies as `set_bodies` left them.
+    /// Body `i` alone as [`Self::set_inertias`] left it, its joint axis, and its position from the parent's origin.
     #[cfg(feature = "std")]
     #[inline(always)]
-    pub(crate) fn momentum_of_rates(
-        &mut self,
-        tree: &Tree,
-        rates: &[T],
-    ) -> (Inertial<T>, V3<T>, V3<T>) {
-        self.subtrees.clear();
-        for node in &self.nodes {
-            let inertia = node.inertia.of_one_body();
-            let l = V3::all(inertia.mass.all(0.0));
-            self.subtrees.push(Subtree { inertia, l, h: l });
-        }
-        for i in (1..tree.links.len()).rev() {
-            let (link, node) = (&tree.links[i], &self.nodes[i]);
-            let mut subtree = self.subtrees[i];
-            let Inertial { mass, mc, I } = &subtree.inertia;
-            match link.motion {
-                Motion::Revolute(k) => {
-                    let turn = node.axis * rates[k];
-                    subtree.l += turn.cross(mc);
-                    subtree.h += I.times(&turn);
-                }
-                Motion::Prismatic(k) => {
-                    let slide = node.axis * rates[k];
-                    subtree.l += slide * *mass;
-                    subtree.h += mc.cross(&slide);
-                }
-                Motion::Fixed | Motion::Free => {}
-            }
-            self.subtrees[link.parent].carry(&subtree, &node.r);
-        }
-        let base = &self.subtrees[0];
-        (base.inertia, base.l, base.h)
+    pub(crate) fn body(&self, i: usize) -> (Inertial<T>, V3<T>, V3<T>) {
+        let node = &self.nodes[i];
+        (node.inertia.of_one_body(), node.axis, node.r)
     }
 
     /// Joint accelerations (rad/s2 or m/s2, one per coordinate) from what drives the joints; the kinematics
@@ -379,141 +327,4 @@ impl<T: Real> Node<T> {
         whole.N += V_a * u;
         Some(())
     }
-}
-
-impl<T: Real> Subtree<T> {
-    /// Adds the inertia and momentum of a child with all it carries, moved from `Co` to `Po` over `r = p_PoCo`.
-    #[cfg(feature = "std")]
-    #[inline(always)]
-    fn carry(&mut self, child: &Self, r: &V3<T>) {
-        let Inertial { mass, mc, I } = child.inertia;
-        let g = mc + *r * mass;
-        let d = r.dot(&mc) + r.dot(&g);
-        self.inertia.mass = self.inertia.mass + mass;
-        self.inertia.mc += g;
-        self.inertia.I += I;
-        self.inertia.I += Symmetric {
-            xx: d - r.x * g.x - mc.x * r.x,
-            xy: -r.x * g.y - mc.x * r.y,
-            yy: d - r.y * g.y - mc.y * r.y,
-            xz: -r.x * g.z - mc.x * r.z,
-            yz: -r.y * g.z - mc.y * r.z,
-            zz: d - r.z * g.z - mc.z * r.z,
-        };
-        self.l += child.l;
-        self.h += child.h + r.cross(&child.l);
-    }
-}
-
-impl<T: Real> Articulated<T> {
-    /// One body alone, without bias.
-    #[inline(always)]
-    fn of(body: &Inertial<T>) -> Self {
-        let Inertial { mass, mc, I } = *body;
-        let zero = mass.all(0.0);
-        Self {
-            M: Symmetric::new([mass, zero, mass, zero, zero, mass]),
-            // C = -[mc]x.
-            C: M3([
-                V3::new(zero, -mc.z, mc.y),
-                V3::new(mc.z, zero, -mc.x),
-                V3::new(-mc.y, mc.x, zero),
-            ]),
-            J: I,
-            F: V3::all(zero),
-            N: V3::all(zero),
-        }
-    }
-
-    /// The inverse of [`Self::of`].
-    #[inline(always)]
-    fn of_one_body(&self) -> Inertial<T> {
-        let [x, y, z] = &self.C.0;
-        Inertial {
-            mass: self.M.xx,
-            mc: V3::new(z.y, x.z, y.x),
-            I: self.J,
-        }
-    }
-
-    /// Adds inertia and bias, moved from `Co` to `Po` over `r = p_PoCo`, to the outboard inertia of the parent.
-    #[inline(always)]
-    fn pass_on(&self, r: &V3<T>, parent: &mut Self) {
-        // C_P = C - M [r]x; J_P = J + [r]x C_P + ([r]x C)^T.
-        let M = &self.M;
-        let Mr = M3([
-            V3::new(
-                M.xy * r.z - M.xz * r.y,
-                M.yy * r.z - M.yz * r.y,
-                M.yz * r.z - M.zz * r.y,
-            ),
-            V3::new(
-                M.xz * r.x - M.xx * r.z,
-                M.yz * r.x - M.xy * r.z,
-                M.zz * r.x - M.xz * r.z,
-            ),
-            V3::new(
-                M.xx * r.y - M.xy * r.x,
-                M.xy * r.y - M.yy * r.x,
-                M.xz * r.y - M.yz * r.x,
-            ),
-        ]);
-        let C_P = self.C - Mr;
-        let ([px, py, pz], [cx, cy, cz]) = (C_P.crossed(r).0, self.C.crossed(r).0);
-        parent.J += self.J;
-        parent.J += Symmetric {
-            xx: px.x + cx.x,
-            xy: px.y + cy.x,
-            yy: py.y + cy.y,
-            xz: px.z + cz.x,
-            yz: py.z + cz.y,
-            zz: pz.z + cz.z,
-        };
-        parent.C = parent.C + C_P;
-        parent.M += self.M;
-        parent.F += self.F;
-        parent.N += self.N + r.cross(&self.F);
-    }
-
-    /// The acceleration at which no force acts on the base: `IA [a; alpha] = -bias`.
-    #[inline(always)]
-    fn free_acceleration(&self) -> Option<(V3<T>, V3<T>)> {
-        // L D L^T of the whole in two blocks. It is stable where an explicit inverse of M is not: for a light base on
-        // a heavy arm that loses two more digits.
-        let (M, C, J) = (&self.M, &self.C, &self.J);
-        let upper = M.factor();
-        let [x, y, z] = &C.0;
-        let Y = [upper.forward(x), upper.forward(y), upper.forward(z)];
-        let inverse = &upper.inverse;
-        let Z = [
-            Y[0].times_each(inverse),
-            Y[1].times_each(inverse),
-            Y[2].times_each(inverse),
-        ];
-        let rest = Symmetric {
-            xx: J.xx - Y[0].dot(&Z[0]),
-            xy: J.xy - Y[1].dot(&Z[0]),
-            yy: J.yy - Y[1].dot(&Z[1]),
-            xz: J.xz - Y[2].dot(&Z[0]),
-            yz: J.yz - Y[2].dot(&Z[1]),
-            zz: J.zz - Y[2].dot(&Z[2]),
-        };
-        let lower = rest.factor();
-        if !upper.pivots_exceed(round_off(M.trace())) || !lower.pivots_exceed(round_off(J.trace()))
-        {
-            return None;
-        }
-        let f = -upper.forward(&self.F);
-        let n = -self.N - V3::new(Z[0].dot(&f), Z[1].dot(&f), Z[2].dot(&f));
-        let alpha = lower.back(&lower.forward(&n).times_each(&lower.inverse));
-        let z = f.times_each(&upper.inverse);
-        let a = upper.back(&(z - Z[0] * alpha.x - Z[1] * alpha.y - Z[2] * alpha.z));
-        Some((a, alpha))
-    }
-}
-
-/// The largest inertia that is round-off beside `size`.
-#[inline(always)]
-fn round_off<T: Real>(size: T) -> T {
-    size.magnitude() * ROUND_OFF
 }

@@ -3,11 +3,13 @@
 //! The state and the equations are those of `driven_stage.rs` without wheels, thrust and gravity:
 //! `y = [ q_NB (xyzw), p_NoScm, l_S, h_SScm, q, q' ]` in N.
 
-use crate::algebra::{Inertial, M3, Real, V3};
+use crate::algebra::{M3, Real, V3};
 use crate::forward_dynamics::{ForwardDynamics, JointInput};
+use crate::inertial::Inertial;
 use crate::integrate::{Flow, Halt};
 use crate::joint_drive::ForceProfile;
 use crate::kinematics::Kinematics;
+use crate::rates_momentum::RatesMomentum;
 use crate::stage::{ANGULAR, LINEAR, POSITION, WHEELS};
 use crate::tree::Tree;
 
@@ -24,6 +26,7 @@ pub(crate) struct FreeMotion<'a, T> {
     pub within: f64,
     kinematics: Kinematics<T>,
     dynamics: ForwardDynamics<T>,
+    carried: RatesMomentum<T>,
     inputs: Vec<JointInput<T>>,
     /// Time of `inputs`; NaN before the first.
     read_at: f64,
@@ -44,6 +47,7 @@ impl<'a, T: Real> FreeMotion<'a, T> {
             within: 0.0,
             kinematics: Kinematics::over(tree, zero),
             dynamics: ForwardDynamics::over(tree, zero),
+            carried: RatesMomentum::new(tree),
             inputs: vec![JointInput::Force(zero); tree.dof()],
             read_at: f64::NAN,
         }
@@ -91,7 +95,7 @@ impl<T: Real> Flow<T> for FreeMotion<'_, T> {
         self.kinematics.place(tree, q);
         self.dynamics
             .set_inertias(tree, self.bodies.iter().copied(), &self.kinematics);
-        let (whole, l_c, h_c) = self.dynamics.momentum_of_rates(tree, rates);
+        let (whole, l_c, h_c) = self.carried.of(tree, &self.dynamics, rates);
         let c = whole.centre();
         let l = R_NB.transpose_times(&vector(y, LINEAR));
         let h = R_NB.transpose_times(&vector(y, ANGULAR));

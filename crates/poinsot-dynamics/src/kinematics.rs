@@ -51,19 +51,19 @@ impl<T: Real> Kinematics<T> {
     pub fn place(&mut self, tree: &Tree, q: &[T]) {
         for (i, link) in tree.links.iter().enumerate().skip(1) {
             let R_BP = M3::of(&self.R[link.parent]);
-            let at_zero = M3::of(&link.R_PC_zero);
             let p_PoCo_P = V3::of(&link.p_PoCo_P);
-            let (R_BC, p_PoCo_B) = match link.motion {
-                Motion::Revolute(k) => (link.turned(&R_BP, q[k]), R_BP.times(&p_PoCo_P)),
+            let p_PoCo_B = match link.motion {
                 Motion::Prismatic(k) => {
                     let slide = V3::of(&link.axis_P).spread(q[k]) * q[k];
-                    let p_PoCo_P = p_PoCo_P.spread(q[k]) + slide;
-                    (R_BP.product(&at_zero), R_BP.times(&p_PoCo_P))
+                    R_BP.times(&(p_PoCo_P.spread(q[k]) + slide))
                 }
-                Motion::Fixed | Motion::Free => (R_BP.product(&at_zero), R_BP.times(&p_PoCo_P)),
+                _ => R_BP.times(&p_PoCo_P),
             };
             self.p[i] = (V3::of(&self.p[link.parent]) + p_PoCo_B).stored();
-            self.R[i] = R_BC.stored();
+            self.R[i] = match link.motion {
+                Motion::Revolute(k) => link.turned(&R_BP, q[k]).stored(),
+                _ => R_BP.product(&M3::of(&link.R_PC_zero)).stored(),
+            };
         }
     }
 

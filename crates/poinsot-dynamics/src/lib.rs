@@ -13,6 +13,7 @@ extern crate alloc;
 
 mod acceleration;
 mod algebra;
+mod articulated;
 #[cfg(feature = "std")]
 mod attitude_control;
 #[cfg(feature = "std")]
@@ -30,6 +31,7 @@ mod forward_dynamics;
 #[cfg(feature = "std")]
 mod free_motion;
 mod gravity_gradient;
+mod inertial;
 #[cfg(feature = "std")]
 mod integrate;
 mod inverse_dynamics;
@@ -52,6 +54,8 @@ mod plan;
 #[cfg(feature = "std")]
 mod prescribed;
 mod rate_regressor;
+#[cfg(feature = "std")]
+mod rates_momentum;
 #[cfg(feature = "std")]
 mod reaction_wheel;
 mod regressor;

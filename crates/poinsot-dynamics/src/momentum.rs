@@ -1,7 +1,8 @@
 //! Momentum of the system about the base origin, the inverse map to the base twist, and the shift
 //! between the base and the inertial frame.
 
-use crate::algebra::{Inertial, M3, Real, V3};
+use crate::algebra::{M3, Real, V3};
+use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
 use poinsot_spatial::{

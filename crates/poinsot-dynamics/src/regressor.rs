@@ -3,6 +3,7 @@
 use crate::algebra::{M3, Real, V3};
 use crate::kinematics::Kinematics;
 use crate::tree::Tree;
+use nalgebra::{Matrix3, Vector3};
 
 /// Fills `Y` with `[l; h] = Y pi`: column `10 i + k` holds the momentum about `Bo` in B (linear first)
 /// of one unit of parameter k of body i, parameters in the order of `poinsot_spatial::PARAMETER_NAMES`.
@@ -12,34 +13,41 @@ use crate::tree::Tree;
 /// per body (extra columns are left alone).
 #[inline]
 pub fn momentum_regressor(kinematics: &Kinematics, Y: &mut [[f64; 6]]) {
-    for (i, columns) in Y.as_chunks_mut::<10>().0.iter_mut().enumerate() {
-        if i < kinematics.R.len() {
-            *columns = body_columns(kinematics, i);
-        }
+    let bodies = kinematics
+        .R
+        .iter()
+        .zip(&kinematics.p)
+        .zip(kinematics.v.iter().zip(&kinematics.w));
+    for (((R, p), (v, w)), columns) in bodies.zip(Y.as_chunks_mut::<10>().0) {
+        body_columns(R, p, v, w, columns);
     }
 }
 
-/// The ten columns of body i.
+/// The ten columns of one body.
 #[inline(always)]
-pub(crate) fn body_columns<T: Real>(kinematics: &Kinematics<T>, i: usize) -> [[T; 6]; 10] {
-    let (R, p) = (M3::of(&kinematics.R[i]), V3::of(&kinematics.p[i]));
-    let (v, w) = (V3::of(&kinematics.v[i]), V3::of(&kinematics.w[i]));
+pub(crate) fn body_columns<T: Real>(
+    R: &Matrix3<T>,
+    p: &Vector3<T>,
+    v: &Vector3<T>,
+    w: &Vector3<T>,
+    columns: &mut [[T; 6]; 10],
+) {
+    let (R, p) = (M3::of(R), V3::of(p));
+    let (v, w) = (V3::of(v), V3::of(w));
     let [x, y, z] = R.0;
     // Tensor elements: h = e_a (e_b . w) + e_b (e_a . w).
     let [wx, wy, wz] = [x.dot(&w), y.dot(&w), z.dot(&w)];
-    [
-        // Mass: a point at the body's origin.
-        stack(&v, &p.cross(&v)),
-        first_moment(&x, &p, &v, &w),
-        first_moment(&y, &p, &v, &w),
-        first_moment(&z, &p, &v, &w),
-        angular(&(x * wx)),
-        angular(&(x * wy + y * wx)),
-        angular(&(y * wy)),
-        angular(&(x * wz + z * wx)),
-        angular(&(y * wz + z * wy)),
-        angular(&(z * wz)),
-    ]
+    // Mass: a point at the body's origin.
+    columns[0] = stack(&v, &p.cross(&v));
+    columns[1] = first_moment(&x, &p, &v, &w);
+    columns[2] = first_moment(&y, &p, &v, &w);
+    columns[3] = first_moment(&z, &p, &v, &w);
+    columns[4] = angular(&(x * wx));
+    columns[5] = angular(&(x * wy + y * wx));
+    columns[6] = angular(&(y * wy));
+    columns[7] = angular(&(x * wz + z * wx));
+    columns[8] = angular(&(y * wz + z * wy));
+    columns[9] = angular(&(z * wz));
 }
 
 /// First moment about a body axis e: `l = w x e`, `h = e x v + p x l`.

@@ -1,9 +1,10 @@
 //! What is computed for the states of a group.
 
-use super::rows::{Group, Rows};
-use super::{BatchError, Kernel, PER_BODY, TWIST};
-use crate::algebra::{Inertial, Real};
+use super::error::BatchError;
+use super::rows::{COLUMNS, Group, PER_BODY, Rows, TWIST};
+use crate::algebra::Real;
 use crate::forward_dynamics::{ForwardDynamics, JointInput, Singular};
+use crate::inertial::Inertial;
 use crate::kinematics::Kinematics;
 use crate::lanes::Lanes;
 use crate::momentum::of_bodies;
@@ -12,6 +13,23 @@ use crate::symmetric::Symmetric;
 use crate::tree::Tree;
 use poinsot_spatial::InertialParameters;
 use pulp::Simd;
+
+/// What is done with the states of one group.
+pub(super) trait Kernel {
+    type Scratch<S: Simd>;
+
+    fn scratch<S: Simd>(&self, tree: &Tree, zero: Lanes<S>) -> Self::Scratch<S>;
+
+    /// Fills the rows of the group. The kinematics are placed and move.
+    fn fill<S: Simd>(
+        &self,
+        scratch: &mut Self::Scratch<S>,
+        kinematics: &Kinematics<Lanes<S>>,
+        rates: &[Lanes<S>],
+        group: &Group<S>,
+        rows: &mut Rows,
+    ) -> Result<(), BatchError>;
+}
 
 pub(super) struct Regressor;
 
@@ -30,7 +48,9 @@ impl Kernel for Regressor {
         rows: &mut Rows,
     ) -> Result<(), BatchError> {
         for i in 0..group.tree.bodies() {
-            let columns = body_columns(kinematics, i);
+            let k = kinematics;
+            let mut columns = [[Lanes::new(group.simd, 0.0); TWIST]; COLUMNS];
+            body_columns(&k.R[i], &k.p[i], &k.v[i], &k.w[i], &mut columns);
             if let Some(numbers) = columns.as_flattened().first_chunk::<PER_BODY>() {
                 rows.put(PER_BODY * i, numbers);
             }

@@ -4,27 +4,22 @@
 //! eight, four or two. Every state gives the same bits in any batch, at any place, on any number of threads and with any
 //! number of lanes; only sines and cosines differ from the kernels of one state, in the last bit.
 
+mod error;
 mod kernels;
 mod motion;
 mod rows;
 
-use crate::forward_dynamics::Singular;
-use crate::integrate::Halt;
 use crate::kinematics::Kinematics;
 use crate::lanes::Lanes;
 use crate::tree::Tree;
-use kernels::{Dynamics, Momentum, Regressor};
+use error::expect;
+use kernels::{Dynamics, Kernel, Momentum, Regressor};
 use poinsot_spatial::InertialParameters;
 use pulp::{Arch, Simd, WithSimd};
-use rows::{Group, Rows};
+use rows::{Group, PER_BODY, Rows, TWIST};
 
+pub use error::BatchError;
 pub use motion::{Steps, integrate};
-
-/// Numbers of a twist, momentum or wrench.
-const TWIST: usize = 6;
-/// Columns of the momentum regressor per body, and their numbers.
-const COLUMNS: usize = 10;
-const PER_BODY: usize = COLUMNS * TWIST;
 
 /// Joint positions (rad or m), joint rates and base twists (linear part first) of many states.
 #[derive(Debug, Clone, Copy)]
@@ -37,20 +32,6 @@ pub struct States<'a> {
     pub twist: &'a [f64],
 }
 
-/// Why a batch has no result.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum BatchError {
-    /// A vehicle has no unique acceleration.
-    #[error("state {0}: {1}")]
-    Singular(usize, Singular),
-    /// The motion of this vehicle, or of one beside it, stopped.
-    #[error("vehicle {0} or one of the next seven: {1}")]
-    Halted(usize, Halt),
-    /// An array has another length than the number of states asks for.
-    #[error("{0}: {1} numbers, expected {2}; give one row per state")]
-    Length(&'static str, usize, usize),
-}
-
 impl States<'_> {
     /// Number of states, if all arrays have it.
     fn count(&self, tree: &Tree) -> Result<usize, BatchError> {
@@ -59,13 +40,6 @@ impl States<'_> {
         expect("q", self.q.len(), count * tree.dof())?;
         expect("dq", self.rates.len(), count * tree.dof())?;
         Ok(count)
-    }
-}
-
-fn expect(name: &'static str, found: usize, length: usize) -> Result<(), BatchError> {
-    match found == length {
-        true => Ok(()),
-        false => Err(BatchError::Length(name, found, length)),
     }
 }
 
@@ -123,23 +97,6 @@ pub fn forward_dynamics(
         wrench,
     };
     run(tree, states, kernel, width, out)
-}
-
-/// What is done with the states of one group.
-trait Kernel {
-    type Scratch<S: Simd>;
-
-    fn scratch<S: Simd>(&self, tree: &Tree, zero: Lanes<S>) -> Self::Scratch<S>;
-
-    /// Fills the rows of the group. The kinematics are placed and move.
-    fn fill<S: Simd>(
-        &self,
-        scratch: &mut Self::Scratch<S>,
-        kinematics: &Kinematics<Lanes<S>>,
-        rates: &[Lanes<S>],
-        group: &Group<S>,
-        rows: &mut Rows,
-    ) -> Result<(), BatchError>;
 }
 
 /// The states of one call, compiled for every instruction set that the machine may have.

@@ -1,8 +1,8 @@
 //! Free motion of many vehicles of one tree under the same motors.
 
+use super::error::{BatchError, expect};
 use super::kernels::spread;
 use super::rows::{Group, Rows};
-use super::{BatchError, expect};
 use crate::free_motion::{FreeMotion, JOINTS};
 use crate::joint_drive::ForceProfile;
 use crate::lanes::Lanes;

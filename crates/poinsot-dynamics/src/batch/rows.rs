@@ -1,13 +1,19 @@
 //! Rows of states in memory, and the same states side by side.
 
-use super::COLUMNS;
-use crate::algebra::{Inertial, V3};
+use crate::algebra::V3;
+use crate::inertial::Inertial;
 use crate::lanes::{Lanes, MOST};
 use crate::symmetric::Symmetric;
 use crate::tree::Tree;
 use nalgebra::Vector3;
 use poinsot_spatial::InertialParameters;
 use pulp::Simd;
+
+/// Numbers of a twist, momentum or wrench.
+pub(super) const TWIST: usize = 6;
+/// Columns of the momentum regressor per body, and their numbers.
+pub(super) const COLUMNS: usize = 10;
+pub(super) const PER_BODY: usize = COLUMNS * TWIST;
 
 /// The states side by side.
 pub(super) struct Group<'a, S: Simd> {
