@@ -214,7 +214,7 @@ fn quantisation_of(file: &SensorFile, unit: &str) -> Option<f64> {
     }
 }
 
-/// The unit declared by the keys of this sensor; other units of the type are rejected.
+/// The unit declared by the keys of this sensor; units not allowed for its type are rejected.
 fn check_unit(
     file: &SensorFile,
     kind: SensorKind,
@@ -462,7 +462,7 @@ fn check_noise(
     }
 }
 
-/// A positive sigma whose square is representable: with zero the sensor would have no noise.
+/// A positive sigma whose square does not underflow to zero.
 fn noise_sigma(sigma: f64, key: &Key, findings: &mut Findings<'_, '_>) -> Option<f64> {
     let sigma = positive(sigma, key, "E0118", "the noise", findings)?;
     if sigma >= SMALLEST_NOISE {
