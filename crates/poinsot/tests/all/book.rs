@@ -1,4 +1,4 @@
-//! The snippets of the book: what a page shows is compiled and run here.
+//! The snippets of the book, compiled and run as tests.
 
 use crate::shared::examples;
 
