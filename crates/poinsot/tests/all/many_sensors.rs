@@ -480,8 +480,8 @@ fn regress_columns_of_directions_can_be_mapped() {
     assert_eq!(model.telemetry.all.columns.len(), 6);
 }
 
-/// The cubesat of the examples with both directions, and with the sun only: a gyro bias of 3e-3 rad/s rotates by 50
-/// degrees in the record, and from an identity start the fit did not converge to the solution.
+/// The cubesat of the examples with both of its directions, and with the sun alone: a gyro bias of 3e-3 rad/s turns by 50 degrees
+/// in the record, and from the identity the fit ended far off.
 #[test]
 fn stat_one_direction_and_a_biased_gyro_are_enough() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
