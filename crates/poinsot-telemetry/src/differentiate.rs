@@ -10,10 +10,10 @@ const DEGREE: usize = 4;
 ///
 /// It is the slope of the quartic fitted by least squares to the `2 half_width + 1` samples around each sample. At the
 /// ends of a run there are fewer samples, on one side. A gap longer than `max_gap_s` (default 3 median steps) ends a
-/// run. `half_width = 2` passes through all five samples: error `h^4 |x^(5)| / 30` at even steps, noise gain `0.95 /
-/// h`. A wider window keeps the order and lowers the noise as `half_width^-1.5`. A sample without neighbours gets no
-/// derivative. The result has the standard name and unit if they exist (`joint1_rad` to `joint1_rad_s`, `omega_x` to
-/// `domega_x`), otherwise `d/dt <name>`.
+/// run. `half_width = 2` passes through all five samples: error `h^4 |x^(5)| / 30` at even steps, noise gain
+/// `0.95 / h`. A wider window keeps the order and lowers the noise as `half_width^-1.5`. A sample without neighbours
+/// gets no derivative. The result has the standard name and unit if they exist (`joint1_rad` to `joint1_rad_s`,
+/// `omega_x` to `domega_x`), otherwise `d/dt <name>`.
 pub fn differentiate(channel: &Channel, half_width: usize, max_gap_s: Option<f64>) -> Channel {
     let step = median_step(&channel.time_s).unwrap_or(0.0);
     let max_gap = max_gap_s.unwrap_or(3.0 * step);

@@ -19,8 +19,9 @@ pub(crate) fn turned(from: [f64; 4], phi: [f64; 3]) -> [f64; 4] {
     [q.i / norm, q.j / norm, q.k / norm, q.w / norm]
 }
 
-/// Rate of the rotation vector `phi` of a body rotating at `omega` (body axes): `phi' = omega + phi x omega / 2 + c
-/// phi x (phi x omega)`, `c = (1 - (a/2) cot(a/2)) / a^2`, `a = |phi|` (Bortz 1971, eq. 10).
+/// Rate of the rotation vector `phi` of a body rotating at `omega` (body axes):
+/// `phi' = omega + phi x omega / 2 + c phi x (phi x omega)`, `c = (1 - (a/2) cot(a/2)) / a^2`, `a = |phi|` (Bortz
+/// 1971, eq. 10).
 pub(crate) fn rotation_vector_rate(phi: [f64; 3], omega: [f64; 3]) -> [f64; 3] {
     let (phi, omega) = (Vector3::from(phi), Vector3::from(omega));
     let a2 = phi.norm_squared();

@@ -2,8 +2,8 @@
 //!
 //! With `T = [A | -b]` the perturbed rows give `A dx = -dT (x, 1)`. Noise source j of sample k therefore changes the
 //! solution by `dx = -(A^T A)^-1 Abar_k^T e_kj`, `e_kj = dT_kj (x, 1)`. `Abar_k` is `A_k`, except for the first sample
-//! of a segment in option 2, which is in every row: `Abar_0 = -sum A_k`. The error of step 1 enters step 2 through `C
-//! = d(B y + g)/dx`. `dT_kj` is computed by central differences of one sigma.
+//! of a segment in option 2, which is in every row: `Abar_0 = -sum A_k`. The error of step 1 enters step 2 through
+//! `C = d(B y + g)/dx`. `dT_kj` is computed by central differences of one sigma.
 
 use super::arm::{Raw, Reading, Vehicle};
 use super::equations::{AngularRows, Given, LinearRows, angular_known, linear_known, linear_rows};

@@ -1,8 +1,8 @@
 //! Many noisy trials of both steps, eight in parallel in vector lanes.
 //!
 //! Every trial adds noise to the six velocities of fixed samples and solves both steps by normal equations, whose sums
-//! fit in registers. Condition numbers of 4 to 1000 leave at least ten digits. Trial t is lane `t % 8` of group `t /
-//! 8`. Group g uses ChaCha8 stream g, so a trial does not depend on the number of trials.
+//! fit in registers. Condition numbers of 4 to 1000 leave at least ten digits. Trial t is lane `t % 8` of group
+//! `t / 8`. Group g uses ChaCha8 stream g, so a trial does not depend on the number of trials.
 #![allow(clippy::needless_range_loop)]
 
 use super::arm::Reading;

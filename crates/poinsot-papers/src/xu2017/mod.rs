@@ -25,8 +25,9 @@
 //! attributed to either side. A search returns an arbitrary point of its range for them. See `docs/methods/xu2017.md`.
 //!
 //! **Misprints followed in the corrected form:** (29), (30) `r_s` is the thruster's position `r_i`; (34) lacks the
-//! sensor's acceleration and has the signs of (35) reversed; (42) is `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) /
-//! (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2; (68) omits `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
+//! sensor's acceleration and has the signs of (35) reversed; (42) is
+//! `p0 = (M r_g - m0 A0 a0 - m1 (A0 l0 + A1 a1)) / (m0 + m1)`; (50) is `m0 v0 + m1 v1`; (59) holds Iyy in row 2; (68)
+//! omits `m1 = M - m0`, so that `dP/dm0 = v0 - v1`.
 
 mod codes;
 mod error;

@@ -141,8 +141,8 @@ fn start<'a>(
 
 /// A Gauss-Newton step of the initial attitude, in N, and of the bias.
 ///
-/// With `A = R Q`, a rotation `d` of the initial attitude in N changes the measured direction `A^T n` by `A^T (n x
-/// d)`. A bias `b` rotates `Q` by `-int Q b dt` in the axes of the initial attitude.
+/// With `A = R Q`, a rotation `d` of the initial attitude in N changes the measured direction `A^T n` by
+/// `A^T (n x d)`. A bias `b` rotates `Q` by `-int Q b dt` in the axes of the initial attitude.
 fn step<'a>(
     times: &[f64],
     (R, Q, bias): (&UnitQuaternion<f64>, &Attitudes, &Vector3<f64>),

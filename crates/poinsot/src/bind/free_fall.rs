@@ -1,7 +1,7 @@
 //! Converts orbital positions and velocities (from receivers and ephemerides) to values relative to free fall.
 //!
-//! N falls freely with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity at the vehicle. Then `m (r
-//! - G)'' = F` holds with the vehicle's own forces, including tides, on any orbit and for any time. Noise of `r`
+//! N falls freely with the vehicle: its origin is `G(t)` with `G'' = g(r(t))`, the gravity at the vehicle. Then
+//! `m (r - G)'' = F` holds with the vehicle's own forces, including tides, on any orbit and for any time. Noise of `r`
 //! enters `G` multiplied by the gravity gradient, 1e-6 1/s2 in low orbit, and is negligible.
 
 use super::BindError;

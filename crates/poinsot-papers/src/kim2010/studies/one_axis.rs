@@ -233,8 +233,8 @@ pub fn iteration(context: &Context) -> Result<Findings, StudyError> {
     Ok(findings)
 }
 
-/// The symmetric tensor of least Frobenius norm with `I n = g`. Least squares tends to it as noise, which adds `N
-/// sigma^2 |I|^2` to the sum of squares, goes to zero.
+/// The symmetric tensor of least Frobenius norm with `I n = g`. Least squares tends to it as noise, which adds
+/// `N sigma^2 |I|^2` to the sum of squares, goes to zero.
 fn symmetric_fit(n: &Vector3, g: &Vector3) -> Matrix3 {
     g * n.transpose() + n * g.transpose() - n * n.transpose() * g.dot(n)
 }
