@@ -17,7 +17,7 @@ use crate::likelihood::KnownColumns;
 use crate::problem::Problem;
 use crate::problem::parameters::{KnownUnknown, Parameters, Unknown, UnknownKind};
 use crate::problem::prior::{CONTRADICTED_SIGMAS, Conflict, LEAST_SHARE};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use poinsot_model::{Model, rounded};
 use std::sync::{Arc, Mutex};
 
@@ -196,24 +196,31 @@ fn shown(
 }
 
 /// The known number that the data contradict most, in the size of the residual that is left; and chi-square per number left.
+///
+/// Every number is tested as wrong alone (a score test): what correlates with it says by how much it may move.
 fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, f64) {
     let parameters = experiment.parameters;
     let (chi2, dof) = chi2_and_dof(experiment, fitted);
     let per_number = chi2 / dof;
-    let posterior = known_covariance(parameters, fitted);
+    let Some(weights) = parameters.known_covariance().cholesky() else {
+        return (None, per_number);
+    };
+    let weights = weights.inverse();
+    let pull = Pull::new(parameters, fitted, &weights);
     let places = parameters.known_places();
     let apart = places.iter().enumerate().filter_map(|(k, place)| {
         let unknown = &parameters.unknowns[*place];
         let sigma = unknown.kind.known()?.sigma;
-        let left = (1.0 - posterior[(k, k)] / (sigma * sigma)).max(LEAST_SHARE);
-        let change = fitted.at.x[*place] - unknown.nominal;
-        let z = change.abs() / (sigma * (left * per_number.max(1.0)).sqrt());
-        // The estimate from the data alone, without the declared uncertainty.
-        let alone = (
-            unknown.nominal + change / left,
-            posterior[(k, k)].max(0.0) / left,
-        );
-        Some((z, unknown, sigma, alone))
+        let known = pull.known[(k, k)].max(LEAST_SHARE * weights[(k, k)]);
+        let z = pull.score[k].abs() / (known * per_number.max(1.0)).sqrt();
+        // The estimate from the data and the other numbers, without the declared uncertainty of this one.
+        let variance = (1.0 / known - 1.0 / weights[(k, k)]).max(0.0);
+        Some((
+            z,
+            unknown,
+            sigma,
+            (unknown.nominal + pull.score[k] / known, variance),
+        ))
     });
     let worst = apart.max_by(|a, b| a.0.total_cmp(&b.0));
     let said = worst.filter(|w| w.0 > CONTRADICTED_SIGMAS).map(|(z, unknown, sigma, alone)| {
@@ -225,18 +232,34 @@ fn contradicted(experiment: &Experiment, fitted: &Fitted) -> (Option<Conflict>, 
                 "the data contradict the known number {}: model {nominal} ± {sigma} {unit}, estimated {alone} ± {own} {unit}, difference {z:.0} sigma; correct the number or its uncertainty",
                 unknown.name
             ),
-            ratio: 1.0 + pull(parameters, fitted, &posterior),
+            ratio: 1.0 + pull.square,
         }
     });
     (said, per_number)
 }
 
-/// Square of what the declared uncertainties have moved the known numbers by, in their sigmas after the data.
-fn pull(parameters: &Parameters, fitted: &Fitted, posterior: &DMatrix<f64>) -> f64 {
-    let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
-    let changes: Vec<f64> = parameters.known_places().iter().map(change).collect();
-    let changes = DMatrix::from_column_slice(changes.len(), 1, &changes);
-    let declared = parameters.known_covariance().cholesky();
-    let weighted = declared.map(|c| c.solve(&changes));
-    weighted.map_or(0.0, |w| (w.transpose() * posterior * &w)[(0, 0)])
+/// What pulls the known numbers away from their declared values.
+struct Pull {
+    /// Slope of half the data's chi-square over a shift of each declared value.
+    score: DVector<f64>,
+    /// What the data and the other numbers know of such shifts: the inverse of their covariance.
+    known: DMatrix<f64>,
+    /// Square of the moves, in sigmas after the data.
+    square: f64,
+}
+
+impl Pull {
+    /// `weights` is the inverse of the declared covariance.
+    fn new(parameters: &Parameters, fitted: &Fitted, weights: &DMatrix<f64>) -> Self {
+        let posterior = known_covariance(parameters, fitted);
+        let change = |k: &usize| fitted.at.x[*k] - parameters.unknowns[*k].nominal;
+        let places = parameters.known_places();
+        let changes = places.iter().map(change);
+        let score = weights * DVector::from_iterator(weights.nrows(), changes);
+        Self {
+            known: weights - weights * &posterior * weights,
+            square: score.dot(&(posterior * &score)),
+            score,
+        }
+    }
 }

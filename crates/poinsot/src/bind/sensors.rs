@@ -216,6 +216,7 @@ impl<'a> SensorColumns<'a> {
             SensorValue::Direction {
                 seen_B,
                 reference_N,
+                ..
             } => Some((*t, seen_B, reference_N)),
             _ => None,
         });
@@ -251,10 +252,10 @@ impl<'a> SensorColumns<'a> {
                 SensorValue::Attitude(UnitQuaternion::from_quaternion(q))
             }
             SensorKind::Position => SensorValue::Vector(Vector3::new(x, y, z) - origin),
-            SensorKind::Direction => SensorValue::Direction {
-                seen_B: Vector3::new(x, y, z).try_normalize(0.0)?,
-                reference_N: (*references.get(i)?)?,
-            },
+            SensorKind::Direction => SensorValue::direction(
+                Vector3::new(x, y, z).try_normalize(0.0)?,
+                (*references.get(i)?)?,
+            ),
             _ => SensorValue::Vector(Vector3::new(x, y, z)),
         })
     }
