@@ -62,7 +62,6 @@ pub(crate) fn manoeuvre_text(
     ))
 }
 
-/// Makes the paths of files in the case absolute.
 fn absolute_files(file: &mut CaseFile, case: &Path) {
     let folder = case.parent().unwrap_or(Path::new(""));
     for name in file.files_mut() {

@@ -31,7 +31,6 @@ pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     escaped_except(text, |c| matches!(c, '\n' | '\t'))
 }
 
-/// Escapes text except the characters in `kept`.
 fn escaped_except(text: &str, kept: impl Fn(char) -> bool) -> Cow<'_, str> {
     let bad = |c: char| is_unprintable(c) && !kept(c);
     if !text.contains(bad) {

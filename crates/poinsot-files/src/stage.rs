@@ -66,7 +66,6 @@ impl StageError {
     }
 }
 
-/// A draft and its target.
 struct Draft {
     target: PathBuf,
     draft: PathBuf,

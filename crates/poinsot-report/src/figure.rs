@@ -192,7 +192,6 @@ fn pixels(_: &str) -> Result<Vec<u8>, PageError> {
     Err(PageError::Figure(why.to_owned()))
 }
 
-/// A name that is safe as a file name.
 fn file_name(name: &str) -> String {
     let plain: String = name
         .chars()

@@ -23,7 +23,6 @@ pub(crate) enum ByteFault {
     Line(u64),
 }
 
-/// An opened source.
 pub(crate) struct Opened {
     pub file: File,
     pub len: u64,

@@ -67,7 +67,6 @@ impl Columns {
         }
     }
 
-    /// Copy of one row.
     pub(crate) fn row(&self, k: usize) -> Self {
         Self {
             time_s: self.time_s.get(k).copied().into_iter().collect(),

@@ -177,7 +177,6 @@ impl TelemetryMap {
         }
     }
 
-    /// The map of one file.
     pub(crate) fn for_file(&self, path: &Path) -> FileMap {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let mut all = self.all.clone();

@@ -36,7 +36,6 @@ impl Values {
         self.len() == 0
     }
 
-    /// The value of a row as text.
     fn text(&self, row: usize) -> String {
         match self {
             Self::Numbers(values) => match values.get(row) {

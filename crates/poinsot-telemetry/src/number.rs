@@ -81,7 +81,6 @@ pub(crate) fn decimal(cell: &[u8]) -> Option<i128> {
     Some(if negative { -scaled } else { scaled })
 }
 
-/// Parses a flag.
 pub(crate) fn flag(cell: &[u8]) -> Result<Option<bool>, InvalidNumber> {
     const WORDS: [(&str, bool); 10] = [
         ("1", true),

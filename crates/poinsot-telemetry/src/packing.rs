@@ -75,7 +75,6 @@ pub(crate) fn damaged(path: &Path, source: io::Error) -> TelemetryError {
     }
 }
 
-/// Whether a path means standard input.
 pub(crate) fn is_standard_input(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

@@ -69,7 +69,6 @@ impl Plan {
 /// Limit on the number of columns; only a damaged header has more.
 const MAX_COLUMNS: usize = 65_536;
 
-/// Checks the maps before files are read.
 pub(crate) fn check_maps(options: &ReadOptions) -> Result<(), TelemetryError> {
     match map_faults(&options.map).into_iter().next() {
         Some(fault) => Err(fault.into()),

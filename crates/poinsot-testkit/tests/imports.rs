@@ -11,7 +11,6 @@ use std::path::Path;
 
 /// Path from the crate root to a module or item.
 type Name = Vec<String>;
-/// Each module's source.
 type Sources = BTreeMap<Name, String>;
 /// For each folder: which child imports which, and the places.
 type Imports = BTreeMap<Name, BTreeMap<String, BTreeMap<String, BTreeSet<String>>>>;

@@ -30,7 +30,6 @@ const SHAPES: [(&str, [f64; 3]); 2] = [
     ("disc", [6.0, 6.0, 0.0]),
 ];
 
-/// Result of one trial.
 struct Trial {
     settled: bool,
     rejected: bool,

@@ -62,7 +62,6 @@ fn rows(e: &Estimate) -> impl Iterator<Item = String> + '_ {
     rows.map(|(name, unit)| address(name, unit))
 }
 
-/// The covariance of all determined numbers.
 pub(crate) fn covariance(e: &Estimate) -> CovarianceFile {
     CovarianceFile {
         names: rows(e).collect(),
@@ -129,7 +128,6 @@ fn number(n: &Number) -> NumberFile {
     }
 }
 
-/// Key of the position of a moving joint.
 pub(crate) fn position_key(joint: &Joint) -> String {
     let unit = match joint.kind {
         JointKind::Prismatic => "m",

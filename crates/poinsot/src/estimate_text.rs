@@ -189,7 +189,6 @@ fn check_table(title: &str, checks: &[&Check]) -> Section {
     Section::table(title, table)
 }
 
-/// Value and sigma of a number, or text.
 fn value_and_sigma(n: &Number, status: Status) -> (String, String) {
     if n.value.is_none() && matches!(status, Status::Rejected | Status::IterationLimit) {
         return ("withheld".to_owned(), String::new());

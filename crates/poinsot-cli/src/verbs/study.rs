@@ -40,7 +40,6 @@ pub fn run(arguments: &Study) -> Outcome {
     Ok(0)
 }
 
-/// Lists the papers with their studies.
 fn list(arguments: &Study) {
     let all = studies_file(arguments.paper.as_deref());
     if arguments.json {

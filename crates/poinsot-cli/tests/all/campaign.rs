@@ -9,7 +9,6 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Default number of kills.
 const KILLS: u64 = 8;
 
 fn repository(path: &str) -> PathBuf {

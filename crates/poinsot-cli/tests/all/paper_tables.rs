@@ -111,7 +111,6 @@ fn paper_tables_name_every_equation_table_and_figure() {
     }
 }
 
-/// Every command of a cell.
 fn commands(cell: &str) -> Vec<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }

@@ -61,7 +61,6 @@ fn segment(model: &Model, at: usize, rows: usize) -> Segment {
     }
 }
 
-/// The bits of every number of an estimate.
 fn bits(estimate: &Estimate) -> Vec<u64> {
     let mut all: Vec<f64> = Vec::new();
     let mut see = |n: &Number| all.extend([n.value, n.sigma].map(|x| x.unwrap_or(f64::NAN)));

@@ -88,7 +88,6 @@ const GYRATION: [f64; 2] = [1.0e-3, 5.0];
 /// Moments below this fraction of the largest count as zero.
 const ZERO_MOMENT: f64 = 1.0e-12;
 
-/// Remarks on the numbers of one link.
 struct Remarks<'a> {
     link: &'a Link,
     remarks: &'a mut Vec<Remark>,

@@ -81,7 +81,6 @@ fn skipped(text: &str, start: usize) -> Skip {
     }
 }
 
-/// A start tag.
 struct Tag {
     end: usize,
     attributes: usize,

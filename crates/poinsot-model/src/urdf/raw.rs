@@ -11,14 +11,12 @@ use std::collections::BTreeMap;
 /// Limit on the XML nodes of a file.
 const NODES: u32 = 1_000_000;
 
-/// A raw robot.
 pub(super) struct Robot {
     pub name: String,
     pub links: Vec<Link>,
     pub joints: Vec<Joint>,
 }
 
-/// A link.
 pub(super) struct Link {
     pub name: String,
     pub byte: usize,
@@ -42,7 +40,6 @@ pub(super) enum Kind {
     Fixed,
 }
 
-/// A joint.
 pub(super) struct Joint {
     pub name: String,
     pub byte: usize,

@@ -77,7 +77,6 @@ pub(super) fn relative(segment: &Segment) -> Option<Relative> {
     Some(Relative { velocity, step })
 }
 
-/// Vector of one sample.
 fn vector(sample: &SensorSample) -> Vector3 {
     match sample.value {
         SensorValue::Vector(x) => x,

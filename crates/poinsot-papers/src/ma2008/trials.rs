@@ -313,7 +313,6 @@ fn tensor_normal(W: &[V; 6]) -> [[V; 6]; 6] {
     ]
 }
 
-/// Adds `B^T y`.
 #[inline(always)]
 fn add_tensor_rhs(r: &mut [V; 6], w: &[V; 3], y: &[V; 3]) {
     r[0] = r[0].plus(w[0], y[0]);

@@ -10,7 +10,6 @@ const STILL: f64 = 1.0e-6;
 /// Encoder sigmas below which a joint is not moving.
 const SIGMAS: f64 = 8.0;
 
-/// The roles of all segments.
 pub(super) struct Roles {
     /// Segments with thrust and all joints locked.
     pub single: Vec<usize>,
@@ -179,7 +178,6 @@ fn normal(
         .collect()
 }
 
-/// Name of a joint coordinate.
 pub(super) fn joint_name(problem: &Problem, coordinate: usize) -> String {
     let at = problem.tree.coordinates.get(coordinate);
     at.and_then(|&k| problem.model.joints.get(k))

@@ -110,7 +110,6 @@ pub enum Way {
     Stored,
 }
 
-/// A fault on one vehicle.
 pub struct Fault {
     pub words: &'static str,
     pub craft: Craft,

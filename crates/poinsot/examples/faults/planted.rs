@@ -25,7 +25,6 @@ const LATE_S: f64 = 0.02;
 /// Size of an outlier, in sigmas of the gyro.
 const OUTLIER: f64 = 20.0;
 
-/// A planted fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Planted {
     Nothing,
@@ -131,7 +130,6 @@ impl Planted {
     }
 }
 
-/// Outcome of one trial.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Outcome {
     /// Whether anything was reported.
@@ -147,7 +145,6 @@ pub struct Outcome {
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Said {
-    /// Possible names.
     pub names: Vec<String>,
     pub text: String,
 }

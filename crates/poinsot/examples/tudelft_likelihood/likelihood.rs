@@ -30,7 +30,6 @@ pub struct Declared {
     pub gyro: Vector3<f64>,
     /// Correlation time of that noise, s; zero if white.
     pub gyro_correlation_s: f64,
-    /// Random aerodynamic torque.
     pub torque: RandomTorque,
 }
 

@@ -55,7 +55,6 @@ pub(super) fn relative<'t>(
     Ok(out)
 }
 
-/// The free fall of one table.
 struct FreeFall {
     /// Measured position relative to the attracting body, in N.
     position: [Channel; 3],

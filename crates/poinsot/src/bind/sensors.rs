@@ -17,7 +17,6 @@ const WHOLE_INTERVAL: f64 = 1.5;
 /// Columns of the vector in N whose direction a sensor measures.
 pub(super) const REFERENCE: &str = "reference";
 
-/// The columns of one sensor in one table.
 pub(super) struct SensorColumns<'a> {
     /// Index in the model; `None` for an undeclared attitude sensor.
     pub sensor: Option<usize>,

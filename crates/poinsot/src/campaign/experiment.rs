@@ -31,7 +31,6 @@ struct Source {
     text: String,
 }
 
-/// An experiment with its files.
 pub(crate) struct Experiment {
     pub name: String,
     pub documents: Documents,

@@ -4,7 +4,6 @@ use super::faults::PlanText;
 use crate::identify::{Question, check_method};
 use poinsot_formats::{MethodFile, SettingFile};
 
-/// A method of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MethodChoice {
     /// Name, variant and settings in one line.

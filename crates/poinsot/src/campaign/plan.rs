@@ -520,7 +520,6 @@ impl Plan {
         }
     }
 
-    /// The experiment of a cell.
     pub(crate) fn experiment(&self, cell: u64) -> &Experiment {
         let points = self.cells() / self.experiments.len() as u64;
         &self.experiments[(cell / points) as usize]

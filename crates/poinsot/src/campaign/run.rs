@@ -182,7 +182,6 @@ pub fn merge_campaign(
     Ok(ran)
 }
 
-/// Runs the missing shards.
 fn run_missing(
     plan: &Plan,
     request: &CampaignRequest<'_>,

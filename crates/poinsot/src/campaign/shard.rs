@@ -126,7 +126,6 @@ impl ShardResult {
     }
 }
 
-/// Path of a shard's sums.
 pub(super) fn sums_path(out: &Path, digest: &str, shard: u64) -> PathBuf {
     let short = digest.get(..SHORT).unwrap_or(digest);
     out.join("shards")
@@ -134,7 +133,6 @@ pub(super) fn sums_path(out: &Path, digest: &str, shard: u64) -> PathBuf {
         .join(format!("{short}_{shard:09}.json"))
 }
 
-/// Path of a shard's rows.
 pub(super) fn rows_path(sums: &Path) -> PathBuf {
     sums.with_extension(ROWS_EXTENSION)
 }

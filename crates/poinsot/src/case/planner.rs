@@ -10,7 +10,6 @@ use std::ops::Range;
 /// Times and values.
 pub(super) type Nodes<'f> = (&'f Placed<Vec<f64>>, &'f Placed<Vec<f64>>);
 
-/// Plan and faults.
 pub(super) struct Planner<'c> {
     pub text: &'c CaseText,
     pub model: &'c Model,
@@ -122,7 +121,6 @@ impl Planner<'_> {
     }
 }
 
-/// Remedy for invalid nodes.
 pub(super) fn node_remedy(error: &NodeError) -> &'static str {
     match error {
         NodeError::Empty => "give at least one",

@@ -150,7 +150,6 @@ fn is_shown(body: &MassFile<PredictedNumberFile>) -> bool {
         .any(|n| predicted_sigma(&n.2).is_some())
 }
 
-/// The predicted sigma.
 pub(crate) fn predicted_sigma(n: &PredictedNumberFile) -> Option<f64> {
     let source = n.source.as_deref();
     n.sigma.filter(|_| source.is_some_and(|s| s != "known"))

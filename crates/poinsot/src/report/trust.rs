@@ -77,7 +77,6 @@ fn is_bad(row: &Value) -> bool {
         .is_ok_and(|t| t.as_str() == Some("bad"))
 }
 
-/// Tone and verdict of a sensor's residual.
 fn sensor_verdict(s: &SensorFitFile) -> (&'static str, &'static str) {
     let correlated = s.whiteness_p.is_some_and(|p| p < SIGNIFICANT);
     match s.chi2_per_number {

@@ -259,7 +259,6 @@ fn channel(name: String, sensor: String, time_s: Arc<[f64]>, values: Vec<f64>) -
     }
 }
 
-/// All possible channels of a joint.
 pub(crate) fn joint_channels(joint: &Joint) -> Vec<String> {
     let (unit, effort) = match joint.kind {
         JointKind::Prismatic => ("m", "N"),

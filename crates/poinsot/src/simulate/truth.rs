@@ -125,7 +125,6 @@ fn tensor(i: &Matrix3) -> Elements<TrueNumberFile> {
     Elements::of_matrix(|r, c| number(i[(r, c)]))
 }
 
-/// Mass, mass centre and inertia.
 pub(crate) fn mass(p: &MassProperties) -> MassFile<TrueNumberFile> {
     MassFile {
         mass_kg: number(p.mass),
@@ -158,7 +157,6 @@ fn body(properties: &MassProperties) -> TrueBodyFile {
     }
 }
 
-/// Moving joints.
 fn moving(model: &Model) -> impl Iterator<Item = &Joint> {
     let joints = model.joints.iter();
     joints.filter(|j| j.kind != JointKind::Fixed)

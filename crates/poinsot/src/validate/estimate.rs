@@ -58,7 +58,6 @@ pub fn read_estimate(path: &Path, model: &Model) -> Result<EstimatedVehicle, Err
     })
 }
 
-/// The result file and its path.
 fn estimate_of(path: &Path) -> Result<(PathBuf, EstimateFile), Error> {
     poinsot_formats::read_estimate(path).map_err(|e| match e {
         FormatError::Io { path, source } => Error::Io {

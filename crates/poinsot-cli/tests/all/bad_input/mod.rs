@@ -147,7 +147,6 @@ fn sources() -> Vec<(std::path::PathBuf, String)> {
     found
 }
 
-/// Codes in the sources of all crates.
 fn codes_in_sources() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for (path, code) in sources() {

@@ -19,7 +19,6 @@ pub const IDENTIFY: &[&str] = &[
 pub struct Row {
     /// Number in the list of faults, or the code.
     pub id: &'static str,
-    /// Description of the fault.
     pub fault: &'static str,
     /// Introduces the fault.
     pub spoil: fn(&Bench),
@@ -27,7 +26,6 @@ pub struct Row {
     pub run: &'static [&'static str],
     /// Further arguments.
     pub more: &'static [&'static str],
-    /// Exit code.
     pub exit: i32,
     /// Texts that must be in the output.
     pub says: &'static [&'static str],

@@ -110,7 +110,6 @@ fn contents(question: &Question, folder: &Path) -> Vec<Option<Vec<u8>>> {
 /// Content of every target before a run, if any.
 const EARLIER: &[u8] = b"an earlier answer";
 
-/// Failure of a call.
 #[derive(Clone, Copy)]
 struct Failure {
     how: &'static str,

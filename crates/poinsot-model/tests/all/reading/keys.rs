@@ -187,7 +187,6 @@ fn exact_a_written_model_reads_back() {
     }
 }
 
-/// All nuisance parameters of a model.
 fn nuisances(model: &mut Model) -> Vec<&mut Nuisance> {
     let mut all = Vec::new();
     for sensor in &mut model.sensors {

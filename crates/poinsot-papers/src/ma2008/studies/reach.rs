@@ -19,7 +19,6 @@ const STOPS: usize = 40;
 /// Trajectory 1 with a spin about z, deg/s.
 const SPIN: [f64; 3] = [0.0, 0.0, 5.0];
 
-/// Scales all joint angles by a factor.
 fn scaled(mut e: Experiment, factor: f64) -> Experiment {
     for knot in &mut e.knots {
         knot.1.iter_mut().for_each(|q| *q *= factor);

@@ -12,7 +12,6 @@ pub enum Columns {
     Plain,
 }
 
-/// Every linear set with its columns.
 pub const SETS: [(&str, Columns); 11] = [
     ("Norris", Columns::Powers(0, 1)),
     ("Pontius", Columns::Powers(0, 2)),

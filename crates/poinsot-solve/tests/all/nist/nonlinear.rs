@@ -9,7 +9,6 @@ use poinsot_solve::{
 
 /// Converged if the full step changes every parameter by less, relative.
 const SETTLED: f64 = 1.0e-14;
-/// Most iterations.
 const ITERATIONS: usize = 3000;
 /// Largest growth of a unit per iteration. More 1978 allows none, Marquardt 1963 any: the first never forgets a bad
 /// start, the second follows an ineffective parameter to infinity. From 1.1 to 3 all 54 fits succeed.

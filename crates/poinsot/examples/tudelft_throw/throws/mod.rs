@@ -77,11 +77,9 @@ pub struct Answer {
 /// All answers for one object.
 #[derive(Debug, Clone)]
 pub struct Object {
-    /// Name.
     pub name: String,
     /// Known principal moments, ascending, kg m2.
     pub known: [f64; 3],
-    /// Throw by throw.
     pub throws: Vec<Answer>,
     /// Throws that do not determine it, with reasons.
     pub undetermined: Vec<(String, String)>,
@@ -109,9 +107,7 @@ impl Object {
 /// All results.
 #[derive(Debug, Clone)]
 pub struct Findings {
-    /// Calibration.
     pub calibration: Calibration,
-    /// Objects.
     pub objects: Vec<Object>,
 }
 

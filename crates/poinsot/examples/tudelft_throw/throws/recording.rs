@@ -17,7 +17,6 @@ const KEEP: usize = 4;
 pub struct Log {
     /// Group: `device_only`, `proof_body`, `config_empty`, `config_a`.
     pub group: String,
-    /// Name.
     pub name: String,
     /// Gyro bias in B, rad/s.
     pub gyro_bias_B: Vector3<f64>,
@@ -26,7 +25,6 @@ pub struct Log {
 /// One throw in the air, in body axes, at constant sample rate.
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// Name of the log.
     pub name: String,
     /// Times from the start of the wheel, s.
     pub time_s: Vec<f64>,

@@ -26,7 +26,6 @@ pub struct Truth {
     pub objects: Vec<Known>,
 }
 
-/// Reads the file.
 pub fn read_truth(folder: &Path) -> Result<Truth, Fault> {
     let file: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json"))?)?;
     let objects = file["objects"].as_object();

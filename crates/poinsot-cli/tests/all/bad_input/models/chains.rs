@@ -15,7 +15,6 @@ fn linked(
         .collect()
 }
 
-/// A chain as URDF.
 pub fn chain(n: usize) -> String {
     let links = linked(
         n,

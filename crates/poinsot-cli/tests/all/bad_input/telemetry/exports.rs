@@ -3,7 +3,6 @@
 use crate::bad_input::bench::{Bench, CASE, MODEL};
 use crate::bad_input::row::{Row, row};
 
-/// The model with a map.
 fn map(b: &Bench, table: &str) {
     b.write("m.toml", format!("{MODEL}\n[telemetry]\n{table}\n"));
 }
